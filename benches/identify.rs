@@ -60,11 +60,7 @@ fn log(model: &Model, count: usize) -> Vec<Block> {
 }
 
 fn settings() -> Settings {
-    Settings {
-        prior: Prior::Free,
-        noise: None,
-        range: None,
-    }
+    Settings::new(Prior::Free)
 }
 
 /// Everything `sesc fit` does after reading.
@@ -106,13 +102,12 @@ fn parquet(model: &Model, log: &[Block], count: usize) -> PathBuf {
 
 fn from_file(robot: &Robot, path: PathBuf) -> f64 {
     let files = [path];
+    let mut options = Options::default();
+    options.readings = Readings::Required;
     let logs = Logs {
         robot,
         files: &files.map(LogSource::from),
-        options: Options {
-            readings: Readings::Required,
-            ..Options::default()
-        },
+        options,
         support: None,
         snapping: Snapping::default(),
         folds: 10,

@@ -1,6 +1,7 @@
 //! Hide an effect, ask the diagnoser, and the truth must come out: a part of
 //! the study that the command `cargo xtask study` makes at length.
 
+use rayon::prelude::*;
 use serde_json::json;
 use sesc_virtual::diagnoser::Diagnoser;
 use sesc_virtual::hidden::{Effect, Hidden, NOWHERE, hide_all};
@@ -292,8 +293,9 @@ fn the_truth_comes_out() {
     const LOGS: usize = 60;
     const SEED: u64 = 1;
     let folder = tempfile::tempdir().unwrap();
-    let asked = questions(LOGS, &small()).into_iter().zip(SEED..);
+    let asked: Vec<(Question, u64)> = questions(LOGS, &small()).into_iter().zip(SEED..).collect();
     let outcomes: Vec<Outcome> = asked
+        .into_par_iter()
         .map(|(question, seed)| {
             let trial = Trial::draw(question, &small(), seed);
             ask(&diagnoser(), &trial, folder.path()).unwrap()
@@ -317,12 +319,13 @@ fn the_truth_comes_out() {
 /// As strong as in the open logs, nothing in the library is like these.
 #[test]
 fn unmodelled_effects_stay_unexplained() {
-    let folder = tempfile::tempdir().unwrap();
-    for unmodelled in [
+    let unmodelled = [
         hidden(Effect::KneeSine, "r_knee", &[0.006]),
         hidden(Effect::LooseMass, "body_link", &[0.25]),
         hidden(Effect::GearError, "r_knee", &[0.05]),
-    ] {
+    ];
+    unmodelled.par_iter().for_each(|unmodelled| {
+        let folder = tempfile::tempdir().unwrap();
         let told: Vec<Outcome> = (0..3)
             .map(|seed| {
                 let trial = Trial::of(vec![unmodelled.clone()], &small(), seed).unwrap();
@@ -334,5 +337,5 @@ fn unmodelled_effects_stay_unexplained() {
             .filter(|told| told.judgement.unexplained)
             .count();
         assert!(unexplained >= 2, "{}", mistakes(&told));
-    }
+    });
 }

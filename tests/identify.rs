@@ -122,11 +122,7 @@ impl Op2 {
         gathered
             .push(&mut measurement, block, "log.csv", None)
             .unwrap();
-        let settings = Settings {
-            prior: Prior::named(prior, measurement.model()).unwrap(),
-            noise: None,
-            range: None,
-        };
+        let settings = Settings::new(Prior::named(prior, measurement.model()).unwrap());
         identify(
             measurement.model(),
             &measurement.supports(),
@@ -306,11 +302,7 @@ fn both_feet_tell_the_height() {
     gathered
         .push(&mut measurement, &block, "log.csv", None)
         .unwrap();
-    let settings = Settings {
-        prior: Prior::Free,
-        noise: None,
-        range: None,
-    };
+    let settings = Settings::new(Prior::Free);
     let there = identify(
         measurement.model(),
         &measurement.supports(),
@@ -373,11 +365,7 @@ fn parts_of_a_log_give_the_whole() {
         part.push(&mut measurement, &cut, "log.csv", None).unwrap();
         parts.merge(part).unwrap();
     }
-    let settings = Settings {
-        prior: Prior::named("cad", measurement.model()).unwrap(),
-        noise: None,
-        range: None,
-    };
+    let settings = Settings::new(Prior::named("cad", measurement.model()).unwrap());
     let merged = identify(
         measurement.model(),
         &measurement.supports(),

@@ -18,10 +18,18 @@ pub mod fit;
 pub mod health;
 pub mod hide;
 pub mod logs;
+#[cfg(feature = "nalgebra")]
 #[doc(hidden)]
 pub mod lsq;
+#[cfg(not(feature = "nalgebra"))]
+#[allow(dead_code)]
+mod lsq;
+#[cfg(feature = "nalgebra")]
 #[doc(hidden)]
 pub mod observations;
+#[cfg(not(feature = "nalgebra"))]
+#[allow(dead_code)]
+mod observations;
 pub mod plan;
 pub mod predict;
 pub mod robot;

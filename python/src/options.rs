@@ -1,10 +1,10 @@
 //! Keywords that fits and parts share, as requests of the library.
 
 use pyo3::prelude::*;
+use sesc_identify::fit::Loss;
 use sesc_identify::fit::Request;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::PriorChoice;
-use sesc_identify::fit::robust::Loss;
 use sesc_identify::logs::Angles;
 
 use crate::errors::{Doing, Failure};

@@ -34,7 +34,7 @@ impl Part {
         let (inner, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
             let part = fit::gather(&request, watch);
             let part = part.map_err(|error| Failure::of(&error, Doing::Fit))?;
-            match part.gathered.unusable() {
+            match part.unusable() {
                 Some(broken) => Err(Failure::plain(Doing::Part, broken.sentence.clone())),
                 None => Ok(part),
             }
@@ -95,13 +95,13 @@ impl Part {
 
     #[getter]
     fn postures(&self) -> u64 {
-        self.inner.gathered.repeats.postures
+        self.inner.postures()
     }
 
     /// Name, hash and rows of each log.
     #[getter]
     fn logs(&self) -> Vec<(String, String, u64)> {
-        let logs = self.inner.gathered.logs.iter();
+        let logs = self.inner.logs().iter();
         logs.map(|log| (log.file.clone(), log.hash.clone(), log.rows))
             .collect()
     }
@@ -109,7 +109,7 @@ impl Part {
     /// What is wrong with the logs: kind, target, sentence.
     #[getter]
     fn health(&self) -> Vec<(&'static str, String, String)> {
-        let all = self.inner.gathered.health.iter();
+        let all = self.inner.health().iter();
         all.map(|f| (f.kind.name(), f.target.clone(), f.sentence.clone()))
             .collect()
     }

@@ -13,9 +13,9 @@ use crate::Error;
 use crate::report;
 use crate::report::fit::{FitReport, Unusable};
 use sesc_identify::feet::Feet;
+use sesc_identify::fit::Loss;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
-use sesc_identify::fit::robust::Loss;
 use sesc_identify::fit::{self, Request};
 use sesc_identify::logs::{self, Angles, LogSource};
 use sesc_identify::robot::Robot;
@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(path) = &arguments.partial {
         let part = fit::gather(&request, bar)?;
         bar.0.finish_and_clear();
-        if let Some(broken) = part.gathered.unusable() {
+        if let Some(broken) = part.unusable() {
             message(&broken.sentence);
             message(&not_written(path));
             return Ok(Outcome::Failed);
@@ -119,7 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         message(&format!(
             "wrote {}: {} postures as factors",
             path.display(),
-            part.gathered.repeats.postures
+            part.postures()
         ));
         return Ok(Outcome::Ok);
     }

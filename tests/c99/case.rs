@@ -39,6 +39,15 @@ pub const SCALARS: [Scalar; 3] = [Scalar::F64, Scalar::F32, Scalar::Fixed32];
 /// An effect, its target and its parameters.
 type Named<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
 
+/// A payload, and a spring.
+const LOAD: &[(&str, f64)] = &[
+    ("mass_kg", 0.4),
+    ("x_m", 0.02),
+    ("y_m", -0.01),
+    ("z_m", 0.05),
+];
+const SOFT: &[(&str, f64)] = &[("stiffness_nm_per_rad", 300.0)];
+
 /// A robot on a support, with servos.
 pub struct Case {
     /// Prefix of its C names.
@@ -178,37 +187,54 @@ impl Case {
 
     /// Effects whose reading divides, clamps or takes powers, and those of the body.
     pub fn effects() -> Vec<Case> {
+        let mut cases = Case::of_cells();
+        cases.extend(Case::bodies());
+        cases
+    }
+
+    /// The same on two links: what the OP2 has of every kind, in a tenth of the lines.
+    pub fn short_effects() -> Vec<Case> {
+        let mut cases = Case::of_cells();
+        cases.extend(
+            Case::bodies()
+                .into_iter()
+                .filter(|case| case.model.dof() < 20),
+        );
+        cases.push(Case::robot("two_link", "foot").and(
+            "bent",
+            &[
+                ("payload", "shank", LOAD),
+                ("joint_compliance", "knee", SOFT),
+                ("joint_compliance", "ankle", SOFT),
+                ("joint_offset", "knee", &[("offset_rad", 0.03)]),
+            ],
+        ));
+        cases
+    }
+
+    fn of_cells() -> Vec<Case> {
         let cases = [
             Case::with_effect("cell_gain", "fsr_1", ("gain", 0.8)),
             Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1)),
             Case::with_effect("cell_saturation", "fsr_3", ("level_n", 15.0)),
             Case::with_effect("backlash", "knee", ("width_rad", 0.05)),
         ];
-        let mut cases: Vec<Case> = cases.map(Case::standing).into();
-        cases.extend(Case::bodies());
-        cases
+        cases.map(Case::standing).into()
     }
 
     /// Effects that act on every function of the body, and leave all of them smooth.
     pub fn bodies() -> [Case; 5] {
-        let load: &[(&str, f64)] = &[
-            ("mass_kg", 0.4),
-            ("x_m", 0.02),
-            ("y_m", -0.01),
-            ("z_m", 0.05),
-        ];
-        let soft: &[(&str, f64)] = &[("stiffness_nm_per_rad", 300.0)];
         [
             Case::with_effect("joint_compliance", "all", ("stiffness_nm_per_rad", 60.0)),
             Case::with_effect("joint_offset", "knee", ("offset_rad", 0.03)),
             Case::with_effect("joint_scale", "knee", ("scale", 1.05)),
-            Case::robot("two_link", "foot").and("payload", &[("payload", "shank", load)]),
+            Case::robot("two_link", "foot").and("payload", &[("payload", "shank", LOAD)]),
             Case::robot("op2", "r_sole").and(
                 "bent",
                 &[
-                    ("payload", "body_link", load),
-                    ("joint_compliance", "r_knee", soft),
-                    ("joint_compliance", "r_ank_pitch", soft),
+                    ("payload", "body_link", LOAD),
+                    ("joint_compliance", "r_knee", SOFT),
+                    ("joint_compliance", "r_ank_pitch", SOFT),
                     ("joint_offset", "r_knee", &[("offset_rad", 0.03)]),
                 ],
             ),
@@ -232,11 +258,9 @@ impl Case {
     }
 
     pub fn package(&self, scalar: Scalar) -> Package {
-        let options = Options {
-            scalar,
-            servos: Some(self.servos.clone()),
-            estimator: scalar != Scalar::Fixed32 && self.estimator,
-        };
+        let mut options = Options::of(scalar);
+        options.servos = Some(self.servos.clone());
+        options.estimator = scalar != Scalar::Fixed32 && self.estimator;
         let mut package = c::package(&Facts::of(&self.model), &self.name, &options)
             .unwrap_or_else(|error| panic!("{}: {error}", self.name));
         // What is not called need not be optimised or read by linters.

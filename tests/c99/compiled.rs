@@ -8,6 +8,7 @@ use std::process::Command;
 use std::sync::Mutex;
 
 use sesc_codegen::emit::c::{Package, Scalar};
+use sesc_test_support::memo;
 
 use crate::case::Case;
 use crate::draw::{Draw, Drawn, Hold};
@@ -30,12 +31,11 @@ pub const WARNINGS: [&str; 10] = [
 /// Each product and each sum rounded by itself, as in Rust.
 pub const SEPARATE: &str = "-ffp-contract=off";
 
-/// A fresh folder for the files of one test.
+/// The folder for the files of one test; what tools said there before is in it.
 pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("c99")
         .join(name);
-    let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).unwrap();
     folder
 }
@@ -118,7 +118,8 @@ impl Compiled {
         let folder = folder.join(format!("{}_{scalar:?}_{compiler}{}", case.name, flags[0]));
         fs::create_dir_all(&folder).unwrap();
         let source = write(&folder, &case.name, &package);
-        fs::write(folder.join("main.c"), driver(case, scalar)).unwrap();
+        let driver = driver(case, scalar);
+        fs::write(folder.join("main.c"), &driver).unwrap();
         let program = folder.join("program");
         let mut command = Command::new(compiler);
         command.args(WARNINGS).arg(SEPARATE).args(flags);
@@ -127,7 +128,18 @@ impl Compiled {
             .arg(folder.join("main.c"))
             .arg("-o")
             .arg(&program);
-        tool(&mut command).unwrap_or_else(|message| panic!("{message}"));
+        let arguments = format!("{command:?}");
+        let texts = [&arguments, &package.header, &package.source, &driver];
+        memo::said(
+            &folder,
+            &[compiler],
+            &texts.map(String::as_str),
+            &[&program],
+            || {
+                tool(&mut command).unwrap_or_else(|message| panic!("{message}"));
+                String::new()
+            },
+        );
         Compiled {
             folder,
             program,
@@ -182,6 +194,7 @@ impl Compiled {
                     false => (x / unit).floor() * unit,
                 }
             }),
+            other => panic!("{other:?} is not measured"),
         }
     }
 
@@ -217,6 +230,7 @@ impl Compiled {
                     assert!(whole.abs() < 2_f64.powi(31), "{x} does not fit");
                     bytes.extend((whole as i32).to_le_bytes());
                 }
+                other => panic!("{other:?} is not measured"),
             };
             let pairs = q.iter().map(|x| sesc_runtime::trig::sin_cos(*x));
             let pairs: Vec<(f64, f64)> = pairs.collect();
@@ -265,6 +279,7 @@ impl Compiled {
                             let whole = i32::from_le_bytes(bytes.try_into().unwrap());
                             f64::from(whole) * (-f64::from(bits)).exp2()
                         }
+                        other => panic!("{other:?} is not measured"),
                     });
                 }
             }

@@ -283,10 +283,8 @@ fn estimators_give_the_bits_of_the_runtime() {
 #[test]
 fn fixed_point_has_no_estimator() {
     let case = Case::robot("two_link", "foot");
-    let options = Options {
-        estimator: true,
-        ..Options::of(Scalar::Fixed32)
-    };
+    let mut options = Options::of(Scalar::Fixed32);
+    options.estimator = true;
     let error = c::package(&Facts::of(&case.model), "leg", &options).unwrap_err();
     assert!(error.to_string().contains("use f32 or f64"), "{error}");
     assert!(!case.package(Scalar::F32).header.contains("estimator"));

@@ -168,11 +168,8 @@ fn robots_at_the_ends_of_what_32_bits_hold() {
         for scalar in [Scalar::F64, Scalar::F32] {
             in_floats(&folder, &case, scalar);
         }
-        let options = Options {
-            scalar: Scalar::Fixed32,
-            servos: Some(case.servos.clone()),
-            estimator: false,
-        };
+        let mut options = Options::of(Scalar::Fixed32);
+        options.servos = Some(case.servos.clone());
         match c::package(&Facts::of(&case.model), &case.name, &options) {
             Err(error) => {
                 let message = error.to_string();
@@ -208,11 +205,8 @@ fn robots_at_the_ends_of_what_32_bits_hold() {
 
 /// The self-test agrees and the bounds hold, or no bound is claimed.
 fn in_floats(folder: &Path, case: &Case, scalar: Scalar) {
-    let options = Options {
-        scalar,
-        servos: Some(case.servos.clone()),
-        estimator: false,
-    };
+    let mut options = Options::of(scalar);
+    options.servos = Some(case.servos.clone());
     match c::package(&Facts::of(&case.model), &case.name, &options) {
         Err(error) => assert!(error.to_string().contains("1024 rad"), "{error}"),
         Ok(_) => {

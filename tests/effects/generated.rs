@@ -64,7 +64,6 @@ pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("effects")
         .join(name);
-    let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(folder.join("src")).unwrap();
     folder
 }
@@ -98,6 +97,14 @@ pub fn write(folder: &Path, stand: &Stand, case: &Case) {
         .unwrap();
 }
 
+/// What stands there already keeps its time: cargo compiles what has changed.
+fn write_if_changed(path: &Path, text: &str) {
+    if fs::read_to_string(path).is_ok_and(|before| before == text) {
+        return;
+    }
+    fs::write(path, text).unwrap();
+}
+
 /// Every case in one crate, run on all postures.
 pub fn rust(folder: &Path, cases: &[Case], postures: &Path, count: usize) -> Vec<Vec<Said>> {
     let manifest = format!(
@@ -105,7 +112,7 @@ pub fn rust(folder: &Path, cases: &[Case], postures: &Path, count: usize) -> Vec
          [dependencies]\nsesc-runtime = {{ path = {:?} }}\n[profile.release]\nopt-level = 1\n",
         Path::new(ROOT).join("runtime")
     );
-    fs::write(folder.join("Cargo.toml"), manifest).unwrap();
+    write_if_changed(&folder.join("Cargo.toml"), &manifest);
     let (mut modules, mut calls) = (String::new(), String::new());
     for Case {
         module,
@@ -147,7 +154,11 @@ pub fn rust(folder: &Path, cases: &[Case], postures: &Path, count: usize) -> Vec
          out.extend(row.into_iter().flat_map(f64::to_le_bytes));\n        }}\n        \
          std::fs::write(concat!(stringify!($m), \".out\"), out).unwrap();\n    }}}};\n}}\n\nfn main() {{\n{calls}}}\n"
     );
-    fs::write(folder.join("src/main.rs"), main).unwrap();
+    write_if_changed(&folder.join("src/main.rs"), &main);
+    for case in cases {
+        // Nothing of an earlier run is taken for what this one computes.
+        let _ = fs::remove_file(folder.join(format!("{}.out", case.module)));
+    }
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("effects-target");
     tool(
         Command::new(env!("CARGO"))

@@ -6,6 +6,7 @@
 //! wrong room: move the thing, not the import.
 
 mod circles;
+mod faces;
 mod imports;
 mod options;
 

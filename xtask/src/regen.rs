@@ -53,10 +53,8 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     for (robot, support, scalar, name) in C_TARGETS {
         let urdf = root.join(format!("robots/{robot}/{robot}.urdf"));
         let model = Robot::read(&urdf)?.model(support, Snapping::default(), None)?;
-        let options = Options {
-            estimator: scalar != Scalar::Fixed32,
-            ..Options::of(scalar)
-        };
+        let mut options = Options::of(scalar);
+        options.estimator = scalar != Scalar::Fixed32;
         let package = c::package(&Facts::of(&model), name, &options)?;
         let path = |extension| PathBuf::from(format!("generated/c/{name}.{extension}"));
         files.push((path("h"), package.header));

@@ -104,8 +104,8 @@ fn share_of_readings(
         Some(Correlation::of(t, &y, &x).rows_per_sample)
     };
     let per_sample = (0..2).filter_map(per_sample).fold(1.0, f64::max);
-    let usual = || Prior::Cad(Tolerances::usual()).factor(model);
-    let masses = prior.factor(model).or_else(usual)?;
+    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
+    let masses = prior.covariance_factor(model).or_else(usual)?;
     let (p, m, dof) = (cad.len(), masses.ncols(), model.dof());
     let by_joints = Evaluator::new(model, Function::ComJacobian).run(&data.q, data.len());
     let by_joint = |row: usize, joint: usize| by_joints[(3 * (row / 2) + row % 2) * dof + joint];

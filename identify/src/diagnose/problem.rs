@@ -157,9 +157,11 @@ impl<'m> Problem<'m> {
         });
         let factor = match prior {
             Prior::Free => free(&flat),
-            Prior::Cad(_) => prior.factor(model).unwrap_or_else(|| DMatrix::zeros(p, 0)),
+            Prior::Cad(_) => prior
+                .covariance_factor(model)
+                .unwrap_or_else(|| DMatrix::zeros(p, 0)),
         };
-        let usual = Prior::Cad(Tolerances::usual()).factor(model);
+        let usual = Prior::Cad(Tolerances::usual()).covariance_factor(model);
         let usual = usual.unwrap_or_else(|| DMatrix::zeros(p, 0));
         if data.noise_source == NoiseSource::Residuals {
             let mut out = Evaluator::new(model, Function::Cop).run(&data.q, n);

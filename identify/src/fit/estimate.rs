@@ -22,6 +22,7 @@ use crate::observations::repeats::UNLIKELY;
 const FAR: f64 = 2.0;
 
 /// Fit `gathered` and say what was found.
+#[cfg(any(test, feature = "nalgebra"))]
 pub fn identify(
     model: &Model,
     supports: &[&str],
@@ -32,7 +33,7 @@ pub fn identify(
 }
 
 /// The same, by masses within `limits` where those are given.
-pub fn identify_within(
+pub(super) fn identify_within(
     model: &Model,
     supports: &[&str],
     gathered: &Gathered,
@@ -111,7 +112,7 @@ pub fn identify_within(
     let told_by = misfit.map_or(noise.df, |test| test.df);
     let sigma = noise.sigma * inflation * widening(told_by);
     let guessed = noise.source == NoiseSource::Unknown;
-    let prior = settings.prior.factor(model);
+    let prior = settings.prior.covariance_factor(model);
     let mut failures = Vec::new();
     let mut fit = |fold: &Fold| {
         let mut estimate = fold.solve(sigma, &cad, prior.as_ref());
@@ -159,7 +160,7 @@ pub fn identify_within(
     }
     let rms = |sum: f64, rows: u64| (sum / rows.max(1) as f64).sqrt();
     // What data leave open is as uncertain as CAD usually is.
-    let usual = Prior::Cad(Tolerances::usual()).factor(model);
+    let usual = Prior::Cad(Tolerances::usual()).covariance_factor(model);
     let covariance = complete(&estimate, prior.is_none().then_some(usual).flatten());
     let mut std = deviations(&estimate, prior.is_none());
     if guessed && prior.is_none() {

@@ -18,6 +18,7 @@ use crate::observations::samples::Samples;
 
 /// How to fit.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Settings {
     /// The tolerances of CAD masses.
     pub prior: Prior,
@@ -25,6 +26,17 @@ pub struct Settings {
     pub noise: Option<f64>,
     /// Range over which errors are expected: ±rad about zero within the limits.
     pub range: Option<f64>,
+}
+
+impl Settings {
+    /// Noise from the data, errors over the whole range of the joints.
+    pub fn new(prior: Prior) -> Settings {
+        Settings {
+            prior,
+            noise: None,
+            range: None,
+        }
+    }
 }
 
 /// One base parameter.

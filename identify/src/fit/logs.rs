@@ -74,7 +74,7 @@ impl<'r> Logs<'r> {
             return Ok((measurement, gathered));
         };
         let cad = DVector::from_vec(measurement.model().cad_params());
-        let prior = prior(measurement.model())?.factor(measurement.model());
+        let prior = prior(measurement.model())?.covariance_factor(measurement.model());
         let stated = gathered.has_deviations();
         let whole = gathered.together(None);
         let rows = whole.weighted.rows() as f64;
@@ -152,8 +152,8 @@ impl<'r> Logs<'r> {
         model: &Model,
         prior: &dyn Fn(&Model) -> Result<Prior, Error>,
     ) -> Result<DMatrix<f64>, Error> {
-        let usual = || Prior::Cad(Tolerances::usual()).factor(model);
-        let factor = prior(model)?.factor(model).or_else(usual);
+        let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
+        let factor = prior(model)?.covariance_factor(model).or_else(usual);
         Ok(factor.unwrap_or_else(|| DMatrix::zeros(model.base.params.len(), 0)))
     }
 

@@ -8,10 +8,19 @@
 mod again;
 pub mod corrected;
 mod estimate;
+#[cfg(feature = "nalgebra")]
+#[doc(hidden)]
 pub mod gather;
+#[cfg(not(feature = "nalgebra"))]
+#[allow(dead_code)]
+mod gather;
 pub mod identification;
 mod limits;
+#[cfg(feature = "nalgebra")]
+#[doc(hidden)]
 pub mod logs;
+#[cfg(not(feature = "nalgebra"))]
+mod logs;
 #[cfg(test)]
 mod mass_tests;
 pub(crate) mod masses;
@@ -22,14 +31,19 @@ mod physical;
 pub mod prior;
 mod request;
 pub mod residuals;
-pub mod robust;
+mod robust;
 mod soles;
 mod stream;
 mod summary;
-pub mod timing;
+mod timing;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
-pub use estimate::{identify, identify_within};
+#[cfg(any(test, feature = "nalgebra"))]
+pub use estimate::identify;
+#[cfg(test)]
+use estimate::identify_within;
+pub use gather::LogUsed;
 pub use identification::{Identification, Settings};
 pub(crate) use request::check_result;
 pub use request::{FOLDS, Report, Request, fit, gather, residuals};
+pub use robust::Loss;

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use sesc_model::{Model, Snapping, files};
 
-use super::gather::Gathered;
+use super::gather::{Gathered, LogUsed};
+use crate::health::Finding;
 use crate::logs::names::short;
 use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
@@ -35,7 +36,7 @@ pub struct Part {
     /// Whether decimals of right angles were made exact.
     pub snapped: bool,
     /// The sums.
-    pub gathered: Gathered,
+    pub(crate) gathered: Gathered,
 }
 
 /// The robot of a part, and where it stood.
@@ -57,7 +58,7 @@ pub struct About {
 
 impl Part {
     /// The part of a robot's `gathered` logs.
-    pub fn new(about: About, gathered: Gathered) -> Part {
+    pub(crate) fn new(about: About, gathered: Gathered) -> Part {
         Part {
             format: FORMAT.to_string(),
             hash: about.hash,
@@ -68,6 +69,26 @@ impl Part {
             snapped: about.snapped,
             gathered,
         }
+    }
+
+    /// Postures that were gathered.
+    pub fn postures(&self) -> u64 {
+        self.gathered.repeats.postures
+    }
+
+    /// The logs that were read.
+    pub fn logs(&self) -> &[LogUsed] {
+        &self.gathered.logs
+    }
+
+    /// What is wrong with the logs.
+    pub fn health(&self) -> &[Finding] {
+        &self.gathered.health
+    }
+
+    /// Why the logs cannot be used, if they cannot.
+    pub fn unusable(&self) -> Option<&Finding> {
+        self.gathered.unusable()
     }
 
     /// Read and check a file.

@@ -37,6 +37,7 @@ pub struct Tolerance {
 /// Tolerances of all links.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Tolerances {
     /// Of links that are not listed.
     #[serde(default)]
@@ -145,7 +146,13 @@ impl Prior {
     }
 
     /// S with S Sᵀ the covariance of the base parameters of `model`; `None` when free.
+    #[cfg(feature = "nalgebra")]
     pub fn factor(&self, model: &Model) -> Option<DMatrix<f64>> {
+        self.covariance_factor(model)
+    }
+
+    /// S with S Sᵀ the covariance of the base parameters of `model`; `None` when free.
+    pub(crate) fn covariance_factor(&self, model: &Model) -> Option<DMatrix<f64>> {
         match self {
             Prior::Free => None,
             Prior::Cad(tolerances) => Some(tolerances.factor(model)),
@@ -219,7 +226,7 @@ impl Tolerances {
     }
 
     /// Factor of the covariance of θ, 4 per link, before `D`.
-    pub fn of_standard(&self, model: &Model) -> DMatrix<f64> {
+    pub(crate) fn of_standard(&self, model: &Model) -> DMatrix<f64> {
         let links = &model.tree.links;
         let mut factor = DMatrix::zeros(PER_LINK * links.len(), PER_LINK * links.len());
         for (k, link) in links.iter().enumerate() {

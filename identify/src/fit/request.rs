@@ -206,9 +206,9 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     let model = robot.model(&part.support, snapping, None)?;
     part.check_robot(&robot, &model)?;
     let settings = Settings {
-        prior: request.prior.of(&model)?,
         noise: request.noise,
         range: request.range,
+        ..Settings::new(request.prior.of(&model)?)
     };
     let supports: Vec<&str> = part.supports.iter().map(String::as_str).collect();
     let limits = request.physical.then(|| Limits::of(&robot)).transpose()?;

@@ -48,7 +48,7 @@ pub fn rms_lengths(rows: &[Residual]) -> [f64; 2] {
 ///
 /// # Errors
 /// When a log cannot be read again.
-pub fn sample(
+pub(crate) fn sample(
     logs: &Logs<'_>,
     measurement: &mut Measurement<'_>,
     (params, plans): (&DVector<f64>, &[Option<Plan>]),

@@ -3,7 +3,15 @@
 use super::sidecar::Angles;
 
 /// How a log is to be read.
+///
+/// ```
+/// use sesc_identify::logs::{Angles, Options};
+///
+/// let mut options = Options::default();
+/// options.angles = Some(Angles::Deg);
+/// ```
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct Options {
     /// Unit of the revolute joints; the sidecar's, else radians, unless given.
     pub angles: Option<Angles>,

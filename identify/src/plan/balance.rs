@@ -127,7 +127,12 @@ impl Region {
     }
 
     /// How far the CoP is beyond what is allowed, m; negative when balanced.
-    pub fn violation(&self, cop: Vector2<f64>, covariance: &Matrix2<f64>, sigmas: f64) -> f64 {
+    pub(crate) fn violation(
+        &self,
+        cop: Vector2<f64>,
+        covariance: &Matrix2<f64>,
+        sigmas: f64,
+    ) -> f64 {
         let beyond = |(normal, distance): &(Vector2<f64>, f64)| {
             let std = normal.dot(&(covariance * normal)).max(0.0).sqrt();
             normal.dot(&cop) + self.margin + sigmas * std - distance
@@ -139,7 +144,7 @@ impl Region {
     }
 
     /// The mean of the corners.
-    pub fn centre(&self) -> Vector2<f64> {
+    pub(crate) fn centre(&self) -> Vector2<f64> {
         let sum: Vector2<f64> = self.corners.iter().map(|&c| Vector2::from(c)).sum();
         sum / self.corners.len() as f64
     }

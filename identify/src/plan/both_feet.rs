@@ -67,7 +67,7 @@ impl<'m> BothFeet<'m> {
     }
 
     /// Where its origin is on the floor, m.
-    pub fn at(&self, q: &[f64]) -> Vector2<f64> {
+    pub(crate) fn at(&self, q: &[f64]) -> Vector2<f64> {
         self.sole(q).origin.xy()
     }
 

@@ -10,13 +10,32 @@
 
 pub mod balance;
 pub mod both_feet;
+#[cfg(feature = "nalgebra")]
+#[doc(hidden)]
 pub mod candidates;
+#[cfg(not(feature = "nalgebra"))]
+#[allow(dead_code)]
+pub(crate) mod candidates;
+#[cfg(feature = "nalgebra")]
+#[doc(hidden)]
 pub mod clearance;
-#[cfg(feature = "collision")]
+#[cfg(not(feature = "nalgebra"))]
+#[allow(dead_code)]
+pub(crate) mod clearance;
+#[cfg(all(feature = "collision", feature = "nalgebra"))]
+#[doc(hidden)]
 pub mod collision;
+#[cfg(all(feature = "collision", not(feature = "nalgebra")))]
+#[allow(dead_code)]
+pub(crate) mod collision;
 mod design;
 pub mod efficiency;
+#[cfg(feature = "nalgebra")]
+#[doc(hidden)]
 pub mod geometry;
+#[cfg(not(feature = "nalgebra"))]
+#[allow(dead_code)]
+pub(crate) mod geometry;
 pub mod joint_use;
 pub mod limits;
 mod mesh;
@@ -43,7 +62,8 @@ use crate::svd::singular_values;
 use crate::watch::{Progress, Watch, stopped};
 use crate::{Error, Message, Setting, message};
 use both_feet::BothFeet;
-use candidates::{Counts, Demands, Sampler};
+pub use candidates::Counts;
+use candidates::{Demands, Sampler};
 use clearance::Clearance;
 use design::Rows;
 use efficiency::Efficiency;
@@ -206,13 +226,13 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     };
     let standing = both_feet.as_ref().map(|feet| feet.body);
     let clearance = Clearance::new(model, &geometry, request.clearance, standing);
-    let prior = request.prior.factor(model);
+    let prior = request.prior.covariance_factor(model);
     if prior.as_ref().is_some_and(|s| s.ncols() == 0) {
         return Err(Error::request(
             "the prior leaves nothing to learn: its tolerances are zero",
         ));
     }
-    let usual = || Prior::Cad(Tolerances::usual()).factor(model);
+    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
     let uncertainty = prior.clone().or_else(usual);
     let uncertainty = uncertainty.unwrap_or_else(|| DMatrix::zeros(model.base.params.len(), 0));
     #[cfg(feature = "collision")]

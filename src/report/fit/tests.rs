@@ -34,11 +34,7 @@ fn fit(robot: &Robot) -> Identification {
     gathered
         .push(&mut measurement, &block, "log.csv", None)
         .unwrap();
-    let settings = Settings {
-        prior: Prior::named("cad", &model).unwrap(),
-        noise: None,
-        range: None,
-    };
+    let settings = Settings::new(Prior::named("cad", &model).unwrap());
     identify(&model, &["r_sole"], &gathered, &settings)
 }
 

@@ -6,6 +6,10 @@ use std::process::Command;
 
 use super::{cases, few, jobs};
 use crate::compiled::{WARNINGS, folder, parallel, tool, write};
+use sesc_test_support::memo;
+
+/// The flags that compilers are asked with.
+const TESTS: &str = concat!(include_str!("compilers.rs"), include_str!("../compiled.rs"));
 
 #[test]
 fn compiles_without_warnings() {
@@ -14,18 +18,24 @@ fn compiles_without_warnings() {
     parallel(jobs(&cases), |(case, scalar)| {
         let folder = folder.join(format!("{}_{scalar:?}", case.name));
         fs::create_dir_all(&folder).unwrap();
-        let source = write(&folder, &case.name, &case.package(scalar));
+        let package = case.package(scalar);
+        let source = write(&folder, &case.name, &package);
         let libm = format!("-D{}_USE_LIBM", case.name);
-        for compiler in ["gcc", "clang"] {
-            for define in ["-DNOTHING", &libm] {
-                let mut command = Command::new(compiler);
-                command
-                    .args(WARNINGS)
-                    .args(["-fsyntax-only", "-Wundef", "-Wmissing-prototypes"]);
-                tool(command.args(["-Wstrict-prototypes", define]).arg(&source))
-                    .unwrap_or_else(|message| panic!("{message}"));
+        let texts = [TESTS, &package.header, &package.source];
+        memo::said(&folder, &["gcc", "clang"], &texts, &[], || {
+            for compiler in ["gcc", "clang"] {
+                for define in ["-DNOTHING", &libm] {
+                    let mut command = Command::new(compiler);
+                    command.args(WARNINGS).args([
+                        "-fsyntax-only",
+                        "-Wundef",
+                        "-Wmissing-prototypes",
+                    ]);
+                    run(command.args(["-Wstrict-prototypes", define]).arg(&source));
+                }
             }
-        }
+            String::new()
+        });
     });
 }
 
@@ -37,7 +47,8 @@ fn the_header_compiles_alone_and_as_cplusplus() {
         let folder = folder.join(format!("{}_{scalar:?}", case.name));
         fs::create_dir_all(&folder).unwrap();
         let (name, dof) = (&case.name, case.model.dof());
-        let source = write(&folder, name, &case.package(scalar));
+        let package = case.package(scalar);
+        let source = write(&folder, name, &package);
         // The header first and alone, then twice.
         let include = format!("#include \"{name}.h\"\n");
         let mut calls = String::new();
@@ -56,37 +67,42 @@ fn the_header_compiles_alone_and_as_cplusplus() {
              return {name}_joint_names[0][0] == 0 ? 1 : {name}_selftest();\n}}\n"
         );
         let main = folder.join("main.cpp");
-        fs::write(&main, text).unwrap();
+        fs::write(&main, &text).unwrap();
         fs::write(
             folder.join("alone.c"),
             format!("{include}typedef {name}_real it;\n"),
         )
         .unwrap();
+        let tools = ["gcc", "clang", "g++", "clang++"];
+        let texts = [TESTS, &package.header, &package.source, &text];
         let object = folder.join("object.o");
-        run(Command::new("gcc")
-            .args(["-std=c99", "-O0", "-c"])
-            .arg(source)
-            .arg("-o")
-            .arg(&object));
-        for (c, cpp) in [("gcc", "g++"), ("clang", "clang++")] {
-            let alone = folder.join("alone.c");
-            run(Command::new(c)
-                .args(WARNINGS)
-                .arg("-fsyntax-only")
-                .arg(alone));
-            let program = folder.join(cpp);
-            let mut command = Command::new(cpp);
-            command.args([
-                "-std=c++17",
-                "-O0",
-                "-Wall",
-                "-Wextra",
-                "-Wpedantic",
-                "-Werror",
-            ]);
-            run(command.arg(&main).arg(&object).arg("-o").arg(&program));
-            run(&mut Command::new(&program));
-        }
+        memo::said(&folder, &tools, &texts, &[], || {
+            run(Command::new("gcc")
+                .args(["-std=c99", "-O0", "-c"])
+                .arg(source)
+                .arg("-o")
+                .arg(&object));
+            for (c, cpp) in [("gcc", "g++"), ("clang", "clang++")] {
+                let alone = folder.join("alone.c");
+                run(Command::new(c)
+                    .args(WARNINGS)
+                    .arg("-fsyntax-only")
+                    .arg(alone));
+                let program = folder.join(cpp);
+                let mut command = Command::new(cpp);
+                command.args([
+                    "-std=c++17",
+                    "-O0",
+                    "-Wall",
+                    "-Wextra",
+                    "-Wpedantic",
+                    "-Werror",
+                ]);
+                run(command.arg(&main).arg(&object).arg("-o").arg(&program));
+                run(&mut Command::new(&program));
+            }
+            String::new()
+        });
     });
 }
 
@@ -103,16 +119,17 @@ fn objects_hold_constants_and_code_only() {
     parallel(jobs(&cases), |(case, scalar)| {
         let folder = folder.join(format!("{}_{scalar:?}", case.name));
         fs::create_dir_all(&folder).unwrap();
-        let source = write(&folder, &case.name, &case.package(scalar));
+        let package = case.package(scalar);
+        let source = write(&folder, &case.name, &package);
         let object = folder.join("object.o");
-        let mut command = Command::new("gcc");
-        command
-            .args(["-std=c99", "-O0", "-fno-pic", "-c"])
-            .arg(source)
-            .arg("-o")
-            .arg(&object);
-        run(&mut command);
-        for line in run(Command::new("nm").arg(&object)).lines() {
+        let texts = [TESTS, &package.header, &package.source];
+        let symbols = memo::said(&folder, &["gcc", "nm"], &texts, &[], || {
+            let mut command = Command::new("gcc");
+            command.args(["-std=c99", "-O0", "-fno-pic", "-c"]);
+            run(command.arg(source).arg("-o").arg(&object));
+            run(Command::new("nm").arg(&object))
+        });
+        for line in symbols.lines() {
             let words: Vec<&str> = line.split_whitespace().collect();
             let [kind, symbol] = words[words.len() - 2..] else {
                 panic!("nm says {line}")

@@ -4,5 +4,6 @@
 pub mod command;
 pub mod exact;
 pub mod machine;
+pub mod memo;
 pub mod source;
 pub mod trees;

@@ -233,13 +233,11 @@ fn looks(
     let diagnosed = diagnose::look(&request, &mut ())?;
     let model = robot.model(support, Snapping::default(), None)?;
     let links = robot.description.links.iter();
-    let options = Options {
-        readings: Readings::Required,
-        links: links.map(|link| link.name.clone()).collect(),
-        support: Some(support.to_string()),
-        any_unit: true,
-        ..Options::default()
-    };
+    let mut options = Options::default();
+    options.readings = Readings::Required;
+    options.links = links.map(|link| link.name.clone()).collect();
+    options.support = Some(support.to_string());
+    options.any_unit = true;
     let reading = health::Reading {
         options: &options,
         snapping: Snapping::default(),

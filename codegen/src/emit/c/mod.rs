@@ -45,8 +45,11 @@ use spelling::{number, pair, quoted, spelled};
 /// let builder = Builder::new("op2.urdf").support("r_sole").c99("firmware").scalar(Scalar::F32);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Scalar {
+    /// `double`.
     F64,
+    /// `float`.
     F32,
     /// `int32_t`, binary points from proven ranges.
     Fixed32,
@@ -72,7 +75,9 @@ impl Scalar {
 
 /// What to generate.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Options {
+    /// Arithmetic.
     pub scalar: Scalar,
     /// Whether functions of servo ticks are wanted, and of which servos.
     pub servos: Option<Servos>,
@@ -95,7 +100,9 @@ impl Options {
 /// A header and a source file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Package {
+    /// `NAME.h`.
     pub header: String,
+    /// `NAME.c`.
     pub source: String,
     /// What the user should know: why `_ticks` functions are left out.
     pub notes: Vec<String>,

@@ -66,6 +66,16 @@ pub struct Servos {
 }
 
 /// One joint's servo, complete.
+///
+/// ```
+/// use sesc_codegen::{Setting, Servos};
+///
+/// let mut servos = Servos::default();
+/// servos.default = Setting { sign: Some(-1), ..Setting::default() };
+/// let (joint, servo) = servos.of([("knee", false)].into_iter())?.remove(0);
+/// assert_eq!((joint.as_str(), servo.zero, servo.sign), ("knee", 2048, -1));
+/// # Ok::<(), sesc_codegen::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Servo {
     /// Ticks at q = 0.
@@ -77,6 +87,14 @@ pub struct Servo {
 }
 
 /// How far one tick goes.
+///
+/// ```
+/// use sesc_codegen::{Scale, Servos};
+///
+/// let servos = Servos::default().of([("knee", false)].into_iter())?;
+/// assert_eq!(servos[0].1.scale, Scale::TicksPerTurn(4096.0));
+/// # Ok::<(), sesc_codegen::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scale {
     /// Of a revolute joint.
@@ -113,6 +131,14 @@ const TABLE_STEPS: f64 = 4096.0;
 impl Servos {
     /// Read and parse `path`.
     ///
+    /// ```
+    /// # use sesc_codegen::Servos;
+    /// let file = std::env::temp_dir().join("sesc_servos.toml");
+    /// std::fs::write(&file, "[joints.l_knee]\nzero = 2050\n").unwrap();
+    /// assert_eq!(Servos::read(&file)?.joints["l_knee"].zero, Some(2050));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// When it cannot be read or is no servo file.
     pub fn read(path: &Path) -> Result<Servos, Error> {
@@ -129,6 +155,14 @@ impl Servos {
 
     /// The servo of each joint that has one, by name: joints without a mimic that turn, or that
     /// are prismatic (`true`) and have a stroke per tick.
+    ///
+    /// ```
+    /// # use sesc_codegen::Servos;
+    /// // A prismatic joint has no stroke of its own accord.
+    /// let servos = Servos::default().of([("knee", false), ("lift", true)].into_iter())?;
+    /// assert_eq!(servos.len(), 1);
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
     ///
     /// # Errors
     /// When the file names another joint, or a setting is out of range.

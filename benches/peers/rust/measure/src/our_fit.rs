@@ -59,11 +59,7 @@ pub fn everything(robot: &Robot, log: &[Block]) -> Vec<f64> {
         let pushed = gathered.push(&mut measurement, block, "log", None);
         pushed.expect("flat ground, one foot");
     }
-    let settings = Settings {
-        prior: Prior::Free,
-        noise: None,
-        range: None,
-    };
+    let settings = Settings::new(Prior::Free);
     let found = identify(measurement.model(), &[ours::SUPPORT], &gathered, &settings);
     found.parameters.iter().map(|p| p.value).collect()
 }

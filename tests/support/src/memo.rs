@@ -1,0 +1,78 @@
+//! What a tool said of the same input before.
+//!
+//! A compiler or a linter gives for the same text, arguments and version the same answer;
+//! a test that asks again looks it up. `SESC_ASK_AGAIN=1` asks the tool whatever it said.
+
+use std::collections::HashMap;
+use std::fs;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::path::Path;
+use std::process::Command;
+use std::sync::{Mutex, OnceLock};
+
+/// First line of `tool --version`.
+fn version(tool: &str) -> String {
+    static KNOWN: OnceLock<Mutex<HashMap<String, String>>> = OnceLock::new();
+    let mut known = KNOWN.get_or_init(Mutex::default).lock().unwrap();
+    let ask = || {
+        let output = Command::new(tool).arg("--version").output();
+        output.map_or(String::new(), |output| {
+            String::from_utf8_lossy(&output.stdout).into_owned()
+        })
+    };
+    known.entry(tool.to_string()).or_insert_with(ask).clone()
+}
+
+/// What `tools` said of `texts` (arguments, or the test's own source, among them): what
+/// `ask` gives, or what it gave for the same in `folder` before, where `made` stands still.
+pub fn said(
+    folder: &Path,
+    tools: &[&str],
+    texts: &[&str],
+    made: &[&Path],
+    ask: impl FnOnce() -> String,
+) -> String {
+    let mut hasher = DefaultHasher::new();
+    for tool in tools {
+        version(tool).hash(&mut hasher);
+    }
+    texts.hash(&mut hasher);
+    let (stamp, asked) = (folder.join("said"), format!("{:016x}", hasher.finish()));
+    let again = std::env::var_os("SESC_ASK_AGAIN").is_some();
+    let before = fs::read_to_string(&stamp).unwrap_or_default();
+    let known = before.split_once('\n').filter(|(key, _)| *key == asked);
+    if let Some((_, said)) = known.filter(|_| !again && made.iter().all(|path| path.exists())) {
+        return said.to_string();
+    }
+    let _ = fs::remove_file(&stamp);
+    let said = ask();
+    fs::write(&stamp, format!("{asked}\n{said}")).unwrap();
+    said
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_texts_arguments_and_missing_files_are_asked_again() {
+        let folder = std::env::temp_dir().join(format!("sesc_memo_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let asked = std::cell::Cell::new(0);
+        let ask = |arguments: &str, text: &str, made: &[&Path]| {
+            said(&folder, &["rustc"], &[arguments, text], made, || {
+                asked.set(asked.get() + 1);
+                format!("{text}\nsaid")
+            })
+        };
+        assert_eq!(ask("-O", "a", &[]), "a\nsaid");
+        assert_eq!(ask("-O", "a", &[]), "a\nsaid");
+        let again = usize::from(std::env::var_os("SESC_ASK_AGAIN").is_some());
+        assert_eq!(asked.get(), 1 + again);
+        ask("-O", "b", &[]);
+        ask("-g", "b", &[]);
+        ask("-g", "b", &[&folder.join("program")]);
+        assert_eq!(asked.get(), 4 + again);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}
