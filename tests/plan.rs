@@ -468,7 +468,7 @@ fn bad_input_is_refused_with_a_remedy() {
     assert!(!Path::new(&out).exists());
 }
 
-/// Without a log that has visits five postures come back at the end; a log whose visits differ
+/// Without a log that has visits five postures are to come back at the end; a log whose visits differ
 /// by 2 mm says what a posture is known to, and nothing needs to be asked for.
 #[test]
 fn a_plan_asks_for_revisits_until_a_log_knows_what_they_differ_by() {
@@ -490,7 +490,13 @@ fn a_plan_asks_for_revisits_until_a_log_knows_what_they_differ_by() {
         let all = [&words[..], &["--json", "--out", out], more].concat();
         serde_json::from_str(&stdout(&sesc(&all))).unwrap()
     };
+    // Named, and written where that is asked for.
     let found = plan(&out, &[]);
+    assert_eq!(found["revisits"]["written"], false);
+    assert_eq!(found["revisits"]["poses"].as_array().unwrap().len(), 5);
+    assert_eq!(std::fs::read_to_string(&out).unwrap().lines().count(), 13);
+    let found = plan(&out, &["--revisits", "5"]);
+    assert_eq!(found["revisits"]["written"], true);
     let again: Vec<usize> = found["revisits"]["poses"]
         .as_array()
         .unwrap()

@@ -100,7 +100,8 @@ class Plan(Postures):
         self._found: dict[str, Any] = json.loads(state["json"])
 
     def _again(self) -> list[int]:
-        return list(self._found["revisits"]["poses"])
+        again = self._found["revisits"]
+        return list(again["poses"]) if again["written"] else []
 
     def report(self, path: str | os.PathLike[str]) -> None:
         """Write the page of ``sesc plan --report``."""

@@ -41,8 +41,8 @@
 //! **Noise that lasts.** Readings of a robot that moves err alike for a while: a thousand rows
 //! may be worth twenty. Postures are taken to come in the order of time, at about even
 //! intervals; how many independent ones they are worth is seen in the errors of predictions
-//! ([`Estimator::independent_postures`]), and [`Estimator::deviations`] are as wide as that
-//! number makes them.
+//! ([`Estimator::independent_postures`]), and [`Estimator::lasting_deviations`] are as wide as
+//! that number makes them.
 //!
 //! **Single precision.** On the OP2 (43 parameters, noise 1 mm) f32 and f64 differ by
 //! less than 1 % of the standard deviation of a parameter after 1000 postures, also of

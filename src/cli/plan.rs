@@ -64,9 +64,9 @@ pub(super) struct Arguments {
     clearance: f64,
     #[command(flatten)]
     feet: FeetArguments,
-    /// Reach so many postures once more at the end, under their own `pose`: what visits of one
-    /// posture differ by shows in them [default: 5, of few postures half of them; none where
-    /// --data knows it]
+    /// Write so many rows more at the end, which reach postures once again under their own
+    /// `pose`: what visits of one posture differ by shows in them. Without it, five are named
+    /// unless --data knows it, and none is written
     #[arg(long, value_name = "N")]
     revisits: Option<usize>,
     /// Log of this robot: its noise and what its visits differ by are taken for those to come

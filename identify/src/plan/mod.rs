@@ -289,7 +289,8 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let again = revisits::count(request, &known);
     let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
     let spread = spread(&regressor.select_columns(&columns).transpose(), again);
-    let again = revisits::said(spread.into_iter().map(|k| k as i64 + 1).collect(), &known);
+    let again: Vec<i64> = spread.into_iter().map(|k| k as i64 + 1).collect();
+    let again = revisits::said(again, request, &known);
     let curve = match told {
         true => efficiency::curve(&rows, &choice, noise, request.seed, prior.is_some()),
         false => Vec::new(),
@@ -402,6 +403,7 @@ impl Plan {
     /// Places of the postures, row by row.
     fn rows(&self) -> impl Iterator<Item = usize> {
         let again = self.revisits.poses.iter().map(|pose| *pose as usize - 1);
+        let again = again.filter(|_| self.revisits.written);
         (0..self.chosen.len()).chain(again)
     }
 

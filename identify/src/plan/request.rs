@@ -44,8 +44,8 @@ pub struct Request {
     pub seed: u64,
     /// Which feet are on the floor: the support alone, unless it says both.
     pub feet: Feet,
-    /// Postures that are reached once more: as many as tell what visits differ by, where no
-    /// log does, unless given.
+    /// Postures that are reached once more, as rows of the file; unless given, as many as tell
+    /// what visits differ by are named, where no log knows it.
     pub revisits: Option<usize>,
     /// A log of this robot: its noise and what its visits differ by are those to come.
     pub log: Option<LogSource>,

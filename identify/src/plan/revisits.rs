@@ -19,11 +19,13 @@ use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, Taking};
 use crate::watch::Watch;
 
-/// Postures of a plan that come back.
+/// Postures of a plan that should come back.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Revisits {
     /// Their numbers, in the order in which they are reached again after the last posture.
     pub poses: Vec<i64>,
+    /// Whether the plan's file ends with rows for them.
+    pub written: bool,
     /// Why, as a sentence; where there are none, what is known.
     pub sentence: String,
 }
@@ -81,7 +83,7 @@ impl Known {
     }
 }
 
-/// How many postures a plan of `poses` asks for again.
+/// How many postures a plan asks for again.
 pub(super) fn count(request: &Request, known: &Known) -> usize {
     let usual = match known.visits {
         Some(_) => 0,
@@ -91,7 +93,8 @@ pub(super) fn count(request: &Request, known: &Known) -> usize {
 }
 
 /// What is said of them.
-pub(super) fn said(poses: Vec<i64>, known: &Known) -> Revisits {
+pub(super) fn said(poses: Vec<i64>, request: &Request, known: &Known) -> Revisits {
+    let written = request.revisits.is_some() && !poses.is_empty();
     let names: Vec<String> = poses.iter().map(i64::to_string).collect();
     let sentence = match (poses.is_empty(), known.visits) {
         (true, Some(visits)) => format!(
@@ -100,11 +103,18 @@ pub(super) fn said(poses: Vec<i64>, known: &Known) -> Revisits {
         ),
         (true, None) => "none: what visits of one posture differ by stays unknown".to_string(),
         (false, _) => format!(
-            "{} rows more, of poses {} once again: what visits of one posture differ by is not \
-             known",
-            poses.len(),
-            names.join(", ")
+            "reach poses {} once again after the others{}: what visits of one posture differ by \
+             is not known",
+            names.join(", "),
+            match written {
+                true => ", as the last rows of the file",
+                false => ", and log them under the same numbers",
+            }
         ),
     };
-    Revisits { poses, sentence }
+    Revisits {
+        poses,
+        written,
+        sentence,
+    }
 }

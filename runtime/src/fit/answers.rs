@@ -149,9 +149,8 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         }
     }
 
-    /// Standard deviations of all parameters, m: roots of [`variance`](Self::variance), times
-    /// √([`postures`](Self::postures)/[`independent_postures`](Self::independent_postures)).
-    /// About N³/3 operations.
+    /// Standard deviations of all parameters, m: roots of [`variance`](Self::variance), which
+    /// take every posture as independent. About N³/3 operations.
     ///
     /// ```
     /// # use sesc_runtime::fit::{Error, Estimator};
@@ -162,17 +161,31 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
     /// ```
     pub fn deviations(&self) -> [T; N] {
         let observable = self.triangle.observable();
-        let wider = T::from_f64(self.postures_per_sample()).root();
         core::array::from_fn(|k| match observable.get(k) {
             Some(true) => {
                 let mut row = [T::ZERO; N];
                 if let Some(one) = row.get_mut(k) {
                     *one = T::ONE;
                 }
-                self.triangle.variance(row, &observable).0.root() * wider
+                self.triangle.variance(row, &observable).0.root()
             }
             _ => T::INFINITY,
         })
+    }
+
+    /// [`deviations`](Self::deviations) as wide as noise that lasts makes them, m: times
+    /// √([`postures`](Self::postures)/[`independent_postures`](Self::independent_postures)).
+    ///
+    /// ```
+    /// # use sesc_runtime::fit::{Error, Estimator};
+    /// let mut estimator = Estimator::<f64, 2>::new();
+    /// estimator.row(&[1.0, 0.0], 0.25, 0.5)?;
+    /// assert_eq!(estimator.lasting_deviations(), estimator.deviations());
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn lasting_deviations(&self) -> [T; N] {
+        let wider = T::from_f64(self.postures_per_sample()).root();
+        self.deviations().map(|std| std * wider)
     }
 
     /// Covariance of the parameters, m², into `out`: (R̄ᵀ D R̄)⁻¹ on the observable columns,

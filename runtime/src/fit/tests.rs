@@ -450,7 +450,7 @@ fn recording(rho: f64, seed: u64, count: usize) -> (Estimator<f64, 5>, Vec<f64>)
         estimator.posture(&[x, y], &cop, &[1e-3; 2]).unwrap();
     }
     let all = estimator.params().into_iter().zip(truth);
-    let wrong = all.zip(estimator.deviations());
+    let wrong = all.zip(estimator.lasting_deviations());
     let wrong = wrong.map(|((found, truth), std)| (found - truth) / std);
     let wrong = wrong.collect();
     (estimator, wrong)
