@@ -33,6 +33,7 @@ impl Gathered {
             .or_else(|| count("moved", self.moved))
             .or_else(|| count("overfull", self.overfull))
             .or_else(|| count("tiny", self.tiny))
+            .or_else(|| count("motion.rows_left_out", self.motion.rows_left_out))
             .or_else(|| self.logs.iter().find_map(|log| count("rows", log.rows)))
             .or(axes)
             .or(factors)
