@@ -203,7 +203,7 @@ fn pooled(repeats: (f64, u64), left: Option<Leftover>) -> (f64, f64) {
 }
 
 /// Deviation of normal values about zero, of which a few may be odd: the RMS of those within
-/// [`ODD`] of it, for what normal values have there; it begins at the median size.
+/// `ODD` of it, for what normal values have there; it begins at the median size.
 ///
 /// ```text
 /// σ² = mean(x² | |x| < c σ) / (1 − 2 c φ(c) / (2Φ(c) − 1))
