@@ -7,7 +7,8 @@ use super::{Bench, NOISE, diagnosed, gauss};
 use crate::diagnose::Verdict;
 use crate::logs::{Options, Readings};
 use crate::observations::noise::NoiseSource;
-use crate::observations::postures::{MOST, Postures, Taking};
+use crate::observations::postures::gathering::MOST;
+use crate::observations::postures::{Postures, Taking};
 
 const HEADER: &str = "pose,hip,knee,cop_x,cop_y";
 

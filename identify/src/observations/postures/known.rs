@@ -5,7 +5,8 @@
 //! ```
 
 use super::super::noise::{self, Known, NoiseSource};
-use super::{Gathering, Posture, rms};
+use super::gathering::{Gathering, Posture};
+use super::rms;
 
 /// Stated deviations that scatter less than this are estimates of one number.
 const SCATTER: f64 = 0.15;

@@ -1,0 +1,212 @@
+//! Rows of a log gathered into postures: sums per posture, in bounded memory.
+
+use super::super::grouping::Grouping;
+use super::super::motion::Motion;
+use super::super::repeats::{Group, Repeats};
+
+/// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
+pub const MOST: usize = 2000;
+
+/// One posture while its rows are gathered.
+#[derive(Clone)]
+pub(super) struct Posture {
+    pub(super) pose: i64,
+    pub(super) rows: f64,
+    pub(super) q: Vec<f64>,
+    pub(super) sum: [f64; 2],
+    /// Σ of stated variances, m².
+    pub(super) variance: [f64; 2],
+    pub(super) t: f64,
+    pub(super) tilt: [f64; 2],
+    pub(super) moving: Motions,
+}
+
+/// Sums of velocities, accelerations and their variances over rows that know them; empty
+/// where joints stand.
+#[derive(Clone, Default)]
+pub(super) struct Motions {
+    pub(super) rows: f64,
+    /// Whether a row does not know its motion.
+    pub(super) unknown: bool,
+    pub(super) sums: [Vec<f64>; 3],
+}
+
+impl Motions {
+    pub(super) fn of(motion: Option<&Motion>, row: usize, dof: usize) -> Motions {
+        let Some(motion) = motion else {
+            return Motions {
+                rows: 1.0,
+                ..Motions::default()
+            };
+        };
+        let of = |all: &[f64]| all[row * dof..(row + 1) * dof].to_vec();
+        let variances = of(&motion.gains_std).iter().map(|s| s * s).collect();
+        Motions {
+            rows: 1.0,
+            unknown: !motion.known[row],
+            sums: [of(&motion.rates), of(&motion.gains), variances],
+        }
+    }
+
+    pub(super) fn join(&mut self, other: &Motions) {
+        let all = [self.unknown, other.unknown];
+        match all {
+            // What is known counts.
+            [false, true] => return,
+            [true, false] => *self = Motions::default(),
+            _ => {}
+        }
+        self.unknown = all[0] && all[1];
+        self.rows += other.rows;
+        for (sums, more) in self.sums.iter_mut().zip(&other.sums) {
+            if sums.is_empty() {
+                sums.resize(more.len(), 0.0);
+            }
+            for (sum, x) in sums.iter_mut().zip(more) {
+                *sum += x;
+            }
+        }
+    }
+}
+
+impl Posture {
+    pub(super) fn mean(&self) -> Vec<f64> {
+        self.q.iter().map(|sum| sum / self.rows).collect()
+    }
+}
+
+/// Postures of a log of any length in bounded memory: every `stride`-th is kept,
+/// and `stride` doubles whenever they are too many. An even choice keeps the
+/// order, the times and the range.
+pub(super) struct Gathering {
+    /// Postures number 0, `stride`, 2 `stride`, ….
+    pub(super) kept: Vec<Posture>,
+    pub(super) stride: usize,
+    /// The number of each posture and its readings, for rows that come back to it.
+    pub(super) known: Grouping<(Option<usize>, Group)>,
+    pub(super) repeats: Repeats,
+    /// Postures that are whole, and the one that rows belong to now.
+    pub(super) seen: usize,
+    pub(super) current: Option<Posture>,
+    pub(super) first: Option<(i64, f64)>,
+    /// Whether pose numbers rise all along.
+    pub(super) rising: bool,
+    pub(super) end: (i64, f64),
+    /// Least and largest time, s.
+    pub(super) span: (f64, f64),
+}
+
+impl Gathering {
+    pub(super) fn new(any_unit: bool) -> Gathering {
+        Gathering {
+            kept: Vec::new(),
+            stride: 1,
+            known: match any_unit {
+                true => Grouping::of_any_unit(),
+                false => Grouping::default(),
+            },
+            repeats: Repeats::default(),
+            seen: 0,
+            current: None,
+            first: None,
+            rising: true,
+            end: (0, 0.0),
+            span: (f64::INFINITY, f64::NEG_INFINITY),
+        }
+    }
+
+    /// A row with gravity along `gravity` and its deviation (1 where none is stated), m.
+    pub(super) fn push(&mut self, row: Posture, gravity: [f64; 3], std: [f64; 2]) {
+        let next = self.seen + usize::from(self.current.is_some());
+        self.span = (self.span.0.min(row.t), self.span.1.max(row.t));
+        let (posture, _) = self.known.of_row((row.pose, ""), &row.q, gravity);
+        let visit = posture.visits;
+        let (number, group) = &mut posture.own;
+        self.repeats.push(group, visit, row.sum, std);
+        let number = *number.get_or_insert(next);
+        if let Some(current) = self.current.as_mut().filter(|_| number == self.seen) {
+            join(current, &row);
+            return;
+        }
+        self.close();
+        if number == next {
+            self.current = Some(row);
+        } else if number.is_multiple_of(self.stride) {
+            // Back at an old posture: more readings of it.
+            join(&mut self.kept[number / self.stride], &row);
+        }
+    }
+
+    /// The posture at hand is whole.
+    pub(super) fn close(&mut self) {
+        let Some(posture) = self.current.take() else {
+            return;
+        };
+        self.rising &= self.seen == 0 || posture.pose > self.end.0;
+        self.first.get_or_insert((posture.pose, posture.t));
+        self.end = (posture.pose, posture.t);
+        if self.seen.is_multiple_of(self.stride) {
+            self.kept.push(posture);
+            if self.kept.len() > 2 * MOST {
+                self.thin();
+            }
+        }
+        self.seen += 1;
+    }
+
+    pub(super) fn thin(&mut self) {
+        self.stride *= 2;
+        let kept = std::mem::take(&mut self.kept);
+        self.kept = kept.into_iter().step_by(2).collect();
+    }
+}
+
+fn join(posture: &mut Posture, row: &Posture) {
+    posture.rows += row.rows;
+    for (sum, q) in posture.q.iter_mut().zip(&row.q) {
+        *sum += q;
+    }
+    for axis in 0..2 {
+        posture.sum[axis] += row.sum[axis];
+        posture.variance[axis] += row.variance[axis];
+    }
+    posture.moving.join(&row.moving);
+}
+
+impl Gathering {
+    /// How the joints move in the postures that were kept.
+    pub(super) fn motion(&self, dof: usize) -> Motion {
+        let mut motion = Motion::default();
+        for posture in &self.kept {
+            let own = &posture.moving;
+            let mean = |sum: &f64| sum / own.rows;
+            let still = own.sums[0].is_empty();
+            let of = |k: usize| own.sums[k].iter().map(mean);
+            let one = (!still).then(|| Motion {
+                rates: of(0).collect(),
+                gains: of(1).collect(),
+                gains_std: of(2).map(f64::sqrt).collect(),
+                known: vec![!own.unknown],
+            });
+            motion.extend(one, 1, dof);
+        }
+        motion
+    }
+
+    /// Place of a posture in the log, 0 to 1: by time, by number where numbers
+    /// rise, else by order.
+    pub(super) fn place(&self, k: usize, timed: bool) -> f64 {
+        let (first, end) = (self.first.unwrap_or_default(), self.end);
+        let posture = &self.kept[k];
+        let (from, to, at) = match (timed, self.rising) {
+            (true, _) => (self.span.0, self.span.1, posture.t),
+            (false, true) => (first.0 as f64, end.0 as f64, posture.pose as f64),
+            (false, false) => (0.0, self.seen as f64 - 1.0, (k * self.stride) as f64),
+        };
+        if to > from {
+            (at - from) / (to - from)
+        } else {
+            0.0
+        }
+    }
+}
