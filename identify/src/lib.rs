@@ -3,7 +3,7 @@
 //! Data walks one way:
 //!
 //! ```text
-//! logs → observations → health → lsq → fit → plan → diagnose
+//! logs → observations → health → lsq → fit → plan → diagnose → fleet
 //! ```
 
 #![forbid(unsafe_code)]
@@ -15,6 +15,7 @@ mod error;
 pub mod evaluate;
 pub mod feet;
 pub mod fit;
+pub mod fleet;
 pub mod health;
 pub mod hide;
 pub mod logs;

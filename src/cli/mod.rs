@@ -6,6 +6,7 @@ mod diagnose;
 mod effects;
 mod fit;
 mod fit_outputs;
+mod fleet;
 mod generate;
 mod inspect;
 mod outputs;
@@ -57,6 +58,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
     Compare(compare::Arguments),
+    Fleet(fleet::Arguments),
     Demo(demo::Arguments),
     Completions(shell::Completions),
     Man(shell::Manual),
@@ -150,6 +152,7 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Effects(arguments) => effects::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Fleet(arguments) => fleet::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments),
         Command::Man(arguments) => shell::manual(&arguments),

@@ -8,6 +8,7 @@ pub mod compare;
 pub mod diagnose;
 pub mod figures;
 pub mod fit;
+pub mod fleet;
 pub mod health;
 pub mod html;
 pub mod plan;

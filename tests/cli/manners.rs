@@ -200,7 +200,9 @@ fn shells_and_man_know_every_command() {
     let page = stdout(&sesc(&["man"]));
     assert!(page.contains(".TH"), "{page}");
     let script = stdout(&sesc(&["completions", "bash"]));
-    for command in ["inspect", "generate", "fit", "diagnose", "compare", "demo"] {
+    for command in [
+        "inspect", "generate", "fit", "diagnose", "compare", "fleet", "demo",
+    ] {
         assert!(page.contains(&format!("sesc\\-{command}")), "{page}");
         assert!(script.contains(command));
     }

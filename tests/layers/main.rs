@@ -75,6 +75,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "plan",
             "diagnose",
             "compare",
+            "fleet",
         ],
     ),
     (

@@ -143,7 +143,7 @@ impl Sidecar {
         }
     }
 
-    fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), String> {
+    pub(crate) fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), String> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut table: toml::Table = toml::from_str(text).map_err(|error| error.to_string())?;
         let mut warnings = Vec::new();

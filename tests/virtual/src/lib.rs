@@ -12,6 +12,7 @@
 
 pub mod diagnoser;
 pub mod feet;
+pub mod fleet;
 pub mod hidden;
 pub mod judge;
 pub mod log;

@@ -1,0 +1,132 @@
+//! Logs by what they hold.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use sesc_model::files;
+
+use crate::Error;
+use crate::logs::{LogSource, Sidecar};
+
+/// A log in memory, named by what it holds.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Log {
+    /// Hash of its bytes, 32 hexadecimal digits.
+    pub hash: String,
+    /// The bytes of its file.
+    pub bytes: std::sync::Arc<[u8]>,
+    /// The text of its sidecar; empty where it has none.
+    pub sidecar: String,
+}
+
+/// 128 bits of FNV-1a over bytes, as 32 hexadecimal digits.
+///
+/// ```text
+/// h_0 = 0x6c62272e07bb014262b821756295c58d    h_k = (h_{k−1} xor byte_k) · (2⁸⁸ + 0x13b)  mod 2¹²⁸
+/// ```
+///
+/// It tells the logs of a fleet apart and is no protection against somebody who forges one.
+pub fn content_hash(bytes: &[u8]) -> String {
+    const START: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    const PRIME: u128 = (1 << 88) + 0x13b;
+    let hash = bytes.iter().fold(START, |hash, byte| {
+        (hash ^ u128::from(*byte)).wrapping_mul(PRIME)
+    });
+    format!("{hash:032x}")
+}
+
+impl Log {
+    /// A log of these bytes with the text of its sidecar, which may be empty.
+    pub fn new(bytes: impl Into<std::sync::Arc<[u8]>>, sidecar: impl Into<String>) -> Log {
+        let bytes = bytes.into();
+        Log {
+            hash: content_hash(&bytes),
+            bytes,
+            sidecar: sidecar.into(),
+        }
+    }
+
+    /// Read a log and the sidecar beside it.
+    ///
+    /// # Errors
+    /// When one of them cannot be read; the error names the file without its folder.
+    pub fn read(path: &Path) -> Result<Log, Error> {
+        let name = |path: &Path| {
+            let name = path.file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        };
+        let mut bytes = Vec::new();
+        std::fs::File::open(path)
+            .and_then(|mut file| file.read_to_end(&mut bytes))
+            .map_err(|error| Error::read(name(path), error))?;
+        let beside = Sidecar::of_log(path);
+        let sidecar = match files::read_text(&beside, files::SIDECAR) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(Error::read(name(&beside), error)),
+        };
+        Ok(Log::new(bytes, sidecar))
+    }
+
+    /// What messages call it: the same wherever the file is.
+    pub(super) fn name(&self) -> String {
+        format!("log {}", &self.hash[..12])
+    }
+
+    /// The log for a diagnosis, with its sidecar.
+    pub(super) fn source(&self) -> Result<LogSource, Error> {
+        let name = self.name();
+        let parsed = Sidecar::parse(&self.sidecar, &name);
+        let (sidecar, _) =
+            parsed.map_err(|message| Error::log(&name, None, format!("sidecar: {message}")))?;
+        let bytes = std::sync::Arc::clone(&self.bytes);
+        Ok(LogSource::bytes(name, bytes).with_sidecar(sidecar))
+    }
+}
+
+/// The logs sorted by what they hold, each once. Of two with the same bytes the one with a
+/// sidecar is kept.
+pub(super) fn each_once(logs: &[Log]) -> Vec<Log> {
+    let mut logs = logs.to_vec();
+    logs.sort_by(|a, b| {
+        let key = |log: &Log| {
+            (
+                log.hash.clone(),
+                log.sidecar.is_empty(),
+                log.sidecar.clone(),
+            )
+        };
+        key(a).cmp(&key(b))
+    });
+    logs.dedup_by(|a, b| a.hash == b.hash);
+    logs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// From the publication of the hash.
+    #[test]
+    fn the_hash_is_fnv1a_with_128_bits() {
+        assert_eq!(content_hash(b""), "6c62272e07bb014262b821756295c58d");
+        assert_eq!(content_hash(b"a"), "d228cb696f1a8caf78912b704e4a8964");
+    }
+
+    #[test]
+    fn a_log_that_comes_twice_is_kept_once_with_its_sidecar() {
+        let logs = [
+            Log::new(*b"b", ""),
+            Log::new(*b"a", "robot = 'r'"),
+            Log::new(*b"a", ""),
+        ];
+        let mut turned = logs.clone();
+        turned.reverse();
+        let kept = each_once(&logs);
+        assert_eq!(kept.len(), 2);
+        assert!(kept.iter().any(|log| log.sidecar == "robot = 'r'"));
+        let hashes = |logs: &[Log]| logs.iter().map(|l| l.hash.clone()).collect::<Vec<_>>();
+        assert_eq!(hashes(&kept), hashes(&each_once(&turned)));
+    }
+}

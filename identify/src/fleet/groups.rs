@@ -1,0 +1,50 @@
+//! Which logs belong together: those of one robot, day and URDF.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use super::manifest::Input;
+
+/// Logs of one robot on one day, with one URDF.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Group {
+    /// The robot.
+    pub robot: String,
+    /// The day; empty where logs are grouped by robot alone.
+    pub day: String,
+    /// The URDF, where it is not the fleet's.
+    pub urdf: Option<PathBuf>,
+    /// The logs, sorted; a path that was given twice is here once.
+    pub logs: Vec<PathBuf>,
+    /// Link on the ground, where the manifest says it.
+    pub support: Option<String>,
+}
+
+/// The groups of all inputs, sorted by robot, day and URDF.
+pub fn groups(inputs: &[Input]) -> Vec<Group> {
+    let mut found: BTreeMap<_, Vec<PathBuf>> = BTreeMap::new();
+    for input in inputs {
+        let Input {
+            path,
+            robot,
+            day,
+            urdf,
+            support,
+        } = input.clone();
+        let key = (robot, day, urdf, support);
+        found.entry(key).or_default().push(path);
+    }
+    let group = |((robot, day, urdf, support), mut logs): (_, Vec<PathBuf>)| {
+        logs.sort();
+        logs.dedup();
+        Group {
+            robot,
+            day,
+            urdf,
+            logs,
+            support,
+        }
+    };
+    found.into_iter().map(group).collect()
+}

@@ -1,0 +1,41 @@
+//! A fleet: a log per robot and day in, a row per robot and day out, and what the rows say
+//! together.
+//!
+//! ```text
+//! inputs ─▶ groups (robot, day) ─▶ row(URDF, options, logs) ─▶ table, Parquet or CSV
+//!                                        ▲  │                    │
+//!                                        store                   ▼
+//!                                                  summary: shared effects, changes,
+//!                                                  what to look at first
+//! ```
+//!
+//! [`row`] is a pure function: the logs of a group are sorted by the hash of their content,
+//! one that comes twice counts once, and nothing of the result depends on time, paths or the
+//! order in which logs arrive. Whatever runs it (threads here, processes or machines
+//! elsewhere) and however often, the table is the same to the byte. A log that cannot be
+//! read is an error in its row and never the end of a run.
+//!
+//! What is said across robots is a pure function of the rows.
+
+mod content;
+mod evaluate;
+mod groups;
+mod manifest;
+mod options;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod row;
+mod run;
+mod store;
+mod table;
+mod together;
+
+pub use content::{Log, content_hash};
+pub use evaluate::row;
+pub use groups::{Group, groups};
+pub use manifest::{Input, inputs};
+pub use options::Options;
+pub use row::{EffectFound, Row, Size};
+pub use run::{Failed, Fleet, Request, Twice, run};
+pub use store::Store;
+pub use table::{COLUMNS, assembled, check_table, write};

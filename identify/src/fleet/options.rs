@@ -1,0 +1,90 @@
+//! How every group of a fleet is looked at.
+
+use serde::{Deserialize, Serialize};
+use sesc_model::Snapping;
+
+use crate::diagnose::FLOOR_M;
+use crate::feet::Feet;
+use crate::fit::MotionModel;
+use crate::logs::Angles;
+
+/// How every group is looked at: the options of a diagnosis, and of the fit beside it.
+///
+/// ```
+/// use sesc_identify::fleet::Options;
+///
+/// let mut options = Options::default();
+/// options.support = Some("r_sole".into());
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[non_exhaustive]
+pub struct Options {
+    /// Link on the ground in rows that do not say; each log's own unless given.
+    pub support: Option<String>,
+    /// Whether decimals of right angles are made exact.
+    pub snap: bool,
+    /// Unit of revolute joints; each log's own, else rad, unless given.
+    pub angles: Option<Angles>,
+    /// Tolerances of CAD masses of the diagnosis: `tight`, `cad`, `free` or a file; those of
+    /// [`Prior::OF_DIAGNOSES`](crate::fit::prior::Prior::OF_DIAGNOSES) unless given. The fit
+    /// has those of [`Prior::DEFAULT`](crate::fit::prior::Prior::DEFAULT) unless given.
+    pub prior: Option<String>,
+    /// Standard deviation of a single reading on one axis, m; each log's own unless given.
+    pub noise: Option<f64>,
+    /// Added to the noise of a posture in quadrature, m.
+    pub floor: f64,
+    /// Whether the motion of the joints counts.
+    pub motion: bool,
+    /// Whether both feet are on the floor; each log's own unless given.
+    pub both_feet: Option<bool>,
+    /// The link that is the other sole.
+    pub other_foot: Option<String>,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            support: None,
+            snap: true,
+            angles: None,
+            prior: None,
+            noise: None,
+            floor: FLOOR_M,
+            motion: true,
+            both_feet: None,
+            other_foot: None,
+        }
+    }
+}
+
+impl Options {
+    pub(super) fn snapping(&self) -> Snapping {
+        match self.snap {
+            true => Snapping::default(),
+            false => Snapping::Off,
+        }
+    }
+
+    pub(super) fn motion_model(&self) -> MotionModel {
+        match self.motion {
+            true => MotionModel::Auto,
+            false => MotionModel::Off,
+        }
+    }
+
+    pub(super) fn feet(&self) -> Feet {
+        Feet {
+            both: self.both_feet,
+            other: self.other_foot.clone(),
+        }
+    }
+
+    /// Everything that rows depend on, as a text: the contents of a file of tolerances, too.
+    pub(super) fn key(&self) -> String {
+        let own = serde_json::to_string(self).unwrap_or_default();
+        let file = self.prior.as_deref();
+        let text = file.and_then(|file| std::fs::read_to_string(file).ok());
+        format!("{own}\n{}", text.unwrap_or_default())
+    }
+}

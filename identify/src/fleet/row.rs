@@ -1,0 +1,133 @@
+//! What one robot on one day comes to.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::diagnose::Diagnosis;
+use crate::diagnose::findings::Step;
+use crate::health::Finding;
+
+/// A number with its standard deviation, in the unit that its name ends in.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Size {
+    /// The number.
+    pub value: f64,
+    /// Its standard deviation.
+    pub std: f64,
+}
+
+/// One effect of a row's explanation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct EffectFound {
+    /// Name of the effect: `joint_offset`.
+    pub effect: String,
+    /// Joint, link or cell; `-` for the whole.
+    pub target: String,
+    /// Its parameters by name, which ends in the unit: `offset_rad`.
+    pub parameters: BTreeMap<String, Size>,
+    /// By how much −2 log evidence rises without it.
+    pub evidence: f64,
+    /// The complete explanations that these data allow instead, effects with their targets;
+    /// with the first effect of a row whose verdict is `class`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub instead: Vec<Vec<String>>,
+}
+
+impl EffectFound {
+    fn of(step: &Step, instead: Vec<Vec<String>>) -> EffectFound {
+        let size = |q: &crate::diagnose::findings::Quantity| Size {
+            value: q.value,
+            std: q.std,
+        };
+        let parameters = step.parameters.iter();
+        EffectFound {
+            effect: step.effect.to_string(),
+            target: step.target.clone(),
+            parameters: parameters.map(|(n, q)| (n.to_string(), size(q))).collect(),
+            evidence: step.evidence,
+            instead,
+        }
+    }
+}
+
+/// One row of the fleet's table: a robot on a day.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Row {
+    /// The robot.
+    pub robot: String,
+    /// The day, or another window.
+    pub day: String,
+    /// Hash of the URDF, in hexadecimal.
+    pub urdf_hash: String,
+    /// Link on the ground; empty where nothing says it.
+    pub support: String,
+    /// Postures of the logs.
+    pub postures: u64,
+    /// Independent rows that they are worth.
+    pub independent: u64,
+    /// Noise of a posture on one axis, m.
+    pub noise_floor: Option<f64>,
+    /// Held-out RMS error of the whole explanation, m.
+    pub held_out_rmse: Option<f64>,
+    /// Verdict of the diagnosis; empty where there is none.
+    pub verdict: String,
+    /// The diagnosis in sentences.
+    pub sentence: String,
+    /// The effects of the explanation.
+    pub effects: Vec<EffectFound>,
+    /// What is wrong with the data themselves.
+    pub health: Vec<Finding>,
+    /// Base parameters as fitted without effects, m, in the model's order; empty where the
+    /// fit failed.
+    pub params: Vec<f64>,
+    /// Their standard deviations; none where data and prior say nothing.
+    pub std: Vec<Option<f64>>,
+    /// Hashes of the logs' contents, sorted.
+    pub inputs: Vec<String>,
+    /// What went wrong with a log or a call.
+    pub error: Option<String>,
+    /// Version of this library.
+    pub version: String,
+}
+
+impl Row {
+    /// Whether the row says something of the robot.
+    pub fn is_usable(&self) -> bool {
+        !self.verdict.is_empty() && self.verdict != "unusable"
+    }
+
+    /// Take over what a diagnosis says.
+    pub(super) fn diagnosed(&mut self, diagnosis: &Diagnosis) {
+        let verdict = serde_json::to_value(diagnosis.verdict).ok();
+        let verdict = verdict.and_then(|v| v.as_str().map(str::to_string));
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        self.support.clone_from(&diagnosis.support);
+        self.postures = diagnosis.postures as u64;
+        self.independent = diagnosis.samples.independent as u64;
+        self.noise_floor = finite(diagnosis.noise_floor);
+        self.held_out_rmse = finite(diagnosis.last.rmse);
+        self.verdict = verdict.unwrap_or_default();
+        self.sentence.clone_from(&diagnosis.sentence);
+        self.health.clone_from(&diagnosis.health);
+        // Pictures belong to a diagnosis' own page and are not kept.
+        self.health.iter_mut().for_each(|f| f.picture = None);
+        let mut instead: Vec<Vec<String>> = diagnosis
+            .indistinguishable
+            .iter()
+            .skip(1)
+            .cloned()
+            .collect();
+        let steps = diagnosis.steps.iter();
+        let effects = steps.map(|step| EffectFound::of(step, std::mem::take(&mut instead)));
+        self.effects = effects.collect();
+    }
+}
+
+/// A JSON text of something that always is one.
+pub(super) fn json(value: &impl serde::Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}

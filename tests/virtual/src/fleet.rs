@@ -1,0 +1,210 @@
+//! Logs of a whole fleet: a folder for each robot and day, noise on every posture, and what
+//! is wrong with some of them.
+//!
+//! ```text
+//! logs/robot=r07/day=3/log.csv, log.csv.toml
+//! ```
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use sesc_reference::{Error, Robot, Track, World};
+
+use crate::stage::{Platform, Stage};
+
+/// Readings of a posture.
+const READINGS: f64 = 100.0;
+/// Joint of the batch, and its offset in every robot of it, rad.
+pub const BATCH: (&str, f64) = ("l_hip_roll", 0.035);
+/// Joint that drifts, and by how much a day, rad.
+pub const DRIFT: (&str, f64) = ("r_ank_pitch", 0.012);
+/// Joint whose encoder is stuck.
+pub const STUCK: &str = "r_knee";
+
+/// How large a fleet is, and what is wrong with it.
+#[derive(Debug, Clone, Default)]
+pub struct Fleet {
+    pub robots: usize,
+    pub days: usize,
+    pub postures: usize,
+    /// Standard deviation of a posture's mean reading on one axis, m.
+    pub noise: f64,
+    pub seed: u64,
+    /// Robots whose joint [`BATCH`] is off by the same angle.
+    pub batch: Vec<usize>,
+    /// A robot whose joint [`DRIFT`] drifts from a day on.
+    pub drifts: Option<(usize, usize)>,
+    /// A robot whose encoder [`STUCK`] stands still.
+    pub stuck: Option<usize>,
+    /// A robot that has another URDF from a day on.
+    pub urdf: Option<(usize, usize)>,
+    /// Logs that end in the middle of a row.
+    pub truncated: Vec<(usize, usize)>,
+    /// A log that was delivered twice.
+    pub twice: Option<(usize, usize)>,
+}
+
+impl Fleet {
+    /// A fleet of which everything is as its URDF says: 0.1 mm of noise on each of 60 postures.
+    pub fn sound(robots: usize, days: usize, seed: u64) -> Fleet {
+        Fleet {
+            robots,
+            days,
+            postures: 60,
+            noise: 1e-4,
+            seed,
+            ..Fleet::default()
+        }
+    }
+
+    /// The same with a batch of `batch` robots, a drift, a stuck encoder, a new URDF, two
+    /// truncated logs and one that comes twice, each in a robot of its own.
+    pub fn with_faults(self, batch: usize) -> Fleet {
+        let (robots, days) = (self.robots, self.days);
+        // Robots of the batch are spread over the fleet, the others stand between them.
+        let step = (robots / batch.max(1)).max(1);
+        let batch: Vec<usize> = (0..batch).map(|k| k * step).collect();
+        let mut others = (0..robots).filter(|robot| !batch.contains(robot));
+        let mut next = || others.next().unwrap_or(0);
+        let half = days / 2 + 1;
+        Fleet {
+            drifts: Some((next(), half)),
+            stuck: Some(next()),
+            urdf: Some((next(), half)),
+            truncated: vec![(next(), 1), (next(), days)],
+            twice: Some((next(), half)),
+            batch,
+            ..self
+        }
+    }
+
+    /// The name of a robot.
+    pub fn name(robot: usize) -> String {
+        format!("r{robot:02}")
+    }
+
+    /// The folder of a log, in that of the fleet.
+    pub fn folder(robot: usize, day: usize) -> PathBuf {
+        PathBuf::from(format!("logs/robot={}/day={day}", Fleet::name(robot)))
+    }
+
+    /// Write all logs into `folder`; gives the URDF of the fleet.
+    ///
+    /// # Errors
+    /// What the reference does not do.
+    ///
+    /// # Panics
+    /// Where the folder takes no files.
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, Error> {
+        let stage = Stage::new(Platform::Op2);
+        let text = fs::read_to_string(&stage.urdf).expect("the repository's robots are readable");
+        for robot in 0..self.robots {
+            for day in 1..=self.days {
+                let place = folder.join(Fleet::folder(robot, day));
+                fs::create_dir_all(&place).expect("the folder takes files");
+                self.write_log(&stage, &text, (robot, day), &place)?;
+            }
+        }
+        Ok(stage.urdf)
+    }
+
+    fn write_log(
+        &self,
+        stage: &Stage,
+        urdf: &str,
+        (robot, day): (usize, usize),
+        place: &Path,
+    ) -> Result<(), Error> {
+        let write = |name: &str, text: &str| {
+            fs::write(place.join(name), text).expect("the folder takes files");
+        };
+        let seed = (self.seed * 1000 + robot as u64) * 1000 + day as u64;
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut world = stage.world();
+        if self
+            .urdf
+            .is_some_and(|(own, from)| own == robot && day >= from)
+        {
+            let other = other_urdf(urdf);
+            world = World::new(&Robot::from_urdf(&other)?, stage.support)?;
+            write("robot.urdf", &other);
+        }
+        if self.batch.contains(&robot) {
+            world = world.joint_offset(BATCH.0, BATCH.1)?;
+        }
+        if let Some((_, from)) = self
+            .drifts
+            .filter(|(own, from)| *own == robot && day >= *from)
+        {
+            world = world.joint_offset(DRIFT.0, DRIFT.1 * (day - from + 1) as f64)?;
+        }
+        let stuck = self.stuck == Some(robot);
+        let mut log = self.log(stage, &world, stuck, &mut random);
+        if self.truncated.contains(&(robot, day)) {
+            log.truncate(log.len() / 2);
+            // In the middle of a row, whatever its length.
+            let end = log.rfind(',').unwrap_or(0);
+            log.truncate(end);
+        }
+        write("log.csv", &log);
+        let sidecar = format!(
+            "robot = \"op2\"\nsupport = \"{}\"\nreadings_per_pose = {READINGS}\n",
+            stage.support
+        );
+        write("log.csv.toml", &sidecar);
+        if self.twice == Some((robot, day)) {
+            write("log_again.csv", &log);
+            write("log_again.csv.toml", &sidecar);
+        }
+        Ok(())
+    }
+
+    /// The text of a log: mean readings with the standard deviation of a single one.
+    fn log(&self, stage: &Stage, world: &World, stuck: bool, random: &mut ChaCha8Rng) -> String {
+        let joints = stage.joint_names();
+        let place = joints.iter().position(|joint| joint == STUCK);
+        let postures = stage.balanced(self.postures, random);
+        let held = place.map_or(0.0, |k| postures[0][k]);
+        let mut text = format!(
+            "pose,{},cop_x,cop_y,cop_x_std,cop_y_std\n",
+            joints.join(",")
+        );
+        let readings = world.readings(&Track::still(postures.clone()));
+        for (pose, (q, reading)) in postures.iter().zip(readings).enumerate() {
+            let mut normal = || -> f64 { StandardNormal.sample(random) };
+            let _ = write!(text, "{pose}");
+            for (k, q) in q.iter().enumerate() {
+                let shown = if stuck && Some(k) == place { held } else { *q };
+                let _ = write!(text, ",{shown:.6}");
+            }
+            for axis in reading.cop {
+                let _ = write!(text, ",{:.7}", axis + self.noise * normal());
+            }
+            for _ in 0..2 {
+                // A sample's standard deviation scatters by 1/√(2n).
+                let seen = 1.0 + normal() / (2.0 * READINGS).sqrt();
+                let _ = write!(text, ",{:.7}", self.noise * READINGS.sqrt() * seen);
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// The URDF of a robot that carries a heavier head.
+fn other_urdf(urdf: &str) -> String {
+    let link = "<link name=\"head_tilt_link\"";
+    let mass = "<mass value=\"";
+    let place = urdf
+        .find(link)
+        .and_then(|at| Some(at + urdf[at..].find(mass)? + mass.len()));
+    let Some(start) = place else {
+        return urdf.to_owned();
+    };
+    let end = start + urdf[start..].find('"').unwrap_or(0);
+    format!("{}0.4{}", &urdf[..start], &urdf[end..])
+}
