@@ -9,15 +9,17 @@ use serde::Serialize;
 use super::outputs::Files;
 use super::{Bar, FeetArguments, Motion, Outcome, RobotArguments, message, print, print_json};
 use crate::Error;
-use crate::report::fleet::text;
+use crate::report::fleet::{page, text};
 use sesc_identify::feet::Feet;
+use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{self, Failed, Options, Store, Twice};
 use sesc_identify::logs::{self, Angles};
 use sesc_identify::robot::Robot;
+use sesc_model::files;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc fleet op2.urdf --data 'logs/robot=*/day=*/*.parquet' --by robot,day --out fleet.parquet\n  \
-    sesc fleet op2.urdf --data logs/ --store parts/ --out fleet.csv --json\n  \
+    sesc fleet op2.urdf --data logs/ --store parts/ --out fleet.csv --report fleet.html --json\n  \
     sesc fleet op2.urdf --data manifest.csv --out fleet.parquet\n\n\
     Robot and day of a log come from the columns of a manifest, from folders such as \
     `robot=17/day=2031-05-01/`, or from the file's name, `<robot>_<day>.csv`. A manifest is a CSV \
@@ -25,7 +27,7 @@ const EXAMPLES: &str = "Examples:\n  \
     with a path a line. A file `robot.urdf` beside the logs of a robot, or in one of those folders, \
     takes the place of URDF for them.";
 
-/// Diagnose a log per robot and day, and write a table with a row for each
+/// Diagnose a log per robot and day, and say what robots share and what changed
 #[derive(Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", logs::columns_text()))]
 pub(super) struct Arguments {
@@ -76,6 +78,9 @@ pub(super) struct Arguments {
     /// Table to write, a row for each robot and day (.parquet or .csv)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Page to write: what robots share, what changed, what to look at first, every row
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -88,6 +93,8 @@ struct Answer<'a> {
     from_store: usize,
     failed: &'a [Failed],
     twice: &'a [Twice],
+    #[serde(flatten)]
+    summary: &'a Summary,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
@@ -101,20 +108,28 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .may_read(&arguments.prior)
         .reads_logs(&logs)
         .writes([&arguments.out])
+        .writes(&arguments.report)
         .check_writable()?;
     let bar = &mut Bar::new("diagnosing");
     let found = fleet::run(&request(arguments, inputs)?, bar)?;
     bar.0.finish_and_clear();
     fleet::write(&arguments.out, &found.rows)?;
     message(&format!("wrote {}", arguments.out.display()));
+    let summary = summary(&found.rows, &found.names);
+    if let Some(path) = &arguments.report {
+        let text = page(&found, &summary, &super::command_line());
+        files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        message(&format!("wrote {}", path.display()));
+    }
     match arguments.json {
         true => print_json(&Answer {
             groups: found.rows.len(),
             from_store: found.from_store,
             failed: &found.failed,
             twice: &found.twice,
+            summary: &summary,
         })?,
-        false => print(&text(&found))?,
+        false => print(&text(&found, &summary))?,
     }
     let none = found.rows.iter().all(|row| row.verdict.is_empty());
     Ok(if none { Outcome::Failed } else { Outcome::Ok })

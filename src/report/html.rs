@@ -63,6 +63,7 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
         ("diagnose.html", include_str!("diagnose.html")),
         ("health.html", include_str!("health.html")),
         ("fit.html", include_str!("fit.html")),
+        ("fleet.html", include_str!("fleet.html")),
         ("plan.html", include_str!("plan.html")),
     ] {
         environment.add_template(name, source)?;

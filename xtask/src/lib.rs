@@ -6,6 +6,7 @@ pub mod regen;
 pub mod study;
 pub mod study_com;
 pub mod study_false_alarms;
+pub mod study_fleet;
 pub mod study_health;
 pub mod study_motion;
 pub mod study_recordings;

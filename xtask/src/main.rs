@@ -18,6 +18,8 @@ enum Task {
     StudyCom(xtask::study_com::StudyCom),
     /// Record robots that miss nothing, and count in docs/study-false-alarms.md
     StudyFalseAlarms(xtask::study_false_alarms::StudyFalseAlarms),
+    /// Diagnose fleets of virtual robots, and count in docs/study-fleet.md
+    StudyFleet(xtask::study_fleet::StudyFleet),
     /// Break logs of virtual robots, and count what is recognised and what is found wrongly
     StudyHealth(xtask::study_health::StudyHealth),
     /// Record moving robots at several rates, and count verdicts in docs/study-motion.md
@@ -43,6 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Task::Study(study) => study.run(root)?,
         Task::StudyCom(study) => study.run(root)?,
         Task::StudyFalseAlarms(study) => study.run(root)?,
+        Task::StudyFleet(study) => study.run(root)?,
         Task::StudyHealth(study) => study.run(root)?,
         Task::StudyMotion(study) => study.run(root)?,
         Task::StudyRecordings(study) => study.run(root)?,

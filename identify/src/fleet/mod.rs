@@ -15,7 +15,7 @@
 //! elsewhere) and however often, the table is the same to the byte. A log that cannot be
 //! read is an error in its row and never the end of a run.
 //!
-//! What is said across robots is a pure function of the rows.
+//! [`summary`](summary::summary()) is a pure function of the rows.
 
 mod content;
 mod evaluate;
@@ -27,6 +27,7 @@ mod parquet;
 mod row;
 mod run;
 mod store;
+pub mod summary;
 mod table;
 mod together;
 

@@ -1,0 +1,391 @@
+//! What changed in a robot between its days, and is more than chance.
+//!
+//! A number x_d with deviation s_d on each of D days is split at every day:
+//!
+//! ```text
+//! z_k = (x̄_{≥k} − x̄_{<k}) / √(var x̄_{≥k} + var x̄_{<k})      x̄: weighted by 1/s²
+//! ```
+//!
+//! The chance of the largest |z_k| is at most that of one, times D − 1 days, the numbers of a
+//! robot and the robots of the fleet (Bonferroni); below [`FALSE_ALARM`] it is a change. Two
+//! kinds of numbers are looked at, each with half of that: base parameters as fitted without
+//! effects, and sizes of effects. On days on which an effect is in no explanation it is
+//! 0 ± [`UNSEEN`] of its deviations, since a smaller one would hardly be seen.
+//!
+//! Deviations are widened by what the days of the whole fleet scatter: by the median of the
+//! squared differences between neighbouring days, parameter by parameter.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF as _, StudentsT};
+
+use super::criteria::FALSE_ALARM;
+use super::history::{History, Key, Said, label, principal, said};
+use super::shared::one_in;
+use crate::diagnose::words::{Found, named};
+use crate::fleet::row::{Row, Size};
+
+/// Deviations of an effect on a day that does not show it.
+const UNSEEN: f64 = 3.0;
+/// Effects and targets that a diagnosis may name.
+const HYPOTHESES: f64 = 500.0;
+/// A day that differs from those before it by so many deviations begins a change.
+const ONSET: f64 = 4.0;
+/// Median of the square of a standard normal number.
+const MEDIAN_OF_SQUARES: f64 = 0.454_936;
+/// Fewer differences than these do not tell how days scatter.
+const DIFFERENCES: usize = 20;
+/// Fewest degrees of freedom that are taken for a row's deviations.
+const LEAST_FREEDOM: f64 = 5.0;
+
+/// What changed in a robot.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Change {
+    /// The robot.
+    pub robot: String,
+    /// The first day on which it is so.
+    pub day: String,
+    /// What changed, as a sentence.
+    pub what: String,
+    /// `effect`, `parameter`, `health` or `urdf`.
+    pub kind: &'static str,
+    /// The effect, the parameter or the finding, as `name:target`.
+    pub target: String,
+    /// The most that chance would make of it in a fleet in which nothing changes; none of
+    /// what is no estimate.
+    pub chance: Option<f64>,
+}
+
+/// A number by day.
+struct Course<'r> {
+    days: Vec<&'r str>,
+    sizes: Vec<Size>,
+    freedom: f64,
+}
+
+/// Where a course changes.
+struct Split {
+    /// Place of the first day on which it is so.
+    onset: usize,
+    ln_p: f64,
+}
+
+pub(super) fn changes(
+    histories: &[History],
+    names: &BTreeMap<(String, String), Vec<String>>,
+) -> Vec<Change> {
+    let robots = histories.len().max(1) as f64;
+    let widening = widening(histories);
+    let mut found = Vec::new();
+    for history in histories {
+        found.extend(urdfs(history));
+        found.extend(findings(history));
+        for stretch in history.stretches() {
+            let effects = effects(history, &stretch, robots);
+            match effects.is_empty() {
+                true => found.extend(parameters(history, &stretch, &widening, names, robots)),
+                false => found.extend(effects),
+            }
+        }
+    }
+    found.sort_by(|a, b| (&a.robot, &a.day, &a.what).cmp(&(&b.robot, &b.day, &b.what)));
+    found
+}
+
+/// Where another URDF begins.
+fn urdfs(history: &History) -> Vec<Change> {
+    let known: Vec<&&Row> = history
+        .rows
+        .iter()
+        .filter(|row| !row.urdf_hash.is_empty())
+        .collect();
+    let pairs = known
+        .windows(2)
+        .filter(|pair| pair[0].urdf_hash != pair[1].urdf_hash);
+    let change = |pair: &[&&Row]| Change {
+        robot: history.robot.to_string(),
+        day: pair[1].day.clone(),
+        what: format!(
+            "Its URDF is another one from this day on ({}, before {}): numbers before and after \
+             are not compared.",
+            pair[1].urdf_hash, pair[0].urdf_hash
+        ),
+        kind: "urdf",
+        target: pair[1].urdf_hash.clone(),
+        chance: None,
+    };
+    pairs.map(change).collect()
+}
+
+/// Findings that two days or more have, up to the last, and none before.
+fn findings(history: &History) -> Vec<Change> {
+    let rows: Vec<&Row> = history
+        .rows
+        .iter()
+        .copied()
+        .filter(|row| !row.verdict.is_empty())
+        .collect();
+    let Some(last) = rows.last() else {
+        return Vec::new();
+    };
+    let of = |finding: &crate::health::Finding| {
+        let has = |row: &&Row| {
+            row.health
+                .iter()
+                .any(|f| f.kind == finding.kind && f.target == finding.target)
+        };
+        let first = rows.iter().position(has)?;
+        let lasts = rows[first..].iter().all(has) && first > 0 && rows.len() - first > 1;
+        lasts.then(|| Change {
+            robot: history.robot.to_string(),
+            day: rows[first].day.clone(),
+            what: finding.sentence.clone(),
+            kind: "health",
+            target: label((finding.kind.name(), &finding.target)),
+            chance: None,
+        })
+    };
+    last.health.iter().filter_map(of).collect()
+}
+
+/// Effects whose size changes.
+fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
+    let mut found = Vec::new();
+    for key in history.keys() {
+        let all = rows.iter().filter_map(|row| match said(row, &key) {
+            Said::Found(found) => Some(found),
+            _ => None,
+        });
+        let Some(parameter) = principal(all) else {
+            continue;
+        };
+        let course = course_of_effect(rows, &key, &parameter);
+        let tests = HYPOTHESES * robots;
+        let Some((onset, chance)) = change(&course, tests) else {
+            continue;
+        };
+        let (first, last) = (
+            course.sizes[onset - 1],
+            course.sizes[course.sizes.len() - 1],
+        );
+        let say = |size: Size| {
+            named(&Found {
+                name: &parameter,
+                value: size.value,
+                std: size.std,
+            })
+        };
+        // An effect that no explanation has is not there, whatever it might be.
+        let before = match first.value {
+            0.0 => "not seen".to_string(),
+            _ => say(first),
+        };
+        let after = match last.value {
+            0.0 => "not seen".to_string(),
+            _ => say(last),
+        };
+        found.push(Change {
+            robot: history.robot.to_string(),
+            day: course.days[onset].to_string(),
+            what: format!(
+                "{} changes: {before} on {}, {after} on {}. Chance would make it in {} fleets.",
+                label((&key.0, &key.1)),
+                course.days[onset - 1],
+                course.days[course.days.len() - 1],
+                one_in(chance)
+            ),
+            kind: "effect",
+            target: label((&key.0, &key.1)),
+            chance: Some(chance),
+        });
+    }
+    found
+}
+
+fn course_of_effect<'r>(rows: &[&'r Row], key: &Key, parameter: &str) -> Course<'r> {
+    let of = |row: &Row| match said(row, key) {
+        Said::Found(found) => found.parameters.get(parameter).copied().map(Some),
+        // It may be there or not.
+        Said::Possible => None,
+        Said::No => Some(None),
+    };
+    let known: Vec<(&Row, Option<Size>)> = rows
+        .iter()
+        .filter_map(|row| Some((*row, of(row)?)))
+        .collect();
+    let mut stds: Vec<f64> = known
+        .iter()
+        .filter_map(|(_, size)| size.map(|s| s.std))
+        .collect();
+    stds.sort_by(f64::total_cmp);
+    let typical = stds.get(stds.len() / 2).copied().unwrap_or(0.0);
+    let unseen = Size {
+        value: 0.0,
+        std: UNSEEN * typical,
+    };
+    let used: Vec<&Row> = known.iter().map(|(row, _)| *row).collect();
+    Course {
+        days: used.iter().map(|row| row.day.as_str()).collect(),
+        sizes: known
+            .iter()
+            .map(|(_, size)| size.unwrap_or(unseen))
+            .collect(),
+        freedom: freedom(&used),
+    }
+}
+
+/// Degrees of freedom of the deviations of all rows together.
+fn freedom(rows: &[&Row]) -> f64 {
+    let of =
+        |row: &&Row| (2.0 * row.independent as f64 - row.params.len() as f64).max(LEAST_FREEDOM);
+    rows.iter().map(of).sum()
+}
+
+/// Parameters that change, the clearest of them named.
+fn parameters(
+    history: &History,
+    rows: &[&Row],
+    widening: &[f64],
+    names: &BTreeMap<(String, String), Vec<String>>,
+    robots: f64,
+) -> Option<Change> {
+    let count = rows.iter().map(|row| row.params.len()).max()?;
+    let rows: Vec<&Row> = rows
+        .iter()
+        .copied()
+        .filter(|row| row.params.len() == count)
+        .collect();
+    let first = rows.first()?;
+    let mut changed: Vec<(f64, usize, usize, Course)> = Vec::new();
+    for k in 0..count {
+        let known: Vec<(&Row, Size)> = rows
+            .iter()
+            .filter_map(|row| Some((*row, size(row, k, widening)?)))
+            .collect();
+        let used: Vec<&Row> = known.iter().map(|(row, _)| *row).collect();
+        let course = Course {
+            days: used.iter().map(|row| row.day.as_str()).collect(),
+            sizes: known.iter().map(|(_, size)| *size).collect(),
+            freedom: freedom(&used),
+        };
+        if let Some((onset, chance)) = change(&course, count as f64 * robots) {
+            changed.push((chance, k, onset, course));
+        }
+    }
+    let others = changed.len().saturating_sub(1);
+    let (chance, k, onset, course) = changed.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let key = (first.urdf_hash.clone(), first.support.clone());
+    let name = names.get(&key).and_then(|names| names.get(k)).cloned();
+    let name = name.unwrap_or_else(|| format!("parameter {}", k + 1));
+    let say = |size: Size| format!("{:.3} ± {:.3} mm", 1e3 * size.value, 1e3 * size.std);
+    let others = match others {
+        0 => String::new(),
+        1 => " Another parameter changes with it.".to_string(),
+        n => format!(" {n} other parameters change with it."),
+    };
+    Some(Change {
+        robot: history.robot.to_string(),
+        day: course.days[onset].to_string(),
+        what: format!(
+            "{name} changes: {} on {}, {} on {}; no effect is named for it.{others} Chance would \
+             make it in {} fleets.",
+            say(course.sizes[onset - 1]),
+            course.days[onset - 1],
+            say(course.sizes[course.sizes.len() - 1]),
+            course.days[course.days.len() - 1],
+            one_in(chance)
+        ),
+        kind: "parameter",
+        target: name,
+        chance: Some(chance),
+    })
+}
+
+/// A parameter of a row with its widened deviation.
+fn size(row: &Row, k: usize, widening: &[f64]) -> Option<Size> {
+    let (value, std) = (*row.params.get(k)?, (*row.std.get(k)?)?);
+    let wide = widening.get(k).copied().unwrap_or(1.0);
+    (std > 0.0).then_some(Size {
+        value,
+        std: wide * std,
+    })
+}
+
+/// By how much days scatter more than their deviations say, parameter by parameter; 1 at least.
+fn widening(histories: &[History]) -> Vec<f64> {
+    let mut squares: Vec<Vec<f64>> = Vec::new();
+    for stretch in histories.iter().flat_map(History::stretches) {
+        for pair in stretch.windows(2) {
+            let count = pair[0].params.len();
+            if count != pair[1].params.len() {
+                continue;
+            }
+            squares.resize_with(squares.len().max(count), Vec::new);
+            for (k, squares) in squares.iter_mut().enumerate().take(count) {
+                if let (Some(a), Some(b)) = (size(pair[0], k, &[]), size(pair[1], k, &[])) {
+                    squares.push((a.value - b.value).powi(2) / (a.std.powi(2) + b.std.powi(2)));
+                }
+            }
+        }
+    }
+    let median = |mut all: Vec<f64>| {
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2)
+            .map_or(1.0, |m| (m / MEDIAN_OF_SQUARES).max(1.0).sqrt())
+    };
+    let together = median(squares.iter().flatten().copied().collect());
+    let each = squares
+        .into_iter()
+        .map(|own| match own.len() < DIFFERENCES {
+            true => together,
+            false => median(own),
+        });
+    each.collect()
+}
+
+/// Where a number changes, and the chance of it, where that is below the limit. `tests` are
+/// the numbers that are looked at, besides days.
+fn change(course: &Course, tests: f64) -> Option<(usize, f64)> {
+    let Split { onset, ln_p } = split(course)?;
+    let days = course.sizes.len() as f64 - 1.0;
+    // Of two kinds of numbers.
+    let chance = (ln_p + (2.0 * tests * days).ln()).exp().min(1.0);
+    (chance < FALSE_ALARM).then_some((onset, chance))
+}
+
+fn split(course: &Course) -> Option<Split> {
+    let n = course.sizes.len();
+    let z = |k: usize| {
+        let (before, after) = (mean(&course.sizes[..k]), mean(&course.sizes[k..]));
+        (after.value - before.value) / after.std.hypot(before.std)
+    };
+    let best = (1..n).max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs()))?;
+    let of = |k: usize| {
+        let (before, day) = (mean(&course.sizes[..k]), course.sizes[k]);
+        let own = (day.value - before.value) / day.std.hypot(before.std);
+        own.abs() > ONSET && own.signum() == z(best).signum()
+    };
+    // A drift is split best in its middle, and begins before.
+    let onset = (1..=best).find(|k| of(*k)).unwrap_or(best);
+    let law = StudentsT::new(0.0, 1.0, course.freedom.max(LEAST_FREEDOM)).ok()?;
+    let p = 2.0 * law.sf(z(best).abs());
+    let ln_p = p.max(f64::MIN_POSITIVE).ln();
+    z(best).is_finite().then_some(Split { onset, ln_p })
+}
+
+/// Mean weighted by 1/s².
+fn mean(sizes: &[Size]) -> Size {
+    let weight = |size: &Size| 1.0 / (size.std * size.std);
+    let sum: f64 = sizes.iter().map(weight).sum();
+    let value = sizes
+        .iter()
+        .map(|size| weight(size) * size.value)
+        .sum::<f64>()
+        / sum;
+    Size {
+        value,
+        std: sum.sqrt().recip(),
+    }
+}

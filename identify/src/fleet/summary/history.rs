@@ -1,0 +1,160 @@
+//! The rows of one robot in the order of its days.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::fleet::row::{EffectFound, Row, Size};
+
+/// Effect and target.
+pub(super) type Key = (String, String);
+
+/// One robot.
+pub(super) struct History<'r> {
+    pub robot: &'r str,
+    /// By day.
+    pub rows: Vec<&'r Row>,
+}
+
+/// The robots of a fleet in the order of their names.
+pub(super) fn histories(rows: &[Row]) -> Vec<History<'_>> {
+    let mut robots: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        robots.entry(&row.robot).or_default().push(row);
+    }
+    let mut histories = Vec::with_capacity(robots.len());
+    for (robot, mut rows) in robots {
+        rows.sort_by(|a, b| (&a.day, &a.urdf_hash).cmp(&(&b.day, &b.urdf_hash)));
+        histories.push(History { robot, rows });
+    }
+    histories
+}
+
+/// What a row says of an effect.
+#[derive(Clone, Copy)]
+pub(super) enum Said<'r> {
+    /// It is in the explanation.
+    Found(&'r EffectFound),
+    /// It is in another explanation that the data allow as well.
+    Possible,
+    /// It is in none.
+    No,
+}
+
+pub(super) fn said<'r>(row: &'r Row, (effect, target): &Key) -> Said<'r> {
+    let is_it = |found: &&EffectFound| found.effect == *effect && found.target == *target;
+    if let Some(found) = row.effects.iter().find(is_it) {
+        return Said::Found(found);
+    }
+    let label = label((effect, target));
+    let instead = row
+        .effects
+        .iter()
+        .flat_map(|found| found.instead.iter().flatten());
+    match instead.into_iter().any(|other| *other == label) {
+        true => Said::Possible,
+        false => Said::No,
+    }
+}
+
+/// As diagnoses write it: `effect:target`, or `effect`.
+pub(super) fn label((effect, target): (&str, &str)) -> String {
+    match target {
+        "-" => effect.to_string(),
+        target => format!("{effect}:{target}"),
+    }
+}
+
+impl<'r> History<'r> {
+    /// Rows that say something of the robot.
+    pub fn usable(&self) -> impl Iterator<Item = &'r Row> {
+        self.rows.iter().copied().filter(|row| row.is_usable())
+    }
+
+    /// Rows whose numbers can be held against each other: one URDF and support, and joints
+    /// that are where the log says.
+    pub fn stretches(&self) -> Vec<Vec<&'r Row>> {
+        let mut stretches: BTreeMap<(&str, &str), Vec<&Row>> = BTreeMap::new();
+        let sound = |row: &&Row| {
+            let stuck = |f: &crate::health::Finding| f.kind == crate::health::Kind::EncoderStuck;
+            !row.health.iter().any(stuck)
+        };
+        for row in self.usable().filter(sound) {
+            let key = (row.urdf_hash.as_str(), row.support.as_str());
+            stretches.entry(key).or_default().push(row);
+        }
+        stretches.into_values().collect()
+    }
+
+    /// Every effect of any explanation.
+    pub fn keys(&self) -> BTreeSet<Key> {
+        let effects = self.usable().flat_map(|row| &row.effects);
+        effects
+            .map(|found| (found.effect.clone(), found.target.clone()))
+            .collect()
+    }
+}
+
+/// The parameter of an effect that is largest beside its deviation.
+pub(super) fn principal<'a>(found: impl Iterator<Item = &'a EffectFound>) -> Option<String> {
+    let mut told: BTreeMap<&str, f64> = BTreeMap::new();
+    for (name, size) in found.flat_map(|found| &found.parameters) {
+        *told.entry(name).or_default() += (size.value / size.std.max(f64::MIN_POSITIVE)).powi(2);
+    }
+    let best = told.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    best.map(|(name, _)| name.to_string())
+}
+
+/// Mean of values with deviations of their own, which scatter by more if they do.
+///
+/// ```text
+/// μ = Σ w_i x_i / Σ w_i     w_i = 1/(s_i² + τ²)     τ² = max(0, (Q − (n−1)) / (Σ u_i − Σ u_i²/Σ u_i))
+/// ```
+///
+/// with u_i = 1/s_i² and Q = Σ u_i (x_i − x̄)² (DerSimonian and Laird 1986). Gives μ with its
+/// deviation, and τ.
+pub(super) fn pooled(values: &[Size]) -> Option<(Size, f64)> {
+    let known: Vec<Size> = values.iter().copied().filter(|v| v.std > 0.0).collect();
+    if known.is_empty() {
+        return None;
+    }
+    let mean = |tau2: f64| {
+        let weight = |v: &Size| 1.0 / (v.std * v.std + tau2);
+        let sum: f64 = known.iter().map(weight).sum();
+        let value = known.iter().map(|v| weight(v) * v.value).sum::<f64>() / sum;
+        (value, sum)
+    };
+    let (first, sum) = mean(0.0);
+    let u = |v: &Size| 1.0 / (v.std * v.std);
+    let q: f64 = known.iter().map(|v| u(v) * (v.value - first).powi(2)).sum();
+    let squares: f64 = known.iter().map(|v| u(v) * u(v)).sum();
+    let free = known.len() as f64 - 1.0;
+    let tau2 = match known.len() {
+        1 => 0.0,
+        _ => ((q - free) / (sum - squares / sum)).max(0.0),
+    };
+    let (value, sum) = mean(tau2);
+    let std = sum.sqrt().recip();
+    Some((Size { value, std }, tau2.sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_scatter_more_than_they_should_are_known_less_well() {
+        let of = |values: &[f64]| {
+            let sizes: Vec<Size> = values
+                .iter()
+                .map(|&value| Size { value, std: 0.1 })
+                .collect();
+            pooled(&sizes).unwrap()
+        };
+        let (mean, tau) = of(&[1.0, 1.05, 0.95, 1.0]);
+        assert!((mean.value - 1.0).abs() < 1e-12 && tau == 0.0);
+        assert!((mean.std - 0.05).abs() < 1e-12);
+        // Q = 100 · 2 = 200, of 1 that was to be expected: τ² = 199 / 100.
+        let (mean, tau) = of(&[0.0, 2.0]);
+        assert!((tau * tau - 1.99).abs() < 1e-9, "{tau}");
+        assert!((mean.std - 1.0).abs() < 1e-9, "{}", mean.std);
+    }
+}

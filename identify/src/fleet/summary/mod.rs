@@ -1,0 +1,60 @@
+//! What the rows of a fleet say together: a pure function of the rows.
+//!
+//! ```text
+//! rows ─▶ robots (days in order) ─▶ shared effects ─┐
+//!                                └▶ changes ────────┴▶ what to look at first
+//!                                └▶ population of the parameters
+//! ```
+
+mod changes;
+mod criteria;
+mod history;
+mod look_first;
+mod population;
+mod shared;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+pub use changes::Change;
+pub use criteria::FALSE_ALARM;
+pub use look_first::Reason;
+pub use population::Population;
+pub use shared::Shared;
+
+use super::row::Row;
+
+/// What the rows say together.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Summary {
+    /// Effects that robots share, those of most robots first.
+    pub shared: Vec<Shared>,
+    /// What changed, robot by robot.
+    pub changes: Vec<Change>,
+    /// Robots, the first to look at first; those of which nothing is to be said are left out.
+    pub look_first: Vec<String>,
+    /// Why, in the same order.
+    pub reasons: Vec<Reason>,
+    /// How the parameters of robots are spread, of the URDF that most robots have.
+    pub population: Option<Population>,
+}
+
+/// What the rows say together. `names` are those of the base parameters by the hash of the
+/// URDF and the support; without them parameters are numbered.
+pub fn summary(rows: &[Row], names: &BTreeMap<(String, String), Vec<String>>) -> Summary {
+    let histories = history::histories(rows);
+    let shared = shared::shared(&histories);
+    let changes = changes::changes(&histories, names);
+    let reasons = look_first::reasons(&histories, &shared, &changes);
+    Summary {
+        look_first: reasons.iter().map(|reason| reason.robot.clone()).collect(),
+        reasons,
+        population: population::population(&histories, names),
+        shared,
+        changes,
+    }
+}

@@ -1,0 +1,276 @@
+//! Effects that robots share: one batch of servos, one firmware, one error of the URDF.
+//!
+//! ```text
+//! v_i = μ + b_i + e_i      b_i ~ N(0, τ²): the robot's own      e_i ~ N(0, s_i²): the estimate's
+//! ```
+//!
+//! v_i is the size of one effect at one target in robot i over its days. μ is what the robots
+//! share, and τ how far each is from it, both by empirical Bayes.
+//!
+//! Whether k of n robots agree by chance is asked of the smallest window of width w that holds
+//! them. If sizes were spread evenly over R (twice the largest of this effect anywhere in the
+//! fleet), and faults over T targets, then
+//!
+//! ```text
+//! p_sizes  = (n − 1) C(n, k) k (w/R)^(k−1)        some k of n agree so well
+//! p_target = P(Binomial(N, 1/T) ≥ n)              so many have this target
+//! p        = x (1 − ln x)    with x = p_sizes p_target, two independent chances
+//! ```
+//!
+//! with N robots that have this effect at any target, and T one more than the targets seen. p,
+//! times the number of effects and targets that were looked at, has to be below
+//! [`FALSE_ALARM`].
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+use statrs::distribution::{Binomial, DiscreteCDF as _};
+use statrs::function::gamma::ln_gamma;
+
+use super::criteria::FALSE_ALARM;
+use super::history::{History, Key, Said, label, pooled, principal, said};
+use crate::diagnose::words::{Found, named};
+use crate::fleet::row::Size;
+
+/// Part of the rows of a robot that an effect has to be possible in to be the robot's.
+const LASTING: f64 = 0.5;
+/// Robots of a group differ by at most this part of its size.
+const ALIKE: f64 = 0.5;
+/// A window is no narrower than this many deviations of an estimate.
+const LEAST_WINDOW: f64 = 2.0;
+
+/// An effect that robots share.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Shared {
+    /// Name of the effect: `joint_offset`.
+    pub effect: String,
+    /// Joint, link or cell; `-` for the whole.
+    pub target: String,
+    /// The parameter that `size` is of; its end is the unit.
+    pub parameter: String,
+    /// The robots.
+    pub robots: Vec<String>,
+    /// What they share.
+    pub size: f64,
+    /// Its standard deviation.
+    pub std: f64,
+    /// Standard deviation of what each robot has of its own beside it.
+    pub own_std: f64,
+    /// The most that chance would make of it in a fleet whose robots share nothing.
+    pub chance: f64,
+    /// The same as a sentence.
+    pub sentence: String,
+}
+
+/// An effect in one robot over all its days.
+struct Member<'r> {
+    robot: &'r str,
+    size: Size,
+}
+
+/// Robots with an effect at a target.
+struct Candidate<'r> {
+    key: Key,
+    parameter: String,
+    members: Vec<Member<'r>>,
+}
+
+pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
+    let keys: BTreeSet<Key> = histories.iter().flat_map(History::keys).collect();
+    let mut open: Vec<Candidate> = keys
+        .into_iter()
+        .filter_map(|key| candidate(histories, key))
+        .collect();
+    let looked_at = open.iter().filter(|c| c.members.len() > 1).count().max(1);
+    let scale = scales(&open);
+    let mut found = Vec::new();
+    // What most robots have is judged first: robots that it explains are not asked for what
+    // could be in its place.
+    loop {
+        open.sort_by(|a, b| (b.members.len(), &a.key).cmp(&(a.members.len(), &b.key)));
+        let Some(at) = (0..open.len()).find(|at| open[*at].members.len() > 1) else {
+            break;
+        };
+        let candidate = open.remove(at);
+        let (range, robots, targets) = scale[&candidate.key.0];
+        let group = group(&candidate, range, (robots, targets), looked_at as f64);
+        let Some(group) = group else { continue };
+        for other in &mut open {
+            let taken = |member: &Member| {
+                let robot = histories
+                    .iter()
+                    .find(|history| history.robot == member.robot);
+                group.robots.iter().any(|name| name == member.robot)
+                    && robot.is_some_and(|robot| never_together(robot, &candidate.key, &other.key))
+            };
+            let kept = other.members.iter().map(|member| !taken(member));
+            let mut kept = kept.collect::<Vec<bool>>().into_iter();
+            other.members.retain(|_| kept.next().unwrap_or(true));
+        }
+        found.push(group);
+    }
+    found.sort_by(|a, b| {
+        b.robots
+            .len()
+            .cmp(&a.robots.len())
+            .then(a.chance.total_cmp(&b.chance))
+    });
+    found
+}
+
+/// Whether no row of a robot is explained by both.
+fn never_together(robot: &History, one: &Key, other: &Key) -> bool {
+    !robot.rows.iter().any(|row| {
+        matches!(said(row, one), Said::Found(_)) && matches!(said(row, other), Said::Found(_))
+    })
+}
+
+/// Robots whose rows have an effect most of the time.
+fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
+    let found = histories
+        .iter()
+        .flat_map(History::usable)
+        .filter_map(|row| match said(row, &key) {
+            Said::Found(found) => Some(found),
+            Said::Possible | Said::No => None,
+        });
+    let parameter = principal(found)?;
+    let member = |history: &History<'r>| {
+        let (mut rows, mut possible, mut sizes) = (0, 0, Vec::new());
+        for row in history.usable() {
+            rows += 1;
+            match said(row, &key) {
+                Said::Found(found) => {
+                    possible += 1;
+                    sizes.extend(found.parameters.get(&parameter).copied());
+                }
+                Said::Possible => possible += 1,
+                Said::No => {}
+            }
+        }
+        let lasts = possible as f64 >= LASTING * rows as f64;
+        let (size, _) = pooled(&sizes).filter(|_| lasts)?;
+        Some(Member {
+            robot: history.robot,
+            size,
+        })
+    };
+    let members: Vec<Member> = histories.iter().filter_map(member).collect();
+    Some(Candidate {
+        key,
+        parameter,
+        members,
+    })
+    .filter(|candidate| !candidate.members.is_empty())
+}
+
+/// Of every effect: how far its sizes reach, how many robots have it, at how many targets.
+fn scales(all: &[Candidate]) -> BTreeMap<String, (f64, usize, usize)> {
+    let mut scales: BTreeMap<String, (f64, usize, usize)> = BTreeMap::new();
+    for candidate in all {
+        let (range, robots, targets) = scales.entry(candidate.key.0.clone()).or_default();
+        let largest = candidate
+            .members
+            .iter()
+            .map(|m| m.size.value.abs())
+            .fold(0.0, f64::max);
+        *range = range.max(2.0 * largest);
+        *robots += candidate.members.len();
+        *targets += 1;
+    }
+    scales
+}
+
+/// The robots of a candidate that agree most clearly, if that is beyond chance.
+fn group(
+    candidate: &Candidate,
+    range: f64,
+    (robots, targets): (usize, usize),
+    looked_at: f64,
+) -> Option<Shared> {
+    let mut members: Vec<&Member> = candidate.members.iter().collect();
+    members.sort_by(|a, b| a.size.value.total_cmp(&b.size.value));
+    let n = members.len();
+    let mut best: Option<(f64, usize, usize)> = None;
+    for i in 0..n {
+        for j in i + 1..n {
+            let of = &members[i..=j];
+            let (low, high) = (of[0].size.value, of[of.len() - 1].size.value);
+            let middle = 0.5 * (low + high).abs();
+            if high - low > ALIKE * middle {
+                break;
+            }
+            let std = of.iter().map(|m| m.size.std).sum::<f64>() / of.len() as f64;
+            let width = (high - low).max(LEAST_WINDOW * std);
+            let chance = ln_chance(n, of.len(), width / range, robots, targets);
+            if best.is_none_or(|(least, ..)| chance < least) {
+                best = Some((chance, i, j));
+            }
+        }
+    }
+    let (ln_chance, i, j) = best?;
+    let chance = (ln_chance.exp() * looked_at).min(1.0);
+    if chance > FALSE_ALARM {
+        return None;
+    }
+    let sizes: Vec<Size> = members[i..=j].iter().map(|m| m.size).collect();
+    let (size, own_std) = pooled(&sizes)?;
+    let mut robots: Vec<String> = members[i..=j].iter().map(|m| m.robot.to_string()).collect();
+    robots.sort();
+    let (effect, target) = candidate.key.clone();
+    let said = named(&Found {
+        name: &candidate.parameter,
+        value: size.value,
+        std: size.std,
+    });
+    let own = named(&Found {
+        name: &candidate.parameter,
+        value: own_std,
+        std: 0.0,
+    });
+    let own = match own_std > 0.0 {
+        true => format!(
+            "each differs from it by {} RMS",
+            own.split(" ±").next().unwrap_or(&own)
+        ),
+        false => "they differ by no more than their uncertainty".to_string(),
+    };
+    let sentence = format!(
+        "{} robots share {}: {said}; {own}. Chance would make such a group in {} fleets.",
+        robots.len(),
+        label((&effect, &target)),
+        one_in(chance)
+    );
+    Some(Shared {
+        effect,
+        target,
+        parameter: candidate.parameter.clone(),
+        robots,
+        size: size.value,
+        std: size.std,
+        own_std,
+        chance,
+        sentence,
+    })
+}
+
+/// `1 of 1000`, or of as many more.
+pub(super) fn one_in(chance: f64) -> String {
+    match chance {
+        p if p < 1e-9 => "less than 1 of a billion".to_string(),
+        p => format!("1 of {:.0}", 1.0 / p),
+    }
+}
+
+/// ln of the probability above.
+fn ln_chance(n: usize, k: usize, part: f64, robots: usize, targets: usize) -> f64 {
+    let ln_factorial = |x: usize| ln_gamma(x as f64 + 1.0);
+    let choose = ln_factorial(n) - ln_factorial(k) - ln_factorial(n - k);
+    let within = (k as f64 - 1.0) * part.clamp(1e-12, 1.0).ln();
+    let sizes = (n as f64 - 1.0).ln() + choose + (k as f64).ln() + within;
+    let law = Binomial::new(1.0 / (targets as f64 + 1.0), robots as u64);
+    let target = law.map_or(0.0, |law| law.sf(n as u64 - 1).max(1e-300).ln());
+    let both = sizes.min(0.0) + target.min(0.0);
+    both + (1.0 - both).ln()
+}

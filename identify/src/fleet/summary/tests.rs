@@ -1,0 +1,239 @@
+//! Fleets of rows that are drawn, not diagnosed: what is known of them is known exactly.
+
+use std::collections::BTreeMap;
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+
+use super::*;
+use crate::fleet::row::{EffectFound, Size};
+
+/// Deviation of a drawn offset, rad, and of a drawn parameter, m.
+const STD: f64 = 0.001;
+const PARAMS: usize = 43;
+
+struct Drawn {
+    random: ChaCha8Rng,
+    rows: Vec<Row>,
+}
+
+impl Drawn {
+    /// A row for each robot and day, parameters with noise alone.
+    fn fleet(robots: usize, days: usize, seed: u64) -> Drawn {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut rows = Vec::new();
+        for robot in 0..robots {
+            for day in 1..=days {
+                let mut normal = |_| -> f64 { StandardNormal.sample(&mut random) };
+                rows.push(Row {
+                    robot: format!("r{robot:02}"),
+                    day: day.to_string(),
+                    urdf_hash: "a".into(),
+                    support: "sole".into(),
+                    postures: 60,
+                    independent: 60,
+                    verdict: "none".into(),
+                    params: (0..PARAMS).map(|k| STD * normal(k)).collect(),
+                    std: vec![Some(STD); PARAMS],
+                    ..Row::default()
+                });
+            }
+        }
+        Drawn { random, rows }
+    }
+
+    fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.random)
+    }
+
+    /// An offset of a robot's joint on the days from `from` on.
+    fn offset(&mut self, robot: usize, joint: &str, size: f64, from: usize) {
+        for k in 0..self.rows.len() {
+            let value = size + STD * self.normal();
+            let row = &mut self.rows[k];
+            let day: usize = row.day.parse().unwrap();
+            if row.robot != format!("r{robot:02}") || day < from {
+                continue;
+            }
+            row.verdict = "named".into();
+            row.effects.push(EffectFound {
+                effect: "joint_offset".into(),
+                target: joint.into(),
+                parameters: [("offset_rad".to_string(), Size { value, std: STD })].into(),
+                evidence: 100.0,
+                instead: Vec::new(),
+            });
+        }
+    }
+
+    fn summary(&self) -> Summary {
+        summary(&self.rows, &BTreeMap::new())
+    }
+}
+
+#[test]
+fn a_batch_is_found_with_its_size_and_its_robots_alone() {
+    let mut fleet = Drawn::fleet(60, 7, 1);
+    let batch = [3, 8, 15, 22, 29, 36, 43, 50];
+    for robot in batch {
+        // Each of the batch differs from it by half a milliradian of its own.
+        let own = 5e-4 * fleet.normal();
+        fleet.offset(robot, "l_knee", 0.03 + own, 1);
+    }
+    // Robots with offsets of their own, of this joint too.
+    fleet.offset(5, "l_knee", -0.05, 1);
+    fleet.offset(9, "r_knee", 0.03, 1);
+    fleet.offset(9, "l_el", 0.08, 1);
+    let found = fleet.summary();
+    assert_eq!(found.shared.len(), 1, "{:?}", found.shared);
+    let shared = &found.shared[0];
+    assert_eq!(
+        (shared.effect.as_str(), shared.target.as_str()),
+        ("joint_offset", "l_knee")
+    );
+    assert_eq!(shared.robots, batch.map(|robot| format!("r{robot:02}")));
+    // The mean of eight that differ by 0.5 mrad, known to 1/√7 mrad each.
+    assert!((shared.size - 0.03).abs() < 4.0 * shared.std, "{shared:?}");
+    assert!((1e-4..4e-4).contains(&shared.std), "{shared:?}");
+    assert!(shared.own_std < 1.5e-3, "{shared:?}");
+    assert!(found.changes.is_empty(), "{:?}", found.changes);
+    // The robot with two offsets of its own comes first.
+    assert_eq!(found.look_first[0], "r09");
+    assert_eq!(found.look_first.len(), 10);
+}
+
+/// Offsets of random sizes at random joints: whoever shares one does so by chance.
+#[test]
+fn robots_that_share_nothing_are_no_group() {
+    let mut alarms = 0;
+    for seed in 0..200 {
+        let mut fleet = Drawn::fleet(40, 2, seed);
+        for robot in 0..40 {
+            if fleet.random.random_bool(0.4) {
+                let joint = format!("joint_{}", fleet.random.random_range(0..6));
+                let sign = if fleet.random.random_bool(0.5) {
+                    1.0
+                } else {
+                    -1.0
+                };
+                let size = sign * (0.01 + 0.07 * fleet.random.random::<f64>());
+                fleet.offset(robot, &joint, size, 1);
+            }
+        }
+        alarms += usize::from(!fleet.summary().shared.is_empty());
+    }
+    // 1 % of 200 are 2; more than 7 would be seen once in 1000 such tests.
+    assert!(alarms <= 7, "{alarms} of 200 fleets");
+}
+
+#[test]
+fn days_that_differ_by_noise_alone_are_no_change() {
+    let alarms =
+        (0..200).filter(|seed| !Drawn::fleet(30, 7, 500 + seed).summary().changes.is_empty());
+    let alarms = alarms.count();
+    assert!(alarms <= 7, "{alarms} of 200 fleets");
+}
+
+/// Days of a real fleet may scatter by more than their deviations say.
+#[test]
+fn deviations_that_are_too_small_raise_no_alarm() {
+    let alarms = (0..50).filter(|seed| {
+        let mut fleet = Drawn::fleet(30, 7, 900 + seed);
+        fleet
+            .rows
+            .iter_mut()
+            .for_each(|row| row.std = vec![Some(STD / 3.0); PARAMS]);
+        !fleet.summary().changes.is_empty()
+    });
+    let alarms = alarms.count();
+    assert!(alarms <= 3, "{alarms} of 50 fleets");
+}
+
+#[test]
+fn a_step_and_a_drift_are_told_with_their_first_day() {
+    let mut fleet = Drawn::fleet(60, 7, 7);
+    // A parameter steps by twelve deviations, and an offset drifts by eight a day.
+    for row in fleet
+        .rows
+        .iter_mut()
+        .filter(|row| row.robot == "r10" && row.day.as_str() >= "3")
+    {
+        row.params[5] += 12.0 * STD;
+    }
+    for (k, day) in (4..=7).enumerate() {
+        let before = fleet.rows.clone();
+        fleet.offset(20, "r_ank_pitch", 8.0 * STD * (k + 1) as f64, day);
+        for (row, old) in fleet.rows.iter_mut().zip(before) {
+            if row.day != day.to_string() {
+                *row = old;
+            }
+        }
+    }
+    let changes = fleet.summary().changes;
+    let said: Vec<(&str, &str, &str)> = changes
+        .iter()
+        .map(|c| (c.robot.as_str(), c.day.as_str(), c.kind))
+        .collect();
+    assert_eq!(
+        said,
+        [("r10", "3", "parameter"), ("r20", "4", "effect")],
+        "{changes:?}"
+    );
+    assert_eq!(changes[1].target, "joint_offset:r_ank_pitch");
+    assert!(
+        changes[1].what.contains("not seen on 3"),
+        "{}",
+        changes[1].what
+    );
+}
+
+#[test]
+fn a_new_urdf_is_a_change_and_its_parameters_are_not_compared() {
+    let mut fleet = Drawn::fleet(30, 6, 8);
+    for row in fleet
+        .rows
+        .iter_mut()
+        .filter(|row| row.robot == "r04" && row.day.as_str() >= "4")
+    {
+        row.urdf_hash = "b".into();
+        row.params.iter_mut().for_each(|x| *x += 100.0 * STD);
+    }
+    let changes = fleet.summary().changes;
+    assert_eq!(changes.len(), 1, "{changes:?}");
+    assert_eq!((changes[0].kind, changes[0].day.as_str()), ("urdf", "4"));
+}
+
+/// Robots differ in one parameter by ten deviations of an estimate, in the others by nothing.
+#[test]
+fn the_covariance_between_robots_is_that_without_noise() {
+    let mut fleet = Drawn::fleet(60, 1, 9);
+    for k in 0..60 {
+        let own = 10.0 * STD * fleet.normal();
+        fleet.rows[k].params[3] += own;
+    }
+    let population = fleet.summary().population.unwrap();
+    assert_eq!((population.robots, population.names.len()), (60, PARAMS));
+    let own = population.covariance[3][3].sqrt();
+    assert!((own / (10.0 * STD) - 1.0).abs() < 0.3, "{own}");
+    let others = (0..PARAMS)
+        .filter(|k| *k != 3)
+        .map(|k| population.covariance[k][k].sqrt());
+    assert!(
+        others.clone().all(|x| x < 1.5 * STD),
+        "{:?}",
+        others.collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn the_order_of_rows_says_nothing() {
+    let mut fleet = Drawn::fleet(20, 3, 11);
+    for robot in [2, 5, 7, 11] {
+        fleet.offset(robot, "l_knee", 0.03, 1);
+    }
+    let forward = fleet.summary();
+    fleet.rows.reverse();
+    assert_eq!(forward, fleet.summary());
+    assert_eq!(forward.shared.len(), 1);
+}

@@ -1,0 +1,51 @@
+//! A fleet: on the console, and as a page.
+
+mod page;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use page::page;
+pub use text::text;
+
+use sesc_identify::fleet::{EffectFound, Twice};
+
+/// `joint_offset:l_knee`, or `ground_slope`.
+fn label(found: &EffectFound) -> String {
+    match found.target.as_str() {
+        "-" => found.effect.clone(),
+        target => format!("{}:{target}", found.effect),
+    }
+}
+
+/// What became of a log that came twice.
+fn twice(twice: &Twice) -> String {
+    let what = match twice.counted_once {
+        true => "counted once",
+        false => "which is of another robot or day: counted in both",
+    };
+    format!("{} has the bytes of {}: {what}", twice.input, twice.same_as)
+}
+
+/// `1 robot`, `2 robots`.
+fn count(n: usize, what: &str) -> String {
+    match n {
+        1 => format!("1 {what}"),
+        n => format!("{n} {what}s"),
+    }
+}
+
+/// The result in a line: what robots share, what changed, what failed.
+fn headline(shared: usize, changes: usize, failed: usize) -> String {
+    let counted = |n: usize, one: &str, several: &str| match n {
+        0 => format!("no {one}"),
+        1 => format!("1 {one}"),
+        n => format!("{n} {several}"),
+    };
+    [
+        counted(shared, "shared effect", "shared effects"),
+        counted(changes, "change", "changes"),
+        counted(failed, "log with errors", "logs with errors"),
+    ]
+    .join(", ")
+}

@@ -1,0 +1,125 @@
+//! The tested fleet, small: what is wrong in it is named, and nothing else. The whole one is
+//! counted in docs/study-fleet.md.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+use sesc_test_support::command::{folder, op2, sesc, stdout};
+use sesc_virtual::fleet::{BATCH, DRIFT, Fleet, STUCK};
+
+fn strings(list: &Value) -> Vec<&str> {
+    let list = list.as_array().unwrap().iter();
+    list.map(|text| text.as_str().unwrap()).collect()
+}
+
+#[test]
+fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
+    let folder = folder();
+    let folder = folder.path();
+    let hidden = Fleet::sound(11, 4, 4).with_faults(4);
+    hidden.write(folder).unwrap();
+    let at = |name: &str| folder.join(name).display().to_string();
+    let (urdf, data) = (op2(), at("logs"));
+    let (out, report) = (at("fleet.csv"), at("fleet.html"));
+    let output = sesc(&[
+        "fleet", &urdf, "--data", &data, "--out", &out, "--report", &report, "--json",
+    ]);
+    let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(json["groups"], 44);
+
+    // The batch, with its size and its robots.
+    let shared = json["shared"].as_array().unwrap();
+    assert_eq!(shared.len(), 1, "{shared:#?}");
+    assert_eq!(shared[0]["effect"], "joint_offset");
+    assert_eq!(shared[0]["target"], BATCH.0);
+    let batch: Vec<String> = hidden
+        .batch
+        .iter()
+        .map(|robot| Fleet::name(*robot))
+        .collect();
+    assert_eq!(strings(&shared[0]["robots"]), batch);
+    let (size, std) = (
+        shared[0]["size"].as_f64().unwrap(),
+        shared[0]["std"].as_f64().unwrap(),
+    );
+    assert!(
+        (size - BATCH.1).abs() < 4.0 * std && std < 0.2 * BATCH.1,
+        "{size} ± {std}"
+    );
+
+    // The drift with its first day, and the new URDF.
+    let (drifts, from) = hidden.drifts.unwrap();
+    let (other, since) = hidden.urdf.unwrap();
+    let changes: BTreeSet<(&str, &str)> = json["changes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|change| {
+            (
+                change["robot"].as_str().unwrap(),
+                change["day"].as_str().unwrap(),
+            )
+        })
+        .collect();
+    let name = Fleet::name;
+    let (drifts, from, other, since) = (
+        name(drifts),
+        from.to_string(),
+        name(other),
+        since.to_string(),
+    );
+    let expected = [
+        (drifts.as_str(), from.as_str()),
+        (other.as_str(), since.as_str()),
+    ];
+    assert_eq!(changes, expected.into(), "{:#}", json["changes"]);
+    let drift = json["changes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|c| c["robot"] == *drifts)
+        .unwrap();
+    assert!(
+        drift["what"].as_str().unwrap().contains(DRIFT.0),
+        "{drift:#}"
+    );
+
+    // Whoever has something is to be looked at, and nobody else.
+    let stuck = name(hidden.stuck.unwrap());
+    let mut known: BTreeSet<String> = batch.into_iter().collect();
+    known.extend([drifts, other, stuck.clone()]);
+    known.extend(hidden.truncated.iter().map(|(robot, _)| name(*robot)));
+    let first = strings(&json["look_first"]);
+    assert_eq!(
+        first
+            .iter()
+            .map(|robot| robot.to_string())
+            .collect::<BTreeSet<_>>(),
+        known
+    );
+    let why = json["reasons"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|r| r["robot"] == *stuck)
+        .unwrap();
+    assert!(why["why"].as_str().unwrap().contains(STUCK), "{why:#}");
+    assert_eq!(
+        json["failed"].as_array().unwrap().len(),
+        hidden.truncated.len()
+    );
+    assert_eq!(json["twice"].as_array().unwrap().len(), 1);
+
+    // The page says the same and loads nothing.
+    let page = std::fs::read_to_string(report).unwrap();
+    for text in [
+        "1 shared effect, 2 changes, 2 logs with errors",
+        "4 robots share",
+        "log_again.csv",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    for outside in ["http", "src=", "@import", "url(", "<script"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+}

@@ -1,0 +1,200 @@
+//! The study of fleets: the tested fleet, in which a batch of robots shares an offset, one
+//! drifts, one encoder is stuck, one URDF is new, two logs are cut and one comes twice; and
+//! fleets in which nothing is hidden, of which every shared effect and every change is a false
+//! alarm.
+//!
+//! Every fleet has a seed: the same command counts the same logs again.
+
+use std::collections::BTreeSet;
+use std::error::Error;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Args;
+use sesc_identify::fleet::summary::{Summary, summary};
+use sesc_identify::fleet::{Fleet as Found, Request, inputs, run};
+use sesc_identify::robot::Robot;
+use sesc_virtual::fleet::{BATCH, DRIFT, Fleet, STUCK};
+
+/// How many fleets.
+#[derive(Args)]
+pub struct StudyFleet {
+    /// Fleets with the faults of the tested fleet
+    #[arg(long, default_value_t = 3)]
+    faulty: u64,
+    /// Fleets in which nothing is hidden
+    #[arg(long, default_value_t = 20)]
+    sound: u64,
+    /// Robots of a fleet
+    #[arg(long, default_value_t = 60)]
+    robots: usize,
+    /// Days
+    #[arg(long, default_value_t = 7)]
+    days: usize,
+    /// The first fleet's seed; each further one's is one more
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Threads
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+    /// Only write the logs of the tested fleet into this folder
+    #[arg(long, value_name = "DIR")]
+    write: Option<PathBuf>,
+    /// Where the table goes, instead of docs/study-fleet.md
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl StudyFleet {
+    /// Make the fleets, and write the table.
+    ///
+    /// # Errors
+    /// What cannot be hidden, read or written.
+    pub fn run(&self, root: &Path) -> Result<(), Box<dyn Error>> {
+        let faulty = |seed| Fleet::sound(self.robots, self.days, seed).with_faults(8);
+        if let Some(folder) = &self.write {
+            faulty(self.seed).write(folder)?;
+            return Ok(());
+        }
+        let mut text = format!(
+            "# Fleets\n\n`cargo xtask study-fleet --faulty {} --sound {} --robots {} --days {} --seed {}`: virtual \
+             OP2s, {} robots, {} days, 60 postures a day, 0.1 mm of noise on each.\n\n## With faults\n\nEight robots \
+             share an offset of {} ({} rad), one drifts in {} ({} rad a day), one has a stuck encoder ({STUCK}), one \
+             another URDF from a day on, two logs are cut in the middle of a row, one is delivered twice.\n\n\
+             | seed | shared: robots of the batch found, others | size, rad | drift: day told, day true | other changes \
+             | stuck encoder | URDF | cut logs | twice | robots to look at of none | s |\n\
+             |---|---|---|---|---|---|---|---|---|---|---|\n",
+            self.faulty,
+            self.sound,
+            self.robots,
+            self.days,
+            self.seed,
+            self.robots,
+            self.days,
+            BATCH.0,
+            BATCH.1,
+            DRIFT.0,
+            DRIFT.1
+        );
+        for seed in self.seed..self.seed + self.faulty {
+            let fleet = faulty(seed);
+            let (found, summary, seconds) = self.look(&fleet)?;
+            writeln!(text, "{}", row(seed, &fleet, &found, &summary, seconds))?;
+            eprintln!("{}", text.lines().last().unwrap_or_default());
+        }
+        text += "\n## Nothing hidden\n\n| seed | rows | verdicts but none and absorbed | shared effects | changes | robots to look at |\n|---|---|---|---|---|---|\n";
+        let (mut shared, mut changed) = (0, 0);
+        for seed in 1000 + self.seed..1000 + self.seed + self.sound {
+            let (found, summary, _) = self.look(&Fleet::sound(self.robots, self.days, seed))?;
+            let named = found
+                .rows
+                .iter()
+                .filter(|row| !matches!(row.verdict.as_str(), "none" | "absorbed"));
+            writeln!(
+                text,
+                "| {seed} | {} | {} | {} | {} | {} |",
+                found.rows.len(),
+                named.count(),
+                summary.shared.len(),
+                summary.changes.len(),
+                summary.look_first.join(", ")
+            )?;
+            eprintln!("{}", text.lines().last().unwrap_or_default());
+            shared += usize::from(!summary.shared.is_empty());
+            changed += usize::from(!summary.changes.is_empty());
+        }
+        writeln!(
+            text,
+            "\nOf {} fleets in which nothing is hidden, {shared} had a shared effect and {changed} a change.",
+            self.sound
+        )?;
+        let out = self
+            .out
+            .clone()
+            .unwrap_or_else(|| root.join("docs/study-fleet.md"));
+        fs::write(&out, text)?;
+        eprintln!("wrote {}", out.display());
+        Ok(())
+    }
+
+    fn look(&self, fleet: &Fleet) -> Result<(Found, Summary, f64), Box<dyn Error>> {
+        let folder = tempfile::tempdir()?;
+        let urdf = fleet.write(folder.path())?;
+        let start = Instant::now();
+        let pattern = folder.path().join("logs/robot=*/day=*/*.csv");
+        let by = ["robot".to_string(), "day".to_string()];
+        let logs = inputs(&[pattern.display().to_string()], &by)?;
+        let mut request = Request::new(Arc::new(Robot::read(&urdf)?), logs);
+        request.threads = Some(self.threads);
+        let found = run(&request, &mut ())?;
+        let summary = summary(&found.rows, &found.names);
+        Ok((found, summary, start.elapsed().as_secs_f64()))
+    }
+}
+
+/// A line of the table.
+fn row(seed: u64, fleet: &Fleet, found: &Found, summary: &Summary, seconds: f64) -> String {
+    let name = Fleet::name;
+    let batch: BTreeSet<String> = fleet.batch.iter().map(|robot| name(*robot)).collect();
+    let own = summary.shared.iter().find(|s| s.target == BATCH.0);
+    let robots = own.map_or(0, |s| {
+        s.robots
+            .iter()
+            .filter(|robot| batch.contains(*robot))
+            .count()
+    });
+    let others = summary.shared.iter().map(|s| s.robots.len()).sum::<usize>() - robots;
+    let size = own.map_or("–".to_string(), |s| {
+        format!("{:.4} ± {:.4}", s.size, s.std)
+    });
+    let is =
+        |robot: &str, own: Option<(usize, usize)>| own.is_some_and(|(own, _)| name(own) == robot);
+    let drifts: Vec<&str> = summary
+        .changes
+        .iter()
+        .filter(|c| is(&c.robot, fleet.drifts) && c.kind == "effect" && c.target.ends_with(DRIFT.0))
+        .map(|c| c.day.as_str())
+        .collect();
+    let urdfs = summary
+        .changes
+        .iter()
+        .filter(|c| is(&c.robot, fleet.urdf) && c.kind == "urdf")
+        .count();
+    let told = drifts.join(", ");
+    let rest = summary.changes.len() - drifts.len() - urdfs;
+    let stuck: BTreeSet<&str> = found
+        .rows
+        .iter()
+        .filter(|row| row.health.iter().any(|f| f.kind.name() == "encoder_stuck"))
+        .map(|row| row.robot.as_str())
+        .collect();
+    let stuck: Vec<&str> = stuck.into_iter().collect();
+    let mut known = batch;
+    known.extend(fleet.stuck.map(name));
+    known.extend(
+        [fleet.drifts, fleet.urdf]
+            .into_iter()
+            .flatten()
+            .map(|(robot, _)| name(robot)),
+    );
+    known.extend(fleet.truncated.iter().map(|(robot, _)| name(*robot)));
+    let none: Vec<&str> = summary
+        .look_first
+        .iter()
+        .filter(|robot| !known.contains(*robot))
+        .map(String::as_str)
+        .collect();
+    format!(
+        "| {seed} | {robots} of {}, {others} | {size} | {told}, {} | {rest} | {} | {urdfs} of 1 | {} of {} | {} of 1 | {} | {seconds:.0} |",
+        fleet.batch.len(),
+        fleet.drifts.map_or(0, |(_, day)| day),
+        stuck.join(", "),
+        found.failed.len(),
+        fleet.truncated.len(),
+        found.twice.len(),
+        none.join(", ")
+    )
+}
