@@ -180,7 +180,55 @@ pub fn measure(
         };
         entries.push(entry);
     }
+    let symbol = match function {
+        Function::Com => "lanes_com_batch",
+        Function::ComJacobian => "lanes_jacobian_batch",
+        Function::RegressorFull => "lanes_full_batch",
+        _ => "lanes_cop_batch",
+    };
+    match mode {
+        Mode::BatchF64 => entries.push(columns(symbol, peers, &range.q, range, function, 0.0)?),
+        Mode::BatchF32 => {
+            let symbol = format!("{symbol}_f32");
+            entries.push(columns(&symbol, peers, &range.q32, range, function, 0.0)?);
+        }
+        Mode::One | Mode::Tape => {}
+    }
     Ok(compare(entries, rounds, slot))
+}
+
+/// Our C: entry k of posture i stands at k n + i, in postures and results.
+fn columns<'a, T: Copy + Into<f64> + 'a>(
+    symbol: &str,
+    peers: &Peers,
+    q: &[T],
+    range: &Range,
+    function: Function,
+    zero: T,
+) -> Result<Entry<'a>, String> {
+    let f = peers.symbol::<Batch<T>>(symbol)?;
+    let q: Vec<T> = (0..ours::DOF)
+        .flat_map(|j| q.chunks(ours::DOF).map(move |q| q[j]))
+        .collect();
+    let width = width(function);
+    let mut out = vec![zero; width * POSTURES];
+    f(q.as_ptr(), POSTURES, out.as_mut_ptr());
+    let single = each(ours::one(function), &range.q, width);
+    let rows: Vec<f64> = (0..POSTURES)
+        .flat_map(|i| out.iter().skip(i).step_by(POSTURES).map(|x| (*x).into()))
+        .collect();
+    let tolerance = match size_of::<T>() {
+        4 => AGREE_F32,
+        _ => AGREE_F64,
+    };
+    let apart = largest(&rows, &single);
+    if apart.is_nan() || apart > tolerance {
+        return Err(format!("our C and our Rust differ by {apart:.1e} in {function:?}"));
+    }
+    Ok(Entry::new("our C", move || {
+        f(q.as_ptr(), POSTURES, out.as_mut_ptr());
+        black_box(&mut out);
+    }))
 }
 
 fn each(f: One<f64>, q: &[f64], width: usize) -> Vec<f64> {

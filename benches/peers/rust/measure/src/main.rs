@@ -115,7 +115,12 @@ fn run(settings: &Settings) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    match settings(std::env::args().skip(1)).and_then(|settings| run(&settings)) {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let done = match &words[..] {
+        [word, folder, urdf] if word == "--write-c" => ours::write_c(folder, urdf),
+        _ => settings(words.into_iter()).and_then(|settings| run(&settings)),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("measure: {error}");

@@ -5,6 +5,7 @@
 use std::hint::black_box;
 use std::sync::LazyLock;
 
+use sesc_codegen::{Builder, Scalar};
 use sesc_identify::evaluate::Evaluator;
 use sesc::OP2_URDF;
 use sesc_identify::robot::Robot;
@@ -175,4 +176,14 @@ impl<Q, R, O> Batches for Blocks<Q, R, O> {
             .flat_map(|block| (0..lanes).flat_map(|k| (self.lane)(block, k)))
             .collect()
     }
+}
+
+/// Our C for computers, in f64 and f32, as `lanes_f64` and `lanes_f32` in `folder`.
+pub fn write_c(folder: &str, urdf: &str) -> Result<(), String> {
+    for (name, scalar) in [("lanes_f64", Scalar::F64), ("lanes_f32", Scalar::F32)] {
+        let builder = Builder::new(urdf).support(SUPPORT).name(name).out_dir(folder);
+        let builder = builder.c99(folder).scalar(scalar).lanes(16);
+        builder.emit().map_err(|error| error.to_string())?;
+    }
+    Ok(())
 }

@@ -88,7 +88,7 @@ impl Peers {
     /// Load what `benches/peers/run` has built in `folder`.
     pub fn open(folder: &Path) -> Result<Peers, String> {
         let mut libraries = Vec::new();
-        for name in ["pinocchio", "casadi", "casadi_f32", "mujoco", "crates"] {
+        for name in ["pinocchio", "casadi", "casadi_f32", "mujoco", "crates", "lanes"] {
             let path = folder.join(format!("libpeer_{name}.so"));
             // SAFETY: built from the sources beside this program; no initialiser of
             // theirs does more than set up a robot.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::turns::Found;
 
 /// Peers that have a column of their own.
-const COLUMNS: [&str; 5] = ["Pinocchio", "CasADi", "symplex", "MuJoCo", "k"];
+const COLUMNS: [&str; 6] = ["Pinocchio", "CasADi", "symplex", "MuJoCo", "k", "our C"];
 
 #[derive(Default)]
 pub struct Table {
