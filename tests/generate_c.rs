@@ -323,3 +323,55 @@ fn servo_files_with_faults_are_refused() {
             .contains("lift_com_ticks(")
     );
 }
+
+#[test]
+fn lanes_are_for_c_in_floats_and_4_8_or_16() {
+    let folder = folder();
+    let out = folder.path().join("fw");
+    refused(
+        &generate(&out, &["--lanes", "5"]),
+        &["--lanes", "4, 8 or 16"],
+    );
+    let fixed = generate(&out, &["--lanes", "8", "--scalar", "fixed32"]);
+    refused(&fixed, &["--lanes is for f64 and f32"]);
+    let (urdf, to) = (op2(), out.display().to_string());
+    let rust = [
+        "generate",
+        &urdf,
+        "--support",
+        "r_sole",
+        "--lanes",
+        "8",
+        "--out",
+        &to,
+    ];
+    refused(&sesc(&rust), &["--lanes is for C; add --lang c"]);
+    assert!(!out.exists());
+    stdout(&generate(&out, &["--lanes", "8", "--name", "op2"]));
+    let header = fs::read_to_string(out.join("op2.h")).unwrap();
+    let one_line = header.split_whitespace().collect::<Vec<_>>().join(" ");
+    let declared =
+        "void op2_com_batch(size_t n, const op2_real q[], const op2_real r[], op2_real com[]);";
+    assert!(one_line.contains(declared), "{header}");
+    for function in [
+        "com_jacobian",
+        "com_velocity",
+        "gravity_moments",
+        "regressor",
+        "regressor_cop",
+        "regressor_full",
+        "cop",
+        "zmp",
+    ] {
+        assert!(
+            one_line.contains(&format!("void op2_{function}_batch( size_t n, "))
+                || one_line.contains(&format!("void op2_{function}_batch(size_t n, ")),
+            "{function}"
+        );
+        assert!(
+            header.contains(&format!("\n * {function}_batch ")),
+            "{function}"
+        );
+    }
+    assert!(one_line.contains("joint j of posture i") && one_line.contains("no alignment"));
+}

@@ -50,6 +50,7 @@ struct C99 {
     /// The usual ones of the scalar unless given.
     servos: Option<Option<Servos>>,
     estimator: bool,
+    lanes: Option<u32>,
     layout: Layout,
 }
 
@@ -80,6 +81,7 @@ impl Builder {
                 scalar: Scalar::F64,
                 servos: None,
                 estimator: false,
+                lanes: None,
                 layout: Layout::Bare,
             },
         }
@@ -307,6 +309,25 @@ impl Builder {
         self
     }
 
+    /// Functions of many postures in the C99, `NAME_com_batch` and so on, for gcc and clang:
+    /// structures of arrays, in f64 or f32, computed as many side by side as a register of the
+    /// target holds, at most `lanes`, which is 4, 8 or 16. There are none unless asked.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_lanes");
+    /// use sesc_codegen::Builder;
+    ///
+    /// let builder = Builder::new("../robots/two_link/two_link.urdf").support("foot");
+    /// builder.c99(&folder).lanes(8).out_dir(&folder).emit()?;
+    /// let header = std::fs::read_to_string(folder.join("two_link_foot.h")).unwrap();
+    /// assert!(header.contains("void two_link_foot_com_batch("));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    pub fn lanes(mut self, lanes: u32) -> Builder {
+        self.c99.lanes = Some(lanes);
+        self
+    }
+
     /// What to put around the C99 files.
     ///
     /// ```
@@ -331,6 +352,7 @@ impl Builder {
     ) -> Result<Vec<(PathBuf, String)>, Error> {
         let mut options = Options::of(self.c99.scalar);
         options.estimator = self.c99.estimator;
+        options.lanes = self.c99.lanes;
         if let Some(servos) = &self.c99.servos {
             options.servos.clone_from(servos);
         }

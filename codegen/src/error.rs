@@ -33,6 +33,8 @@ pub enum ErrorKind {
     Servos,
     /// A quantity or an operation that 32-bit fixed point cannot have.
     FixedPoint,
+    /// A number of lanes that there is not.
+    Lanes,
     /// A function whose rounding error has no proven bound.
     Unbounded,
     /// A file that cannot be read.
@@ -62,9 +64,11 @@ impl Error {
                 ErrorKind::Name
             }
             Problem::Servos { .. } => ErrorKind::Servos,
-            Problem::Overflow { .. } | Problem::NoFixedPoint { .. } | Problem::EstimatorInFixed => {
-                ErrorKind::FixedPoint
-            }
+            Problem::Overflow { .. }
+            | Problem::NoFixedPoint { .. }
+            | Problem::EstimatorInFixed
+            | Problem::LanesInFixed => ErrorKind::FixedPoint,
+            Problem::Lanes { .. } => ErrorKind::Lanes,
             Problem::UnboundedEffect { .. }
             | Problem::Unbounded { .. }
             | Problem::NotFinite { .. } => ErrorKind::Unbounded,
@@ -84,6 +88,7 @@ impl ErrorKind {
             ErrorKind::Name => "name",
             ErrorKind::Servos => "servos",
             ErrorKind::FixedPoint => "fixed_point",
+            ErrorKind::Lanes => "request",
             ErrorKind::Unbounded => "unbounded",
             ErrorKind::Read => "read",
             ErrorKind::Write => "write",
@@ -174,6 +179,10 @@ pub(crate) enum Problem {
     NotFinite { function: &'static str },
     #[error("fixed32: the estimator needs the range of floats; use f32 or f64, or leave it out")]
     EstimatorInFixed,
+    #[error("functions of many postures have 4, 8 or 16 lanes at most, not {lanes}")]
+    Lanes { lanes: u32 },
+    #[error("fixed32: functions of many postures are of floats; use f32 or f64, or no lanes")]
+    LanesInFixed,
     #[error(
         "no bound can be proven for {function}: an effect divides by what may be zero, or raises \
          what may be negative to a power; give the effect tighter parameters"

@@ -17,7 +17,8 @@ use crate::Error;
 #[command(after_help = "Examples:\n  \
     sesc generate robots/op2/op2.urdf --support r_sole --lang rust --name op2_r_sole --out src/\n  \
     sesc generate robots/op2/op2.urdf --support r_sole --lang c --scalar f32 --name op2_r_sole --out fw/\n  \
-    sesc generate robots/op2/op2.urdf --support r_sole --lang c --layout cmake --name op2_r_sole --out op2_r_sole/")]
+    sesc generate robots/op2/op2.urdf --support r_sole --lang c --layout cmake --name op2_r_sole --out op2_r_sole/\n  \
+    sesc generate robots/op2/op2.urdf --support r_sole --lang c --lanes 8 --name op2_r_sole --out sim/")]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
@@ -52,6 +53,21 @@ pub(super) struct Arguments {
     /// posture a call, no allocation; goes on from the fit of --model
     #[arg(long)]
     estimator: bool,
+    /// C in f64 or f32, for gcc and clang on computers: functions of many postures besides,
+    /// NAME_com_batch(n, q, r, com) and so on, structures of arrays, q[j * n + i] joint j of
+    /// posture i; side by side as many as a register of the target holds, at most N
+    #[arg(long, value_name = "N", value_parser = lanes)]
+    lanes: Option<u32>,
+}
+
+/// 4, 8 or 16.
+fn lanes(text: &str) -> Result<u32, String> {
+    match text {
+        "4" => Ok(4),
+        "8" => Ok(8),
+        "16" => Ok(16),
+        _ => Err("give 4, 8 or 16".into()),
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -94,6 +110,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             if arguments.estimator {
                 return Err(Error::Usage(
                     "--estimator is for C; add --lang c (in Rust it is sesc_runtime::fit)".into(),
+                ));
+            }
+            if arguments.lanes.is_some() {
+                return Err(Error::Usage(
+                    "--lanes is for C; add --lang c (one Rust module serves SIMD lanes, \
+                     sesc_runtime::Batch)"
+                        .into(),
                 ));
             }
             if arguments.scalar != Scalar::F64 {
@@ -148,7 +171,13 @@ fn c_files(
         Scalar::F32 => c::Scalar::F32,
         Scalar::Fixed32 => c::Scalar::Fixed32,
     });
+    if arguments.lanes.is_some() && arguments.scalar == Scalar::Fixed32 {
+        return Err(Error::Usage(
+            "--lanes is for f64 and f32, fixed32 has one posture a call; leave one out".into(),
+        ));
+    }
     options.estimator = arguments.estimator;
+    options.lanes = arguments.lanes;
     match (&arguments.servos, arguments.ticks) {
         (Some(_), Some(false)) => {
             return Err(Error::Usage(

@@ -58,6 +58,8 @@ pub struct Case {
     pub functions: Vec<Function>,
     /// Whether the estimator is wanted, in floats.
     pub estimator: bool,
+    /// Lanes of functions of many postures, in floats.
+    pub lanes: Option<u32>,
 }
 
 /// What a joint's tick is: zero, and radians or metres a tick.
@@ -88,7 +90,15 @@ impl Case {
             servos,
             functions: Function::ALL.to_vec(),
             estimator: false,
+            lanes: None,
         }
+    }
+
+    /// With functions of many postures, in floats.
+    pub fn of_many(mut self, lanes: u32) -> Case {
+        self.lanes = Some(lanes);
+        self.name += &format!("_x{lanes}");
+        self
     }
 
     /// One of `robots/`.
@@ -261,11 +271,13 @@ impl Case {
         let mut options = Options::of(scalar);
         options.servos = Some(self.servos.clone());
         options.estimator = scalar != Scalar::Fixed32 && self.estimator;
+        options.lanes = self.lanes.filter(|_| scalar != Scalar::Fixed32);
         let mut package = c::package(&Facts::of(&self.model), &self.name, &options)
             .unwrap_or_else(|error| panic!("{}: {error}", self.name));
         // What is not called need not be optimised or read by linters.
         if !self.functions.contains(&Function::Zmp) {
             package.source = without(&package.source, &["_zmp"]);
+            assert!(self.lanes.is_none(), "blocks of the ZMP would stay");
         }
         package
     }

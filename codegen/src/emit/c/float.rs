@@ -4,8 +4,8 @@ use super::helpers::{Calls, Helper};
 use super::{Scalar, pair, spelled};
 use crate::emit::header::printable;
 use crate::emit::listing::{Line, Listing, Results, Strength};
-use sesc_model::expr::{Expr, Id};
-use sesc_model::program::Program;
+use sesc_model::expr::{Argument, Expr, Id};
+use sesc_model::program::{Program, Shape, operands};
 
 /// Lines of the body that computes `program` into array `output`.
 pub(super) fn body(program: &Program, scalar: Scalar, calls: &Calls, output: &str) -> Vec<String> {
@@ -14,54 +14,117 @@ pub(super) fn body(program: &Program, scalar: Scalar, calls: &Calls, output: &st
         listing: &listing,
         scalar,
         calls,
+        shared: None,
     };
-    let real = scalar.c_type();
-    let mut lines = Vec::new();
-    for array in &program.inputs {
-        if !listing.reads(array.argument) {
-            lines.push(format!("(void){};", spelled(array.argument)));
-        }
-    }
-    for line in &listing.lines {
-        match *line {
-            Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
-            Line::SinCos { angle, sin, cos } => {
-                let pair = pair(&listing, sin, cos);
-                lines.push(format!("{real} {};", pair[0]));
-                lines.push(format!("{real} {};", pair[1]));
-                let (angle, _) = spelling.operand(angle);
-                let arguments = format!("{angle}, &{}, &{}", pair[0], pair[1]);
-                lines.push(calls.call(Helper::Sincos, &arguments) + ";");
-            }
-            Line::Let(id) => {
-                let (value, _) = spelling.expression(id);
-                let name = listing.name(id).expect("a statement binds a name");
-                lines.push(format!("const {real} {name} = {value};"));
-            }
-            Line::Result(k) => {
-                let (value, _) = spelling.operand(program.outputs[k]);
-                lines.push(format!("{output}[{k}] = {value};"));
-            }
-        }
-    }
-    lines
+    spelling.lines(output)
 }
 
-/// A literal that reads back to the same bits.
-pub(super) fn literal(x: f64, scalar: Scalar) -> String {
-    match scalar {
-        Scalar::F32 => format!("{:?}f", x as f32),
-        _ => format!("{x:?}"),
+/// The same for a block of postures: entry k of an array stands n postures after entry k - 1.
+pub(super) fn lanes(program: &Program, scalar: Scalar, calls: &Calls, output: &str) -> Vec<String> {
+    // A wide matrix is not held until its last entry.
+    let results = match program.shape {
+        Shape::Matrix { .. } => Results::AsTheyCome,
+        Shape::Vector(_) => Results::AtTheEnd,
+    };
+    let listing = Listing::new(program, results);
+    let spelling = Spelling {
+        listing: &listing,
+        scalar,
+        calls,
+        shared: Some(shared(program)),
+    };
+    spelling.lines(output)
+}
+
+/// Which nodes are the same number in all postures.
+fn shared(program: &Program) -> Vec<bool> {
+    let mut shared: Vec<bool> = Vec::with_capacity(program.nodes.len());
+    for (_, node) in program.iter() {
+        shared.push(match node.expr {
+            Expr::Input { argument, .. } => argument == Argument::Parameters,
+            other => operands(other).all(|id| shared[id.index()]),
+        });
     }
+    shared
 }
 
 struct Spelling<'l, 'p> {
     listing: &'l Listing<'p>,
     scalar: Scalar,
     calls: &'l Calls<'l>,
+    /// Of a block of postures, the nodes that are one number for all of them; the others
+    /// have a lane for each.
+    shared: Option<Vec<bool>>,
 }
 
 impl Spelling<'_, '_> {
+    /// Whether a node has a lane for each posture.
+    fn is_lanes(&self, id: Id) -> bool {
+        let mut shared = self.shared.iter();
+        shared.any(|shared| !shared[id.index()])
+    }
+
+    fn type_of(&self, id: Id) -> String {
+        match self.is_lanes(id) {
+            true => self.calls.named("lanes"),
+            false => self.scalar.c_type().to_string(),
+        }
+    }
+
+    /// An operand with a lane for each posture.
+    fn spread(&self, id: Id) -> String {
+        let (value, _) = self.operand(id);
+        match self.is_lanes(id) {
+            true => value,
+            false => self.calls.call(Helper::Splat, &value),
+        }
+    }
+
+    /// The statements of the body, whose results go to array `output`.
+    fn lines(&self, output: &str) -> Vec<String> {
+        let Spelling { listing, calls, .. } = *self;
+        let program = listing.program;
+        let mut lines = Vec::new();
+        for array in &program.inputs {
+            if !listing.reads(array.argument) {
+                lines.push(format!("(void){};", spelled(array.argument)));
+            }
+        }
+        for line in &listing.lines {
+            match *line {
+                Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
+                Line::SinCos { angle, sin, cos } => {
+                    let pair = pair(listing, sin, cos);
+                    let of = self.type_of(angle);
+                    lines.push(format!("{of} {};", pair[0]));
+                    lines.push(format!("{of} {};", pair[1]));
+                    let helper = match self.is_lanes(angle) {
+                        true => Helper::SincosLanes,
+                        false => Helper::Sincos,
+                    };
+                    let (angle, _) = self.operand(angle);
+                    let arguments = format!("{angle}, &{}, &{}", pair[0], pair[1]);
+                    lines.push(calls.call(helper, &arguments) + ";");
+                }
+                Line::Let(id) => {
+                    let (value, _) = self.expression(id);
+                    let name = listing.name(id).expect("a statement binds a name");
+                    lines.push(format!("const {} {name} = {value};", self.type_of(id)));
+                }
+                Line::Result(k) if self.shared.is_some() => {
+                    let value = self.spread(program.outputs[k]);
+                    let arguments = format!("{output}, {k}u, n, {value}");
+                    lines.push(calls.call(Helper::Store, &arguments) + ";");
+                }
+                Line::Result(k) => {
+                    let (value, _) = self.operand(program.outputs[k]);
+                    lines.push(format!("{output}[{k}] = {value};"));
+                }
+            }
+        }
+        lines
+    }
+
     /// An operand: its name, or its expression written out.
     fn operand(&self, id: Id) -> (String, Strength) {
         match self.listing.name(id) {
@@ -82,6 +145,12 @@ impl Spelling<'_, '_> {
         // Products inside sums carry parentheses: MISRA C 12.1.
         match program.expr(id) {
             Expr::Const(x) => (literal(x, self.scalar), Strength::Atom),
+            Expr::Input { argument, index }
+                if self.shared.is_some() && argument != Argument::Parameters =>
+            {
+                let arguments = format!("{}, {index}u, n", spelled(argument));
+                (self.calls.call(Helper::Load, &arguments), Strength::Atom)
+            }
             Expr::Input { argument, index } => {
                 let array = spelled(argument);
                 (format!("{array}[{index}]"), Strength::Atom)
@@ -104,6 +173,17 @@ impl Spelling<'_, '_> {
                 (format!("{a} / {b}"), Strength::Product)
             }
             Expr::Neg(a) => (format!("-{}", at(a, Strength::Atom)), Strength::Sign),
+            Expr::Clamp(a) if self.is_lanes(id) => {
+                let call = self.calls.call(Helper::ClampLanes, &self.spread(a));
+                (call, Strength::Atom)
+            }
+            Expr::Pow(a, b) if self.is_lanes(id) => {
+                let arguments = format!("{}, {}", self.spread(a), self.spread(b));
+                (
+                    self.calls.call(Helper::PowerLanes, &arguments),
+                    Strength::Atom,
+                )
+            }
             Expr::Clamp(a) => {
                 let call = self.calls.call(Helper::Clamp, &at(a, Strength::Sum));
                 (call, Strength::Atom)
@@ -125,5 +205,13 @@ impl Spelling<'_, '_> {
             (value, Strength::Product) => format!("({value})"),
             (value, _) => value,
         }
+    }
+}
+
+/// A literal that reads back to the same bits.
+pub(super) fn literal(x: f64, scalar: Scalar) -> String {
+    match scalar {
+        Scalar::F32 => format!("{:?}f", x as f32),
+        _ => format!("{x:?}"),
     }
 }

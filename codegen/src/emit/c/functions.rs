@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::exported::{Exported, Input};
 use super::helpers::Calls;
+use super::lanes::{self, Block};
 use super::{Scalar, fixed, float};
 use crate::emit::header;
 use crate::facts::Facts;
@@ -23,6 +24,8 @@ pub(super) struct Text {
     declaration: String,
     definition: String,
     body: Vec<String>,
+    /// Of many postures: those of one register.
+    block: Option<Block>,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -33,20 +36,26 @@ struct Parameter {
     /// With the element type in front.
     #[serde(skip)]
     scalar: String,
-    /// What stands between the brackets.
+    /// What stands between the brackets; none where it is one number.
     #[serde(skip)]
-    length: String,
+    length: Option<String>,
 }
 
 impl Parameter {
     fn declared(&self) -> String {
-        format!("{} {}[{}]", self.scalar, self.name, self.length)
+        match &self.length {
+            Some(length) => format!("{} {}[{length}]", self.scalar, self.name),
+            None => format!("{} {}", self.scalar, self.name),
+        }
     }
 
     /// A result overlaps no argument: that is what the header asks of callers.
     fn defined(&self) -> String {
-        match self.direction {
-            "out" => format!("{} {}[restrict {}]", self.scalar, self.name, self.length),
+        match (self.direction, &self.length) {
+            ("out", Some(length)) => {
+                let brackets = format!("restrict {length}");
+                format!("{} {}[{}]", self.scalar, self.name, brackets.trim_end())
+            }
             _ => self.declared(),
         }
     }
@@ -60,8 +69,10 @@ pub(super) fn text(
     calls: &Calls,
 ) -> Text {
     let output = routine.output();
+    let block = (routine.is_batch()).then(|| lanes::block(routine, scalar, name, calls));
     let body = match (routine.input, &routine.formats) {
         (Input::Ticks, _) => ticks_body(routine, name),
+        (Input::Batch, _) => lanes::body(routine, name, calls),
         (_, Some(formats)) => fixed::body(&routine.program, formats, calls, output),
         (_, None) => float::body(&routine.program, scalar, calls, output),
     };
@@ -79,6 +90,7 @@ pub(super) fn text(
         definition: signature(Parameter::defined),
         parameters,
         body,
+        block,
     }
 }
 
@@ -91,6 +103,12 @@ fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
         details.push(format!(
             "Parameters of the model file are constants here (source: {}).",
             printable(&identified.source)
+        ));
+    }
+    if routine.is_batch() {
+        details.push(format!(
+            "Of n postures: entry k of posture i is {}[k * n + i], and likewise in arguments.",
+            routine.output()
         ));
     }
     if routine.given == Given::SinesCosines && !routine.is_of_ticks() {
@@ -143,11 +161,11 @@ fn parameters(routine: &Exported, name: &str) -> Vec<Parameter> {
         name: array.to_string(),
         meaning,
         scalar: format!("const {scalar}"),
-        length: String::new(),
+        length: Some(String::new()),
     };
     let mut parameters = match (routine.input, routine.given) {
         _ if routine.function == Function::CorrectCop => vec![Parameter {
-            length: "2".to_string(),
+            length: Some("2".to_string()),
             ..input(
                 "reading",
                 &real,
@@ -201,8 +219,37 @@ fn parameters(routine: &Exported, name: &str) -> Vec<Parameter> {
         name: routine.output().to_string(),
         meaning: format!("the result, [{length}]"),
         scalar: real,
-        length,
+        length: Some(length),
     });
+    match routine.is_batch() {
+        true => of_many(parameters),
+        false => parameters,
+    }
+}
+
+/// The parameters of a function of n postures; r is one for all.
+fn of_many(one: Vec<Parameter>) -> Vec<Parameter> {
+    let mut parameters = vec![Parameter {
+        direction: "in",
+        name: "n".to_string(),
+        meaning: "number of postures, 0 as well".to_string(),
+        scalar: "size_t".to_string(),
+        length: None,
+    }];
+    parameters.extend(one.into_iter().map(|parameter| {
+        let Some((meaning, length)) = parameter.meaning.rsplit_once(", [") else {
+            return parameter;
+        };
+        if parameter.name == "r" {
+            return parameter;
+        }
+        let length = length.trim_end_matches(']');
+        Parameter {
+            meaning: format!("{meaning}, [{length} * n]"),
+            length: Some(String::new()),
+            ..parameter
+        }
+    }));
     parameters
 }
 

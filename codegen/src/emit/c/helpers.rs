@@ -22,6 +22,18 @@ pub(super) enum Helper {
     /// Into [-1, 1]; for effects alone, as is `Power`, which fixed point lacks.
     Clamp,
     Power,
+    /// Numbers of a block of postures from an array, and back.
+    Load,
+    Store,
+    /// One number in every lane.
+    Splat,
+    /// The numbers of one posture among many, and back.
+    Gather,
+    Scatter,
+    /// As above, in every lane.
+    SincosLanes,
+    ClampLanes,
+    PowerLanes,
 }
 
 impl Helper {
@@ -34,6 +46,14 @@ impl Helper {
             Helper::ShiftUp => "shift_up",
             Helper::Clamp => "clamp",
             Helper::Power => "power",
+            Helper::Load => "load",
+            Helper::Store => "store",
+            Helper::Splat => "splat",
+            Helper::Gather => "gather",
+            Helper::Scatter => "scatter",
+            Helper::SincosLanes => "sincos_lanes",
+            Helper::ClampLanes => "clamp_lanes",
+            Helper::PowerLanes => "power_lanes",
         }
     }
 
@@ -41,6 +61,7 @@ impl Helper {
     fn calls(self, scalar: Scalar) -> &'static [Helper] {
         match (self, scalar) {
             (Helper::Sincos, Scalar::Fixed32) => &[Helper::Lookup, Helper::Narrow],
+            (Helper::ClampLanes, _) => &[Helper::Splat],
             _ => &[],
         }
     }
@@ -62,6 +83,11 @@ impl<'n> Calls<'n> {
         }
     }
 
+    /// `PREFIX_word`
+    pub(super) fn named(&self, word: &str) -> String {
+        format!("{}_{word}", self.prefix)
+    }
+
     /// `PREFIX_helper(arguments)`
     pub(super) fn call(&self, helper: Helper, arguments: &str) -> String {
         self.called.borrow_mut().insert(helper);
@@ -74,10 +100,16 @@ impl<'n> Calls<'n> {
         let more = called.iter().flat_map(|helper| helper.calls(scalar));
         let all: BTreeSet<Helper> = called.iter().chain(more).copied().collect();
         let has = |helper| all.contains(&helper);
-        let (kernel, power, bits, suffix) = match scalar {
-            Scalar::F64 => ("kernel_f64.c", "power_f64.c", "uint64_t", ""),
-            Scalar::F32 => ("kernel_f32.c", "power_f32.c", "uint32_t", "f"),
-            Scalar::Fixed32 => ("kernel_fixed.c", "", "", ""),
+        let (kernel, steps, power, bits, suffix) = match scalar {
+            Scalar::F64 => ("kernel_f64.c", "steps_f64.c", "power_f64.c", "uint64_t", ""),
+            Scalar::F32 => (
+                "kernel_f32.c",
+                "steps_f32.c",
+                "power_f32.c",
+                "uint32_t",
+                "f",
+            ),
+            Scalar::Fixed32 => ("kernel_fixed.c", "", "", "", ""),
         };
         context! {
             has_kernel => has(Helper::Sincos),
@@ -86,7 +118,19 @@ impl<'n> Calls<'n> {
             has_shift_up => has(Helper::ShiftUp),
             has_clamp => has(Helper::Clamp),
             has_power => has(Helper::Power),
+            has_load => has(Helper::Load),
+            has_store => has(Helper::Store),
+            has_splat => has(Helper::Splat),
+            has_gather => has(Helper::Gather),
+            has_scatter => has(Helper::Scatter),
+            has_sincos_lanes => has(Helper::SincosLanes),
+            has_clamp_lanes => has(Helper::ClampLanes),
+            has_power_lanes => has(Helper::PowerLanes),
             kernel,
+            // The type that sines are computed in, and what ends the names for it.
+            steps,
+            of => scalar.c_type(),
+            lanes => "",
             clamp => match scalar {
                 Scalar::Fixed32 => "clamp_fixed.c",
                 Scalar::F64 | Scalar::F32 => "clamp.c",

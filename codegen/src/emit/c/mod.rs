@@ -14,6 +14,7 @@ mod fixed;
 mod float;
 mod functions;
 mod helpers;
+mod lanes;
 pub mod layout;
 mod points;
 mod prefix;
@@ -83,16 +84,20 @@ pub struct Options {
     pub servos: Option<Servos>,
     /// Whether the recursive estimator of the parameters is wanted, in f64 and f32.
     pub estimator: bool,
+    /// Most postures that functions of many postures compute side by side: 4, 8 or 16, in f64
+    /// and f32. Without it there are no such functions.
+    pub lanes: Option<u32>,
 }
 
 impl Options {
     /// The usual for `scalar`: ticks of 4096 a turn in f32 and fixed32, none in f64; no
-    /// estimator.
+    /// estimator, no lanes.
     pub fn of(scalar: Scalar) -> Options {
         Options {
             scalar,
             servos: (scalar != Scalar::F64).then(Servos::default),
             estimator: false,
+            lanes: None,
         }
     }
 }
@@ -112,7 +117,8 @@ pub struct Package {
 ///
 /// # Errors
 /// When `name` is no prefix of C names, a servo setting makes no sense, a quantity does not
-/// fit 32-bit fixed point, or the estimator is wanted there.
+/// fit 32-bit fixed point, the estimator or lanes are wanted there, or there are not 4, 8 or 16
+/// lanes.
 pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, Error> {
     if !is_prefix(name) {
         return Err(Problem::BadPrefix {
@@ -122,8 +128,9 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
         .into());
     }
     let mut notes = Vec::new();
+    let registers = lanes::widths(options)?;
     let ticks = ticks::Ticks::of(facts, options, &mut notes)?;
-    let routines = routines::routines(facts, options.scalar, ticks.as_ref())?;
+    let routines = routines::routines(facts, options, ticks.as_ref())?;
     let calls = Calls::new(name);
     let functions: Vec<functions::Text> = routines
         .iter()
@@ -147,6 +154,9 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
         includes_stdint => options.scalar == Scalar::Fixed32
             || from_ticks.is_some()
             || options.estimator,
+        has_lanes => options.lanes.is_some(),
+        most_lanes => options.lanes,
+        registers => listed(registers),
         has_infinity => data::has_infinity(facts, options),
         scalar_note => match options.scalar {
             Scalar::Fixed32 => ": an integer, its binary point by quantity as below",
@@ -207,6 +217,10 @@ fn environment() -> Environment<'static> {
         ("narrow.c", include_str!("templates/narrow.c")),
         ("shift_up.c", include_str!("templates/shift_up.c")),
         ("table.c", include_str!("templates/table.c")),
+        ("lanes.c", include_str!("templates/lanes.c")),
+        ("kernel_lanes.c", include_str!("templates/kernel_lanes.c")),
+        ("steps_f64.c", include_str!("templates/steps_f64.c")),
+        ("steps_f32.c", include_str!("templates/steps_f32.c")),
         ("kernel_f64.c", include_str!("templates/kernel_f64.c")),
         ("kernel_f32.c", include_str!("templates/kernel_f32.c")),
         ("kernel_fixed.c", include_str!("templates/kernel_fixed.c")),

@@ -1,8 +1,8 @@
 //! The functions of the C interface, made once: programs, binary points, bounds.
 
-use super::Scalar;
 use super::exported::{Exported, Input};
 use super::ticks::Ticks;
+use super::{Options, Scalar};
 use crate::Error;
 use crate::error::Problem;
 use crate::facts::Facts;
@@ -14,9 +14,10 @@ use sesc_model::{Function, Given};
 /// Every function that can be had, in the order of the header.
 pub(super) fn routines<'f>(
     facts: &'f Facts,
-    scalar: Scalar,
+    options: &Options,
     ticks: Option<&Ticks>,
 ) -> Result<Vec<Exported<'f>>, Error> {
+    let scalar = options.scalar;
     let (corrections, of_posture): (Vec<&Routine>, Vec<&Routine>) = facts
         .routines
         .iter()
@@ -43,9 +44,16 @@ pub(super) fn routines<'f>(
             let of_ticks: Vec<Exported> = of_ticks.map(|r| ticks.routine(facts.dofs, r)).collect();
             all.extend(of_ticks);
         }
+        if options.lanes.is_some() {
+            batches(&mut all, first);
+        }
     }
+    let first = all.len();
     for routine in corrections {
         all.push(exported(facts, scalar, routine)?);
+    }
+    if options.lanes.is_some() {
+        batches(&mut all, first);
     }
     share_formats(&mut all);
     for routine in &mut all {
@@ -71,6 +79,18 @@ pub(super) fn routines<'f>(
         }
     }
     Ok(all)
+}
+
+/// Functions of many postures, behind those of one from `first` on.
+fn batches(all: &mut Vec<Exported>, first: usize) {
+    for k in first..all.len() {
+        if all[k].input == Input::Program && all[k].given == Given::Positions {
+            all.push(Exported {
+                input: Input::Batch,
+                ..all[k].clone()
+            });
+        }
+    }
 }
 
 fn exported<'f>(

@@ -26,7 +26,18 @@ static void {{ from_ticks.signature }}
 {%- endfor %}
 }
 {% endif %}
+{%- if has_lanes %}
+{% include "lanes.c" %}
+{% endif %}
 {%- for function in functions %}
+{%- if function.block %}
+static void {{ function.block.signature }}
+{
+{%- for line in function.block.body %}
+{{ "    " if line }}{{ line }}
+{%- endfor %}
+}
+{% endif %}
 void {{ name }}_{{ function.name }}({{ function.definition }})
 {
 {%- for line in function.body %}

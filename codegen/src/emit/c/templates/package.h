@@ -6,8 +6,13 @@
 
 #ifndef {{ guard }}
 #define {{ guard }}
-{% if includes_stdint %}
+{% if has_lanes or includes_stdint %}
+{%- if has_lanes %}
+#include <stddef.h>
+{%- endif %}
+{%- if includes_stdint %}
 #include <stdint.h>
+{%- endif %}
 {% endif %}
 #ifdef __cplusplus
 extern "C" {
@@ -52,6 +57,24 @@ extern {{ constant.declaration }};
 {%- for line in ticks %}
  *     {{ line }}
 {%- endfor %}
+ */
+{%- endif %}
+{%- if has_lanes %}
+
+/*
+ * Functions of many postures (_batch) take and give structures of arrays:
+ *
+ *     q[j * n + i]      joint j of posture i
+ *     com[k * n + i]    entry k of posture i's result; rows of a matrix follow each other
+ *
+ * n may be any number of postures, also none. Arrays need no alignment beyond that of their
+ * numbers; beyond their n columns nothing is read or written. Parameters r are one set for all
+ * postures. Units, domains and bounds are those of the function of one posture, and so is
+ * every bit of a result where products and sums are rounded each by itself
+ * (-ffp-contract=off); a posture out of the domain leaves the others alone.
+ *
+ * The source computes as many postures side by side as a register of the target holds, at most
+ * {{ most_lanes }}, with the vector types of gcc and clang: say -O3 and the processor (-march=native).
  */
 {%- endif %}
 {%- for function in functions %}
