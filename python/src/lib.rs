@@ -18,6 +18,7 @@ mod command;
 mod diagnosis;
 mod errors;
 mod fit;
+mod fleet;
 mod log;
 mod model;
 mod options;
@@ -41,6 +42,8 @@ mod _sesc {
     use super::diagnosis::{DiagnosisReport, correct_urdf, diagnose_log};
     #[pymodule_export]
     use super::fit::{FitReport, fit_logs};
+    #[pymodule_export]
+    use super::fleet::{FleetFound, fleet_groups, fleet_work};
     #[pymodule_export]
     use super::log::Log;
     #[pymodule_export]

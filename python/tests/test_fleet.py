@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import multiprocessing
+import os
 import shutil
+import signal
+import subprocess
+import sys
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -49,31 +54,40 @@ def table(robot: sesc.Robot, logs: Path) -> fleet.Fleet:
     return fleet.run(robot, glob(logs))
 
 
-def test_each_robot_and_day_is_a_row(robot: sesc.Robot, table: fleet.Fleet) -> None:
+def digest(found: fleet.Fleet, folder: Path) -> str:
+    """SHA-256 of the table's file."""
+    found.save(folder / "fleet.csv")
+    return hashlib.sha256((folder / "fleet.csv").read_bytes()).hexdigest()
+
+
+def test_each_robot_and_day_is_a_row(robot: sesc.Robot, table: fleet.Fleet, logs: Path) -> None:
     assert [(row["robot"], row["day"]) for row in table] == [(r, d) for r in "abc" for d in "12"]
-    assert list(table.columns()) == ["robot", "day", *fleet.COLUMNS]
+    assert tuple(table.columns()) == fleet.COLUMNS
     for row in table:
         cut = (row["robot"], row["day"]) == ("b", "1")
         assert (row["error"] is not None) == cut
         if cut:
-            assert row["error"].startswith("LogError") and "/" not in row["error"]
+            assert row["error"].startswith("log ") and "/" not in row["error"]
             continue
         assert row["postures"] == 60 and len(row["inputs"]) == 1 and row["urdf_hash"] == robot.hash
         assert len(row["params"]) == len(row["std"]) == 5
         shifted = [step["target"] for step in json.loads(row["effects"])]
         assert bool(shifted) == (row["robot"] == "c") == (row["verdict"] != "none")
-    assert table.to_dict()["groups"] == 6 and len(table.to_dict()["failed"]) == 1
+    about = table.to_dict()
+    assert about["groups"] == 6 and about["shared"] == [] and about["changes"] == []
+    (failed,) = table.failed
+    assert failed["input"] == str(logs / "robot=b/day=1/log.csv")
+    (twice,) = table.twice
+    assert twice["counted_once"]
+    assert table.look_first[0] == "c"
 
 
 class Backwards(Executor):
     """Runs everything twice, the last first."""
 
-    def __init__(self) -> None:
-        self.calls: list[tuple[Any, Any, Future[Any]]] = []
-
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
         future: Future[Any] = Future()
-        future.result = lambda timeout=None: (fn(*args), fn(*args))[1]  # type: ignore[method-assign]
+        future.set_result((fn(*args), fn(*args))[1])
         return future
 
 
@@ -82,38 +96,142 @@ def test_rows_depend_on_contents_alone(
 ) -> None:
     elsewhere = tmp_path / "deep" / "elsewhere"
     shutil.copytree(logs, elsewhere)
-    assert fleet.run(robot, glob(elsewhere), engine=Backwards()).rows == table.rows
+    expected = digest(table, tmp_path)
+    assert digest(fleet.run(robot, glob(elsewhere), engine=Backwards()), tmp_path) == expected
     paths = sorted(elsewhere.glob("robot=*/day=*/*.csv"), reverse=True)
-    assert fleet.run(robot, paths).rows == table.rows
+    assert digest(fleet.run(robot, paths), tmp_path) == expected
     manifest = {
         "path": [str(path) for path in paths],
         "robot": [path.parts[-3][-1] for path in paths],
         "day": [path.parts[-2][-1] for path in paths],
     }
-    assert fleet.run(robot, manifest).rows == table.rows
-    table.save(tmp_path / "rows.json")
-    assert len((tmp_path / "rows.json").read_text().splitlines()) == len(table)
+    assert digest(fleet.run(robot, manifest), tmp_path) == expected
 
 
-def test_processes_give_the_same_rows(robot: sesc.Robot, logs: Path, table: fleet.Fleet) -> None:
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(2, mp_context=context) as pool:
-        assert fleet.run(robot, glob(logs), engine=pool).rows == table.rows
+def test_the_table_and_the_page_are_those_of_the_command(
+    logs: Path, table: fleet.Fleet, tmp_path: Path, robot: sesc.Robot
+) -> None:
+    command = os.environ.get("SESC_COMMAND")
+    if command is None:
+        pytest.skip("SESC_COMMAND names no program")
+    (tmp_path / "pole.urdf").write_text(POLE)
+    for end in ("csv", "parquet"):
+        out = tmp_path / f"command.{end}"
+        words = [command, "fleet", str(tmp_path / "pole.urdf"), "--data", glob(logs), "--out", str(out)]
+        subprocess.run(words, check=True, capture_output=True)
+        table.save(tmp_path / f"ours.{end}")
+        assert (tmp_path / f"ours.{end}").read_bytes() == out.read_bytes()
+    table.report(tmp_path / "fleet.html")
+    assert "Look at these first" in (tmp_path / "fleet.html").read_text()
 
 
-def test_a_second_run_reads_nothing(
-    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_parquet_is_read_by_others(table: fleet.Fleet, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table.save(tmp_path / "fleet.parquet")
+    read = parquet.read_table(tmp_path / "fleet.parquet").to_pylist()
+    assert read == table.rows
+
+
+def pool() -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn"))
+
+
+def test_processes_give_the_same_table(
+    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
+) -> None:
+    with pool() as engine:
+        found = fleet.run(robot, glob(logs), engine=engine)
+    assert digest(found, tmp_path) == digest(table, tmp_path)
+
+
+def _die() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+class Deadly(ProcessPoolExecutor):
+    """Its third task kills the worker that takes it, by its process id."""
+
+    tasks = 0
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        self.tasks += 1
+        return super().submit(_die) if self.tasks == 3 else super().submit(fn, *args, **kwargs)
+
+
+def test_a_killed_worker_costs_nothing_but_time(
+    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
+) -> None:
+    with Deadly(2, mp_context=multiprocessing.get_context("spawn")) as engine:
+        with pytest.warns(RuntimeWarning, match="lost a worker"):
+            found = fleet.run(robot, glob(logs), engine=engine, store=tmp_path / "store")
+    assert digest(found, tmp_path) == digest(table, tmp_path)
+
+
+def test_a_second_run_makes_nothing_anew(
+    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
 ) -> None:
     store = tmp_path / "store"
-    assert fleet.run(robot, glob(logs), store=store).rows == table.rows
-    from sesc.fleet import _run
+    first = fleet.run(robot, glob(logs), store=store)
+    assert first.to_dict()["from_store"] == 0
+    for engine in (None, Backwards()):
+        again = fleet.run(robot, glob(logs), store=store, engine=engine)
+        assert again.to_dict()["from_store"] == 6
+        assert digest(again, tmp_path) == digest(first, tmp_path) == digest(table, tmp_path)
 
-    def refuse(*_: object) -> None:
-        raise AssertionError("read again")
 
-    monkeypatch.setattr(_run, "analyse", refuse)
-    monkeypatch.setattr(_run, "content_hash", refuse)
-    assert fleet.run(robot, glob(logs), store=store).rows == table.rows
+DRIVER = """
+import os, sys, signal, sesc
+from concurrent.futures import ThreadPoolExecutor
+robot = sesc.Robot(sys.argv[1])
+def killed(what, done, total):
+    if done == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+with ThreadPoolExecutor(1) as engine:
+    sesc.fleet.run(robot, sys.argv[2], store=sys.argv[3], engine=engine, progress=killed)
+"""
+
+
+def test_a_killed_driver_goes_on_where_it_was(
+    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
+) -> None:
+    (tmp_path / "pole.urdf").write_text(POLE)
+    words = [sys.executable, "-c", DRIVER, str(tmp_path / "pole.urdf"), glob(logs), str(tmp_path / "store")]
+    assert subprocess.run(words, capture_output=True).returncode == -signal.SIGKILL
+    found = fleet.run(robot, glob(logs), store=tmp_path / "store")
+    # The one that it was at may be there too.
+    assert found.to_dict()["from_store"] in (3, 4, 5)
+    assert digest(found, tmp_path) == digest(table, tmp_path)
+
+
+def test_dask_gives_the_same_table(robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    with distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
+        found = fleet.run(robot, glob(logs), engine=client.get_executor())
+    assert digest(found, tmp_path) == digest(table, tmp_path)
+
+
+def test_ray_gives_the_same_table(robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path) -> None:
+    ray = pytest.importorskip("ray")
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    try:
+        found = fleet.run(robot, glob(logs), engine="ray")
+    finally:
+        ray.shutdown()
+    assert digest(found, tmp_path) == digest(table, tmp_path)
+
+
+def test_spark_gives_the_same_table(
+    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
+) -> None:
+    pyspark = pytest.importorskip("pyspark.sql")
+    if shutil.which("java") is None:
+        pytest.skip("Spark needs Java")
+    session = pyspark.SparkSession.builder.master("local[2,4]").getOrCreate()
+    try:
+        found = fleet.run(robot, glob(logs), engine=session)
+    finally:
+        session.stop()
+    assert digest(found, tmp_path) == digest(table, tmp_path)
 
 
 def test_a_broken_log_does_not_take_its_day_along(robot: sesc.Robot, logs: Path, tmp_path: Path) -> None:
@@ -121,14 +239,20 @@ def test_a_broken_log_does_not_take_its_day_along(robot: sesc.Robot, logs: Path,
     shutil.copytree(logs / "robot=a/day=2", place)
     (place / "bad.csv").write_text("pose,hip,cop_x,cop_y\n0,two,0,0\n")
     (place / "bad.csv.toml").write_text("support = 'foot'\n")
-    (row,) = fleet.run(robot, glob(tmp_path))
-    assert row["postures"] == 60 and "LogError" in row["error"] and len(row["inputs"]) == 2
+    found = fleet.run(robot, glob(tmp_path))
+    (row,) = found
+    assert row["postures"] == 60 and "two" in row["error"] and len(row["inputs"]) == 2
+    assert [failed["input"] for failed in found.failed] == [str(place / "bad.csv")]
 
 
-def test_what_is_no_fleet_is_said(robot: sesc.Robot) -> None:
+def test_what_is_no_fleet_is_said(robot: sesc.Robot, tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="glob"):
         fleet.run(robot, 3)
     with pytest.raises(ValueError, match="path"):
         fleet.run(robot, {"file": ["a"]})
-    (row,) = fleet.run(robot, ["none.csv"])
-    assert "LogError" in row["error"] or "FileNotFoundError" in row["error"]
+    with pytest.raises(TypeError, match="engine"):
+        fleet.run(robot, [tmp_path / "a.csv"], engine="spark")
+    with pytest.raises(sesc.SescError, match="no file has such a name"):
+        fleet.run(robot, str(tmp_path / "*.csv"))
+    (row,) = fleet.run(robot, [tmp_path / "none.csv"])
+    assert row["error"].startswith("cannot read none.csv")

@@ -4,15 +4,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use serde::Serialize;
 
 use super::outputs::Files;
 use super::{Bar, FeetArguments, Motion, Outcome, RobotArguments, message, print, print_json};
 use crate::Error;
-use crate::report::fleet::{page, text};
+use crate::report::fleet::{answer, page, text};
 use sesc_identify::feet::Feet;
-use sesc_identify::fleet::summary::{Summary, summary};
-use sesc_identify::fleet::{self, Failed, Options, Store, Twice};
+use sesc_identify::fleet::summary::summary;
+use sesc_identify::fleet::{self, Options, Store};
 use sesc_identify::logs::{self, Angles};
 use sesc_identify::robot::Robot;
 use sesc_model::files;
@@ -86,17 +85,6 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// What programs are told.
-#[derive(Serialize)]
-struct Answer<'a> {
-    groups: usize,
-    from_store: usize,
-    failed: &'a [Failed],
-    twice: &'a [Twice],
-    #[serde(flatten)]
-    summary: &'a Summary,
-}
-
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     fleet::check_table(&arguments.out)?;
     let inputs = fleet::inputs(&arguments.data, &arguments.by)?;
@@ -111,7 +99,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .writes(&arguments.report)
         .check_writable()?;
     let bar = &mut Bar::new("diagnosing");
-    let found = fleet::run(&request(arguments, inputs)?, bar)?;
+    let found = fleet::run(&request(arguments, &inputs)?, bar)?;
     bar.0.finish_and_clear();
     fleet::write(&arguments.out, &found.rows)?;
     message(&format!("wrote {}", arguments.out.display()));
@@ -122,20 +110,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         message(&format!("wrote {}", path.display()));
     }
     match arguments.json {
-        true => print_json(&Answer {
-            groups: found.rows.len(),
-            from_store: found.from_store,
-            failed: &found.failed,
-            twice: &found.twice,
-            summary: &summary,
-        })?,
+        true => print_json(&answer(&found, &summary))?,
         false => print(&text(&found, &summary))?,
     }
     let none = found.rows.iter().all(|row| row.verdict.is_empty());
     Ok(if none { Outcome::Failed } else { Outcome::Ok })
 }
 
-fn request(arguments: &Arguments, inputs: Vec<fleet::Input>) -> Result<fleet::Request, Error> {
+fn request(arguments: &Arguments, inputs: &[fleet::Input]) -> Result<fleet::Request, Error> {
     let feet = Feet::from(&arguments.feet);
     let mut options = Options::default();
     options.support = arguments.robot.support.clone();
@@ -148,7 +130,7 @@ fn request(arguments: &Arguments, inputs: Vec<fleet::Input>) -> Result<fleet::Re
     options.both_feet = feet.both;
     options.other_foot = feet.other;
     let robot = Arc::new(Robot::read(&arguments.robot.urdf)?);
-    let mut request = fleet::Request::new(robot, inputs);
+    let mut request = fleet::Request::new(robot, fleet::groups(inputs));
     request.options = options;
     request.store = arguments.store.as_ref().map(Store::new);
     request.threads = arguments.threads;

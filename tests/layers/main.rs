@@ -95,6 +95,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "fit",
             "diagnosis",
             "postures",
+            "fleet",
             "command",
         ],
     ),

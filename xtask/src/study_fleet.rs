@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use clap::Args;
 use sesc_identify::fleet::summary::{Summary, summary};
-use sesc_identify::fleet::{Fleet as Found, Request, inputs, run};
+use sesc_identify::fleet::{Fleet as Found, Request, groups, inputs, run};
 use sesc_identify::robot::Robot;
 use sesc_virtual::fleet::{BATCH, DRIFT, Fleet, STUCK};
 
@@ -127,7 +127,7 @@ impl StudyFleet {
         let pattern = folder.path().join("logs/robot=*/day=*/*.csv");
         let by = ["robot".to_string(), "day".to_string()];
         let logs = inputs(&[pattern.display().to_string()], &by)?;
-        let mut request = Request::new(Arc::new(Robot::read(&urdf)?), logs);
+        let mut request = Request::new(Arc::new(Robot::read(&urdf)?), groups(&logs));
         request.threads = Some(self.threads);
         let found = run(&request, &mut ())?;
         let summary = summary(&found.rows, &found.names);

@@ -42,6 +42,42 @@ pub struct Input {
     pub support: Option<String>,
 }
 
+impl Input {
+    /// A log with its keys from what is said of it (keys, `urdf`, `support`), from its folders
+    /// and its name.
+    pub fn new(path: PathBuf, said: &BTreeMap<String, String>, by: &[String]) -> Input {
+        let folders = partitions(&path);
+        let known = |key: &String| said.get(key).or(folders.get(key)).cloned();
+        let mut keys: Vec<Option<String>> = by.iter().map(known).collect();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let stem = name.split('.').next().unwrap_or_default();
+        let missing = keys.iter().filter(|key| key.is_none()).count();
+        // A name of more parts than keys has them in the first.
+        let mut parts: Vec<&str> = match missing {
+            0 => Vec::new(),
+            count => stem.rsplitn(count, '_').collect(),
+        };
+        for key in keys.iter_mut().filter(|key| key.is_none()) {
+            *key = Some(parts.pop().unwrap_or_default().to_string());
+        }
+        let mut keys: Vec<String> = keys.into_iter().flatten().collect();
+        let day = match keys.len() {
+            0 | 1 => String::new(),
+            _ => keys.pop().unwrap_or_default(),
+        };
+        let own = |key: &str| said.get(key).filter(|text| !text.is_empty());
+        Input {
+            robot: keys.join("/"),
+            day,
+            urdf: own("urdf")
+                .map(PathBuf::from)
+                .or_else(|| urdf_beside(&path)),
+            support: own("support").cloned(),
+            path,
+        }
+    }
+}
+
 /// All logs that `data` names. The last of `by` is the day, those before it the robot.
 ///
 /// # Errors
@@ -60,7 +96,7 @@ pub fn inputs(data: &[String], by: &[String]) -> Result<Vec<Input>, Error> {
             list(path, by, &mut found)?;
         } else {
             for path in expanded(item)? {
-                found.push(input(path, &BTreeMap::new(), by));
+                found.push(Input::new(path, &BTreeMap::new(), by));
             }
         }
     }
@@ -124,39 +160,6 @@ fn below(folder: &Path, logs: &mut Vec<PathBuf>) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A log with its keys from what is said of it, its folders and its name.
-fn input(path: PathBuf, said: &BTreeMap<String, String>, by: &[String]) -> Input {
-    let folders = partitions(&path);
-    let known = |key: &String| said.get(key).or(folders.get(key)).cloned();
-    let mut keys: Vec<Option<String>> = by.iter().map(known).collect();
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let stem = name.split('.').next().unwrap_or_default();
-    let missing = keys.iter().filter(|key| key.is_none()).count();
-    // A name of more parts than keys has them in the first.
-    let mut parts: Vec<&str> = match missing {
-        0 => Vec::new(),
-        count => stem.rsplitn(count, '_').collect(),
-    };
-    for key in keys.iter_mut().filter(|key| key.is_none()) {
-        *key = Some(parts.pop().unwrap_or_default().to_string());
-    }
-    let mut keys: Vec<String> = keys.into_iter().flatten().collect();
-    let day = match keys.len() {
-        0 | 1 => String::new(),
-        _ => keys.pop().unwrap_or_default(),
-    };
-    let own = |key: &str| said.get(key).filter(|text| !text.is_empty());
-    Input {
-        robot: keys.join("/"),
-        day,
-        urdf: own("urdf")
-            .map(PathBuf::from)
-            .or_else(|| urdf_beside(&path)),
-        support: own("support").cloned(),
-        path,
-    }
-}
-
 /// The keys of folders `name=value`, the innermost of each name.
 fn partitions(path: &Path) -> BTreeMap<String, String> {
     let folders = path.parent().into_iter().flat_map(Path::components);
@@ -191,7 +194,7 @@ fn list(path: &Path, by: &[String], found: &mut Vec<Input>) -> Result<(), Error>
     let text = read(path)?;
     let lines = text.lines().map(str::trim);
     for line in lines.filter(|line| !line.is_empty() && !line.starts_with('#')) {
-        found.push(input(beside.join(line), &BTreeMap::new(), by));
+        found.push(Input::new(beside.join(line), &BTreeMap::new(), by));
     }
     Ok(())
 }
@@ -240,7 +243,7 @@ fn manifest(path: &Path, by: &[String], found: &mut Vec<Input>) -> Result<(), Er
         if let Some(urdf) = said.get_mut("urdf").filter(|urdf| !urdf.is_empty()) {
             *urdf = beside.join(&*urdf).display().to_string();
         }
-        found.push(input(log, &said, by));
+        found.push(Input::new(log, &said, by));
     }
     Ok(())
 }
@@ -254,7 +257,7 @@ mod tests {
     }
 
     fn keys(path: &str, by: &[String]) -> (String, String) {
-        let input = input(PathBuf::from(path), &BTreeMap::new(), by);
+        let input = Input::new(PathBuf::from(path), &BTreeMap::new(), by);
         (input.robot, input.day)
     }
 

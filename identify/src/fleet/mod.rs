@@ -19,6 +19,7 @@
 
 mod content;
 mod evaluate;
+mod gathering;
 mod groups;
 mod manifest;
 mod options;
@@ -30,13 +31,16 @@ mod store;
 pub mod summary;
 mod table;
 mod together;
+mod work;
 
 pub use content::{Log, content_hash};
 pub use evaluate::row;
+pub use gathering::{Fleet, Gathering, Twice};
 pub use groups::{Group, groups};
 pub use manifest::{Input, inputs};
 pub use options::Options;
 pub use row::{EffectFound, Row, Size};
-pub use run::{Failed, Fleet, Request, Twice, run};
+pub use run::{Request, run};
 pub use store::Store;
 pub use table::{COLUMNS, assembled, check_table, write};
+pub use work::{Done, Failed, work};

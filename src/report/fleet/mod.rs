@@ -8,7 +8,31 @@ mod text;
 pub use page::page;
 pub use text::text;
 
-use sesc_identify::fleet::{EffectFound, Twice};
+use serde::Serialize;
+use sesc_identify::fleet::summary::Summary;
+use sesc_identify::fleet::{EffectFound, Failed, Fleet, Twice};
+
+/// What programs are told, besides the rows.
+#[derive(Serialize)]
+pub struct Answer<'a> {
+    groups: usize,
+    from_store: usize,
+    failed: &'a [Failed],
+    twice: &'a [Twice],
+    #[serde(flatten)]
+    summary: &'a Summary,
+}
+
+/// What programs are told, besides the rows.
+pub fn answer<'a>(fleet: &'a Fleet, summary: &'a Summary) -> Answer<'a> {
+    Answer {
+        groups: fleet.rows.len(),
+        from_store: fleet.from_store,
+        failed: &fleet.failed,
+        twice: &fleet.twice,
+        summary,
+    }
+}
 
 /// `joint_offset:l_knee`, or `ground_slope`.
 fn label(found: &EffectFound) -> String {
