@@ -264,7 +264,7 @@ impl Postures {
                 data.reading.push(posture.sum[axis] / posture.rows);
                 data.std.push(noise.per_entry[k][axis].hypot(taking.floor));
             }
-            let [rates, accelerations, _] = &posture.moving.sums;
+            let [rates, accelerations, ..] = &posture.moving.sums;
             let pairs = rates.iter().zip(accelerations).enumerate();
             for (joint, (rate, acceleration)) in pairs {
                 u[layout.rate(joint)] = rate / posture.moving.rows;
@@ -341,7 +341,7 @@ impl Postures {
         keep_some(&mut self.std, 2, &keep);
         keep_some(&mut self.less_known, 2, &keep);
         self.t.iter_mut().for_each(|t| keep_some(t, 1, &keep));
-        for all in [&mut motion.rates, &mut motion.gains, &mut motion.gains_std] {
+        for all in motion.columns() {
             keep_some(all, width, &keep);
         }
         motion.known = vec![true; self.pose.len()];

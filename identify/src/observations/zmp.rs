@@ -7,7 +7,8 @@
 //!
 //! c and c̈ have rows in the base parameters, L̇ is that of the URDF's masses and inertias. The
 //! products of parameters that p holds are taken to first order about CAD. How well
-//! accelerations are known adds to the noise: `σ² = Σ_j (∂p/∂q̈_j)² σ(q̈_j)²`.
+//! accelerations and positions are known adds to the noise:
+//! `σ² = Σ_j (∂p/∂q̈_j)² σ(q̈_j)² + (∂c/∂q_j)² σ(q_j)²`.
 
 use nalgebra::DMatrix;
 use sesc_model::effects::PostureContext;
@@ -42,7 +43,7 @@ pub struct Moved {
     pub shift: Vec<[f64; 2]>,
     /// What is taken from readings, so that rows times parameters is what is left, m.
     pub correction: Vec<[f64; 2]>,
-    /// Deviation of the shift because accelerations are not known better, m.
+    /// Deviation of the ZMP because accelerations and positions are not known better, m.
     pub std: Vec<[f64; 2]>,
     /// ∂shift/∂q_j, x and y of each joint in turn, m/rad or 1; empty until asked for.
     pub slopes: Vec<f64>,
@@ -62,6 +63,15 @@ impl Moved {
             }
         }
     }
+}
+
+/// What one joint does to the ZMP, by axis.
+#[derive(Clone, Copy, Default)]
+struct Lever {
+    /// By its acceleration, m s²/rad or s².
+    gain: [f64; 2],
+    /// By its position where it stands, m/rad or 1.
+    position: [f64; 2],
 }
 
 /// c, c̈ and L̇⊥/M of one posture.
@@ -145,10 +155,11 @@ impl Zmp {
         let (n, p) = (tilts.len(), self.params.len());
         let own = rows.start * self.dof..rows.end * self.dof;
         let out = self.run(q, &motion.rates[own.clone()], &motion.gains[own.clone()]);
-        let gains_std = &motion.gains_std[own];
+        let gains_std = &motion.gains_std[own.clone()];
+        let positions_std = &motion.positions_std[own];
         let levers = match gains_std.iter().any(|std| *std > 0.0) {
             true => self.levers(&q[(n / 2) * self.dof..(n / 2 + 1) * self.dof]),
-            false => vec![[0.0; 2]; self.dof],
+            false => vec![Lever::default(); self.dof],
         };
         let mut moved = Moved {
             rows: DMatrix::zeros(2 * n, p),
@@ -176,10 +187,14 @@ impl Zmp {
             }
             moved.shift.push(parts.shift(*tilt));
             moved.correction.push(correction);
-            let own = &gains_std[k * self.dof..(k + 1) * self.dof];
+            let own = k * self.dof..(k + 1) * self.dof;
+            let own = gains_std[own.clone()].iter().zip(&positions_std[own]);
             moved.std.push([0, 1].map(|axis| {
-                let sum = own.iter().zip(&levers).map(|(s, lever)| s * lever[axis]);
-                sum.map(|x| x * x).sum::<f64>().sqrt()
+                let by = own.clone().zip(&levers).map(|((gain, position), lever)| {
+                    let (gain, position) = (gain * lever.gain[axis], position * lever.position[axis]);
+                    gain * gain + position * position
+                });
+                by.sum::<f64>().sqrt()
             }));
         }
         moved
@@ -211,17 +226,25 @@ impl Zmp {
         slopes
     }
 
-    /// What an acceleration of each joint adds to the ZMP near posture `q`, m s²/rad.
-    fn levers(&self, q: &[f64]) -> Vec<[f64; 2]> {
+    /// What joints do to the ZMP near posture `q`.
+    fn levers(&self, q: &[f64]) -> Vec<Lever> {
         let still = vec![0.0; self.dof];
-        (0..self.dof)
-            .map(|joint| {
-                let mut gains = still.clone();
-                gains[joint] = SMALL;
-                let out = self.run(q, &still, &gains);
-                let shift = self.parts(&out, &self.params).shift([0.0; 2]);
-                shift.map(|x| x / SMALL)
-            })
-            .collect()
+        let parts = |q: &[f64], gains: &[f64]| {
+            let out = self.run(q, &still, gains);
+            self.parts(&out, &self.params)
+        };
+        let com = parts(q, &still).com;
+        let of = |joint: usize| {
+            let (mut gains, mut moved) = (still.clone(), q.to_vec());
+            gains[joint] = SMALL;
+            moved[joint] += STEP;
+            let shift = parts(q, &gains).shift([0.0; 2]);
+            let after = parts(&moved, &still).com;
+            Lever {
+                gain: shift.map(|x| x / SMALL),
+                position: [0, 1].map(|axis| (after[axis] - com[axis]) / STEP),
+            }
+        };
+        (0..self.dof).map(of).collect()
     }
 }

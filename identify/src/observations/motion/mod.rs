@@ -20,7 +20,8 @@
 //! the order and the window whose E is least: what is bent counts ten times, since it is the
 //! same in every swing while noise averages out. Dense rows are averaged over a twentieth of h
 //! first. A window ends where the log pauses; a row with too little of it on either side does
-//! not know its motion, unless nothing moves in what there is.
+//! not know its motion, unless nothing moves in what there is. What rows of whole windows leave of
+//! the polynomials is the noise of positions: encoders that turn in ticks have some.
 
 mod polynomials;
 #[cfg(test)]
@@ -49,6 +50,8 @@ const COHERENT: f64 = 10.0;
 const OF_HIGH: f64 = 0.25;
 /// Longer windows must be whole for this part of the log that the shortest are whole for.
 const COVERED: f64 = 0.8;
+/// What a window leaves of the noise of its own row at least, as a part.
+const LEAST_LEFT: f64 = 0.2;
 /// A joint moves where its acceleration is this many times what noise makes of one, RMS.
 const MOVES: f64 = 2.0;
 
@@ -84,6 +87,8 @@ pub struct Motion {
     pub gains: Vec<f64>,
     /// Standard deviation of `gains`.
     pub gains_std: Vec<f64>,
+    /// Standard deviation of the positions that were read, rad or m; 0 of joints that stand.
+    pub positions_std: Vec<f64>,
     /// Whether the row has a window.
     pub known: Vec<bool>,
 }
@@ -145,9 +150,10 @@ impl Plan {
         let moving = self.moving(&nodes, &window)?;
         let mut motion = Motion::default();
         let count = rows.len() * dof;
-        for all in [&mut motion.rates, &mut motion.gains, &mut motion.gains_std] {
+        for all in motion.columns() {
             all.reserve(count);
         }
+        let mut positions = PositionNoise::new(dof, nodes.rows);
         let mut at: Option<(usize, Local)> = None;
         for row in rows {
             let node = nodes.of_row[row];
@@ -155,8 +161,14 @@ impl Plan {
                 at = Some((node, self.local(&nodes, &window, node)));
             }
             let (_, local) = at.as_ref().expect("set above");
-            local.push(t[row] - nodes.t[node], &moving, &mut motion);
+            let after = t[row] - nodes.t[node];
+            local.push(after, &moving, &mut motion);
+            if let Local::Moving(fit, true) = local {
+                let origin = &nodes.q[node * dof..(node + 1) * dof];
+                positions.add(fit, after, &q[row * dof..(row + 1) * dof], origin);
+            }
         }
+        motion.positions_std = positions.of_rows(&motion.gains_std);
         Some(motion)
     }
 
@@ -270,7 +282,7 @@ impl Motion {
 
     fn retain(&mut self, keep: &[bool]) {
         let dof = self.dof();
-        for all in [&mut self.rates, &mut self.gains, &mut self.gains_std] {
+        for all in self.columns() {
             let mut at = 0;
             all.retain(|_| {
                 at += 1;
@@ -287,15 +299,28 @@ impl Motion {
                 self.rates.extend(other.rates);
                 self.gains.extend(other.gains);
                 self.gains_std.extend(other.gains_std);
+                self.positions_std.extend(other.positions_std);
                 self.known.extend(other.known);
             }
             None => {
-                for all in [&mut self.rates, &mut self.gains, &mut self.gains_std] {
+                for all in self.columns() {
                     all.resize(all.len() + rows * dof, 0.0);
                 }
                 self.known.resize(self.known.len() + rows, true);
             }
         }
+    }
+
+    /// What is known of each row and joint.
+    pub fn columns(&mut self) -> [&mut Vec<f64>; 4] {
+        let Motion {
+            rates,
+            gains,
+            gains_std,
+            positions_std,
+            known: _,
+        } = self;
+        [rates, gains, gains_std, positions_std]
     }
 
     fn dof(&self) -> usize {
@@ -306,6 +331,47 @@ impl Motion {
 /// Whether all rows are the same.
 fn is_still(q: &[f64], dof: usize) -> bool {
     q.chunks_exact(dof).all(|row| *row == q[..dof])
+}
+
+/// What rows leave of the polynomials of their windows.
+struct PositionNoise {
+    /// Rows averaged to a node.
+    rows: f64,
+    /// Σ e² of each joint, over what a fit leaves of noise of variance one.
+    squares: Vec<f64>,
+    count: f64,
+}
+
+impl PositionNoise {
+    fn new(dof: usize, rows: usize) -> PositionNoise {
+        PositionNoise {
+            rows: rows as f64,
+            squares: vec![0.0; dof],
+            count: 0.0,
+        }
+    }
+
+    /// Row `q`, `after` seconds from a node at `origin`.
+    fn add(&mut self, fit: &Polynomials, after: f64, q: &[f64], origin: &[f64]) {
+        let left = (1.0 - fit.own / self.rows).max(LEAST_LEFT);
+        for (joint, square) in self.squares.iter_mut().enumerate() {
+            let off = q[joint] - origin[joint] - fit.position(joint, after);
+            *square += off * off / left;
+        }
+        self.count += 1.0;
+    }
+
+    /// Of each row and joint; joints that stand there have accelerations without deviation.
+    fn of_rows(&self, gains_std: &[f64]) -> Vec<f64> {
+        let std = self.squares.iter().map(|sum| match self.count > 0.0 {
+            true => (sum / self.count).sqrt(),
+            false => 0.0,
+        });
+        let std: Vec<f64> = std.collect();
+        let rows = gains_std.iter().enumerate();
+        rows.map(|(k, gain)| if *gain > 0.0 { std[k % std.len()] } else { 0.0 })
+            .collect()
+    }
 }
 
 /// What is known near a node.

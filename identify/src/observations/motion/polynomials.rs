@@ -26,6 +26,8 @@ pub(super) struct Polynomials {
     pub half: f64,
     /// Deviation of an acceleration for nodes of deviation one.
     pub weight: f64,
+    /// How much of the polynomial at the node is the node's own.
+    pub own: f64,
 }
 
 impl Polynomials {
@@ -83,6 +85,7 @@ impl Polynomials {
             spare: (count - terms).max(1) as f64,
             half,
             weight: 2.0 / (half * half) * inverse[(2, 2)].max(0.0).sqrt(),
+            own: inverse[(0, 0)],
         })
     }
 
@@ -97,6 +100,12 @@ impl Polynomials {
     /// Acceleration at the node.
     pub fn gain(&self, joint: usize) -> f64 {
         2.0 * self.coefficient(2, joint) / (self.half * self.half)
+    }
+
+    /// Position `after` seconds from the node, less the node's own.
+    pub fn position(&self, joint: usize, after: f64) -> f64 {
+        let (s, c) = (after / self.half, |power| self.coefficient(power, joint));
+        c(0) + s * (c(1) + s * (c(2) + s * (c(3) + s * c(4))))
     }
 
     /// Variance of a node.

@@ -143,3 +143,22 @@ fn ticks_leave_accelerations_as_large_as_they_are() {
         assert!((share - 1.0).abs() < 0.005, "{step} s, {hertz} Hz: {share}");
     }
 }
+
+/// What positions are said to be known to is the noise that was added to them, whether ticks
+/// or white, dense or not.
+#[test]
+fn positions_are_known_as_well_as_encoders_read_them() {
+    let tick = std::f64::consts::TAU / 4096.0;
+    for (step, hertz) in [(0.001, 0.7), (0.005, 0.3), (0.02, 0.3), (0.1, 0.15)] {
+        let (t, truth) = swing(step, 60.0, hertz);
+        let white = truth.iter().zip(noise(t.len(), 1e-3));
+        let white: Vec<f64> = white.map(|(q, e)| q + e).collect();
+        let ticks: Vec<f64> = truth.iter().map(|q| (q / tick).round() * tick).collect();
+        for (q, expected) in [(white, 1e-3), (ticks, tick / 12_f64.sqrt())] {
+            let plan = Plan::of(&t, &q, 1).unwrap();
+            let motion = plan.motion(&t, &q, 1, 0..t.len()).unwrap();
+            let ratio = rms(&motion.positions_std) / expected;
+            assert!((0.9..1.15).contains(&ratio), "{step} s: {ratio}");
+        }
+    }
+}

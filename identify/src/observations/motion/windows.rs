@@ -18,6 +18,8 @@ const SPANNED: f64 = 0.55;
 /// Rows averaged over a few milliseconds.
 pub(super) struct Nodes {
     pub dof: usize,
+    /// Rows that are averaged to a node where they are dense.
+    pub rows: usize,
     pub t: Vec<f64>,
     pub q: Vec<f64>,
     /// The node of each row.
@@ -32,6 +34,7 @@ impl Nodes {
         let rows = ((NODE * half / step_s) as usize).max(1);
         let mut nodes = Nodes {
             dof,
+            rows,
             t: Vec::with_capacity(t.len() / rows + 1),
             q: Vec::with_capacity(q.len() / rows + dof),
             of_row: Vec::with_capacity(t.len()),

@@ -21,14 +21,14 @@ pub(super) struct Posture {
     pub(super) moving: Motions,
 }
 
-/// Sums of velocities, accelerations and their variances over rows that know them; empty
+/// Sums of velocities, accelerations, their variances and those of positions over rows that know them; empty
 /// where joints stand.
 #[derive(Clone, Default)]
 pub(super) struct Motions {
     pub(super) rows: f64,
     /// Whether a row does not know its motion.
     pub(super) unknown: bool,
-    pub(super) sums: [Vec<f64>; 3],
+    pub(super) sums: [Vec<f64>; 4],
 }
 
 impl Motions {
@@ -40,11 +40,16 @@ impl Motions {
             };
         };
         let of = |all: &[f64]| all[row * dof..(row + 1) * dof].to_vec();
-        let variances = of(&motion.gains_std).iter().map(|s| s * s).collect();
+        let variances = |all: &[f64]| of(all).iter().map(|s| s * s).collect();
         Motions {
             rows: 1.0,
             unknown: !motion.known[row],
-            sums: [of(&motion.rates), of(&motion.gains), variances],
+            sums: [
+                of(&motion.rates),
+                of(&motion.gains),
+                variances(&motion.gains_std),
+                variances(&motion.positions_std),
+            ],
         }
     }
 
@@ -186,6 +191,8 @@ impl Gathering {
                 rates: of(0).collect(),
                 gains: of(1).collect(),
                 gains_std: of(2).map(f64::sqrt).collect(),
+                // Accelerations of neighbours are from the same window, positions are read anew.
+                positions_std: of(3).map(|mean| (mean / own.rows).sqrt()).collect(),
                 known: vec![!own.unknown],
             });
             motion.extend(one, 1, dof);
