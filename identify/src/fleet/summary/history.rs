@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::fleet::row::{EffectFound, Row, Size};
+use crate::health::Kind;
 
 /// Effect and target.
 pub(super) type Key = (String, String);
@@ -64,20 +65,21 @@ pub(super) fn label((effect, target): (&str, &str)) -> String {
 }
 
 impl<'r> History<'r> {
-    /// Rows that say something of the robot.
+    /// Rows that say something of the robot: not those of a stuck encoder, whose joint is not
+    /// where the log says and whose explanation makes up for it.
     pub fn usable(&self) -> impl Iterator<Item = &'r Row> {
-        self.rows.iter().copied().filter(|row| row.is_usable())
+        let stuck = |row: &Row| {
+            let mut kinds = row.health.iter().map(|finding| finding.kind);
+            kinds.any(|kind| kind == Kind::EncoderStuck)
+        };
+        let rows = self.rows.iter().copied();
+        rows.filter(move |row| row.is_usable() && !stuck(row))
     }
 
-    /// Rows whose numbers can be held against each other: one URDF and support, and joints
-    /// that are where the log says.
+    /// Rows whose numbers can be held against each other: of one URDF and support.
     pub fn stretches(&self) -> Vec<Vec<&'r Row>> {
         let mut stretches: BTreeMap<(&str, &str), Vec<&Row>> = BTreeMap::new();
-        let sound = |row: &&Row| {
-            let stuck = |f: &crate::health::Finding| f.kind == crate::health::Kind::EncoderStuck;
-            !row.health.iter().any(stuck)
-        };
-        for row in self.usable().filter(sound) {
+        for row in self.usable() {
             let key = (row.urdf_hash.as_str(), row.support.as_str());
             stretches.entry(key).or_default().push(row);
         }

@@ -237,3 +237,23 @@ fn the_order_of_rows_says_nothing() {
     assert_eq!(forward, fleet.summary());
     assert_eq!(forward.shared.len(), 1);
 }
+
+/// An effect of angles that an encoder got wrong is nobody's.
+#[test]
+fn rows_of_a_stuck_encoder_say_nothing_of_effects() {
+    let mut fleet = Drawn::fleet(20, 3, 12);
+    for robot in [2, 5, 7, 11] {
+        fleet.offset(robot, "l_knee", 0.03, 1);
+    }
+    let stuck = |row: &&mut Row| row.robot == "r05";
+    for row in fleet.rows.iter_mut().filter(stuck) {
+        let finding = r#"{"kind": "encoder_stuck", "target": "r_el", "sentence": "It is stuck."}"#;
+        row.health = vec![serde_json::from_str(finding).unwrap()];
+    }
+    let found = fleet.summary();
+    assert_eq!(found.shared[0].robots, ["r02", "r07", "r11"]);
+    assert_eq!(
+        (found.look_first[0].as_str(), found.reasons[0].why.as_str()),
+        ("r05", "It is stuck.")
+    );
+}
