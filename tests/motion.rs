@@ -247,3 +247,19 @@ fn simulations_and_predictions_agree() {
         assert!(worst(&found) < 2e-5 && worst(&standing) > 1e-3);
     }
 }
+
+/// Joints that are read 50 ms before the CoP, fast motion: the delay is found as long as it
+/// is at 100 and at 20 Hz, what motion adds to the CoP being late like its static part.
+#[test]
+fn a_delay_is_found_as_long_as_it_is_at_every_rate() {
+    let hide = |w: World| w.time_delay(0.05);
+    let log = recorded(hide, Swing::new(0.7, 0.15, 10.0), 100.0, 13);
+    for nth in [1, 5] {
+        let found = diagnosed(&log.every(nth), MotionModel::Auto);
+        println!("one in {nth}: {}", found.sentence);
+        assert_eq!(found.steps[0].effect, "time_delay");
+        let delay = &found.steps[0].parameters["delay_s"];
+        assert!((delay.value.abs() - 0.05).abs() < 0.001, "{}", delay.value);
+        assert!(found.last.rmse < 1.15 * WHITE.std[0], "{}", found.last.rmse);
+    }
+}

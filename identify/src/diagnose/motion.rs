@@ -5,9 +5,10 @@
 //! ```
 //!
 //! Δ has no unknown: the URDF gives masses and inertias, the log accelerations. Masses that are
-//! free move it by its rows, `∂Δ/∂r`, joints that stand elsewhere by its slopes, `∂Δ/∂q`. How much of Δ readings show is tested as a share against
-//! 1, once before anything is explained (readings that show none are static), and once beside
-//! what was found.
+//! free move it by its rows, `∂Δ/∂r`, joints that stand elsewhere by its slopes, `∂Δ/∂q`, joints
+//! that are late by its derivatives in time. How much of Δ readings show is tested as a share against 1,
+//! once before anything is explained (readings that show none are static), and once beside what
+//! was found.
 
 use std::rc::Rc;
 
@@ -21,7 +22,7 @@ use crate::fit::prior::{Prior, Tolerances};
 use crate::observations::correlation::Correlation;
 use crate::observations::motion_use::{Column, MotionModel, MotionUse, Share};
 use crate::observations::postures::{Postures, rms};
-use crate::observations::zmp::{Moved, Zmp};
+use crate::observations::zmp::{Moved, Zmp, in_time};
 
 /// How far joints may stand from where encoders say, rad or m.
 const OFFSET: f64 = 0.1;
@@ -34,9 +35,10 @@ pub(super) fn account(data: &mut Postures, model: &Model, prior: &Prior, asked: 
     if let (Some(_), MotionModel::Auto) = (&data.motion, asked) {
         let all = data.clone();
         data.leave_out_unknown();
-        let moved = moved(data, model);
+        let mut moved = moved(data, model);
         let rms_m = rms(moved.shift.iter().flatten().copied());
         if rms_m > 0.0 && data.len() > 2 {
+            tell_slopes(&mut moved, data, model);
             let share = share_of_readings(data, model, prior, &moved);
             let left_out = (all.len() - data.len()) as u64;
             let used = !share.is_some_and(|share| share.is_missing());
@@ -51,11 +53,7 @@ pub(super) fn account(data: &mut Postures, model: &Model, prior: &Prior, asked: 
                 ..data.motion_use.clone()
             };
             if used {
-                let motion = data.motion.clone().unwrap_or_default();
-                let (rates, gains) = (&motion.rates[..], &motion.gains[..]);
-                let (cad, tilts) = (model.cad_params(), tilts(data, model));
-                let slopes = Zmp::new(model).slopes(&cad, &data.q, (rates, gains), &tilts);
-                data.move_by(Moved { slopes, ..moved });
+                data.move_by(moved);
             }
         } else {
             *data = all;
@@ -75,6 +73,17 @@ fn tilts(data: &Postures, model: &Model) -> Vec<[f64; 2]> {
 fn moved(data: &Postures, model: &Model) -> Moved {
     let motion = data.motion.clone().unwrap_or_default();
     Zmp::new(model).moved(&data.q, &motion, 0..data.len(), &tilts(data, model))
+}
+
+/// How Δ changes with positions of joints and with time.
+fn tell_slopes(moved: &mut Moved, data: &Postures, model: &Model) {
+    let motion = data.motion.clone().unwrap_or_default();
+    let (rates, gains) = (&motion.rates[..], &motion.gains[..]);
+    let (cad, tilts) = (model.cad_params(), tilts(data, model));
+    moved.slopes = Zmp::new(model).slopes(&cad, &data.q, (rates, gains), &tilts);
+    if let Some(t) = &data.t {
+        moved.in_time = in_time(t, &moved.shift, &moved.slopes, (rates, gains));
+    }
 }
 
 /// The share that readings show, with masses within their prior and joints that stand
@@ -112,7 +121,13 @@ fn share_of_readings(
     let rates = data.motion.as_ref().map_or(&[][..], |motion| &motion.rates);
     let by_delay = |row: usize| -> f64 {
         let own = rates.iter().skip(row / 2 * dof).take(dof).enumerate();
-        own.map(|(joint, rate)| rate * by_joint(row, joint)).sum()
+        let slope = |joint| moved.slopes[2 * (row / 2 * dof + joint) + row % 2];
+        let by_positions = own.map(|(joint, rate)| rate * (by_joint(row, joint) + slope(joint)));
+        let by_motion = moved
+            .in_time
+            .get(row / 2)
+            .map_or(0.0, |own| own[0][row % 2]);
+        by_positions.sum::<f64>() + by_motion
     };
     let rows = DMatrix::from_fn(n, p + dof + 1, |row, c| match c {
         c if c < p => moved.rows[(row, c)],

@@ -16,6 +16,7 @@ use sesc_model::inertia::GRAVITY;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Model, motion_rows};
 
+use super::correlation;
 use super::motion::Motion;
 use crate::evaluate::FASTEST;
 
@@ -23,6 +24,10 @@ use crate::evaluate::FASTEST;
 const LEAST_LOAD: f64 = 0.2;
 /// An acceleration that hardly changes the load on the ground, rad/s² or m/s².
 const SMALL: f64 = 1e-3;
+/// Rows further apart than this many ordinary intervals are no neighbours.
+const GAP: f64 = 4.0;
+/// Parabolas reach this far to either side where rows are dense, s.
+const REACH_S: f64 = 0.06;
 /// Joints are moved by this for differences, rad or m.
 const STEP: f64 = 1e-5;
 
@@ -47,6 +52,9 @@ pub struct Moved {
     pub std: Vec<[f64; 2]>,
     /// ∂shift/∂q_j, x and y of each joint in turn, m/rad or 1; empty until asked for.
     pub slopes: Vec<f64>,
+    /// First and second derivative of the shift in time beside what slopes make of velocities and
+    /// accelerations, m/s and m/s², x and y each; empty until asked for.
+    pub in_time: Vec<[[f64; 2]; 2]>,
 }
 
 impl Moved {
@@ -54,6 +62,10 @@ impl Moved {
     pub fn tell(&self, k: usize, layout: PostureContext, context: &mut [f64]) {
         for axis in 0..2 {
             context[layout.shift(axis)] = self.shift[k][axis];
+            for order in [1, 2] {
+                let of = self.in_time.get(k).map_or(0.0, |own| own[order - 1][axis]);
+                context[layout.shift_in_time(order, axis)] = of;
+            }
         }
         let width = self.slopes.len() / self.shift.len().max(1);
         let slopes = &self.slopes[k * width..(k + 1) * width];
@@ -63,6 +75,54 @@ impl Moved {
             }
         }
     }
+}
+
+/// Δ̇ and Δ̈ of a log by parabolas through rows at times `t`, less the parts `Σ_j ∂Δ/∂q_j q̇_j`
+/// and `Σ_j ∂Δ/∂q_j q̈_j` of positions; x and y each. Zero where a row has a neighbour on one
+/// side alone.
+pub fn in_time(
+    t: &[f64],
+    shift: &[[f64; 2]],
+    slopes: &[f64],
+    (rates, gains): (&[f64], &[f64]),
+) -> Vec<[[f64; 2]; 2]> {
+    let dof = rates.len() / shift.len().max(1);
+    let step = correlation::step(t).unwrap_or(0.0);
+    let reach = REACH_S.max(1.5 * step);
+    let joins = |a: usize, b: usize| t[b] > t[a] && t[b] - t[a] <= GAP * step;
+    let of = |k: usize| {
+        let near = |other: &usize| (t[*other] - t[k]).abs() <= reach;
+        let before = (1..=k)
+            .rev()
+            .take_while(|&a| joins(a - 1, a))
+            .map(|a| a - 1);
+        let after = (k + 1..t.len()).take_while(|&b| joins(b - 1, b));
+        let ends = (
+            before.take_while(near).last(),
+            after.take_while(near).last(),
+        );
+        let (Some(first), Some(last)) = ends else {
+            return [[0.0; 2]; 2];
+        };
+        let (a, b) = (t[k] - t[first], t[last] - t[k]);
+        let slopes = &slopes[2 * k * dof..2 * (k + 1) * dof];
+        let own = |motion: &[f64], axis: usize| -> f64 {
+            let motion = motion[k * dof..(k + 1) * dof].iter();
+            motion
+                .zip(slopes.chunks_exact(2))
+                .map(|(x, slope)| x * slope[axis])
+                .sum()
+        };
+        let of = [0, 1].map(|axis| {
+            let back = (shift[k][axis] - shift[first][axis]) / a;
+            let forth = (shift[last][axis] - shift[k][axis]) / b;
+            let rate = (b * back + a * forth) / (a + b) - own(rates, axis);
+            let curve = 2.0 * (forth - back) / (a + b) - own(gains, axis);
+            [rate, curve]
+        });
+        [0, 1].map(|order| [0, 1].map(|axis| of[axis][order]))
+    };
+    (0..shift.len()).map(of).collect()
 }
 
 /// What one joint does to the ZMP, by axis.
@@ -167,6 +227,7 @@ impl Zmp {
             correction: Vec::with_capacity(n),
             std: Vec::with_capacity(n),
             slopes: Vec::new(),
+            in_time: Vec::new(),
         };
         for (k, (out, tilt)) in out.chunks_exact(self.tape.outputs()).zip(tilts).enumerate() {
             let parts = self.parts(out, &self.params);
@@ -191,7 +252,8 @@ impl Zmp {
             let own = gains_std[own.clone()].iter().zip(&positions_std[own]);
             moved.std.push([0, 1].map(|axis| {
                 let by = own.clone().zip(&levers).map(|((gain, position), lever)| {
-                    let (gain, position) = (gain * lever.gain[axis], position * lever.position[axis]);
+                    let (gain, position) =
+                        (gain * lever.gain[axis], position * lever.position[axis]);
                     gain * gain + position * position
                 });
                 by.sum::<f64>().sqrt()

@@ -59,6 +59,7 @@ impl Effect for TimeDelay {
             let moved = g.mul(d, slope);
             at.shift_joint(joint, moved);
         }
+        at.shift_motion(d);
     }
 
     fn is_static(&self) -> bool {

@@ -3,8 +3,8 @@
 use crate::robot::Robot;
 
 /// Layout of what a posture has beside its joint positions, in this order:
-/// place in the log, tilt (2), what motion adds (2), rates, accelerations, sides of dead bands,
-/// slopes of what motion adds (2 per joint).
+/// place in the log, tilt (2), what motion adds (2), its first and second derivative in time (2
+/// each), velocities, accelerations, sides of dead bands, slopes of what motion adds (2 per joint).
 #[derive(Debug, Clone, Copy)]
 pub struct PostureContext {
     dof: usize,
@@ -23,7 +23,7 @@ impl PostureContext {
 
     /// Entries per posture.
     pub fn len(self) -> usize {
-        5 + 5 * self.dof
+        9 + 5 * self.dof
     }
 
     /// Always false, since a posture always has a tilt.
@@ -46,25 +46,32 @@ impl PostureContext {
         3 + axis
     }
 
+    /// How fast what motion adds changes on an axis, m/s (`order` 1), and how fast that does,
+    /// m/s² (2), beside what [`PostureContext::shift_slope`] makes of velocities and
+    /// accelerations.
+    pub fn shift_in_time(self, order: usize, axis: usize) -> usize {
+        3 + 2 * order + axis
+    }
+
     /// Velocity of a joint, rad/s or m/s.
     pub fn rate(self, dof: usize) -> usize {
-        5 + dof
+        9 + dof
     }
 
     /// Acceleration of a joint, rad/s² or m/s².
     pub fn acceleration(self, dof: usize) -> usize {
-        5 + self.dof + dof
+        9 + self.dof + dof
     }
 
     /// Which side of its dead band a joint rests on, −1 to 1.
     pub fn side(self, dof: usize) -> usize {
-        5 + 2 * self.dof + dof
+        9 + 2 * self.dof + dof
     }
 
     /// How what motion adds to the CoP on an axis changes with the position of a joint, m/rad
     /// or 1.
     pub fn shift_slope(self, dof: usize, axis: usize) -> usize {
-        5 + 3 * self.dof + 2 * dof + axis
+        9 + 3 * self.dof + 2 * dof + axis
     }
 }
 

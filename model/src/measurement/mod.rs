@@ -61,6 +61,8 @@ pub struct Measured<'m> {
     pub(crate) foot: Option<Foot>,
     /// Weight on the ground over the nominal weight.
     pub weight: Id,
+    /// How much later the robot moves than encoders say, s.
+    late: Vec<Id>,
     pulls: Vec<Pull>,
     bends: Vec<Bend>,
     /// How far into its dead band each joint is where it rests, −1 to 1; none where it has none.
@@ -104,6 +106,7 @@ impl<'m> Measured<'m> {
             cells: cells.to_vec(),
             foot: None,
             weight: one,
+            late: Vec::new(),
             pulls: Vec::new(),
             loads: Vec::new(),
             bends: Vec::new(),
@@ -165,6 +168,12 @@ impl<'m> Measured<'m> {
     /// `joint += by`
     pub fn shift_joint(&mut self, joint: usize, by: Id) {
         self.joints[joint] = self.scratch.g.add(self.joints[joint], by);
+    }
+
+    /// Velocities and accelerations are those of `by` seconds later; positions are shifted by
+    /// [`Measured::shift_joint`].
+    pub fn shift_motion(&mut self, by: Id) {
+        self.late.push(by);
     }
 
     /// A mass joins the nominal robot: `share` of both together, `moment` its
@@ -312,7 +321,8 @@ impl<'m> Measured<'m> {
         }
     }
 
-    /// What motion adds to the CoP on an axis.
+    /// What motion adds to the CoP on an axis, at the joints and the time where the robot is:
+    /// `Δ + Σ_j ∂Δ/∂q_j δq_j + Δ̇ δt + ½ Δ̈ δt²`.
     fn shift(&mut self, axis: usize) -> Id {
         let layout = PostureContext::of(self.robot());
         let mut shift = self.posture_context(layout.shift(axis));
@@ -324,6 +334,16 @@ impl<'m> Measured<'m> {
                 let by = self.mul(slope, off);
                 shift = self.add(shift, by);
             }
+        }
+        for k in 0..self.late.len() {
+            let by = [1, 2].map(|order| layout.shift_in_time(order, axis));
+            let [rate, curve] = by.map(|index| self.posture_context(index));
+            let half = self.constant(0.5);
+            let half = self.mul(half, self.late[k]);
+            let curve = self.mul(half, curve);
+            let rate = self.add(rate, curve);
+            let by = self.mul(rate, self.late[k]);
+            shift = self.add(shift, by);
         }
         shift
     }
