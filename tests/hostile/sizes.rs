@@ -52,6 +52,8 @@ fn logs_that_claim_more_than_they_have_are_refused() {
         ("rows.parquet", "rows in 441 bytes"),
         // A page of 50 rows in a group of 7.
         ("fewer.parquet", "more rows than its group"),
+        // Fields of other kinds than the format's, which lead past lists of 2³¹ − 1 flags.
+        ("kinds.parquet", "another kind than the format"),
         // A chunk of 256 MiB zeros: 67 million joints without names.
         ("names.mcap", "claims to unpack"),
     ] {

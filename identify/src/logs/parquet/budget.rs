@@ -17,6 +17,7 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
+use super::kinds;
 use super::thrift::{Found, Walk};
 
 /// Columns and groups of columns of a schema.
@@ -125,7 +126,8 @@ impl Footer {
 
     fn of(bytes: &[u8]) -> Result<Footer, String> {
         let mut footer = Footer::default();
-        Walk::new(bytes).structure(&mut |path, found| match (path, found) {
+        let mut walk = Walk::new(bytes, kinds::of_footer);
+        walk.structure(&mut |path, found| match (path, found) {
             (field::SCHEMA_NAME, Found::Bytes) => footer.elements += 1,
             (field::CHILDREN, Found::Number(n)) => {
                 // The name of an element stands before its children.
@@ -155,6 +157,11 @@ impl Footer {
             }
             _ => {}
         })?;
+        // What is not walked over is not looked at, and may be read all the same.
+        if walk.taken() != bytes.len() {
+            let behind = bytes.len() - walk.taken();
+            return Err(format!("its footer has {behind} bytes behind its end"));
+        }
         footer.children.resize(footer.elements, 0);
         Ok(footer)
     }
@@ -240,7 +247,7 @@ impl Page {
     /// Read the header that `bytes` begin with; how long it is.
     fn read(&mut self, bytes: &[u8]) -> Result<u64, String> {
         *self = Page::default();
-        let mut walk = Walk::new(bytes);
+        let mut walk = Walk::new(bytes, kinds::of_page);
         walk.structure(&mut |path, found| {
             let Found::Number(n) = found else {
                 return;
@@ -367,8 +374,8 @@ mod tests {
         deep.push(0);
         let message = Footer::read(&mut file(&[], &deep)).err().unwrap();
         assert!(message.contains("nested"), "{message}");
-        // Structures within each other.
-        let within = [0x1c].repeat(100_000);
+        // Structures within each other, in fields that the format lacks.
+        let within = [0xfc].repeat(100_000);
         let message = Footer::read(&mut file(&[], &within)).err().unwrap();
         assert!(message.contains("nested"), "{message}");
     }

@@ -5,6 +5,7 @@
 //! bytes (`budget`).
 
 mod budget;
+mod kinds;
 mod sink;
 mod thrift;
 

@@ -18,6 +18,8 @@ pub(super) enum Found {
 /// Structures within each other; those of Parquet are a few levels deep.
 const DEPTH: usize = 32;
 
+use super::kinds::Kind;
+
 /// A walk over bytes.
 pub(super) struct Walk<'a> {
     bytes: &'a [u8],
@@ -25,12 +27,15 @@ pub(super) struct Walk<'a> {
     /// Ids of the fields from the root; items of lists have that of the list.
     path: Vec<i16>,
     depth: usize,
+    /// What the fields of a path have to be, where that is known.
+    kinds: fn(&[i16]) -> Option<Kind>,
 }
 
 impl<'a> Walk<'a> {
-    pub fn new(bytes: &'a [u8]) -> Walk<'a> {
+    pub fn new(bytes: &'a [u8], kinds: fn(&[i16]) -> Option<Kind>) -> Walk<'a> {
         Walk {
             bytes,
+            kinds,
             at: 0,
             path: Vec::new(),
             depth: 0,
@@ -60,6 +65,9 @@ impl<'a> Walk<'a> {
                 delta => id.saturating_add(i16::from(delta)),
             };
             self.path.push(id);
+            if (self.kinds)(&self.path).is_some_and(|known| !known.has_head(kind)) {
+                return Err(self.other_kind());
+            }
             // In a field a flag is its own value.
             if kind > 2 {
                 self.value(kind, see)?;
@@ -92,6 +100,14 @@ impl<'a> Walk<'a> {
                     few => u64::from(few),
                 };
                 self.check_count(count)?;
+                let known = (self.kinds)(&self.path);
+                if count > 0 && known.is_some_and(|known| !known.has_items(head & 0x0f)) {
+                    return Err(self.other_kind());
+                }
+                // Readers disagree on how long these are.
+                if count > 0 && matches!(head & 0x0f, 1 | 2) {
+                    return Err("a list of flags".into());
+                }
                 (0..count).try_for_each(|_| self.item(head & 0x0f, see))
             }
             11 => {
@@ -122,6 +138,14 @@ impl<'a> Walk<'a> {
         self.value(kind, see)?;
         self.depth -= 1;
         Ok(())
+    }
+
+    fn other_kind(&self) -> String {
+        let ids: Vec<String> = self.path.iter().map(i16::to_string).collect();
+        format!(
+            "field {} of another kind than the format has it",
+            ids.join(".")
+        )
     }
 
     /// Every item takes a byte or more.
