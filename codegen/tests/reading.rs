@@ -49,3 +49,19 @@ fn the_paper_is_cited_once() {
     let title = "Three-dimensional identification of a humanoid robot";
     assert_eq!(OP2.matches(title).count(), 1);
 }
+
+/// A robot that does not move has a centre of mass all the same.
+#[test]
+fn a_robot_without_joints_becomes_code() {
+    let text = "<robot name='still'><link name='foot'><inertial><origin xyz='0.1 0 0.2'/>\
+                <mass value='2'/></inertial></link></robot>";
+    let folder = std::env::temp_dir().join(format!("sesc_still_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let urdf = folder.join("still.urdf");
+    std::fs::write(&urdf, text).unwrap();
+    let builder = sesc_codegen::Builder::new(&urdf).support("foot");
+    let module = builder.out_dir(&folder).emit().unwrap();
+    let module = std::fs::read_to_string(module).unwrap();
+    assert!(module.contains("pub const DOF: usize = 0;"), "{module}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}

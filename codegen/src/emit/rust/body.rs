@@ -279,7 +279,9 @@ impl<'p> Body<'p> {
             _ => format_ident!("row_{k}"),
         });
         let names: Vec<Ident> = names.collect();
-        for (name, row) in names.iter().zip(outputs.chunks(cols)) {
+        for (k, name) in names.iter().enumerate() {
+            // A row is empty where nothing moves.
+            let row = &outputs[k * cols..(k + 1) * cols];
             let entries: Vec<_> = row.iter().map(|id| self.output(*id)).collect();
             self.statements
                 .push(quote! { let #name = [#(#entries),*]; });
