@@ -64,6 +64,8 @@ struct Drawn {
 /// What was said of it.
 struct Said {
     groups: [String; 3],
+    /// Rate, motion and noise, and what the rows are found to be worth.
+    drawn: String,
     verdict: Verdict,
     sentence: String,
     /// Parameters, and those whose interval holds the truth; none where free masses have fewer
@@ -210,8 +212,19 @@ impl Drawn {
         let known: Vec<bool> = known.collect();
         let enough = 2.0 * self.worth() > 3.0 * truth.len() as f64;
         let holding = known.iter().filter(|holds| **holds).count();
+        let moves = self.moves.as_ref().map_or("standing".to_string(), |swing| {
+            format!("{:.2} Hz for {:.0} s", swing.hertz, swing.seconds)
+        });
+        let drawn = format!(
+            "{} rows/s, {moves}, {:.2} mm {:?}, {}",
+            self.rate,
+            1e3 * self.noise.std[0],
+            self.noise.kind,
+            found.samples.sentence()
+        );
         Ok(Said {
             groups: self.groups(),
+            drawn,
             verdict: diagnosis.verdict,
             sentence: diagnosis.sentence,
             intervals: enough.then_some((known.len(), holding)),
@@ -250,13 +263,14 @@ impl StudyFalseAlarms {
                         }
                         if let Ok(Said {
                             groups,
+                            drawn,
                             intervals: Some((all, hold)),
                             ..
                         }) = &said
                             && 10 * hold < 8 * all
                         {
                             let seed = self.seed + k;
-                            eprintln!("seed {seed}: {hold} of {all} intervals hold ({groups:?})");
+                            eprintln!("seed {seed}: {hold} of {all} intervals hold ({groups:?}; {drawn})");
                         }
                         if k % 50 == 49 {
                             eprintln!("{} of {}", k + 1, self.logs);

@@ -42,6 +42,8 @@ const SCALED: usize = 3;
 const WORTH_LESS: f64 = 1.15;
 /// Factor by which windows twice as long may show rows to be worth less.
 const LEAP: f64 = 2.5;
+/// Unless there are this many windows for each column.
+const ROOM: usize = 4;
 /// Rows that correlation can be seen in, at least, beyond the columns of X.
 const ENOUGH: usize = 20;
 /// Windows beyond twice the columns of X.
@@ -100,9 +102,11 @@ impl Correlation {
         let (mut rows, mut most) = (1, n);
         let mut before = f64::INFINITY;
         while let Some(scale) = Scale::cut(t, y, &columns, Cut::new(rows, step), most) {
-            // A slow part under a fast one shows twice as much in windows twice as long, and
-            // no more: beyond that the fit has left too little to tell.
-            if scale.rows_per_sample > LEAP * before {
+            // A slow part under a fast one shows about twice as much in windows twice as long.
+            // Where more shows, few windows beside the columns are what the fit has left; many
+            // that an AR(1) process describes are right, and the shorter ones were not.
+            let known = scale.consistent && scale.windows >= ROOM * columns.taken;
+            if scale.rows_per_sample > LEAP * before && !known {
                 break;
             }
             before = scale.rows_per_sample;
