@@ -120,7 +120,9 @@ fn a_row_for_each_robot_and_day_whatever_is_wrong_with_logs() {
     assert_eq!(fs::read(&first).unwrap(), fs::read(&second).unwrap());
     let entries: Vec<PathBuf> = fs::read_dir(&store)
         .unwrap()
-        .flat_map(|folder| fs::read_dir(folder.unwrap().path()).unwrap())
+        .map(|folder| folder.unwrap().path())
+        .filter(|folder| !folder.ends_with("seen"))
+        .flat_map(|folder| fs::read_dir(folder).unwrap())
         .map(|entry| entry.unwrap().path())
         .collect();
     assert_eq!(entries.len(), 10);
@@ -135,6 +137,50 @@ fn a_row_for_each_robot_and_day_whatever_is_wrong_with_logs() {
     let again = fleet(folder, pattern, &["--store", &store, "--out", &third]);
     assert_eq!(again["from_store"], 8);
     assert_eq!(fs::read(&first).unwrap(), fs::read(&third).unwrap());
+}
+
+/// A log is opened once, until it changes: its size and the time that programs can set may stay.
+#[test]
+fn a_second_run_opens_no_log_that_did_not_change() {
+    let folder = folder();
+    let folder = folder.path();
+    Fleet::sound(2, 2, 4).write(folder).unwrap();
+    // Files that are younger are read again.
+    std::thread::sleep(std::time::Duration::from_millis(2100));
+    let (store, out) = (at(folder, "parts"), at(folder, "fleet.csv"));
+    let run = || {
+        let options = ["--store", &store, "--out", &out];
+        let json = fleet(folder, "logs/robot=*/day=*/*.csv", &options);
+        (
+            json["logs_read"].clone(),
+            json["from_store"].clone(),
+            fs::read(&out).unwrap(),
+        )
+    };
+    let (read, known, table) = run();
+    assert_eq!((read, known), (4.into(), 0.into()));
+    assert_eq!(run(), (0.into(), 4.into(), table.clone()));
+    // Readings of another day under the same size and times.
+    let log = folder.join(Fleet::folder(1, 2)).join("log.csv");
+    let text = fs::read_to_string(&log).unwrap();
+    let modified = fs::metadata(&log).unwrap().modified().unwrap();
+    let line = text.lines().nth(1).unwrap();
+    let last = line.chars().last().unwrap();
+    let digit = if last == '3' { '4' } else { '3' };
+    let other = format!("{}{digit}", &line[..line.len() - 1]);
+    fs::write(&log, text.replace(line, &other)).unwrap();
+    let file = fs::File::options().append(true).open(&log).unwrap();
+    file.set_modified(modified).unwrap();
+    let (read, known, changed) = run();
+    assert_eq!((read, known), (1.into(), 3.into()));
+    assert_ne!(changed, table);
+    // What a sidecar says counts as well.
+    let sidecar = folder.join(Fleet::folder(0, 1)).join("log.csv.toml");
+    let said = fs::read_to_string(&sidecar).unwrap();
+    fs::write(&sidecar, said.replace("op2", "op3")).unwrap();
+    // The log that was just written is read once more.
+    let (read, known, _) = run();
+    assert_eq!((read, known), (2.into(), 3.into()));
 }
 
 #[test]

@@ -270,7 +270,9 @@ impl StudyFalseAlarms {
                             && 10 * hold < 8 * all
                         {
                             let seed = self.seed + k;
-                            eprintln!("seed {seed}: {hold} of {all} intervals hold ({groups:?}; {drawn})");
+                            eprintln!(
+                                "seed {seed}: {hold} of {all} intervals hold ({groups:?}; {drawn})"
+                            );
                         }
                         if k % 50 == 49 {
                             eprintln!("{} of {}", k + 1, self.logs);

@@ -20,6 +20,15 @@ pub struct Log {
     pub sidecar: String,
 }
 
+/// What a log holds, without its bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Content {
+    pub hash: String,
+    /// Bytes.
+    pub size: u64,
+    pub sidecar: String,
+}
+
 /// 128 bits of FNV-1a over bytes, as 32 hexadecimal digits.
 ///
 /// ```text
@@ -52,21 +61,19 @@ impl Log {
     /// # Errors
     /// When one of them cannot be read; the error names the file without its folder.
     pub fn read(path: &Path) -> Result<Log, Error> {
-        let name = |path: &Path| {
-            let name = path.file_name().unwrap_or_default();
-            name.to_string_lossy().into_owned()
-        };
         let mut bytes = Vec::new();
         std::fs::File::open(path)
             .and_then(|mut file| file.read_to_end(&mut bytes))
-            .map_err(|error| Error::read(name(path), error))?;
-        let beside = Sidecar::of_log(path);
-        let sidecar = match files::read_text(&beside, files::SIDECAR) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(Error::read(name(&beside), error)),
-        };
-        Ok(Log::new(bytes, sidecar))
+            .map_err(|error| Error::read(file_name(path), error))?;
+        Ok(Log::new(bytes, read_sidecar(path)?))
+    }
+
+    pub(super) fn content(&self) -> Content {
+        Content {
+            hash: self.hash.clone(),
+            size: self.bytes.len() as u64,
+            sidecar: self.sidecar.clone(),
+        }
     }
 
     /// What messages call it: the same wherever the file is.
@@ -85,22 +92,53 @@ impl Log {
     }
 }
 
-/// The logs sorted by what they hold, each once. Of two with the same bytes the one with a
+/// The text of the sidecar beside a log; empty where there is none.
+///
+/// # Errors
+/// When it cannot be read; the error names the file without its folder.
+pub(super) fn read_sidecar(log: &Path) -> Result<String, Error> {
+    let beside = Sidecar::of_log(log);
+    match files::read_text(&beside, files::SIDECAR) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(String::new()),
+        read => read.map_err(|error| Error::read(file_name(&beside), error)),
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+/// Logs, or what they hold, sorted by it, each once. Of two with the same bytes the one with a
 /// sidecar is kept.
-pub(super) fn each_once(logs: &[Log]) -> Vec<Log> {
+pub(super) fn each_once<T: Holds + Clone>(logs: &[T]) -> Vec<T> {
     let mut logs = logs.to_vec();
     logs.sort_by(|a, b| {
-        let key = |log: &Log| {
-            (
-                log.hash.clone(),
-                log.sidecar.is_empty(),
-                log.sidecar.clone(),
-            )
+        let key = |log: &T| {
+            let (hash, sidecar) = log.holds();
+            (hash.to_string(), sidecar.is_empty(), sidecar.to_string())
         };
         key(a).cmp(&key(b))
     });
-    logs.dedup_by(|a, b| a.hash == b.hash);
+    logs.dedup_by(|a, b| a.holds().0 == b.holds().0);
     logs
+}
+
+/// What is known by the hash of its bytes and the text of its sidecar.
+pub(super) trait Holds {
+    fn holds(&self) -> (&str, &str);
+}
+
+impl Holds for Log {
+    fn holds(&self) -> (&str, &str) {
+        (&self.hash, &self.sidecar)
+    }
+}
+
+impl Holds for Content {
+    fn holds(&self) -> (&str, &str) {
+        (&self.hash, &self.sidecar)
+    }
 }
 
 #[cfg(test)]

@@ -36,6 +36,8 @@ pub struct Fleet {
     pub twice: Vec<Twice>,
     /// Rows that were in the store.
     pub from_store: usize,
+    /// Logs that were opened; the others the store knew.
+    pub opened: usize,
     /// Names of the base parameters, by the hash of the URDF and the support.
     pub names: BTreeMap<(String, String), Vec<String>>,
 }
@@ -60,11 +62,13 @@ impl Gathering {
             row,
             failed,
             read,
+            opened,
             from_store,
             urdf,
         } = done;
         self.fleet.failed.extend(failed);
         self.fleet.from_store += usize::from(from_store);
+        self.fleet.opened += opened;
         for (hash, path) in read {
             let of = (row.robot.clone(), row.day.clone());
             let place = (path.display().to_string(), of);

@@ -27,6 +27,7 @@ mod options;
 mod parquet;
 mod row;
 mod run;
+mod seen;
 mod store;
 pub mod summary;
 mod table;

@@ -3,17 +3,22 @@
 //! ```text
 //! key = hash(version, URDF, options, robot, day, logs with their sidecars)
 //! DIR/<first two digits>/<key>.json:  hash of the rest, new line, the row as JSON
+//! DIR/seen/<first two digits>/<hash(robot, day, paths)>.json:  likewise, what logs held
 //! ```
 //!
 //! An entry is written whole or not at all. One that is damaged is made anew.
 
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use sesc_model::files;
 
-use super::content::{Log, content_hash, each_once};
+use super::content::{Content, content_hash, each_once};
+use super::groups::Group;
 use super::options::Options;
 use super::row::Row;
+use super::seen::Seen;
 use crate::Error;
 use crate::robot::Robot;
 
@@ -39,11 +44,11 @@ impl Store {
     }
 
     /// The name of a group's row.
-    pub fn key(
+    pub(super) fn key(
         robot: &Robot,
         options: &Options,
         (name, day): (&str, &str),
-        logs: &[Log],
+        logs: &[Content],
     ) -> String {
         let mut text = format!("{FORMAT}\n{}\n", env!("CARGO_PKG_VERSION"));
         // Lengths come before what may hold anything.
@@ -53,38 +58,76 @@ impl Store {
         add(name);
         add(day);
         for log in each_once(logs) {
-            add(&format!("{} of {} bytes", log.hash, log.bytes.len()));
+            add(&format!("{} of {} bytes", log.hash, log.size));
             add(&log.sidecar);
         }
         content_hash(text.as_bytes())
     }
 
-    fn path(&self, key: &str) -> PathBuf {
-        let folder = self.folder.join(key.get(..2).unwrap_or("xx"));
-        folder.join(format!("{key}.json"))
-    }
-
     /// The row under `key`; none where there is none, or a damaged one.
     pub fn get(&self, key: &str) -> Option<Row> {
-        let text = files::read_text(&self.path(key), ENTRY).ok()?;
-        let (hash, row) = text.split_once('\n')?;
-        let is_whole = hash == content_hash(row.as_bytes());
-        is_whole.then(|| serde_json::from_str(row).ok())?
+        entry(&self.path(key))
     }
 
-    /// Keep a row under `key`.
+    /// Keep a row under `key`, and what the logs of its group held.
+    ///
+    /// # Errors
+    /// When the folder or a file cannot be written.
+    pub(super) fn put(
+        &self,
+        key: &str,
+        row: &Row,
+        group: &Group,
+        seen: &Seen,
+    ) -> Result<(), Error> {
+        let row = begun(&self.path(key), row)?;
+        let seen = begun(&self.seen_path(group), seen)?;
+        Ok(files::finish_together(vec![row, seen])?)
+    }
+
+    /// What the logs of a group held; nothing where that is not known.
+    pub(super) fn seen(&self, group: &Group) -> Seen {
+        entry(&self.seen_path(group)).unwrap_or_default()
+    }
+
+    /// Keep what the logs of a group hold.
     ///
     /// # Errors
     /// When the folder or the file cannot be written.
-    pub fn put(&self, key: &str, row: &Row) -> Result<(), Error> {
-        let path = self.path(key);
-        let folder = path.parent().unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder)
-            .map_err(|error| Error::write(folder.display().to_string(), error))?;
-        let row = serde_json::to_string(row).map_err(Error::serialise)?;
-        Ok(files::write(
-            &path,
-            &format!("{}\n{row}", content_hash(row.as_bytes())),
-        )?)
+    pub(super) fn put_seen(&self, group: &Group, seen: &Seen) -> Result<(), Error> {
+        Ok(begun(&self.seen_path(group), seen)?.finish()?)
     }
+
+    fn path(&self, key: &str) -> PathBuf {
+        place(&self.folder, key)
+    }
+
+    fn seen_path(&self, group: &Group) -> PathBuf {
+        let logs = group.logs.iter().map(|path| format!("{path:?}\n"));
+        let of: String = logs.collect();
+        let key = format!("{FORMAT}\n{:?}\n{:?}\n{of}", group.robot, group.day);
+        place(&self.folder.join("seen"), &content_hash(key.as_bytes()))
+    }
+}
+
+fn place(folder: &Path, key: &str) -> PathBuf {
+    let folder = folder.join(key.get(..2).unwrap_or("xx"));
+    folder.join(format!("{key}.json"))
+}
+
+/// An entry that is whole.
+fn entry<T: DeserializeOwned>(path: &Path) -> Option<T> {
+    let text = files::read_text(path, ENTRY).ok()?;
+    let (hash, rest) = text.split_once('\n')?;
+    let is_whole = hash == content_hash(rest.as_bytes());
+    is_whole.then(|| serde_json::from_str(rest).ok())?
+}
+
+fn begun(path: &Path, what: &impl Serialize) -> Result<files::NewFile, Error> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Error::write(folder.display().to_string(), error))?;
+    let text = serde_json::to_string(what).map_err(Error::serialise)?;
+    let text = format!("{}\n{text}", content_hash(text.as_bytes()));
+    Ok(files::begun(path, &text)?)
 }

@@ -1,5 +1,5 @@
-//! The work on one group, wherever it is done: its logs are read, looked up in the store by
-//! what they hold, and diagnosed if they are not there.
+//! The work on one group, wherever it is done: its logs are read unless the store knows them,
+//! looked up there by what they hold, and diagnosed if they are not there.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -7,11 +7,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::content::{Log, each_once};
+use super::content::{Content, Log, each_once};
 use super::evaluate::row;
 use super::groups::Group;
 use super::options::Options;
 use super::row::Row;
+use super::seen::{Held, Seen};
 use super::store::Store;
 use crate::robot::Robot;
 use crate::watch::Watch;
@@ -38,8 +39,10 @@ pub struct Done {
     pub row: Row,
     /// Logs with errors.
     pub failed: Vec<Failed>,
-    /// Hash and path of every log that was read.
+    /// Hash and path of every log.
     pub read: Vec<(String, PathBuf)>,
+    /// Logs that were opened; the others are as the store knows them.
+    pub opened: usize,
     /// Whether the row was in the store.
     pub from_store: bool,
     /// The URDF, where it is not the fleet's.
@@ -59,24 +62,8 @@ pub fn work(
     let mut options = options.clone();
     options.support = group.support.clone().or(options.support);
     let name = (group.robot.as_str(), group.day.as_str());
-    let (mut logs, mut read, mut failed) = (Vec::new(), Vec::new(), Vec::new());
-    let mut errors = Vec::new();
-    for path in &group.logs {
-        match Log::read(path) {
-            Ok(log) => {
-                read.push((log.hash.clone(), path.clone()));
-                logs.push(log);
-            }
-            Err(error) => {
-                let said = with_cause(&error);
-                failed.push(Failed {
-                    input: path.display().to_string(),
-                    error: said.clone(),
-                });
-                errors.push(said);
-            }
-        }
-    }
+    let before = store.map(|store| store.seen(group)).unwrap_or_default();
+    let mut logs = Logs::of(group, &before);
     let robot = match &group.urdf {
         None => Ok(Arc::clone(robot)),
         Some(path) => Robot::read(path).map(Arc::new),
@@ -85,53 +72,122 @@ pub fn work(
         Ok(robot) => robot,
         Err(error) => {
             let input = group.urdf.as_deref().unwrap_or(Path::new("")).display();
-            failed.push(Failed {
+            logs.failed.push(Failed {
                 input: input.to_string(),
                 error: error.to_string(),
             });
             let row = Row {
                 robot: group.robot.clone(),
                 day: group.day.clone(),
-                inputs: each_once(&logs).into_iter().map(|l| l.hash).collect(),
+                inputs: logs.hashes(),
                 error: Some("its URDF cannot be used".to_string()),
                 version: env!("CARGO_PKG_VERSION").to_string(),
                 ..Row::default()
             };
             return Ok(Done {
                 row,
-                failed,
-                read,
+                opened: logs.opened(),
+                failed: logs.failed,
+                read: logs.read,
                 from_store: false,
                 urdf: None,
             });
         }
     };
-    let key = store.map(|store| (store, Store::key(&robot, &options, name, &logs)));
-    let known = key.as_ref().and_then(|(store, key)| store.get(key));
+    let key_of = |logs: &Logs| Store::key(&robot, &options, name, &logs.contents());
+    let mut key = store.map(|store| (store, key_of(&logs)));
+    let mut known = key.as_ref().and_then(|(store, key)| store.get(key));
+    if known.is_none() && logs.opened() < logs.held.len() {
+        logs = Logs::of(group, &Seen::default());
+        key = store.map(|store| (store, key_of(&logs)));
+        known = key.as_ref().and_then(|(store, key)| store.get(key));
+    }
     let from_store = known.is_some();
     let mut found = match known {
-        Some(row) => row,
+        Some(row) => {
+            if let Some((store, _)) = key.filter(|_| logs.seen != before) {
+                store.put_seen(group, &logs.seen)?;
+            }
+            row
+        }
         None => {
-            let found = made(&robot, &options, name, &logs, watch)?;
+            let found = made(&robot, &options, name, &logs.in_memory(), watch)?;
             let sound = found.error.as_deref() != Some(DEFECT);
-            if let Some((store, key)) = key.as_ref().filter(|_| sound) {
-                store.put(key, &found)?;
+            if let Some((store, key)) = key.filter(|_| sound) {
+                store.put(&key, &found, group, &logs.seen)?;
             }
             found
         }
     };
+    let opened = logs.opened();
     if let Some(error) = &found.error {
-        failed.extend(named(error, &read, group));
-        errors.insert(0, error.clone());
+        logs.failed.extend(named(error, &logs.read, group));
+        logs.errors.insert(0, error.clone());
     }
-    found.error = (!errors.is_empty()).then(|| errors.join("; "));
+    found.error = (!logs.errors.is_empty()).then(|| logs.errors.join("; "));
     Ok(Done {
         row: found,
-        failed,
-        read,
+        failed: logs.failed,
+        read: logs.read,
+        opened,
         from_store,
         urdf: group.urdf.clone(),
     })
+}
+
+/// The logs of a group as far as they had to be read.
+#[derive(Default)]
+struct Logs {
+    held: Vec<Held>,
+    read: Vec<(String, PathBuf)>,
+    failed: Vec<Failed>,
+    errors: Vec<String>,
+    /// What they are known by the next time.
+    seen: Seen,
+}
+
+impl Logs {
+    fn of(group: &Group, before: &Seen) -> Logs {
+        let mut logs = Logs::default();
+        for path in &group.logs {
+            match before.held(path, &mut logs.seen) {
+                Ok(held) => {
+                    logs.read.push((held.content.hash.clone(), path.clone()));
+                    logs.held.push(held);
+                }
+                Err(error) => {
+                    let said = with_cause(&error);
+                    logs.failed.push(Failed {
+                        input: path.display().to_string(),
+                        error: said.clone(),
+                    });
+                    logs.errors.push(said);
+                }
+            }
+        }
+        logs
+    }
+
+    fn contents(&self) -> Vec<Content> {
+        self.held.iter().map(|held| held.content.clone()).collect()
+    }
+
+    fn hashes(&self) -> Vec<String> {
+        let once = each_once(&self.contents());
+        once.into_iter().map(|content| content.hash).collect()
+    }
+
+    fn in_memory(&self) -> Vec<Log> {
+        self.held
+            .iter()
+            .filter_map(|held| held.log.clone())
+            .collect()
+    }
+
+    /// Logs that were opened.
+    fn opened(&self) -> usize {
+        self.held.iter().filter(|held| held.log.is_some()).count()
+    }
 }
 
 /// The row of a group; a panic is an error in it.

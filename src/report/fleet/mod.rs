@@ -17,6 +17,7 @@ use sesc_identify::fleet::{EffectFound, Failed, Fleet, Twice};
 pub struct Answer<'a> {
     groups: usize,
     from_store: usize,
+    logs_read: usize,
     failed: &'a [Failed],
     twice: &'a [Twice],
     #[serde(flatten)]
@@ -28,6 +29,7 @@ pub fn answer<'a>(fleet: &'a Fleet, summary: &'a Summary) -> Answer<'a> {
     Answer {
         groups: fleet.rows.len(),
         from_store: fleet.from_store,
+        logs_read: fleet.opened,
         failed: &fleet.failed,
         twice: &fleet.twice,
         summary,
