@@ -73,7 +73,9 @@ pub fn check_table(path: &Path) -> Result<(), Error> {
             "Parquet",
             &path.display().to_string(),
         )),
-        "parquet" | "csv" => Ok(()),
+        #[cfg(feature = "parquet")]
+        "parquet" => Ok(()),
+        "csv" => Ok(()),
         _ => Err(Error::request(format!(
             "{}: the fleet's table is written as .parquet or .csv",
             path.display()
