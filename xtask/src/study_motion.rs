@@ -177,9 +177,17 @@ impl StudyMotion {
     /// # Errors
     /// A log that cannot be diagnosed; a file that cannot be written.
     pub fn run(&self, root: &Path) -> Result<(), Box<dyn Error>> {
-        let mut text = String::from(
-            "| recording | a verdict but none at 100, 50, 20, 10 Hz | the same at all rates |\n\
+        let only = self.only.as_ref();
+        let only = only.map_or(String::new(), |only| format!(" --only \"{only}\""));
+        let mut text = format!(
+            "# Motion\n\n\
+             Recordings of 20 s with noise of 0.5 mm, each looked at by `diagnose --prior tight` at \
+             100, 50, 20 and 10 Hz. The same is said at all rates where the verdict and every \
+             effect with its target are the same. `cargo xtask study-motion --logs {} --seed \
+             {}{only}` counts the same logs again.\n\n\
+             | recording | a verdict but none at 100, 50, 20, 10 Hz | the same at all rates |\n\
              |---|---|---|\n",
+            self.logs, self.seed
         );
         for case in cases() {
             let name = case.name();
