@@ -163,10 +163,13 @@ fn every_rate_gives_the_same_verdict() {
     }
 }
 
-/// RMS of what predictions of a log are off from its readings, m, rows at its ends apart.
-fn off(log: LogSource, readings: &[[f64; 2]], motion: MotionModel) -> f64 {
+/// RMS of what predictions of a log are off from its readings, m, rows at its ends apart,
+/// with `hidden` in the model file.
+fn off(log: LogSource, readings: &[[f64; 2]], motion: MotionModel, hidden: &[&str]) -> f64 {
     let stance = Stance::new(Robot::read(Path::new(&stage().urdf)).unwrap()).on("r_sole");
+    let file = hide(stance.model().unwrap(), hidden).unwrap().file;
     let mut request = predict::Request::new(stance, log);
+    request.stance.parameters = file.map(Arc::new);
     request.motion = motion;
     let found = predict::predict(&request, &mut ()).unwrap().cop_m;
     let rows = 20..readings.len() - 20;
@@ -181,7 +184,7 @@ fn off(log: LogSource, readings: &[[f64; 2]], motion: MotionModel) -> f64 {
     (square / (2 * rows.len()) as f64).sqrt()
 }
 
-/// Against the virtual robot, whose numerics are its own.
+/// Against the virtual robot, whose numerics are its own, also with a weight on its trunk.
 #[test]
 fn predictions_are_those_of_the_moving_robot() {
     let stage = stage();
@@ -190,18 +193,25 @@ fn predictions_are_those_of_the_moving_robot() {
         std: [0.0; 2],
         ..WHITE
     };
+    let bare = || World::new(&stage.robot, stage.support).unwrap();
+    let loaded = || bare().payload("body_link", 0.3, [0.0, 0.0, 0.03]).unwrap();
     for (rate, within) in [(100.0, 5e-5), (50.0, 5e-5), (20.0, 2e-4)] {
-        let mut random = ChaCha8Rng::seed_from_u64(5);
-        let world = World::new(&stage.robot, stage.support).unwrap();
-        let log = swing.record(&stage, world, quiet, rate, &mut random);
-        let moving = off(table(&log).into(), &log.cop, MotionModel::Auto);
-        let standing = off(table(&log).into(), &log.cop, MotionModel::Off);
-        println!(
-            "{rate} Hz: {:.4} mm, standing {:.2} mm",
-            1e3 * moving,
-            1e3 * standing
-        );
-        assert!(moving < within && standing > 2e-3);
+        for (world, hidden) in [
+            (bare(), &[][..]),
+            (loaded(), &["payload:body_link=0.3kg,0,0,0.03m"]),
+        ] {
+            let mut random = ChaCha8Rng::seed_from_u64(5);
+            let log = swing.record(&stage, world, quiet, rate, &mut random);
+            let of = |motion, hidden| off(table(&log).into(), &log.cop, motion, hidden);
+            let moving = of(MotionModel::Auto, hidden);
+            let standing = of(MotionModel::Off, hidden);
+            println!(
+                "{rate} Hz: {:.4} mm, standing {:.2} mm",
+                1e3 * moving,
+                1e3 * standing
+            );
+            assert!(moving < within && standing > 2e-3);
+        }
     }
 }
 
@@ -261,5 +271,30 @@ fn a_delay_is_found_as_long_as_it_is_at_every_rate() {
         let delay = &found.steps[0].parameters["delay_s"];
         assert!((delay.value.abs() - 0.05).abs() < 0.001, "{}", delay.value);
         assert!(found.last.rmse < 1.15 * WHITE.std[0], "{}", found.last.rmse);
+    }
+}
+
+/// A weight on the trunk of a robot in fast motion: it is found, of its mass, at 100, 50, 20
+/// and 10 Hz, and nothing else is named.
+#[test]
+fn a_payload_in_motion_is_found_at_every_rate() {
+    let hide = |w: World| w.payload("body_link", 0.3, [0.0, 0.0, 0.03]).unwrap();
+    let log = recorded(hide, Swing::new(0.7, 0.15, 10.0), 100.0, 14);
+    for nth in [1, 2, 5, 10] {
+        let found = diagnosed(&log.every(nth), MotionModel::Auto);
+        println!("one in {nth}: {}", found.sentence);
+        let named: Vec<&str> = found.steps.iter().map(|step| step.effect).collect();
+        assert_eq!(named, ["payload"]);
+        // A head that nods little is as good a place in ten seconds.
+        let members = &found.indistinguishable;
+        let is = |member: &Vec<String>| *member == ["payload:body_link"];
+        let step = &found.steps[0];
+        let mass = &step.parameters["mass_kg"];
+        match step.target == "body_link" {
+            true => assert!((mass.value - 0.3).abs() < 3.0 * mass.std, "{mass:?}"),
+            false => assert!(members.iter().any(is), "{members:?}"),
+        }
+        assert!(found.last.rmse < 1.15 * WHITE.std[0], "{}", found.last.rmse);
+        assert!(found.model_on_log.agrees);
     }
 }

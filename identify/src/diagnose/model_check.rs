@@ -89,36 +89,22 @@ pub(super) fn check(
 fn readings(problem: &Problem, model: &Model) -> Vec<f64> {
     let (data, n) = (&problem.data, problem.data.len());
     let layout = PostureContext::of(model);
-    if model.effects.iter().any(|(i, _)| !i.effect.is_static()) {
-        // Drift and delay need the log around a posture, which predictions lack.
+    let of_log = |(i, _): &(Instance, Vec<f64>)| !i.effect.is_static();
+    if data.moved.is_some() || model.effects.iter().any(of_log) {
+        // Drift, delay and motion need the log around a posture, which predictions lack.
         let instances: Vec<Instance> = model.effects.iter().map(|(i, _)| i.clone()).collect();
         let unknowns: Vec<f64> = model.effects.iter().flat_map(|(_, x)| x.clone()).collect();
         return Predictions::new(problem, &instances).readings(problem, &unknowns, &model.params());
     }
     let tilt = |k: usize, axis: usize| data.posture_context[k * layout.len() + layout.tilt(axis)];
     let gravity: Vec<[f64; 3]> = (0..n).map(|k| [tilt(k, 0), tilt(k, 1), -1.0]).collect();
-    let moved = data.moved.as_deref();
     match EffectPredictor::new(model) {
-        Some(predictor) => {
-            let tell = |k: usize, layout: PostureContext, context: &mut [f64]| {
-                moved
-                    .iter()
-                    .for_each(|moved| moved.tell(k, layout, context));
-            };
-            predictor.moving(&data.q, n, Some(&gravity), tell).1
-        }
+        Some(predictor) => predictor.run(&data.q, n, Some(&gravity)).1,
         None => {
             let com = Evaluator::new(model, Function::Com).run(&data.q, n);
             let shadow =
                 |k: usize| [0, 1].map(|axis| com[3 * k + axis] + tilt(k, axis) * com[3 * k + 2]);
-            let standing = (0..n).flat_map(shadow);
-            match moved {
-                Some(moved) => standing
-                    .zip(moved.shift.iter().flatten())
-                    .map(|(cop, by)| cop + by)
-                    .collect(),
-                None => standing.collect(),
-            }
+            (0..n).flat_map(shadow).collect()
         }
     }
 }

@@ -6,10 +6,9 @@
 //!
 //! Δ has no unknown: the URDF gives masses and inertias, the log accelerations. Masses that are
 //! free move it by its rows, `∂Δ/∂r`, joints that stand elsewhere by its slopes, `∂Δ/∂q`, joints
-//! that are late by its derivatives in time. How much of Δ readings show is tested as a share
-//! against 1,
-//! once before anything is explained (readings that show none are static), and once beside what
-//! was found.
+//! that are late by its derivatives in time; loads of a hypothesis are accelerated with their
+//! links. How much of Δ readings show is tested as a share against 1, once before anything is
+//! explained (readings that show none are static), and once beside what was found.
 
 use std::rc::Rc;
 

@@ -143,7 +143,8 @@ impl<'m> Problem<'m> {
         effects: &Catalog,
     ) -> Result<Problem<'m>, Error> {
         let times = data.motion.is_some();
-        let context = EffectContext::new(model, &data.cells, times, effects.clone());
+        let mut context = EffectContext::new(model, &data.cells, times, effects.clone());
+        context.moving = data.moved.is_some();
         let n = data.len();
         let p = model.base.params.len();
         let layout = PostureContext::of(model);

@@ -48,6 +48,8 @@ pub struct Moved {
     pub rows: DMatrix<f64>,
     /// The ZMP less the static CoP, by CAD, m.
     pub shift: Vec<[f64; 2]>,
+    /// How the CoM is accelerated upwards by CAD, over gravity.
+    pub lift: Vec<f64>,
     /// What is taken from readings, so that rows times parameters is what is left, m.
     pub correction: Vec<[f64; 2]>,
     /// Deviation of the ZMP because accelerations and positions are not known better, m.
@@ -62,6 +64,7 @@ pub struct Moved {
 impl Moved {
     /// Write what is known of posture `k` into its context.
     pub fn tell(&self, k: usize, layout: PostureContext, context: &mut [f64]) {
+        context[layout.lift()] = self.lift[k];
         for axis in 0..2 {
             context[layout.shift(axis)] = self.shift[k][axis];
             for order in [1, 2] {
@@ -229,6 +232,7 @@ impl Zmp {
         let mut moved = Moved {
             rows: DMatrix::zeros(2 * n, p),
             shift: Vec::with_capacity(n),
+            lift: Vec::with_capacity(n),
             correction: Vec::with_capacity(n),
             std: Vec::with_capacity(n),
             slopes: Vec::new(),
@@ -252,6 +256,7 @@ impl Zmp {
                 correction[axis] = parts.com[axis] - pushed - sum;
             }
             moved.shift.push(parts.shift(*tilt));
+            moved.lift.push(load / GRAVITY - 1.0);
             moved.correction.push(correction);
             let own = k * self.dof..(k + 1) * self.dof;
             let own = gains_std[own.clone()].iter().zip(&positions_std[own]);

@@ -50,6 +50,9 @@ pub struct EffectContext<'m> {
     pub cells: Vec<[f64; 2]>,
     /// Whether the log has times.
     pub times: bool,
+    /// Whether readings are compared with the ZMP, so that loads are accelerated with their
+    /// links.
+    pub moving: bool,
     /// The effects that are known.
     pub catalog: Catalog,
     /// A link of each body, the heaviest: loads on others of the same body
@@ -77,6 +80,7 @@ impl<'m> EffectContext<'m> {
             robot,
             cells: cells.to_vec(),
             times,
+            moving: false,
             catalog,
             links: robot.chain.bodies.iter().filter_map(heaviest).collect(),
             reach: robot.reach(),

@@ -122,7 +122,7 @@ pub(crate) fn apply(
 ) {
     let [_, after] = by_stage(context, instances, unknowns);
     apply_before_sensor(measured, context, instances, unknowns);
-    measured.stand();
+    measured.stand(context.moving);
     for (instance, own) in after {
         instance.effect.rewrite(&instance.target, measured, own);
     }

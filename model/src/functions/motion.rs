@@ -128,6 +128,15 @@ impl Scratch<'_> {
         outputs
     }
 
+    /// Where the point is that the parameters stand for, and how it is accelerated as joints
+    /// move.
+    pub(crate) fn accelerated_point(&mut self, joints: &JointMotion) -> ([Id; 3], [Id; 3]) {
+        let at = self.subtrees(super::Wanted::Sums)[0].v.entries;
+        let turnings = self.turnings(joints);
+        let slides = self.slides(&turnings, joints);
+        (at, self.acceleration(&turnings, &slides))
+    }
+
     /// How every body turns, root to leaf.
     fn turnings(&mut self, joints: &JointMotion) -> Vec<Turning> {
         let mut turnings: Vec<Turning> = Vec::with_capacity(self.m.chain.bodies.len());

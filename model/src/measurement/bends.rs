@@ -119,14 +119,7 @@ impl Measured<'_> {
     /// Rates of the joints where the robot bends, from those that encoders show.
     pub(super) fn rates(&mut self, encoders: &[Id]) -> Vec<Id> {
         let columns = self.encoder_columns();
-        let zero = self.constant(0.0);
-        let mut straight = vec![zero; encoders.len()];
-        for (j, column) in columns {
-            for (joint, slope) in column {
-                let term = self.mul(slope, encoders[j]);
-                straight[joint] = self.add(straight[joint], term);
-            }
-        }
+        let straight = self.straight_rates(&columns, encoders);
         let mut rates = straight.clone();
         for k in 0..self.spring_rounds() {
             let moving = self.moment_rates(k, &rates, "t");
@@ -137,6 +130,23 @@ impl Measured<'_> {
             }
         }
         rates
+    }
+
+    /// The same before anything gives way, by the columns of the encoders.
+    pub(super) fn straight_rates(
+        &mut self,
+        columns: &[(usize, Vec<(usize, Id)>)],
+        encoders: &[Id],
+    ) -> Vec<Id> {
+        let zero = self.constant(0.0);
+        let mut straight = vec![zero; encoders.len()];
+        for (j, column) in columns {
+            for (joint, slope) in column {
+                let term = self.mul(*slope, encoders[*j]);
+                straight[*joint] = self.add(straight[*joint], term);
+            }
+        }
+        straight
     }
 
     /// Accelerations of the joints where the robot bends, from its `rates`: how those change
@@ -214,7 +224,7 @@ impl Measured<'_> {
     }
 
     /// `∂φ/∂q_j` of the joints that encoder `j` says something of, zeros left out.
-    fn encoder_columns(&mut self) -> Vec<(usize, Vec<(usize, Id)>)> {
+    pub(super) fn encoder_columns(&mut self) -> Vec<(usize, Vec<(usize, Id)>)> {
         let straight = self.straight.clone();
         let mut columns: Vec<(usize, Vec<(usize, Id)>)> =
             (0..straight.len()).map(|j| (j, Vec::new())).collect();

@@ -4,7 +4,8 @@ use crate::robot::Robot;
 
 /// Layout of what a posture has beside its joint positions, in this order:
 /// place in the log, tilt (2), what motion adds (2), its first and second derivative in time (2
-/// each), velocities, accelerations, sides of dead bands, slopes of what motion adds (2 per joint).
+/// each), lift, velocities, accelerations, sides of dead bands, slopes of what motion adds (2 per
+/// joint).
 #[derive(Debug, Clone, Copy)]
 pub struct PostureContext {
     dof: usize,
@@ -23,7 +24,7 @@ impl PostureContext {
 
     /// Entries per posture.
     pub fn len(self) -> usize {
-        9 + 5 * self.dof
+        10 + 5 * self.dof
     }
 
     /// Always false, since a posture always has a tilt.
@@ -53,25 +54,30 @@ impl PostureContext {
         3 + 2 * order + axis
     }
 
+    /// How the CoM is accelerated upwards, over gravity.
+    pub fn lift(self) -> usize {
+        9
+    }
+
     /// Velocity of a joint, rad/s or m/s.
     pub fn rate(self, dof: usize) -> usize {
-        9 + dof
+        10 + dof
     }
 
     /// Acceleration of a joint, rad/s² or m/s².
     pub fn acceleration(self, dof: usize) -> usize {
-        9 + self.dof + dof
+        10 + self.dof + dof
     }
 
     /// Which side of its dead band a joint rests on, −1 to 1.
     pub fn side(self, dof: usize) -> usize {
-        9 + 2 * self.dof + dof
+        10 + 2 * self.dof + dof
     }
 
     /// How what motion adds to the CoP on an axis changes with the position of a joint, m/rad
     /// or 1.
     pub fn shift_slope(self, dof: usize, axis: usize) -> usize {
-        9 + 3 * self.dof + 2 * dof + axis
+        10 + 3 * self.dof + 2 * dof + axis
     }
 }
 

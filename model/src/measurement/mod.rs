@@ -3,7 +3,8 @@
 //! ```text
 //! q ─ wiring, joints ─▶ φ ─ bends under gravity ─▶ φ'      r ─ loads ─▶ r'
 //! c = r'_0 + Σ B_i(φ') r'_i                                CoM, loads included
-//! p = c_xy + c_z·tilt + Σ b_k z_k(φ') + Δ + ∂Δ/∂φ (φ' − q)  CoP; pulls b at points z
+//! p = c_xy + c_z·tilt + Σ b_k z_k(φ') + Δ + ∂Δ/∂φ (φ' − q)  CoP; pulls b at points z; loads
+//!                                                          that move: see `motion`
 //! y = sensor(p)                                            the reading
 //! ```
 //!
@@ -18,6 +19,7 @@ mod body;
 mod context;
 pub(crate) mod foot;
 mod inverse;
+mod motion;
 
 use nalgebra::Vector3;
 
@@ -42,6 +44,17 @@ struct Pull {
     load: Id,
 }
 
+/// A load that has joined the robot, as shares of all that presses on the ground.
+#[derive(Clone, Copy)]
+struct Carried {
+    link: usize,
+    share: Id,
+    /// First moment in the frame of the link, m.
+    moment: [Id; 3],
+    /// Whether it is accelerated with the link: a force is not.
+    inert: bool,
+}
+
 /// The measurement of one posture while effects rewrite it.
 pub struct Measured<'m> {
     scratch: Scratch<'m>,
@@ -64,6 +77,7 @@ pub struct Measured<'m> {
     /// How much later the robot moves than encoders say, s.
     late: Vec<Id>,
     pulls: Vec<Pull>,
+    carried: Vec<Carried>,
     bends: Vec<Bend>,
     /// How far into its dead band each joint is where it rests, −1 to 1; none where it has none.
     pub(crate) sides: Vec<Option<Id>>,
@@ -108,6 +122,7 @@ impl<'m> Measured<'m> {
             weight: one,
             late: Vec::new(),
             pulls: Vec::new(),
+            carried: Vec::new(),
             loads: Vec::new(),
             bends: Vec::new(),
             sides: vec![None; robot.dof()],
@@ -231,14 +246,29 @@ impl<'m> Measured<'m> {
             pull.force = pull.force.map(|force| g.mul(rest, force));
             pull.load = g.mul(rest, pull.load);
         }
+        for load in &mut self.carried {
+            load.share = g.mul(rest, load.share);
+            load.moment = load.moment.map(|x| g.mul(rest, x));
+        }
+        let [share, x, y, z] = with;
+        self.carried.push(Carried {
+            link,
+            share,
+            moment: [x, y, z],
+            inert: true,
+        });
         factor
     }
 
     /// A pull at the origin of `link`: horizontally `force` over the nominal
     /// weight less the pull, down `share` of that.
     pub fn pull(&mut self, link: usize, force: [Id; 2], share: Id) {
-        let zero = self.constant(0.0);
+        let (zero, before) = (self.constant(0.0), self.carried.len());
         let factor = self.load(link, share, [zero; 3]);
+        self.carried
+            .iter_mut()
+            .skip(before)
+            .for_each(|load| load.inert = false);
         let map = self.robot().columns_of(link);
         let point = map.column(0).iter().copied().collect();
         let force = force.map(|force| self.mul(factor, force));
@@ -298,54 +328,31 @@ impl<'m> Measured<'m> {
         slopes
     }
 
-    /// The CoP becomes the reading, the sensor still perfect.
-    pub(crate) fn stand(&mut self) {
+    /// The CoP becomes the reading, the sensor still perfect; with loads that are accelerated
+    /// where the robot is `moving`.
+    pub(crate) fn stand(&mut self, moving: bool) {
         self.at(self.joints.clone(), "");
         let com = self.scratch.subtrees(Wanted::Sums)[0].v.entries;
         for axis in 0..2 {
             let g = &mut self.scratch.g;
             let leaning = g.mul(self.tilt[axis], com[2]);
             self.reading[axis] = g.add(com[axis], leaning);
-            if self.source != Source::Posture {
-                let shift = self.shift(axis);
-                self.reading[axis] = self.add(self.reading[axis], shift);
-            }
         }
+        let mut pulled = [self.constant(0.0); 2];
         for k in 0..self.pulls.len() {
             let height = self.at_point(k, &format!("p{k}"))[0].v.entries[2];
             let force = self.sideways(k);
             for (axis, force) in force.into_iter().enumerate() {
                 let moved = self.mul(force, height);
-                self.reading[axis] = self.add(self.reading[axis], moved);
+                pulled[axis] = self.add(pulled[axis], moved);
             }
         }
-    }
-
-    /// What motion adds to the CoP on an axis, at the joints and the time where the robot is:
-    /// `Δ + Σ_j ∂Δ/∂q_j δq_j + Δ̇ δt + ½ Δ̈ δt²`.
-    fn shift(&mut self, axis: usize) -> Id {
-        let layout = PostureContext::of(self.robot());
-        let mut shift = self.posture_context(layout.shift(axis));
-        for dof in 0..self.joints.len() {
-            let (joint, wired) = (self.joints[dof], self.wired[dof]);
-            if joint != wired {
-                let off = self.sub(joint, wired);
-                let slope = self.posture_context(layout.shift_slope(dof, axis));
-                let by = self.mul(slope, off);
-                shift = self.add(shift, by);
-            }
+        for (axis, pulled) in pulled.into_iter().enumerate() {
+            self.reading[axis] = self.add(self.reading[axis], pulled);
         }
-        for k in 0..self.late.len() {
-            let by = [1, 2].map(|order| layout.shift_in_time(order, axis));
-            let [rate, curve] = by.map(|index| self.posture_context(index));
-            let half = self.constant(0.5);
-            let half = self.mul(half, self.late[k]);
-            let curve = self.mul(half, curve);
-            let rate = self.add(rate, curve);
-            let by = self.mul(rate, self.late[k]);
-            shift = self.add(shift, by);
+        if self.source != Source::Posture {
+            self.set_in_motion(pulled, moving);
         }
-        shift
     }
 
     /// From here on expressions are those of the robot at these joint positions.
