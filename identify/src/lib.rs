@@ -35,6 +35,7 @@ pub mod plan;
 pub mod predict;
 pub mod robot;
 pub mod simulate;
+pub mod skeleton;
 pub mod stance;
 mod svd;
 mod watch;

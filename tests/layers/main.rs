@@ -73,6 +73,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "lsq",
             "fit",
             "plan",
+            "skeleton",
             "diagnose",
             "compare",
             "fleet",

@@ -31,6 +31,7 @@ use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Side
 use crate::observations::motion_use::{MotionModel, MotionUse};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
+use crate::skeleton::Skeleton;
 use crate::watch::Watch;
 use crate::{Error, Setting, message};
 
@@ -314,7 +315,10 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         corrected_urdf: corrected,
         frees_masses: found.best.frees_masses(),
         of_the_log: corrected_urdf::of_the_log(&problem, &found),
-        view: request.view.then(|| DiagnosisView::of(&problem, &found)),
+        view: request.view.then(|| {
+            let skeleton = Skeleton::of(&model, &robot.description, meshes);
+            DiagnosisView::of(&problem, &found, skeleton)
+        }),
         next: next_log(
             next,
             &model,

@@ -19,7 +19,7 @@ use super::limits::Limits;
 use super::logs::Logs;
 use super::part::{About, Part};
 use super::prior::{Prior, PriorChoice};
-use super::residuals::{self, Residual};
+use super::residuals::{self, Sample};
 use super::robust::Loss;
 use super::soles;
 use crate::feet::Feet;
@@ -87,7 +87,7 @@ pub struct Report {
     /// Where it was wanted.
     pub corrected: Option<Corrected>,
     /// Where they were wanted; none of parts alone.
-    pub residuals: Vec<Residual>,
+    pub residuals: Sample,
     /// What is to be known of the robot.
     pub notes: Vec<String>,
     robot: Arc<Robot>,
@@ -97,6 +97,11 @@ pub struct Report {
 }
 
 impl Report {
+    /// Its model on the support, with CAD masses.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
     /// The robot that was fitted.
     pub fn robot(&self) -> &Robot {
         &self.robot
@@ -133,9 +138,9 @@ pub fn residuals(
     request: &Request,
     report: &Report,
     watch: &mut dyn Watch,
-) -> Result<Vec<Residual>, Error> {
+) -> Result<Sample, Error> {
     if request.logs.is_empty() {
-        return Ok(Vec::new());
+        return Ok(Sample::default());
     }
     let support = &report.identification.support;
     let logs = logs(request, &report.robot, Some(support.clone()), None);
@@ -232,7 +237,7 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     let mut report = Report {
         model_file,
         corrected: None,
-        residuals: Vec::new(),
+        residuals: Sample::default(),
         notes: model.tree.notes.clone(),
         identification: found,
         robot: Arc::new(robot),

@@ -30,6 +30,18 @@ pub struct Residual {
     pub cad: [f64; 2],
     /// CoP predicted by the fit, m.
     pub fitted: [f64; 2],
+    /// The posture, rad or m.
+    #[serde(skip)]
+    pub q: Vec<f64>,
+}
+
+/// Some of the readings, and what all of them ask of the joints.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Sample {
+    /// Readings beside their predictions, in the order of the logs.
+    pub rows: Vec<Residual>,
+    /// Least and largest position of every joint over all rows, rad or m.
+    pub used: Vec<[f64; 2]>,
 }
 
 /// RMS lengths of what CAD and the fit leave, m.
@@ -53,11 +65,13 @@ pub(crate) fn sample(
     measurement: &mut Measurement<'_>,
     (params, plans): (&DVector<f64>, &[Option<Plan>]),
     watch: &mut dyn Watch,
-) -> Result<Vec<Residual>, Error> {
+) -> Result<Sample, Error> {
     let cad = DVector::from_vec(measurement.model().cad_params());
     let mut kept: Vec<(usize, Residual)> = Vec::new();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut seen = 0;
+    let dof = measurement.model().dof();
+    let mut used = vec![[f64::INFINITY, f64::NEG_INFINITY]; dof];
     for (k, file) in logs.files.iter().enumerate() {
         let mut reader = logs.moving(file, plans.get(k).copied().flatten())?;
         loop {
@@ -70,6 +84,10 @@ pub(crate) fn sample(
             let Some(readings) = &block.reading else {
                 break;
             };
+            for (k, q) in block.q.iter().enumerate() {
+                let [low, high] = &mut used[k % dof];
+                (*low, *high) = (low.min(*q), high.max(*q));
+            }
             let rows = measurement.moving_rows(&block, motion.as_ref())?;
             let by_cad = &rows.reading - &rows.matrix * &cad;
             let by_fit = &rows.reading - &rows.matrix * params;
@@ -91,6 +109,7 @@ pub(crate) fn sample(
                     measured,
                     cad: without(&by_cad),
                     fitted: without(&by_fit),
+                    q: block.q[k * dof..(k + 1) * dof].to_vec(),
                 };
                 match place == kept.len() {
                     true => kept.push((seen, residual)),
@@ -100,5 +119,8 @@ pub(crate) fn sample(
         }
     }
     kept.sort_by_key(|(order, _)| *order);
-    Ok(kept.into_iter().map(|(_, residual)| residual).collect())
+    Ok(Sample {
+        rows: kept.into_iter().map(|(_, residual)| residual).collect(),
+        used,
+    })
 }

@@ -84,7 +84,7 @@ impl Region {
     }
 
     /// The convex hull of points, by the monotone chain.
-    pub(super) fn hull(mut points: Vec<[f64; 2]>, margin: f64) -> Option<Region> {
+    pub(crate) fn hull(mut points: Vec<[f64; 2]>, margin: f64) -> Option<Region> {
         points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         points.dedup();
         let cross = |o: [f64; 2], a: [f64; 2], b: [f64; 2]| {

@@ -40,7 +40,7 @@ pub mod joint_use;
 pub mod limits;
 mod mesh;
 pub(crate) mod order;
-mod poses;
+pub(crate) mod poses;
 mod request;
 mod revisits;
 

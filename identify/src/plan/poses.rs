@@ -6,8 +6,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use sesc_model::Model;
-use sesc_model::chain::Body;
-use sesc_model::tree::{Axis, Motion};
+use sesc_model::tree::{Axis, Coordinate, Motion};
 
 /// Orientation and origin of a frame in the support frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +42,7 @@ impl Pose {
 pub fn bodies(model: &Model, q: &[f64], poses: &mut Vec<Pose>) {
     poses.clear();
     for body in &model.chain.bodies {
-        let own = against_parent(body, q);
+        let own = moved(&body.motion, &body.rotation(), body.anchor(), q);
         poses.push(match body.parent {
             Some(parent) => poses[parent].then(&own),
             None => own,
@@ -51,21 +50,32 @@ pub fn bodies(model: &Model, q: &[f64], poses: &mut Vec<Pose>) {
     }
 }
 
-fn against_parent(body: &Body, q: &[f64]) -> Pose {
-    match body.motion {
+/// A body against its parent: `rotation` (row by row) and `anchor` (m) at θ = 0. A joint that
+/// `q` is too short for stands at zero.
+pub(crate) fn moved(
+    motion: &Motion,
+    rotation: &[[f64; 3]; 3],
+    anchor: [f64; 3],
+    q: &[f64],
+) -> Pose {
+    let theta = |by: &Coordinate| by.factor * q.get(by.dof).copied().unwrap_or(0.0) + by.offset;
+    let still = Pose {
+        rotation: matrix(*rotation),
+        origin: anchor.into(),
+    };
+    match motion {
+        // A body without a joint of its own is the support's.
         Motion::Fixed => Pose::IDENTITY,
         Motion::Revolute { axis, by } => {
-            let angle = by.factor * q[by.dof] + by.offset;
-            let local = Rotation3::from_axis_angle(&unit(axis), angle);
+            let local = Rotation3::from_axis_angle(&unit(*axis), theta(by));
             Pose {
-                rotation: matrix(body.rotation()) * local.matrix(),
-                origin: body.anchor().into(),
+                rotation: still.rotation * local.matrix(),
+                ..still
             }
         }
         Motion::Prismatic { axis, by } => Pose {
-            rotation: matrix(body.rotation()),
-            origin: Vector3::from(body.anchor())
-                + unit(axis).scale(by.factor * q[by.dof] + by.offset),
+            origin: still.origin + unit(*axis).scale(theta(by)),
+            ..still
         },
     }
 }

@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! before = reading − CAD        after = reading − explanation, fitted to all postures
+//! χ²(s) = Σ (before + s (after − before))² / σ²            part s of the explanation
 //! ```
 
 mod spread;
@@ -15,6 +16,7 @@ use super::findings::Found;
 use super::held_out;
 use super::problem::{Fit, Problem};
 use crate::observations::postures::rms;
+use crate::skeleton::Skeleton;
 
 /// Postures that a figure shows one by one; evenly chosen of more.
 pub const MOST: usize = 400;
@@ -26,6 +28,8 @@ pub struct Posture {
     pub pose: i64,
     /// Time, s, or number in the order of the log, from 1.
     pub at: f64,
+    /// Positions of the joints, rad or m.
+    pub q: Vec<f64>,
     /// CoP that was read, m.
     pub measured: [f64; 2],
     /// By the robot with CAD masses.
@@ -86,6 +90,17 @@ pub struct DiagnosisView {
     pub stages: Vec<Stage>,
     /// The effects of the explanation in words.
     pub subjects: Vec<String>,
+    /// The robot, as it is drawn.
+    pub skeleton: Skeleton,
+    /// Places of the foot's cells, m; none where none are logged.
+    pub cells: Vec<[f64; 2]>,
+    /// Least and largest position of every joint over all postures, rad or m.
+    pub used: Vec<[f64; 2]>,
+    /// χ² of a part s of the explanation, readings interpolated: coefficients of 1, s and s²;
+    /// outliers apart.
+    pub chi2: [f64; 3],
+    /// Readings that are counted in it.
+    pub chi2_readings: usize,
 }
 
 /// Residuals of all postures, m, x and y in turn.
@@ -105,8 +120,37 @@ impl Residuals {
     }
 }
 
+impl Residuals {
+    /// Coefficients of χ², and readings that are counted.
+    fn chi2(&self, weight: &[f64]) -> ([f64; 3], usize) {
+        let (mut sum, mut count) = ([0.0; 3], 0);
+        for (row, ((before, after), w)) in
+            self.before.iter().zip(&self.after).zip(weight).enumerate()
+        {
+            if !self.outlier[row / 2] {
+                let (from, by) = (before * w, (after - before) * w);
+                sum[0] += from * from;
+                sum[1] += 2.0 * from * by;
+                sum[2] += by * by;
+                count += 1;
+            }
+        }
+        (sum, count)
+    }
+}
+
+/// Least and largest position of every joint, posture by posture in `q`.
+fn used(q: &[f64], dof: usize) -> Vec<[f64; 2]> {
+    let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; dof];
+    for (k, q) in q.iter().enumerate() {
+        let [low, high] = &mut ends[k % dof];
+        (*low, *high) = (low.min(*q), high.max(*q));
+    }
+    ends
+}
+
 impl DiagnosisView {
-    pub(crate) fn of(problem: &Problem, found: &Found) -> DiagnosisView {
+    pub(crate) fn of(problem: &Problem, found: &Found, skeleton: Skeleton) -> DiagnosisView {
         let data = &problem.data;
         let mut outlier = vec![false; data.len()];
         if let Some(outliers) = &found.best.outliers {
@@ -119,7 +163,13 @@ impl DiagnosisView {
         };
         let rest = found.diagnosis.unexplained;
         let context = &problem.context;
+        let (chi2, chi2_readings) = residuals.chi2(&problem.weight);
         DiagnosisView {
+            used: used(&data.q, problem.model.dof()),
+            cells: data.cells.clone(),
+            skeleton,
+            chi2,
+            chi2_readings,
             postures: postures(problem, &residuals),
             timed: data.t.is_some(),
             rms_lengths: residuals.rms_lengths(),
@@ -151,11 +201,13 @@ pub fn chosen(n: usize, most: usize) -> Vec<usize> {
 
 fn postures(problem: &Problem, residuals: &Residuals) -> Vec<Posture> {
     let data = &problem.data;
+    let dof = problem.model.dof();
     let of = |k: usize| {
         let measured = [0, 1].map(|axis| data.reading[2 * k + axis]);
         let less = |errors: &[f64]| [0, 1].map(|axis| measured[axis] - errors[2 * k + axis]);
         Posture {
             pose: data.pose[k],
+            q: data.q[k * dof..(k + 1) * dof].to_vec(),
             at: data.t.as_ref().map_or((k + 1) as f64, |t| t[k]),
             measured,
             simulated: less(&residuals.before),

@@ -6,7 +6,7 @@
 //! ```
 
 use super::super::problem::Problem;
-use super::{Residuals, chosen};
+use super::{MOST, Residuals, chosen};
 
 /// Postures of a small panel; evenly chosen of more.
 const PER_PANEL: usize = 200;
@@ -32,6 +32,8 @@ pub enum Quantity {
 /// Residuals of one axis, m, at a value of the quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
+    /// Place of its posture among those of the view.
+    pub posture: usize,
     /// Position or moment of the joint, in the trend's unit.
     pub at: f64,
     /// Residual before, m.
@@ -109,7 +111,11 @@ pub(super) fn strongest(
             [0, 1].map(|axis| [&residuals.before, &residuals.after].map(|e| bins.follows(e, axis)));
         let worth = followed.map(|own| own[usize::from(of_rest)].1);
         let axis = usize::from(worth[1] > worth[0]);
-        let point = |k: usize| Point {
+        let shown = chosen(n, MOST);
+        let points = chosen(shown.len(), PER_PANEL).into_iter();
+        let points = points.map(|posture| (posture, shown[posture]));
+        let point = |(posture, k): (usize, usize)| Point {
+            posture,
             at: values[k],
             before: residuals.before[2 * k + axis],
             after: residuals.after[2 * k + axis],
@@ -120,7 +126,7 @@ pub(super) fn strongest(
             unit,
             axis,
             share: followed[axis].map(|(share, _)| share),
-            points: chosen(n, PER_PANEL).into_iter().map(point).collect(),
+            points: points.map(point).collect(),
             means: bins.means(&values, residuals, axis),
         };
         ranked.push((worth[axis], trend));

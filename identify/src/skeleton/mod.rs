@@ -1,0 +1,212 @@
+//! A robot as figures draw it: where bodies are in a posture, and how thick links look.
+//!
+//! ```text
+//! T_i = T_parent(i) · (anchor_i + axis θ,  R_i Rot(axis, θ))        θ = factor q + offset
+//! link = all points within a radius of a line            (a capsule)
+//! CoM  = Σ m_i T_i c_i / Σ m_i
+//! ```
+//!
+//! Everything comes from the URDF: capsules from collision geometry where a link has some,
+//! else from its inertia, and bones from joint to joint.
+
+mod capsules;
+mod sole;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use sesc_model::Model;
+use sesc_model::tree::{Dof, Motion};
+use sesc_model::urdf::Description;
+
+use crate::plan::geometry::Geometry;
+use crate::plan::poses::{self, Pose};
+
+/// A group of links that moves as one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segment {
+    /// The joint that carries it; none of the body on the ground.
+    pub joint: Option<String>,
+    /// Index of the body towards the support.
+    pub parent: Option<usize>,
+    /// Orientation in the parent at θ = 0, row by row.
+    pub rotation: [[f64; 3]; 3],
+    /// The joint's point in the parent, m; the origin of the body.
+    pub anchor: [f64; 3],
+    /// How it moves.
+    pub motion: Motion,
+    /// kg
+    pub mass: f64,
+    /// Its CoM in the body, m.
+    pub com: [f64; 3],
+}
+
+/// What a capsule stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The line from a joint to the next one.
+    Bone,
+    /// The material of a link.
+    Link,
+}
+
+/// All points within a radius of a line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Capsule {
+    /// Link that it belongs to; of a bone the one that the joint moves.
+    pub link: String,
+    /// Index of its body.
+    pub body: usize,
+    /// What it stands for.
+    pub part: Part,
+    /// Ends of the line in the body, m.
+    pub ends: [[f64; 3]; 2],
+    /// m
+    pub radius: f64,
+}
+
+/// A robot on its support, as it is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Skeleton {
+    /// Name of the robot.
+    pub robot: String,
+    /// Link on the ground.
+    pub support: String,
+    /// Independent joints, in the order of postures.
+    pub dofs: Vec<Dof>,
+    /// Bodies; parents come first, the first one is on the ground.
+    pub bodies: Vec<Segment>,
+    /// What is drawn of them.
+    pub capsules: Vec<Capsule>,
+    /// Places of links in their bodies, in document order; those beyond a cut are left out.
+    links: Vec<(String, usize, Pose)>,
+    /// Outline of the sole in the support frame, m; empty where the URDF has no shape of it.
+    pub sole: Vec<[f64; 2]>,
+}
+
+impl Skeleton {
+    /// The robot of `model`; `folder` is where its meshes may be.
+    pub fn of(model: &Model, description: &Description, folder: Option<&Path>) -> Skeleton {
+        let geometry = Geometry::read(description, folder);
+        let tree = &model.tree;
+        let masses = masses(model);
+        let segment = |(body, (mass, com)): (&sesc_model::chain::Body, (f64, [f64; 3]))| Segment {
+            joint: body.joint.clone(),
+            parent: body.parent,
+            rotation: body.rotation(),
+            anchor: body.anchor(),
+            motion: body.motion,
+            mass,
+            com,
+        };
+        let bodies: Vec<Segment> = (model.chain.bodies.iter().zip(masses))
+            .map(segment)
+            .collect();
+        Skeleton {
+            robot: tree.robot.clone(),
+            support: tree.links[tree.support].name.clone(),
+            dofs: tree.dofs.clone(),
+            capsules: capsules::of(model, description, &geometry, &bodies),
+            sole: sole::outline(model, &geometry),
+            links: links(model),
+            bodies,
+        }
+    }
+
+    /// The body that a link belongs to.
+    pub fn body_of(&self, link: &str) -> Option<usize> {
+        let found = self.links.iter().find(|(name, ..)| name == link);
+        found.map(|(_, body, _)| *body)
+    }
+
+    /// A point of a link (m) in its body.
+    pub fn in_body(&self, link: &str, point: [f64; 3]) -> Option<(usize, [f64; 3])> {
+        let (_, body, place) = self.links.iter().find(|(name, ..)| name == link)?;
+        Some((*body, place.point(&point.into()).into()))
+    }
+
+    /// The body that a joint carries.
+    pub fn carried_by(&self, joint: &str) -> Option<usize> {
+        let carried = |body: &Segment| body.joint.as_deref() == Some(joint);
+        self.bodies.iter().position(carried)
+    }
+
+    /// The robot in posture `q`, rad or m; a joint that `q` is too short for stands at zero.
+    pub fn place(&self, q: &[f64]) -> Placed<'_> {
+        let mut poses: Vec<Pose> = Vec::with_capacity(self.bodies.len());
+        for body in &self.bodies {
+            let own = poses::moved(&body.motion, &body.rotation, body.anchor, q);
+            poses.push(match body.parent {
+                Some(parent) => poses[parent].then(&own),
+                None => own,
+            });
+        }
+        Placed {
+            skeleton: self,
+            poses,
+        }
+    }
+}
+
+/// A robot in a posture.
+pub struct Placed<'s> {
+    skeleton: &'s Skeleton,
+    poses: Vec<Pose>,
+}
+
+impl Placed<'_> {
+    /// A point of a body in the support frame, m.
+    pub fn point(&self, body: usize, point: [f64; 3]) -> [f64; 3] {
+        self.poses[body].point(&point.into()).into()
+    }
+
+    /// The joint that carries a body, in the support frame, m.
+    pub fn joint(&self, body: usize) -> [f64; 3] {
+        self.poses[body].origin.into()
+    }
+
+    /// Ends of a capsule in the support frame, m.
+    pub fn ends(&self, capsule: &Capsule) -> [[f64; 3]; 2] {
+        capsule.ends.map(|end| self.point(capsule.body, end))
+    }
+
+    /// Centre of mass of the robot in the support frame, m.
+    pub fn com(&self) -> [f64; 3] {
+        let (mut sum, mut mass) = (Vector3::zeros(), 0.0);
+        for (body, pose) in self.skeleton.bodies.iter().zip(&self.poses) {
+            sum += pose.point(&body.com.into()) * body.mass;
+            mass += body.mass;
+        }
+        match mass > 0.0 {
+            true => (sum / mass).into(),
+            false => [0.0; 3],
+        }
+    }
+}
+
+fn links(model: &Model) -> Vec<(String, usize, Pose)> {
+    let all = model.tree.links.iter().enumerate();
+    all.filter_map(|(k, link)| {
+        let (body, place) = poses::of_link(model, k)?;
+        Some((link.name.clone(), body, place))
+    })
+    .collect()
+}
+
+/// Mass and CoM of each body, m.
+fn masses(model: &Model) -> Vec<(f64, [f64; 3])> {
+    let mut sums = vec![(0.0, Vector3::zeros()); model.chain.bodies.len()];
+    for (k, link) in model.tree.links.iter().enumerate() {
+        if let Some((body, place)) = poses::of_link(model, k) {
+            sums[body].0 += link.mass;
+            sums[body].1 += place.point(&link.com().into()) * link.mass;
+        }
+    }
+    let mean = |(mass, sum): (f64, Vector3<f64>)| match mass > 0.0 {
+        true => (mass, (sum / mass).into()),
+        false => (0.0, [0.0; 3]),
+    };
+    sums.into_iter().map(mean).collect()
+}
