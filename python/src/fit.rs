@@ -146,12 +146,9 @@ impl FitReport {
         let page = watched(py, show, Stopped::Abandoned, move |watch| {
             let (request, report) = &*inner;
             let residuals = fit::residuals(request, report, watch);
+            let sample = residuals.map_err(|error| Failure::of(&error, Doing::Fit))?;
             let found = &report.identification;
-            let shown = Shown {
-                residuals: residuals.map_err(|error| Failure::of(&error, Doing::Fit))?,
-                correlation_matrix: found.correlation_matrix(),
-                command,
-            };
+            let shown = Shown::of(report, sample, command, None);
             let page = page(&Printed {
                 found,
                 corrected: None,

@@ -13,6 +13,7 @@ use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::{self, COP_BOX, Request};
 use sesc_identify::predict::{self, predict};
 use sesc_identify::simulate::{self, simulate};
+use sesc_identify::skeleton::Skeleton;
 use sesc_identify::stance::Stance;
 
 use crate::calls::{Stopped, Waiting, detached, watched};
@@ -44,6 +45,7 @@ pub struct PlanOptions {
 #[pyclass(frozen, module = "sesc._sesc")]
 pub struct PlanReport {
     plan: plan::Plan,
+    skeleton: Skeleton,
 }
 
 /// Choose postures that tell most about the parameters.
@@ -81,7 +83,9 @@ pub fn plan_postures(
             request.clearance = options.clearance;
             request.seed = options.seed;
             request.folder = folder;
-            plan::plan(&request, watch).map(|plan| PlanReport { plan })
+            let (description, folder) = (&request.robot.description, request.folder.as_deref());
+            let skeleton = Skeleton::of(&request.model, description, folder);
+            plan::plan(&request, watch).map(|plan| PlanReport { plan, skeleton })
         };
         build(watch).map_err(|error| Failure::of(&error, Doing::Plan))
     });
@@ -103,7 +107,7 @@ impl PlanReport {
     /// The page of `sesc plan --report`.
     fn page(&self, py: Python<'_>, file: &str, command: &str) -> PyResult<String> {
         detached(py, || {
-            let page = report::plan::page(&self.plan, file, command);
+            let page = report::plan::page(&self.plan, &self.skeleton, file, command);
             page.map_err(|error| Failure::internal(error.to_string()))
         })
     }

@@ -142,9 +142,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         files::write(path, &found.model_file.to_toml()?)?;
         message(&format!("wrote {}", path.display()));
     }
-    let shown = arguments
-        .outputs
-        .shown(&found.identification, found.residuals);
+    let urdf = request.robot.as_ref().and(arguments.inputs.first());
+    let folder = urdf.and_then(|path| path.parent());
+    let shown = arguments.outputs.shown(&found, folder);
     let report = FitReport {
         found: &found.identification,
         corrected: found.corrected.as_ref(),

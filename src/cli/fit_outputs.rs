@@ -1,15 +1,14 @@
 //! What `sesc fit` makes of a fit besides the model file: a corrected URDF, physical
 //! masses, a page.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::{command_line, message};
 use crate::Error;
 use crate::report::fit::{FitReport, Shown, page};
-use sesc_identify::fit::residuals::Residual;
-use sesc_identify::fit::{Identification, Request};
+use sesc_identify::fit::{Report, Request};
 use sesc_model::files;
 
 #[derive(Args)]
@@ -49,13 +48,10 @@ impl Outputs {
         request.residuals = self.report.is_some();
     }
 
-    /// What the page shows besides the fit.
-    pub(super) fn shown(&self, found: &Identification, residuals: Vec<Residual>) -> Option<Shown> {
-        self.report.is_some().then(|| Shown {
-            residuals,
-            correlation_matrix: found.correlation_matrix(),
-            command: command_line(),
-        })
+    /// What the page shows besides the fit, where one is asked for.
+    pub(super) fn shown(&self, report: &Report, folder: Option<&Path>) -> Option<Shown> {
+        let sample = || report.residuals.clone();
+        (self.report.is_some()).then(|| Shown::of(report, sample(), command_line(), folder))
     }
 
     /// Write what is asked for.

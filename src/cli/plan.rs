@@ -16,6 +16,7 @@ use sesc_identify::logs::{LogSource, PostureWriter, Written};
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::{COP_BOX, Request, plan};
+use sesc_identify::skeleton::Skeleton;
 use sesc_model::files;
 
 /// Choose postures that tell most about the parameters, balanced and clear, in a short order
@@ -119,7 +120,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let out = arguments.out.display();
     message(&format!("wrote {out} and {}", sidecar.display()));
     if let Some(path) = &arguments.report {
-        let page = report::plan::page(&found, &out.to_string(), &command_line());
+        let (description, folder) = (&request.robot.description, request.folder.as_deref());
+        let skeleton = Skeleton::of(&request.model, description, folder);
+        let page = report::plan::page(&found, &skeleton, &out.to_string(), &command_line());
         let page = page.map_err(|error| Error::Report(Box::new(error)))?;
         files::write(path, &page)?;
         message(&format!("wrote {}", path.display()));

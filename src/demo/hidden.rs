@@ -173,8 +173,8 @@ impl Hidden {
             after: self.after,
             com_before: self.com_before,
             com_after: self.com_after,
-            course: self.view.postures.clone(),
-            stages: self.view.stages.clone(),
+            view: self.view.clone(),
+            diagnosis: self.diagnosis.clone(),
         }
     }
 }

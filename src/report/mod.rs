@@ -5,6 +5,7 @@
 //! arrive in metres and leave in millimetres.
 
 pub mod compare;
+mod data;
 pub mod diagnose;
 pub mod figures;
 pub mod fit;
@@ -12,12 +13,15 @@ pub mod fleet;
 pub mod health;
 pub mod html;
 pub mod plan;
+mod robot;
 mod svg;
 pub mod table;
 #[cfg(test)]
 mod tests;
 
 use serde::Serialize;
+use sesc_identify::diagnose::Diagnosis;
+use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::feet::ClosureFound;
 
 /// The seed paper's simulation end to end, on one robot.
@@ -80,12 +84,12 @@ pub struct HiddenAct {
     pub com_before: f64,
     /// The same distance of the corrected model's, m.
     pub com_after: f64,
-    /// The course of the CoP over the postures read.
+    /// What its figures show.
     #[serde(skip)]
-    pub course: Vec<sesc_identify::diagnose::view::Posture>,
-    /// The held-out error on its way from CAD to the noise.
+    pub view: DiagnosisView,
+    /// The diagnosis.
     #[serde(skip)]
-    pub stages: Vec<sesc_identify::diagnose::view::Stage>,
+    pub diagnosis: Diagnosis,
 }
 
 /// A generated function: its cost, and its error against the reference.

@@ -1,4 +1,4 @@
-//! A made-up report for the tests of pages and figures.
+//! A made-up report for the tests of pages and figures, and what holds for every page.
 
 use super::{CopRow, DemoReport, Errors, FunctionRow, HeightRow, LengthRow};
 
@@ -100,4 +100,32 @@ pub fn report() -> DemoReport {
         unobservable: vec!["mass along the axis of <l_knee> moves to its parent".to_string()],
         hidden: None,
     }
+}
+
+/// A page without its scripts, of which it has as many as are expected and none from elsewhere:
+/// it refers to nothing outside, and data in scripts end no script.
+pub fn still(page: &str, scripts: usize) -> String {
+    let mut parts = page.split("<script");
+    let mut out = parts.next().unwrap().to_string();
+    let mut count = 0;
+    for part in parts {
+        let (script, rest) = part.split_once("</script>").expect("a script ends");
+        assert!(!script.contains("<!--") && !script.contains('\u{2028}'));
+        out.push_str(rest);
+        count += 1;
+    }
+    assert_eq!(count, scripts);
+    let outside = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for reference in [
+        "http",
+        "src=",
+        "href",
+        "@import",
+        "url(",
+        "eval(",
+        "innerHTML",
+    ] {
+        assert!(!outside.contains(reference), "{reference}");
+    }
+    out
 }

@@ -1,11 +1,13 @@
 //! What a diagnosis found: on the console, and as a page with figures.
 
 mod page;
+mod robot;
 #[cfg(test)]
 mod tests;
 mod text;
 
 pub use page::page;
+pub(super) use robot::card;
 pub use text::{Asked, text};
 
 use sesc_identify::diagnose::Verdict;

@@ -5,9 +5,9 @@ use std::path::Path;
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
-use super::{count, effect, parameters, servo, where_to};
+use super::{count, effect, parameters, robot, servo, where_to};
+use crate::report::data::Data;
 use crate::report::figures::diagnose as figures;
-use crate::report::health;
 use crate::report::html::render;
 use crate::report::soles;
 use crate::report::table::mm;
@@ -29,9 +29,10 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
         found => Serde(found),
         last => Serde(&found.last),
         headline => headline(found, view),
+        robot => robot::card(found, view).context(),
         verdict => verdict(found.verdict),
         postures => count(found.postures, "posture"),
-        health => health::rows(&found.health),
+        data => data(found, view).context(),
         class_size => found.class.len(),
         noise_source => found.noise_source.phrase(),
         soles => found.closure.as_ref().map(soles),
@@ -67,6 +68,35 @@ pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
         },
     };
     render("diagnose.html", context)
+}
+
+/// What came in.
+fn data<'a>(found: &'a Diagnosis, view: &'a DiagnosisView) -> Data<'a> {
+    let mut lines = vec![("rows", found.samples.sentence())];
+    lines.push((
+        "postures",
+        match found.postures_used < found.postures {
+            true => format!(
+                "{}, {} of them used, evenly chosen",
+                found.postures, found.postures_used
+            ),
+            false => found.postures.to_string(),
+        },
+    ));
+    lines.push((
+        "visits",
+        match &found.visits {
+            Some(visits) => visits.sentence(),
+            None => "no posture was reached twice".to_string(),
+        },
+    ));
+    Data {
+        lines,
+        dofs: &view.skeleton.dofs,
+        used: &view.used,
+        postures: view.postures.iter().map(|row| row.q.as_slice()).collect(),
+        health: &found.health,
+    }
 }
 
 /// The finding in a line.

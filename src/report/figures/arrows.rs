@@ -2,13 +2,13 @@
 //! where it was measured.
 
 use super::super::svg::{Anchor, Axes, BAND, Color, Figure, HEADING, INK, MUTED, Mark, Place};
-use super::super::svg::{key, same_scale, span};
+use super::super::svg::{ORANGE, key, same_scale, span};
 use super::super::table::mm;
 use super::to_mm;
 
-const EDGES: [f64; 4] = [48.0, 32.0, 472.0, 412.0];
-/// Length of an arrow's head, and half its width, pixels.
-const HEAD: [f64; 2] = [5.5, 2.2];
+/// Of a figure in a pair, and of the one beside the robot, pixels.
+const PAIR: [f64; 2] = [480.0, 448.0];
+const BESIDE: [f64; 2] = [340.0, 340.0];
 
 /// One reading and what was predicted there, m.
 pub struct Gap {
@@ -25,17 +25,38 @@ pub struct Arrows {
     pub rms: [f64; 2],
     /// Opposite corners of the foot, m, where they are known.
     pub foot: Option<[[f64; 2]; 2]>,
+    /// Outline of the sole, m; empty where it is not known.
+    pub sole: Vec<[f64; 2]>,
+    /// Cells of the foot, m, and whether one is meant.
+    pub cells: Vec<([f64; 2], bool)>,
 }
 
 impl Arrows {
     /// Draw the arrows before (0) or after (1) the correction; both figures have the
     /// same scale.
     pub fn draw(&self, which: usize, title: &str, color: Color) -> String {
+        self.figure(which, title, color, PAIR)
+    }
+
+    /// The arrows before the correction, for a script to shorten: what it needs for that
+    /// stands in attributes of their group.
+    pub fn beside_the_robot(&self, title: &str) -> String {
+        self.figure(0, title, ORANGE, BESIDE)
+    }
+
+    fn figure(&self, which: usize, title: &str, color: Color, size: [f64; 2]) -> String {
+        let beside = size == BESIDE;
+        let edges = [
+            if beside { 34.0 } else { 48.0 },
+            32.0,
+            size[0] - 8.0,
+            size[1] - 36.0,
+        ];
         let label = format!(
             "{title}: arrows from the predicted to the measured CoP of {} readings, mm",
             self.gaps.len()
         );
-        let mut figure = Figure::new([480.0, 448.0], &label);
+        let mut figure = Figure::new(size, &label);
         let gain = self.gain();
         let tail = |gap: &Gap, which: usize| {
             let [from, to] = [gap.predicted[which], gap.measured];
@@ -46,17 +67,17 @@ impl Arrows {
                 let tails = [0, 1].map(|which| tail(gap, which)[axis]);
                 [to_mm(gap.measured[axis]), tails[0], tails[1]]
             });
-            let foot = self.foot.iter().flatten().map(move |at| to_mm(at[axis]));
-            span(ends.chain(foot))
+            let foot = self.foot.iter().flatten().chain(&self.sole);
+            span(ends.chain(foot.map(move |at| to_mm(at[axis]))))
         };
-        let [x, y] = same_scale([reach(0), reach(1)], EDGES);
+        let [x, y] = same_scale([reach(0), reach(1)], edges);
         let plane = Axes {
             title,
             x,
             y,
             x_name: "x, mm (y upwards)",
-            ticks: [7, 7],
-            edges: EDGES,
+            ticks: if beside { [5, 7] } else { [7, 7] },
+            edges,
         }
         .draw(&mut figure);
         if let Some(corners) = self.foot {
@@ -65,27 +86,46 @@ impl Arrows {
             let place = [low[0], high[1] - 9.0];
             figure.note(place, Anchor::Start, MUTED, "cells of the foot");
         }
-        for gap in &self.gaps {
-            let [tail, tip] = [tail(gap, which), gap.measured.map(to_mm)].map(|at| plane.at(at));
-            if tail.iter().chain(&tip).all(|x| x.is_finite()) {
-                arrow(&mut figure, tail, tip, color);
-                figure.dot(tip, 1.3, INK);
-                if gap.outlier {
-                    figure.boxed(tip, 5.0);
+        let sole: Vec<Place> = (self.sole.iter().chain(self.sole.first()))
+            .map(|corner| plane.at(corner.map(to_mm)))
+            .collect();
+        figure.line(sole, MUTED, 1.5);
+        for (place, meant) in &self.cells {
+            let [x, y] = plane.at(place.map(to_mm));
+            let color = if *meant { ORANGE } else { BAND };
+            figure.fill([[x - 6.0, y - 6.0], [x + 6.0, y + 6.0]], color, 1.0);
+        }
+        let attributes = match beside {
+            true => format!("data-gain=\"{gain}\" {}", plane.attributes()),
+            false => "data-still=\"\"".to_string(),
+        };
+        figure.group(&attributes, |figure| {
+            for (k, gap) in self.gaps.iter().enumerate() {
+                let [tail, tip] =
+                    [tail(gap, which), gap.measured.map(to_mm)].map(|at| plane.at(at));
+                if tail.iter().chain(&tip).all(|x| x.is_finite()) {
+                    figure.posture(k, |figure| {
+                        figure.arrow(tail, tip, color);
+                        figure.dot(tip, 1.3, INK);
+                        if gap.outlier {
+                            figure.boxed(tip, 5.0);
+                        }
+                    });
                 }
             }
-        }
+        });
         if self.gaps.is_empty() {
-            let place = [EDGES[0] + 20.0, EDGES[1] + 20.0];
+            let place = [edges[0] + 20.0, edges[1] + 20.0];
             figure.note(place, Anchor::Start, MUTED, "no readings at hand");
         }
         let length = mm(self.rms[which]);
         let text = match gain > 1.0 {
+            _ if beside => format!("gap × {gain}"),
             true => format!("{length} mm RMS of the length, drawn × {gain}"),
             false => format!("{length} mm RMS of the length"),
         };
         let marks = [(Mark::Line(color, 1.5), text.as_str())];
-        key(&mut figure, EDGES[2], EDGES[1] - HEADING, &marks);
+        key(&mut figure, edges[2], edges[1] - HEADING, &marks);
         figure.finish()
     }
 
@@ -105,23 +145,4 @@ impl Arrows {
         let fits = |gain: &f64| longest > 0.0 && gain * longest < 0.08 * widest;
         steps.into_iter().find(fits).unwrap_or(1.0)
     }
-}
-
-/// A line, with a head where it is long enough for one.
-fn arrow(figure: &mut Figure, tail: Place, tip: Place, color: Color) {
-    figure.line([tail, tip], color, 1.25);
-    let [x, y] = [tip[0] - tail[0], tip[1] - tail[1]];
-    let length = x.hypot(y);
-    if length < 1.6 * HEAD[0] {
-        return;
-    }
-    let [x, y] = [x / length, y / length];
-    let [back, side] = HEAD;
-    let corner = |way: f64| {
-        [
-            tip[0] - back * x - way * side * y,
-            tip[1] - back * y + way * side * x,
-        ]
-    };
-    figure.polygon(&[tip, corner(1.0), corner(-1.0)], color);
 }

@@ -15,6 +15,8 @@ mod height;
 mod lengths;
 mod parameters;
 pub mod plan;
+mod range_bar;
+pub mod robot;
 #[cfg(test)]
 mod tests;
 
@@ -24,6 +26,7 @@ pub use health::health;
 pub use height::{height_level, height_shape};
 pub use lengths::{lengths_base, lengths_full};
 pub use parameters::parameters;
+pub use range_bar::range_bar;
 
 /// Metres to millimetres.
 fn to_mm(metres: f64) -> f64 {

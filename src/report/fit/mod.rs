@@ -2,16 +2,21 @@
 
 mod correction;
 mod page;
+mod robot;
 #[cfg(test)]
 mod tests;
 mod text;
 
-use serde::Serialize;
+use std::path::Path;
 
-use sesc_identify::fit::Identification;
+use serde::Serialize;
+use sesc_model::base::Column;
+
 use sesc_identify::fit::corrected::Corrected;
-use sesc_identify::fit::residuals::Residual;
+use sesc_identify::fit::residuals::{Residual, Sample};
+use sesc_identify::fit::{self, Identification};
 use sesc_identify::health::Finding;
+use sesc_identify::skeleton::Skeleton;
 
 pub use correction::corrections;
 pub use page::page;
@@ -59,4 +64,51 @@ pub struct Shown {
     pub correlation_matrix: Vec<Vec<f64>>,
     /// Words that make this report again.
     pub command: String,
+    /// The robot, and how far data moved its bodies.
+    #[serde(skip)]
+    pub robot: Option<Moved>,
+    /// Least and largest position of every joint over all rows, rad or m.
+    #[serde(skip)]
+    pub used: Vec<[f64; 2]>,
+}
+
+/// The robot of a fit, and how far data moved its bodies.
+#[derive(Debug, Clone)]
+pub struct Moved {
+    /// The robot.
+    pub skeleton: Skeleton,
+    /// The largest change of a parameter of each body, in its standard deviations.
+    pub deviations: Vec<f64>,
+}
+
+impl Shown {
+    /// Of a fit and some of its readings; `command` makes the page again, meshes are looked
+    /// for in `folder`.
+    pub fn of(
+        report: &fit::Report,
+        sample: Sample,
+        command: String,
+        folder: Option<&Path>,
+    ) -> Shown {
+        let (found, model) = (&report.identification, report.model());
+        let skeleton = Skeleton::of(model, &report.robot().description, folder);
+        let mut deviations = vec![0.0_f64; skeleton.bodies.len()];
+        for (known, param) in found.parameters.iter().zip(&model.base.params) {
+            let (Column::Axis { body, .. } | Column::Prismatic { body }) = param.column;
+            if let Some(std) = known.std.filter(|std| *std > 0.0) {
+                let own = ((known.value - known.cad) / std).abs();
+                deviations[body] = deviations[body].max(own);
+            }
+        }
+        Shown {
+            residuals: sample.rows,
+            used: sample.used,
+            correlation_matrix: found.correlation_matrix(),
+            command,
+            robot: Some(Moved {
+                skeleton,
+                deviations,
+            }),
+        }
+    }
 }

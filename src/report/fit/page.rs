@@ -3,9 +3,9 @@
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
-use super::{FitReport, Shown};
+use super::{FitReport, Shown, robot};
+use crate::report::data::Data;
 use crate::report::figures::fit as figures;
-use crate::report::health;
 use crate::report::html::render;
 use crate::report::soles;
 
@@ -27,7 +27,8 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         shifts => report.corrected.map(|corrected| {
             corrected.links.iter().map(|change| change.shift()).collect::<Vec<f64>>()
         }),
-        health => health::rows(&found.health),
+        robot => robot::card(report, shown).map(|card| card.context()),
+        data => data(report, shown).context(),
         command => &shown.command,
         soles => found.closure.as_ref().map(soles),
         again => found.again.as_ref().map(|again| &again.sentence),
@@ -46,4 +47,31 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         },
     };
     render("fit.html", context)
+}
+
+/// What came in.
+fn data<'a>(report: &FitReport<'a>, shown: &'a Shown) -> Data<'a> {
+    let found = report.found;
+    let mut lines = vec![("rows", found.samples.sentence())];
+    lines.push((
+        "postures",
+        format!("{}, {} readings", found.postures, found.readings),
+    ));
+    lines.push((
+        "visits",
+        match &found.visits {
+            Some(visits) => visits.sentence(),
+            None => "no posture was reached twice".to_string(),
+        },
+    ));
+    Data {
+        lines,
+        dofs: shown
+            .robot
+            .as_ref()
+            .map_or(&[], |robot| &robot.skeleton.dofs),
+        used: &shown.used,
+        postures: shown.residuals.iter().map(|row| row.q.as_slice()).collect(),
+        health: &found.health,
+    }
 }

@@ -2,8 +2,9 @@
 
 use sesc_model::Snapping;
 
-use super::{FitReport, Shown, corrections, page, text};
+use super::{FitReport, Moved, Shown, corrections, page, text};
 use crate::OP2_URDF;
+use crate::report::tests::still;
 use sesc_identify::fit::corrected::correct;
 use sesc_identify::fit::gather::Gathered;
 use sesc_identify::fit::prior::Prior;
@@ -13,6 +14,7 @@ use sesc_identify::logs::Block;
 use sesc_identify::observations::rows::Measurement;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
+use sesc_identify::skeleton::Skeleton;
 
 /// Readings that CAD explains but for a few millimetres.
 fn fit(robot: &Robot) -> Identification {
@@ -53,11 +55,17 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
         measured: [0.01 * k as f64, 0.0],
         cad: [0.01 * k as f64, 0.004],
         fitted: [0.01 * k as f64, 0.001],
+        q: vec![0.1 * (k % 7) as f64; 20],
     };
     let shown = Shown {
         residuals: (0..900).map(residual).collect(),
         correlation_matrix: found.correlation_matrix(),
         command: "sesc fit 'a<b>.urdf'".to_string(),
+        used: vec![[0.0, 0.6]; 20],
+        robot: Some(Moved {
+            skeleton: Skeleton::of(&model, &robot.description, None),
+            deviations: (0..21).map(|k| 0.5 * f64::from(k)).collect(),
+        }),
     };
     let report = FitReport {
         found: &found,
@@ -76,12 +84,12 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     ] {
         assert!(html.contains(words), "{words}");
     }
-    assert_eq!(html.matches("<svg ").count(), 6);
+    // The robot and its gaps, six figures, and a bar for each joint.
+    assert_eq!(html.matches("<svg ").count(), 3 + 6 + 20);
+    assert!(html.contains("What moved most, in standard deviations: <code>"));
+    assert!(html.contains("0 of 20 use more than half of their range"));
     assert!(!html.contains("NaN") && !html.contains("op<2>"));
-    let outside = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-    for reference in ["http", "src=", "href", "@import", "url(", "<script"] {
-        assert!(!outside.contains(reference), "{reference}");
-    }
+    still(&html, 2);
     assert_eq!(html, page(&report).unwrap());
     let json = serde_json::to_value(&report).unwrap();
     assert_eq!(json["residuals"].as_array().unwrap().len(), 900);

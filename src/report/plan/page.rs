@@ -3,13 +3,19 @@
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
-use crate::report::figures::plan as figures;
+use crate::report::figures;
+use crate::report::figures::robot::Marks;
 use crate::report::html::render;
+use crate::report::robot::{Card, Correction, Shown};
 use sesc_identify::plan::Plan;
+use sesc_identify::skeleton::Skeleton;
+
+/// Postures on the contact sheet, at most.
+const SHEET: usize = 120;
 
 /// The page of a plan, alone in one file; `command` makes it again, `file` holds the
 /// postures.
-pub fn page(plan: &Plan, file: &str, command: &str) -> Result<String, Error> {
+pub fn page(plan: &Plan, skeleton: &Skeleton, file: &str, command: &str) -> Result<String, Error> {
     let figure = Value::from_safe_string;
     let errors = plan.expected_error.zip(plan.expected_error_random);
     // Little of its range tells little of what a joint carries.
@@ -18,16 +24,38 @@ pub fn page(plan: &Plan, file: &str, command: &str) -> Result<String, Error> {
         used < 0.2 * allowed
     });
     let idle: Vec<String> = idle.map(|joint| joint.joint.clone()).collect();
+    let postures: Vec<&[f64]> = plan.postures().collect();
+    let shown = postures.iter().zip(&plan.cop).zip(1..);
+    let shown = shown.map(|((q, cop), pose)| Shown {
+        pose,
+        q: q.to_vec(),
+        planned: Some(*cop),
+        ..Shown::default()
+    });
+    let card = Card {
+        skeleton,
+        postures: shown.collect(),
+        beside: Some(figures::plan::region(plan)),
+        caption: "Quartered disc: centre of mass, with its plumb line. Right, the CoP that is \
+                  expected of each posture, in their order, with what CAD does not know kept \
+                  from the edge."
+            .to_string(),
+        marks: Marks::default(),
+        correction: Correction::default(),
+    };
+    let sheet = figures::robot::sheet(skeleton, &postures[..postures.len().min(SHEET)]);
     let context = context! {
+        robot => card.context(),
+        sheet => sheet.into_iter().map(Value::from_safe_string).collect::<Vec<Value>>(),
+        more => postures.len().saturating_sub(SHEET),
         plan => Serde(plan),
         less => errors.map(|(planned, random)| (100.0 * (1.0 - planned / random)).round()),
         idle,
         file,
         command,
         figures => context! {
-            region => figure(figures::region(plan)),
-            efficiency => figure(figures::efficiency(&plan.curve)),
-            joints => figure(figures::joints(&plan.joints)),
+            efficiency => figure(figures::plan::efficiency(&plan.curve)),
+            joints => figure(figures::plan::joints(&plan.joints)),
         },
     };
     render("plan.html", context)

@@ -5,12 +5,14 @@ use sesc_model::Snapping;
 use super::page;
 use crate::OP2_URDF;
 use crate::report::table::mm;
+use crate::report::tests::still;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::{Plan, Request, plan};
 use sesc_identify::robot::Robot;
+use sesc_identify::skeleton::Skeleton;
 
-fn small(prior: &str, poses: usize) -> Plan {
+fn small(prior: &str, poses: usize) -> (Plan, Skeleton) {
     let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
     let model = robot.model("r_sole", Snapping::default(), None).unwrap();
     let region = Region::sole("0.05,0.03; -0.05,0.03; -0.05,-0.03; 0.04,-0.03", 0.002).unwrap();
@@ -20,16 +22,18 @@ fn small(prior: &str, poses: usize) -> Plan {
     request.sigmas = 0.0;
     request.prior = prior;
     request.clearance = 0.0;
-    plan(&request, &mut ()).unwrap()
+    let skeleton = Skeleton::of(&request.model, &request.robot.description, None);
+    (plan(&request, &mut ()).unwrap(), skeleton)
 }
 
 #[test]
 fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
-    let mut found = small("cad", 25);
+    let (mut found, mut skeleton) = small("cad", 25);
+    skeleton.dofs[3].joint = "</script><hip>\u{2028}".to_string();
     found.robot = "op<2>".to_string();
     found.joints[3].joint = "<hip>".to_string();
     found.joints[3].used = [0.0, 0.0];
-    let html = page(&found, "poses.csv", "sesc plan 'a<b>.urdf'").unwrap();
+    let html = page(&found, &skeleton, "poses.csv", "sesc plan 'a<b>.urdf'").unwrap();
     for words in [
         "op&lt;2&gt;",
         "<code>&lt;hip&gt;</code>",
@@ -44,30 +48,29 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     ] {
         assert!(html.contains(words), "{words}");
     }
-    assert_eq!(html.matches("<svg ").count(), 3);
-    // A dot per posture in the sole plane and one in its key, a ring and a dot at the
-    // ends of the curves.
-    assert_eq!(html.matches("<circle").count(), 25 + 1 + 2);
+    // Two of the robot, three of the plan, and a contact sheet.
+    assert_eq!(html.matches("<svg ").count(), 2 + 3 + 25);
+    // A dot per posture in the sole plane.
+    assert_eq!(html.matches("<g data-p=").count(), 25);
+    assert_eq!(html.matches("<li data-p=").count(), 25);
+    assert!(html.contains("\\u003c/script\\u003e\\u003chip\\u003e\\u2028"));
     assert!(!html.contains("NaN") && !html.contains("op<2>") && !html.contains("<hip>"));
-    let outside = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-    for reference in ["http", "src=", "href", "@import", "url(", "<script"] {
-        assert!(!outside.contains(reference), "{reference}");
-    }
+    still(&html, 2);
     assert_eq!(
         html,
-        page(&found, "poses.csv", "sesc plan 'a<b>.urdf'").unwrap()
+        page(&found, &skeleton, "poses.csv", "sesc plan 'a<b>.urdf'").unwrap()
     );
 }
 
 /// Too few postures for a fit without a prior: no number is made up.
 #[test]
 fn a_plan_that_leaves_directions_open_says_so() {
-    let found = small("free", 10);
+    let (found, skeleton) = small("free", 10);
     assert!(found.expected_error.is_none() && found.curve.is_empty());
-    let html = page(&found, "poses.csv", "sesc plan").unwrap();
+    let html = page(&found, &skeleton, "poses.csv", "sesc plan").unwrap();
     assert!(html.contains("10 postures tell 20 of 42 directions"));
     assert!(html.contains("these postures leave directions open"));
-    let told = small("free", 30);
+    let (told, _) = small("free", 30);
     assert_eq!(told.curve[0].postures, 21);
     let last = told.curve.last().unwrap();
     assert_eq!(Some(last.planned), told.expected_error);

@@ -63,6 +63,15 @@ impl Axes<'_> {
 }
 
 impl Plane {
+    /// The map as attributes, for a script.
+    pub fn attributes(&self) -> String {
+        let [left, top, right, bottom] = self.edges;
+        format!(
+            "data-plane=\"{left} {top} {right} {bottom} {:.4} {:.4} {:.4} {:.4}\"",
+            self.x.start, self.x.end, self.y.start, self.y.end
+        )
+    }
+
     /// Where a pair of values lies.
     pub fn at(&self, [x, y]: [f64; 2]) -> Place {
         let [left, top, right, bottom] = self.edges;

@@ -7,6 +7,7 @@
 
 mod axes;
 mod marks;
+mod parts;
 #[cfg(test)]
 pub mod tests;
 
@@ -35,7 +36,7 @@ const fn color(name: &'static str, light: &'static str, dark: &'static str) -> C
 /// Text, and what is true.
 pub const INK: Color = color("ink", "#1f2933", "#e6eaf0");
 /// Axis labels and readings.
-pub const MUTED: Color = color("muted", "#6b7280", "#a0aab8");
+pub const MUTED: Color = color("muted", "#646b78", "#a0aab8");
 pub const GRID: Color = color("grid", "#e3e7ec", "#2b333e");
 /// A broad line that a thin one runs in.
 pub const BAND: Color = color("band", "#c3cad4", "#505c6c");

@@ -28,7 +28,12 @@ pub fn sound(svg: &str) -> Vec<String> {
             assert!(light.contains(&rule) && dark.contains(&rule), "{name}");
         }
     }
-    let is_text = |node: &roxmltree::Node<'_, '_>| node.tag_name().name() == "text";
+    let is_text = |node: &roxmltree::Node<'_, '_>| {
+        let halo = node
+            .parent()
+            .is_some_and(|group| group.has_attribute("aria-hidden"));
+        node.tag_name().name() == "text" && !halo
+    };
     let texts: Vec<_> = tree.descendants().filter(is_text).collect();
     let width: f64 = root.attribute("width").unwrap().parse().unwrap();
     let boxes: Vec<_> = texts.iter().map(extent).collect();

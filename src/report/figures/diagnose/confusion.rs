@@ -11,7 +11,7 @@ const LEFT: f64 = 44.0;
 const TOP: f64 = 58.0;
 /// Squares that have room for a number.
 const NUMBERED: usize = 14;
-const DARKEST: f64 = 0.8;
+const DARKEST: f64 = 0.5;
 
 /// RMS differences in units of noise; what no such log tells apart is left white.
 pub fn confusion(differences: &[Vec<f64>]) -> String {

@@ -11,9 +11,9 @@ const RIGHT: f64 = 972.0;
 
 /// x above, y below.
 pub fn course(rows: &[Posture]) -> String {
-    let few: Vec<&Posture> = chosen(rows.len(), MOST)
+    let few: Vec<(usize, &Posture)> = chosen(rows.len(), MOST)
         .into_iter()
-        .map(|k| &rows[k])
+        .map(|k| (k, &rows[k]))
         .collect();
     let label = format!(
         "CoP of {} postures, mm: measured, simulated, corrected",
@@ -31,13 +31,13 @@ pub fn course(rows: &[Posture]) -> String {
 
 fn panel(
     figure: &mut Figure,
-    rows: &[&Posture],
+    rows: &[(usize, &Posture)],
     (axis, x_name): (usize, &str),
     [top, bottom]: [f64; 2],
 ) {
     let of = |pick: fn(&Posture) -> [f64; 2]| {
         let rows = rows.iter().zip(1..);
-        rows.map(move |(row, k)| [f64::from(k), to_mm(pick(row)[axis])])
+        rows.map(move |((_, row), k)| [f64::from(k), to_mm(pick(row)[axis])])
     };
     let picks: [fn(&Posture) -> [f64; 2]; 3] =
         [|row| row.measured, |row| row.simulated, |row| row.corrected];
@@ -53,23 +53,26 @@ fn panel(
     .draw(figure);
     let places = |pick| of(pick).map(|point| plane.at(point));
     // Neighbours in a log have nothing to do with each other: no lines between.
-    for (from, to) in places(simulated).zip(places(measured)) {
-        figure.line([from, to], ORANGE, 1.25);
-        figure.mark(from, Mark::Dot(ORANGE));
+    let all = places(simulated)
+        .zip(places(measured))
+        .zip(places(corrected));
+    for ((posture, row), ((from, to), corrected)) in rows.iter().zip(all) {
+        figure.posture(*posture, |figure| {
+            figure.line([from, to], ORANGE, 1.25);
+            figure.mark(from, Mark::Dot(ORANGE));
+            figure.mark(to, Mark::Ring(MUTED));
+            if row.outlier {
+                figure.boxed(to, 5.0);
+            }
+            figure.dot(corrected, 2.0, BLUE);
+        });
     }
-    for (row, at) in rows.iter().zip(places(measured)) {
-        figure.mark(at, Mark::Ring(MUTED));
-        if row.outlier {
-            figure.boxed(at, 5.0);
-        }
-    }
-    places(corrected).for_each(|at| figure.dot(at, 2.0, BLUE));
     let mut marks = vec![
         (Mark::Ring(MUTED), "measured"),
         (Mark::Dot(ORANGE), "simulated (CAD)"),
         (Mark::Dot(BLUE), "corrected"),
     ];
-    if rows.iter().any(|row| row.outlier) {
+    if rows.iter().any(|(_, row)| row.outlier) {
         marks.push((Mark::Box(INK), "outlier"));
     }
     key(figure, RIGHT, top - HEADING, &marks);

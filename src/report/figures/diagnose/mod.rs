@@ -29,20 +29,32 @@ const WIDE: f64 = 980.0;
 
 /// Arrows to the measured CoP from CAD's simulation, and from the corrected one.
 pub fn arrows(view: &DiagnosisView) -> [String; 2] {
+    let arrows = of_view(view, &[]);
+    [
+        arrows.draw(0, "Simulated", ORANGE),
+        arrows.draw(1, "Corrected", BLUE),
+    ]
+}
+
+/// The same beside the robot, before the correction; cells that are meant are marked.
+pub fn arrows_beside(view: &DiagnosisView, cells: &[usize]) -> String {
+    of_view(view, cells).beside_the_robot("CoP on the ground")
+}
+
+fn of_view(view: &DiagnosisView, cells: &[usize]) -> Arrows {
     let gap = |row: &Posture| Gap {
         measured: row.measured,
         predicted: [row.simulated, row.corrected],
         outlier: row.outlier,
     };
-    let arrows = Arrows {
+    let places = view.cells.iter().enumerate();
+    Arrows {
         gaps: view.postures.iter().map(gap).collect(),
         rms: view.rms_lengths,
         foot: view.foot,
-    };
-    [
-        arrows.draw(0, "Simulated", ORANGE),
-        arrows.draw(1, "Corrected", BLUE),
-    ]
+        sole: view.skeleton.sole.clone(),
+        cells: places.map(|(k, at)| (*at, cells.contains(&k))).collect(),
+    }
 }
 
 /// The held-out error on its way from CAD, effect by effect, to the noise.

@@ -7,7 +7,7 @@ use sesc_identify::diagnose::view::Regions;
 
 const EDGES: [f64; 4] = [48.0, 32.0, 472.0, 412.0];
 /// Shade of what is many times the noise.
-const DARKEST: f64 = 0.7;
+const DARKEST: f64 = 0.5;
 
 /// The map before or after.
 pub fn regions(rows: &Regions, after: bool) -> String {

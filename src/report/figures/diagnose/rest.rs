@@ -41,16 +41,18 @@ fn panel(figure: &mut Figure, view: &DiagnosisView, axis: usize, [top, bottom]: 
     .draw(figure);
     let zero = [along.start, along.end].map(|x| plane.at([x, 0.0]));
     figure.line(zero, INK, 1.0);
-    for row in rows {
+    for (k, row) in rows.iter().enumerate() {
         let at = plane.at([row.at, of(row, row.simulated)]);
-        figure.dot(at, 2.4, ORANGE);
+        figure.posture(k, |figure| figure.dot(at, 2.4, ORANGE));
     }
-    for row in rows {
+    for (k, row) in rows.iter().enumerate() {
         let at = plane.at([row.at, of(row, row.corrected)]);
-        figure.dot(at, 2.4, BLUE);
-        if row.outlier {
-            figure.boxed(at, 5.0);
-        }
+        figure.posture(k, |figure| {
+            figure.dot(at, 2.4, BLUE);
+            if row.outlier {
+                figure.boxed(at, 5.0);
+            }
+        });
     }
     let mut marks = vec![
         (Mark::Dot(ORANGE), "before: CAD"),

@@ -5,6 +5,17 @@ use crate::report::svg::tests::sound;
 use sesc_identify::diagnose::view::{
     DiagnosisView, Middle, Point, Posture, Region, Regions, Spread, Stage, StageKind, Trend,
 };
+use sesc_identify::robot::Robot;
+use sesc_identify::skeleton::Skeleton;
+use sesc_model::Snapping;
+
+fn skeleton() -> Skeleton {
+    let text =
+        "<robot name='r'><link name='a'><inertial><mass value='1'/></inertial></link></robot>";
+    let robot = Robot::parse(text, "r.urdf").unwrap();
+    let model = robot.model("a", Snapping::Off, None).unwrap();
+    Skeleton::of(&model, &robot.description, None)
+}
 
 fn empty() -> DiagnosisView {
     DiagnosisView {
@@ -29,6 +40,11 @@ fn empty() -> DiagnosisView {
         differences: Vec::new(),
         stages: Vec::new(),
         subjects: Vec::new(),
+        skeleton: skeleton(),
+        cells: Vec::new(),
+        used: Vec::new(),
+        chi2: [0.0; 3],
+        chi2_readings: 0,
     }
 }
 
@@ -52,6 +68,7 @@ fn figures_of_nothing_and_of_no_numbers() {
     all(&empty());
     let posture = |x: f64| Posture {
         pose: 0,
+        q: vec![x],
         at: x,
         measured: [x, 0.0],
         simulated: [0.0, x],
@@ -59,6 +76,7 @@ fn figures_of_nothing_and_of_no_numbers() {
         outlier: x.is_nan(),
     };
     let point = |at: f64| Point {
+        posture: 0,
         at,
         before: 0.001,
         after: f64::NAN,
@@ -108,7 +126,7 @@ fn figures_of_nothing_and_of_no_numbers() {
 fn strong_differences_are_dark_and_small_maps_numbered() {
     let svg = confusion(&[vec![0.0, 3.0], vec![3.0, 0.0]]);
     assert!(
-        svg.contains("3.0") && svg.contains("fill-opacity=\"0.7\""),
+        svg.contains("3.0") && svg.contains("fill-opacity=\"0.45\""),
         "{svg}"
     );
     let many = vec![vec![3.0; 20]; 20];

@@ -71,11 +71,13 @@ fn panel(figure: &mut Figure, row: &Trend, [left, top]: [f64; 2]) {
     figure.line(zero, INK, 1.0);
     for point in &row.points {
         let at = |value: f64| plane.at([point.at, to_mm(value).clamp(low, high)]);
-        figure.dot(at(point.before), 1.4, ORANGE);
-        figure.dot(at(point.after), 1.4, BLUE);
-        if point.outlier {
-            figure.boxed(at(point.after), 3.5);
-        }
+        figure.posture(point.posture, |figure| {
+            figure.dot(at(point.before), 1.4, ORANGE);
+            figure.dot(at(point.after), 1.4, BLUE);
+            if point.outlier {
+                figure.boxed(at(point.after), 3.5);
+            }
+        });
     }
     type Pick = fn(&Middle) -> f64;
     let picks: [(Pick, _); 2] = [(|m| m.before, ORANGE), (|m| m.after, BLUE)];

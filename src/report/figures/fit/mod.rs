@@ -39,21 +39,36 @@ pub fn waterfall(found: &Identification) -> String {
     bars::waterfall("RMS error per axis", &bars, found.noise_floor)
 }
 
+/// Rows that figures show.
+pub fn some(rows: &[Residual]) -> impl Iterator<Item = &Residual> {
+    rows.iter().step_by(rows.len().div_ceil(MOST).max(1))
+}
+
+/// CAD's residuals, as they stand beside the robot.
+pub fn sole_beside(rows: &[Residual]) -> String {
+    of_rows(rows).beside_the_robot("CoP on the ground")
+}
+
 /// Residuals where they were measured: CAD's and the fit's, at one scale.
 pub fn sole(rows: &[Residual]) -> [String; 2] {
-    let step = rows.len().div_ceil(MOST).max(1);
+    let arrows = of_rows(rows);
+    [
+        arrows.draw(0, "CAD", MUTED),
+        arrows.draw(1, "The fit", BLUE),
+    ]
+}
+
+fn of_rows(rows: &[Residual]) -> Arrows {
     let gap = |row: &Residual| Gap {
         measured: row.measured,
         predicted: [row.cad, row.fitted],
         outlier: false,
     };
-    let arrows = Arrows {
-        gaps: rows.iter().step_by(step).map(gap).collect(),
+    Arrows {
+        gaps: some(rows).map(gap).collect(),
         rms: rms_lengths(rows),
         foot: None,
-    };
-    [
-        arrows.draw(0, "CAD", MUTED),
-        arrows.draw(1, "The fit", BLUE),
-    ]
+        sole: Vec::new(),
+        cells: Vec::new(),
+    }
 }

@@ -42,6 +42,7 @@ fn figures_of_nothing_and_of_no_numbers() {
         support: String::new(),
         measured: [0.0, 0.01],
         cad: [f64::NAN, 0.0],
+        q: Vec::new(),
         fitted: [0.0, 0.0],
     };
     for rows in [&[][..], std::slice::from_ref(&residual)] {

@@ -5,7 +5,7 @@ use super::super::super::svg::{key, same_scale, span};
 use super::super::to_mm;
 use sesc_identify::plan::Plan;
 
-const EDGES: [f64; 4] = [44.0, 32.0, 474.0, 366.0];
+const EDGES: [f64; 4] = [40.0, 32.0, 334.0, 306.0];
 
 /// The sole plane from above: a dot per posture, in their order along a thin line.
 pub fn region(plan: &Plan) -> String {
@@ -14,7 +14,7 @@ pub fn region(plan: &Plan) -> String {
         plan.cop.len(),
         plan.cop_region
     );
-    let mut figure = Figure::new([480.0, 400.0], &label);
+    let mut figure = Figure::new([340.0, 340.0], &label);
     let reach = |axis: usize| {
         let points = plan.corners.iter().chain(&plan.cop);
         span(points.map(|point| to_mm(point[axis])))
@@ -25,7 +25,7 @@ pub fn region(plan: &Plan) -> String {
         x,
         y,
         x_name: "x, forward",
-        ticks: [7, 7],
+        ticks: [5, 6],
         edges: EDGES,
     }
     .draw(&mut figure);
@@ -35,8 +35,8 @@ pub fn region(plan: &Plan) -> String {
     figure.line(plan.cop.iter().map(at), GRID, 1.0);
     let closed = plan.corners.iter().chain(plan.corners.first());
     figure.line(closed.map(at), INK, 1.5);
-    for point in &plan.cop {
-        figure.mark(at(point), Mark::Dot(BLUE));
+    for (k, point) in plan.cop.iter().enumerate() {
+        figure.posture(k, |figure| figure.mark(at(point), Mark::Dot(BLUE)));
     }
     let marks = [(Mark::Dot(BLUE), "posture"), (Mark::Box(INK), "allowed")];
     key(&mut figure, EDGES[2], EDGES[1] - HEADING, &marks);

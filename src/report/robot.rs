@@ -1,0 +1,180 @@
+//! The robot on top of a page: its pictures, what is marked on them, and the postures that a
+//! script may show it in.
+
+use std::collections::BTreeMap;
+
+use minijinja::{Value, context};
+use serde_json::{Value as Json, json};
+
+use super::figures::robot::{Marks, Pictured};
+use super::html::inline_json;
+use sesc_identify::skeleton::Skeleton;
+use sesc_model::tree::{Coordinate, Motion};
+
+/// A posture that the robot may be shown in.
+#[derive(Debug, Clone, Default)]
+pub struct Shown {
+    /// Its number, as people call it.
+    pub pose: i64,
+    /// rad or m
+    pub q: Vec<f64>,
+    /// CoP that was read, m.
+    pub measured: Option<[f64; 2]>,
+    /// CoP before and after the correction, m.
+    pub predicted: Option<[[f64; 2]; 2]>,
+    /// CoP that is expected, m.
+    pub planned: Option<[f64; 2]>,
+    /// It is rather an outlier.
+    pub outlier: bool,
+}
+
+/// What changes between before and after.
+#[derive(Debug, Clone, Default)]
+pub struct Correction {
+    /// Coefficients of χ² over the part of the correction, and how much noise leaves.
+    pub chi2: Option<([f64; 3], f64)>,
+    /// Name, value and unit of what was found.
+    pub found: Vec<(String, f64, &'static str)>,
+    /// What the models before and after are called.
+    pub names: [&'static str; 2],
+}
+
+/// The robot of a page.
+pub struct Card<'a> {
+    pub skeleton: &'a Skeleton,
+    pub postures: Vec<Shown>,
+    /// The figure beside the robot.
+    pub beside: Option<String>,
+    /// In a sentence, what is marked.
+    pub caption: String,
+    pub marks: Marks,
+    pub correction: Correction,
+}
+
+impl Card<'_> {
+    /// What `robot.html` takes.
+    pub fn context(self) -> Value {
+        let cop = self
+            .postures
+            .iter()
+            .filter_map(|p| p.measured.or(p.planned));
+        let shown = most_upright(&self.postures);
+        let views = Pictured {
+            skeleton: self.skeleton,
+            postures: self.postures.iter().map(|p| p.q.as_slice()).collect(),
+            shown,
+            cop: cop.collect(),
+            marks: self.marks,
+        }
+        .views();
+        let data = json!({
+            "bodies": bodies(self.skeleton),
+            "capsules": capsules(self.skeleton),
+            "joints": joints(self.skeleton),
+            "postures": self.postures.iter().map(posture).collect::<Vec<Json>>(),
+            "shown": shown,
+            "names": self.correction.names,
+            "chi2": self.correction.chi2.map(|(c, expected)| {
+                [c[0], c[1], c[2], expected].map(|x| rounded(x, 2))
+            }),
+            "found": self.correction.found.iter()
+                .map(|(name, value, unit)| json!([name, rounded(*value, 6), unit]))
+                .collect::<Vec<Json>>(),
+        });
+        context! {
+            views => views.map(Value::from_safe_string).to_vec(),
+            beside => self.beside.map(Value::from_safe_string),
+            caption => self.caption,
+            postures => self.postures.len(),
+            data => Value::from_safe_string(inline_json(&data)),
+        }
+    }
+}
+
+/// The posture whose joints are nearest to zero.
+fn most_upright(postures: &[Shown]) -> usize {
+    let size = |shown: &Shown| shown.q.iter().map(|q| q * q).sum::<f64>();
+    let sizes = postures.iter().map(size).enumerate();
+    let least = sizes.min_by(|a, b| a.1.total_cmp(&b.1));
+    least.map_or(0, |(k, _)| k)
+}
+
+/// Rounded to so many digits behind the point; null where it is no number.
+fn rounded(value: f64, digits: i32) -> Json {
+    let scale = 10_f64.powi(digits);
+    // Adding zero takes the sign from a negative zero.
+    json!((value * scale).round() / scale + 0.0)
+}
+
+fn all<'v>(values: impl IntoIterator<Item = &'v f64>, digits: i32) -> Vec<Json> {
+    values.into_iter().map(|x| rounded(*x, digits)).collect()
+}
+
+/// Parent (−1: none), kind (0 fixed, 1 revolute, 2 prismatic), rotation, anchor, axis, joint,
+/// factor, offset, mass and CoM of each body; what lengths are is m.
+fn bodies(skeleton: &Skeleton) -> Vec<Json> {
+    let of = |body: &sesc_identify::skeleton::Segment| {
+        let still = Coordinate {
+            dof: 0,
+            factor: 0.0,
+            offset: 0.0,
+        };
+        let (kind, axis, by) = match body.motion {
+            Motion::Fixed => (0, [0.0; 3], still),
+            Motion::Revolute { axis, by } => (1, axis.components(), by),
+            Motion::Prismatic { axis, by } => (2, axis.components(), by),
+        };
+        json!({
+            "parent": body.parent.map_or(-1, |parent| parent as i64),
+            "kind": kind,
+            "rotation": all(body.rotation.iter().flatten(), 9),
+            "anchor": all(&body.anchor, 7),
+            "axis": all(&axis, 9),
+            "joint": by.dof,
+            "factor": by.factor,
+            "offset": by.offset,
+            "mass": rounded(body.mass, 7),
+            "com": all(&body.com, 7),
+        })
+    };
+    skeleton.bodies.iter().map(of).collect()
+}
+
+/// Body and ends of each capsule, m.
+fn capsules(skeleton: &Skeleton) -> Vec<Json> {
+    let of = |capsule: &sesc_identify::skeleton::Capsule| {
+        json!([
+            capsule.body,
+            all(&capsule.ends[0], 5),
+            all(&capsule.ends[1], 5)
+        ])
+    };
+    skeleton.capsules.iter().map(of).collect()
+}
+
+/// Name of each independent joint, and whether it is prismatic.
+fn joints(skeleton: &Skeleton) -> Vec<Json> {
+    let of = |dof: &sesc_model::tree::Dof| json!([dof.joint, u8::from(dof.prismatic)]);
+    skeleton.dofs.iter().map(of).collect()
+}
+
+fn posture(shown: &Shown) -> Json {
+    let place = |at: &[f64; 2]| json!(all(at, 6));
+    let mut fields = BTreeMap::from([("pose", json!(shown.pose)), ("q", json!(all(&shown.q, 5)))]);
+    if let Some(measured) = &shown.measured {
+        fields.insert("measured", place(measured));
+    }
+    if let Some(predicted) = &shown.predicted {
+        fields.insert(
+            "predicted",
+            json!(predicted.iter().map(place).collect::<Vec<Json>>()),
+        );
+    }
+    if shown.outlier {
+        fields.insert("outlier", json!(1));
+    }
+    if let Some(planned) = &shown.planned {
+        fields.insert("planned", place(planned));
+    }
+    json!(fields)
+}
