@@ -1,0 +1,97 @@
+// Pages of sesc in a browser: nothing on the console, nothing from the network, pointers and
+// sliders answer, phones and paper show everything, texts stand out by day and by night.
+//
+//     node tests/pages/check.mjs FOLDER [--shots FOLDER]
+//
+// Exits with 1 if something does not hold, with 3 where no Chromium is installed.
+
+import { readdirSync, writeFileSync } from 'node:fs';
+import { basename, join, resolve } from 'node:path';
+import { launch } from './browser.mjs';
+import { beyond, figures, pale } from './looks.mjs';
+import { interact } from './interact.mjs';
+
+const [folder, , shots] = process.argv.slice(2);
+const files = readdirSync(folder).filter((file) => file.endsWith('.html')).sort();
+const browser = await launch();
+if (!browser) {
+  console.error('no Chromium is installed');
+  process.exit(3);
+}
+
+let faults = 0;
+for (const file of files) {
+  const found = await check(resolve(folder, file));
+  faults += found.length;
+  console.log(`${found.length ? 'FAILS' : 'ok   '} ${file}`);
+  found.forEach((what) => console.log(`      ${what}`));
+}
+await browser.close();
+process.exit(faults || !files.length ? 1 : 0);
+
+/** Everything that does not hold for a page. */
+async function check(path) {
+  const faults = [];
+  const expect = (holds, what) => { if (!holds) faults.push(what); };
+  const url = `file://${path}`;
+  const page = await browser.page();
+  await page.media('screen', 'light');
+  await page.size(1100, 900);
+  await page.open(url);
+  const count = (await page.ask(figures)).length;
+  expect(count > 0 || basename(path).startsWith('fleet'), 'has no figure');
+
+  await interact(page, expect);
+
+  for (const scheme of ['light', 'dark']) {
+    await page.media('screen', scheme);
+    const height = await page.evaluate('document.documentElement.scrollHeight');
+    await page.size(1100, Math.min(height, 16000));
+    for (const what of await page.ask(pale)) expect(false, `contrast by ${scheme}: ${what}`);
+  }
+  await page.media('screen', 'light');
+  for (const width of [360, 768]) {
+    await page.size(width, 800);
+    for (const what of await page.ask(beyond, width)) expect(false, `at ${width} px: ${what}`);
+  }
+
+  await page.size(1100, 900);
+  await page.media('print', 'light');
+  const printed = await page.ask(figures);
+  expect(printed.length === count && printed.every((width) => width > 0),
+    `on paper ${printed.filter((width) => width > 0).length} of ${count} figures`);
+  expect(await page.evaluate("![...document.querySelectorAll('.controls, .tip')].some((e) => e.offsetWidth)"),
+    'sliders are printed');
+  const { data } = await page.tell('Page.printToPDF', {});
+  expect(data.length > 10000, 'prints nothing');
+
+  await page.media('screen', 'light');
+  if (shots && !path.includes('_')) await shoot(page, basename(path, '.html'), url);
+  expect(page.complaints.length === 0, `console: ${page.complaints.join('; ')}`);
+  const others = page.requests.filter((asked) => asked !== url);
+  expect(others.length === 0, `asks for ${others}`);
+
+  await page.tell('Emulation.setScriptExecutionDisabled', { value: true });
+  await page.open(url);
+  const still = await page.ask(figures);
+  expect(still.length === count && still.every((width) => width > 0), 'without script figures are missing');
+  await page.close();
+  return faults;
+}
+
+/** Pictures for the documentation: the top of a page by day, and of the diagnosis by night. */
+async function shoot(page, name, url) {
+  const shot = async (file) => {
+    await page.size(1100, 900, 1);
+    await page.open(url);
+    const height = await page.evaluate("Math.min(1240, document.documentElement.scrollHeight)");
+    const clip = { x: 0, y: 0, width: 1100, height, scale: 0.68 };
+    writeFileSync(join(shots, file), await page.picture(clip));
+  };
+  await shot(`${name}.png`);
+  if (name === 'diagnose') {
+    await page.media('screen', 'dark');
+    await shot('diagnose-dark.png');
+    await page.media('screen', 'light');
+  }
+}
