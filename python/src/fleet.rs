@@ -3,17 +3,25 @@
 //! Groups, options and what groups came to travel as JSON.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
+use pyo3::exceptions::PyFileNotFoundError;
 use pyo3::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use sesc_identify::Error;
 use sesc_identify::fleet::summary::{Summary, summary};
-use sesc_identify::fleet::{self, Fleet, Gathering, Group, Input, Options, Request, Store};
+use sesc_identify::fleet::{
+    self, Disk, Fleet, Gathering, Group, Input, Job, Local, Options, Request, Stamp, Store,
+};
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
 use crate::robot::Robot;
+
+/// The name of a file, and its text.
+type NamedText = (String, String);
 
 fn parsed<T: DeserializeOwned>(json: &str) -> Result<T, Failure> {
     let found = serde_json::from_str(json);
@@ -42,21 +50,105 @@ pub fn fleet_groups(
     })
 }
 
+/// Files that Python reads and writes: an object with `stamp`, `read` and `write`.
+#[derive(Debug)]
+struct PythonDisk(Py<PyAny>);
+
+impl PythonDisk {
+    fn call<T>(&self, of: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<T>) -> io::Result<T> {
+        Python::attach(|py| {
+            of(self.0.bind(py)).map_err(|error| {
+                let kind = match error.is_instance_of::<PyFileNotFoundError>(py) {
+                    true => io::ErrorKind::NotFound,
+                    false => io::ErrorKind::Other,
+                };
+                io::Error::new(kind, error.value(py).to_string())
+            })
+        })
+    }
+}
+
+/// Addresses are Python's, everything else is this machine's.
+impl Disk for PythonDisk {
+    fn stamp(&self, log: &Path) -> Option<Stamp> {
+        if is_here(log) {
+            return Local.stamp(log);
+        }
+        let found = self.call(|disk| disk.call_method1("stamp", (text_of(log),))?.extract());
+        let (size, tag): (u64, String) = found.ok().flatten()?;
+        Some(Stamp {
+            size,
+            changed: None,
+            tag,
+        })
+    }
+
+    fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
+        if is_here(path) {
+            return Local.read(path, most);
+        }
+        let bytes: Vec<u8> =
+            self.call(|disk| disk.call_method1("read", (text_of(path),))?.extract())?;
+        match bytes.len() as u64 > most {
+            true => Err(io::Error::other(format!(
+                "it has more than {most} bytes, more than such a file can need"
+            ))),
+            false => Ok(bytes),
+        }
+    }
+
+    fn write(&self, entries: &[(PathBuf, String)]) -> Result<(), Error> {
+        if entries.iter().all(|(path, _)| is_here(path)) {
+            return Local.write(entries);
+        }
+        for (path, text) in entries {
+            let path = text_of(path);
+            self.call(|disk| disk.call_method1("write", (&path, text)).map(drop))
+                .map_err(|error| Error::request(format!("cannot write {path}: {error}")))?;
+        }
+        Ok(())
+    }
+}
+
+/// Files of this machine are read and written without Python.
+fn is_here(path: &Path) -> bool {
+    !fleet::is_address(&path.to_string_lossy())
+}
+
+fn text_of(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+fn disk_of(disk: Option<Py<PyAny>>) -> Box<dyn Disk> {
+    match disk {
+        None => Box::new(Local),
+        Some(disk) => Box::new(PythonDisk(disk)),
+    }
+}
+
 /// What one group comes to.
 #[pyfunction]
-#[pyo3(signature = (robot, options, group, store=None))]
+#[pyo3(signature = (robot, options, group, store=None, disk=None))]
 pub fn fleet_work(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     options: &str,
     group: &str,
     store: Option<PathBuf>,
+    disk: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let robot = robot.inner.clone();
+    let disk = disk_of(disk);
     detached(py, || {
         let (options, group): (Options, Group) = (parsed(options)?, parsed(group)?);
         let store = store.map(Store::new);
-        let done = fleet::work((&robot, &options, store.as_ref()), &group, &mut ());
+        let job = Job {
+            robot: &robot,
+            options: &options,
+            store: store.as_ref(),
+            disk: &*disk,
+        };
+        let done = fleet::work(job, &group, &mut ());
         text(&done.map_err(|error| Failure::of(&error, Doing::Fit))?)
     })
 }
@@ -104,18 +196,21 @@ impl FleetFound {
 
     /// Put together what groups came to, in any order.
     #[staticmethod]
+    #[pyo3(signature = (robot, done, disk=None))]
     fn gathered(
         py: Python<'_>,
         robot: PyRef<'_, Robot>,
         done: Vec<String>,
+        disk: Option<Py<PyAny>>,
     ) -> PyResult<FleetFound> {
         let robot = robot.inner.clone();
+        let disk = disk_of(disk);
         detached(py, || {
             let mut gathering = Gathering::default();
             for group in &done {
                 gathering.add(parsed(group)?);
             }
-            Ok(FleetFound::of(gathering.finish(&robot)))
+            Ok(FleetFound::of(gathering.finish(&robot, &*disk)))
         })
     }
 
@@ -139,11 +234,29 @@ impl FleetFound {
         })
     }
 
-    /// The page.
-    fn page(&self, py: Python<'_>) -> PyResult<String> {
+    /// The page of the fleet for a file of this name, the folder beside it, and names and pages
+    /// of robots for that.
+    fn pages(&self, py: Python<'_>, file: &str) -> PyResult<(String, String, Vec<NamedText>)> {
         detached(py, || {
-            let page = sesc::report::fleet::page(&self.fleet, &self.summary, "sesc.fleet.run(…)");
-            page.map_err(|error| Failure::internal(error.to_string()))
+            let made = "sesc.fleet.run(…)";
+            let pages = sesc::report::fleet::pages(&self.fleet, &self.summary, made, file);
+            let pages = pages.map_err(|error| Failure::internal(error.to_string()))?;
+            Ok((pages.fleet, pages.folder, pages.robots))
+        })
+    }
+
+    /// The file of what is known of the next robot.
+    fn population(
+        &self,
+        py: Python<'_>,
+        robot: PyRef<'_, Robot>,
+        options: &str,
+    ) -> PyResult<String> {
+        let robot = robot.inner.clone();
+        detached(py, || {
+            let found = fleet::population(&self.fleet.rows, &robot, &parsed(options)?);
+            let text = found.and_then(|found| found.to_toml());
+            text.map_err(|error| Failure::of(&error, Doing::Fit))
         })
     }
 }

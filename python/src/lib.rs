@@ -27,6 +27,7 @@ mod postures;
 mod robot;
 
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 #[pymodule(gil_used = false)]
 mod _sesc {
@@ -59,6 +60,8 @@ mod _sesc {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         calls::keep_panics_to_ourselves();
         module.add("OP2_URDF", sesc::OP2_URDF)?;
+        let columns = sesc_identify::fleet::COLUMNS;
+        module.add("FLEET_COLUMNS", PyTuple::new(module.py(), columns)?)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

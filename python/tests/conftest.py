@@ -63,3 +63,8 @@ def command() -> Any:
 @pytest.fixture(scope="session")
 def command_json(command: Any) -> Any:
     return lambda *words, expect=0: json.loads(command(*words, "--json", expect=expect))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--engine", default="", help="engines of fleets: executor,dask,ray,spark; else those that are there")
+    parser.addoption("--kill", default="worker,driver", help="what is killed in the middle: worker,driver")

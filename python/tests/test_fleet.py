@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-import multiprocessing
 import os
 import shutil
-import signal
 import subprocess
-import sys
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
@@ -123,6 +120,8 @@ def test_the_table_and_the_page_are_those_of_the_command(
         assert (tmp_path / f"ours.{end}").read_bytes() == out.read_bytes()
     table.report(tmp_path / "fleet.html")
     assert "Look at these first" in (tmp_path / "fleet.html").read_text()
+    assert sorted(page.name for page in (tmp_path / "fleet").iterdir()) == ["a.html", "b.html", "c.html"]
+    assert "joint_offset:hip" in (tmp_path / "fleet" / "c.html").read_text()
 
 
 def test_parquet_is_read_by_others(table: fleet.Fleet, tmp_path: Path) -> None:
@@ -130,41 +129,6 @@ def test_parquet_is_read_by_others(table: fleet.Fleet, tmp_path: Path) -> None:
     table.save(tmp_path / "fleet.parquet")
     read = parquet.read_table(tmp_path / "fleet.parquet").to_pylist()
     assert read == table.rows
-
-
-def pool() -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn"))
-
-
-def test_processes_give_the_same_table(
-    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
-) -> None:
-    with pool() as engine:
-        found = fleet.run(robot, glob(logs), engine=engine)
-    assert digest(found, tmp_path) == digest(table, tmp_path)
-
-
-def _die() -> None:
-    os.kill(os.getpid(), signal.SIGKILL)
-
-
-class Deadly(ProcessPoolExecutor):
-    """Its third task kills the worker that takes it, by its process id."""
-
-    tasks = 0
-
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-        self.tasks += 1
-        return super().submit(_die) if self.tasks == 3 else super().submit(fn, *args, **kwargs)
-
-
-def test_a_killed_worker_costs_nothing_but_time(
-    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
-) -> None:
-    with Deadly(2, mp_context=multiprocessing.get_context("spawn")) as engine:
-        with pytest.warns(RuntimeWarning, match="lost a worker"):
-            found = fleet.run(robot, glob(logs), engine=engine, store=tmp_path / "store")
-    assert digest(found, tmp_path) == digest(table, tmp_path)
 
 
 def test_a_second_run_makes_nothing_anew(
@@ -179,61 +143,6 @@ def test_a_second_run_makes_nothing_anew(
         assert digest(again, tmp_path) == digest(first, tmp_path) == digest(table, tmp_path)
 
 
-DRIVER = """
-import os, sys, signal, sesc
-from concurrent.futures import ThreadPoolExecutor
-robot = sesc.Robot(sys.argv[1])
-def killed(what, done, total):
-    if done == 3:
-        os.kill(os.getpid(), signal.SIGKILL)
-with ThreadPoolExecutor(1) as engine:
-    sesc.fleet.run(robot, sys.argv[2], store=sys.argv[3], engine=engine, progress=killed)
-"""
-
-
-def test_a_killed_driver_goes_on_where_it_was(
-    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
-) -> None:
-    (tmp_path / "pole.urdf").write_text(POLE)
-    words = [sys.executable, "-c", DRIVER, str(tmp_path / "pole.urdf"), glob(logs), str(tmp_path / "store")]
-    assert subprocess.run(words, capture_output=True).returncode == -signal.SIGKILL
-    found = fleet.run(robot, glob(logs), store=tmp_path / "store")
-    # The one that it was at may be there too.
-    assert found.to_dict()["from_store"] in (3, 4, 5)
-    assert digest(found, tmp_path) == digest(table, tmp_path)
-
-
-def test_dask_gives_the_same_table(robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed")
-    with distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
-        found = fleet.run(robot, glob(logs), engine=client.get_executor())
-    assert digest(found, tmp_path) == digest(table, tmp_path)
-
-
-def test_ray_gives_the_same_table(robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path) -> None:
-    ray = pytest.importorskip("ray")
-    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
-    try:
-        found = fleet.run(robot, glob(logs), engine="ray")
-    finally:
-        ray.shutdown()
-    assert digest(found, tmp_path) == digest(table, tmp_path)
-
-
-def test_spark_gives_the_same_table(
-    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
-) -> None:
-    pyspark = pytest.importorskip("pyspark.sql")
-    if shutil.which("java") is None:
-        pytest.skip("Spark needs Java")
-    session = pyspark.SparkSession.builder.master("local[2,4]").getOrCreate()
-    try:
-        found = fleet.run(robot, glob(logs), engine=session)
-    finally:
-        session.stop()
-    assert digest(found, tmp_path) == digest(table, tmp_path)
-
-
 def test_a_broken_log_does_not_take_its_day_along(robot: sesc.Robot, logs: Path, tmp_path: Path) -> None:
     place = tmp_path / "robot=a" / "day=2"
     shutil.copytree(logs / "robot=a/day=2", place)
@@ -243,6 +152,32 @@ def test_a_broken_log_does_not_take_its_day_along(robot: sesc.Robot, logs: Path,
     (row,) = found
     assert row["postures"] == 60 and "two" in row["error"] and len(row["inputs"]) == 2
     assert [failed["input"] for failed in found.failed] == [str(place / "bad.csv")]
+
+
+def test_parameters_alone_and_what_they_say_of_the_next_robot(
+    robot: sesc.Robot, table: fleet.Fleet, tmp_path: Path
+) -> None:
+    # The mass is some millimetres before or behind where CAD has it, robot by robot.
+    logs = tmp_path / "logs"
+    logs.mkdir()
+    offsets = [-0.004, -0.002, 0.0, 0.002, 0.004, 0.001, -0.001, 0.003]
+    for k, offset in enumerate(offsets):
+        own = sesc.Robot(POLE.replace("xyz='0 0 1'", f"xyz='{offset} 0 1'")).on("foot")
+        sesc.simulate(own, 60, noise=2e-4, seed=k + 1).save(logs / f"r{k}_1.csv")
+    found = fleet.run(robot, logs, only="parameters", information=True)
+    assert {row["verdict"] for row in found} == {""} and all(row["params"] for row in found)
+    assert tuple(found.columns()) == fleet.COLUMNS
+    found.save_prior(tmp_path / "population.toml")
+    next_one = sesc.simulate(robot.on("foot"), 4, noise=2e-4, seed=99)
+    by_cad, by_fleet = (
+        sesc.fit(robot, next_one, prior=prior, noise=2e-4) for prior in ("cad", tmp_path / "population.toml")
+    )
+    before, after = (found.to_dict()["parameters"] for found in (by_cad, by_fleet))
+    for cad, known, true in zip(before, after, robot.on("foot").params):
+        assert known["std"] <= cad["std"] + 1e-12 and abs(known["value"] - true) <= 3 * known["std"] + 1e-9
+    assert sum(known["std"] for known in after) < 0.8 * sum(cad["std"] for cad in before)
+    with pytest.raises(sesc.SescError, match="needs 5"):
+        table.save_prior(tmp_path / "none.toml")
 
 
 def test_what_is_no_fleet_is_said(robot: sesc.Robot, tmp_path: Path) -> None:

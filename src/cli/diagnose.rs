@@ -6,7 +6,9 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::outputs::Files;
-use super::{Bar, FeetArguments, Motion, Outcome, RobotArguments, message, print, print_json};
+use super::{
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, message, print, print_json,
+};
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
 use crate::servos;
@@ -40,25 +42,8 @@ pub(super) struct Arguments {
     /// Revolute joints are logged in degrees
     #[arg(long)]
     degrees: bool,
-    /// Tolerances of CAD: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
-    /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise
-    #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::OF_DIAGNOSES)]
-    prior: String,
-    /// Standard deviation of a single reading on one axis, m; from the log unless given
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = super::units::deviation_m)]
-    noise: Option<f64>,
-    /// Added to the noise in quadrature, m: what encoder ticks do
-    #[arg(
-        long,
-        value_name = "M",
-        default_value = "0.0001",
-        allow_negative_numbers = true, value_parser = super::units::deviation_m
-    )]
-    floor: f64,
-    /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
-    /// those of standing postures
-    #[arg(long, value_enum, default_value_t)]
-    motion: Motion,
+    #[command(flatten)]
+    how: DiagnosisArguments,
     #[command(flatten)]
     feet: FeetArguments,
     /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`
@@ -98,7 +83,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     Files::default()
         .reads([&arguments.robot.urdf])
         .reads(&arguments.servos)
-        .may_read([&arguments.prior])
+        .may_read(&arguments.how.prior)
         .reads_logs([&arguments.data])
         .reads_logs(&arguments.then)
         .writes(&arguments.out)
@@ -159,10 +144,16 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.support = arguments.robot.support.clone();
     request.snapping = arguments.robot.snapping();
     request.angles = arguments.degrees.then_some(Angles::Deg);
-    request.prior = PriorChoice::from(arguments.prior.as_str());
-    request.noise = arguments.noise;
-    request.floor = arguments.floor;
-    request.motion = arguments.motion.into();
+    request.prior = PriorChoice::from(
+        arguments
+            .how
+            .prior
+            .as_deref()
+            .unwrap_or(Prior::OF_DIAGNOSES),
+    );
+    request.noise = arguments.how.noise;
+    request.floor = arguments.how.floor;
+    request.motion = arguments.how.motion.into();
     request.feet = Feet::from(&arguments.feet);
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();

@@ -1,17 +1,20 @@
 //! `sesc fleet`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::outputs::Files;
-use super::{Bar, FeetArguments, Motion, Outcome, RobotArguments, message, print, print_json};
+use super::{
+    Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, print,
+    print_json,
+};
 use crate::Error;
-use crate::report::fleet::{answer, page, text};
+use crate::report::fleet::{answer, pages, text};
 use sesc_identify::feet::Feet;
-use sesc_identify::fleet::summary::summary;
-use sesc_identify::fleet::{self, Options, Store};
+use sesc_identify::fleet::summary::{Summary, summary};
+use sesc_identify::fleet::{self, Fleet, Options, Row, Store};
 use sesc_identify::logs::{self, Angles};
 use sesc_identify::robot::Robot;
 use sesc_model::files;
@@ -50,30 +53,22 @@ pub(super) struct Arguments {
     /// Revolute joints are logged in degrees
     #[arg(long)]
     degrees: bool,
-    /// Tolerances of CAD: tight, cad, free, or a TOML file, as for `diagnose`; unless given,
-    /// tight for diagnoses and cad for parameters
-    #[arg(long, value_name = "tight|cad|free|FILE")]
-    prior: Option<String>,
-    /// Standard deviation of a single reading on one axis, m; from the logs unless given
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = super::units::deviation_m)]
-    noise: Option<f64>,
-    /// Added to the noise in quadrature, m: what encoder ticks do
-    #[arg(
-        long,
-        value_name = "M",
-        default_value = "0.0001",
-        allow_negative_numbers = true, value_parser = super::units::deviation_m
-    )]
-    floor: f64,
-    /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
-    /// those of standing postures
-    #[arg(long, value_enum, default_value_t)]
-    motion: Motion,
+    #[command(flatten)]
+    how: DiagnosisArguments,
     #[command(flatten)]
     feet: FeetArguments,
+    /// Make these alone: `parameters` fits without a diagnosis, in a thirtieth of the time; rows
+    /// then have parameters and health, and no verdict or effects
+    #[arg(long, value_enum, value_name = "WHAT")]
+    only: Option<Only>,
     /// Threads; as many as there are cores unless given
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    /// What is known of the next robot: mean and covariance of the parameters between robots, for
+    /// `fit --prior FILE` and `diagnose --prior FILE`. Rows are then kept with their covariances,
+    /// 19 kB each
+    #[arg(long, value_name = "FILE")]
+    prior_out: Option<PathBuf>,
     /// Table to write, a row for each robot and day (.parquet or .csv)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -85,36 +80,91 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+/// What is made of each robot and day.
+#[derive(Clone, Copy, ValueEnum)]
+enum Only {
+    Parameters,
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     fleet::check_table(&arguments.out)?;
+    let data = arguments.data.iter().map(String::as_str);
+    let others = [&arguments.out]
+        .into_iter()
+        .chain(&arguments.store)
+        .chain(&arguments.report)
+        .chain(&arguments.prior_out);
+    let others = others.filter_map(|path| path.to_str());
+    data.chain(others).try_for_each(here)?;
     let inputs = fleet::inputs(&arguments.data, &arguments.by)?;
+    let places = inputs
+        .iter()
+        .flat_map(|input| [Some(&input.path), input.urdf.as_ref()]);
+    let places = places.flatten().filter_map(|path| path.to_str());
+    places.into_iter().try_for_each(here)?;
     let logs: Vec<PathBuf> = inputs.iter().map(|input| input.path.clone()).collect();
     let urdfs = inputs.iter().filter_map(|input| input.urdf.as_ref());
     Files::default()
         .reads([&arguments.robot.urdf])
         .reads(urdfs)
-        .may_read(&arguments.prior)
+        .may_read(&arguments.how.prior)
         .reads_logs(&logs)
         .writes([&arguments.out])
         .writes(&arguments.report)
+        .writes(&arguments.prior_out)
         .check_writable()?;
     let bar = &mut Bar::new("diagnosing");
-    let found = fleet::run(&request(arguments, &inputs)?, bar)?;
+    let request = request(arguments, &inputs)?;
+    let found = fleet::run(&request, bar)?;
     bar.0.finish_and_clear();
     fleet::write(&arguments.out, &found.rows)?;
     message(&format!("wrote {}", arguments.out.display()));
     let summary = summary(&found.rows, &found.names);
-    if let Some(path) = &arguments.report {
-        let text = page(&found, &summary, &super::command_line());
-        files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+    if let Some(path) = &arguments.prior_out {
+        let population = fleet::population(&found.rows, &request.robot, &request.options)?;
+        files::write(path, &population.to_toml()?)?;
         message(&format!("wrote {}", path.display()));
+    }
+    if let Some(path) = &arguments.report {
+        write_pages(path, &found, &summary)?;
     }
     match arguments.json {
         true => print_json(&answer(&found, &summary))?,
         false => print(&text(&found, &summary))?,
     }
-    let none = found.rows.iter().all(|row| row.verdict.is_empty());
+    let none = !found.rows.iter().any(Row::has_result);
     Ok(if none { Outcome::Failed } else { Outcome::Ok })
+}
+
+/// The page of the fleet, and beside it a folder of its name with one for each robot.
+fn write_pages(path: &Path, found: &Fleet, summary: &Summary) -> Result<(), Error> {
+    let failed = |error: minijinja::Error| Error::Report(Box::new(error));
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let pages = pages(found, summary, &super::command_line(), &name).map_err(failed)?;
+    let folder = path.with_file_name(&pages.folder);
+    std::fs::create_dir_all(&folder).map_err(|error| files::failed(&folder, error))?;
+    for (robot, text) in &pages.robots {
+        files::write(&folder.join(robot), text)?;
+    }
+    files::write(path, &pages.fleet)?;
+    message(&format!(
+        "wrote {}, and {} pages of robots in {}",
+        path.display(),
+        pages.robots.len(),
+        folder.display()
+    ));
+    Ok(())
+}
+
+/// Only files of this machine are read here.
+fn here(path: &str) -> Result<(), Error> {
+    match fleet::is_address(path) {
+        false => Ok(()),
+        true => Err(Error::Usage(format!(
+            "{path}: this command reads and writes the files of this machine; mount the object \
+             store, or call sesc.fleet.run in Python, which reads and writes it through fsspec"
+        ))),
+    }
 }
 
 fn request(arguments: &Arguments, inputs: &[fleet::Input]) -> Result<fleet::Request, Error> {
@@ -123,12 +173,16 @@ fn request(arguments: &Arguments, inputs: &[fleet::Input]) -> Result<fleet::Requ
     options.support = arguments.robot.support.clone();
     options.snap = !arguments.robot.no_snap;
     options.angles = arguments.degrees.then_some(Angles::Deg);
-    options.prior = arguments.prior.clone();
-    options.noise = arguments.noise;
-    options.floor = arguments.floor;
-    options.motion = matches!(arguments.motion, Motion::Auto);
+    options.prior = arguments.how.prior.clone();
+    options.noise = arguments.how.noise;
+    options.floor = arguments.how.floor;
+    options.motion = matches!(arguments.how.motion, Motion::Auto);
     options.both_feet = feet.both;
     options.other_foot = feet.other;
+    options.information = arguments.prior_out.is_some();
+    if let Some(Only::Parameters) = arguments.only {
+        options.only = fleet::Only::Parameters;
+    }
     let robot = Arc::new(Robot::read(&arguments.robot.urdf)?);
     let mut request = fleet::Request::new(robot, fleet::groups(inputs));
     request.options = options;

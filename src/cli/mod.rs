@@ -81,6 +81,31 @@ impl From<Motion> for MotionModel {
     }
 }
 
+/// How a log is diagnosed.
+#[derive(Args)]
+struct DiagnosisArguments {
+    /// Tolerances of CAD: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
+    /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise; or what `fleet --prior-out`
+    /// wrote. Unless given, tight for diagnoses, and cad for the parameters of `fleet`
+    #[arg(long, value_name = "tight|cad|free|FILE")]
+    prior: Option<String>,
+    /// Standard deviation of a single reading on one axis, m; from the log unless given
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::deviation_m)]
+    noise: Option<f64>,
+    /// Added to the noise in quadrature, m: what encoder ticks do
+    #[arg(
+        long,
+        value_name = "M",
+        default_value = "0.0001",
+        allow_negative_numbers = true, value_parser = units::deviation_m
+    )]
+    floor: f64,
+    /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
+    /// those of standing postures
+    #[arg(long, value_enum, default_value_t)]
+    motion: Motion,
+}
+
 /// Which feet are on the floor.
 #[derive(Args)]
 struct FeetArguments {

@@ -85,6 +85,7 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
         ("health.html", include_str!("health.html")),
         ("fit.html", include_str!("fit.html")),
         ("fleet.html", include_str!("fleet.html")),
+        ("fleet_robot.html", include_str!("fleet_robot.html")),
         ("plan.html", include_str!("plan.html")),
         ("robot.html", include_str!("robot.html")),
     ] {

@@ -2,4 +2,5 @@
 //! bytes however often and in whatever order.
 
 mod faults;
+mod prior;
 mod table;

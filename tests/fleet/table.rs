@@ -233,3 +233,66 @@ fn logs_that_are_not_there_and_tables_of_no_kind_are_refused() {
         &[".parquet or .csv"],
     );
 }
+
+/// Fits without a diagnosis: the same parameters, no verdict; and changes are seen all the same.
+#[test]
+fn parameters_alone_are_those_of_the_whole_row() {
+    let folder = folder();
+    let folder = folder.path();
+    let hidden = Fleet {
+        postures: 40,
+        ..Fleet::sound(2, 1, 6)
+    };
+    hidden.write(folder).unwrap();
+    let table = |name: &str, options: &[&str]| {
+        let out = at(folder, name);
+        let options = [options, &["--out", &out]].concat();
+        let json = fleet(folder, "logs", &options);
+        assert_eq!(json["groups"], 2);
+        records(&out)
+    };
+    let whole = table("whole.csv", &[]);
+    let alone = table("alone.csv", &["--only", "parameters"]);
+    for (whole, alone) in whole.iter().zip(&alone) {
+        for name in [
+            "robot",
+            "day",
+            "urdf_hash",
+            "support",
+            "postures",
+            "params",
+            "std",
+            "inputs",
+        ] {
+            assert_eq!(field(whole, name), field(alone, name), "{name}");
+        }
+        assert_eq!(field(whole, "verdict"), "none");
+        assert_eq!(field(alone, "verdict"), "");
+        assert_eq!((field(alone, "effects"), field(alone, "error")), ("[]", ""));
+        assert!(field(alone, "sentence").contains("no diagnosis"));
+        let floor: f64 = field(alone, "noise_floor").parse().unwrap();
+        assert!((0.8e-4..1.3e-4).contains(&floor), "{floor}");
+    }
+}
+
+#[test]
+fn object_stores_are_left_to_python() {
+    let urdf = op2();
+    let words = ["s3://bucket/logs", "mount", "sesc.fleet.run in Python"];
+    let found = sesc(&[
+        "fleet",
+        &urdf,
+        "--data",
+        "s3://bucket/logs/*.csv",
+        "--out",
+        "fleet.csv",
+    ]);
+    refused(&found, &words);
+    let folder = folder();
+    let manifest = at(folder.path(), "manifest.csv");
+    fs::write(&manifest, "path,robot,day\ns3://bucket/logs/a.csv,a,1\n").unwrap();
+    refused(
+        &sesc(&["fleet", &urdf, "--data", &manifest, "--out", "fleet.csv"]),
+        &words,
+    );
+}

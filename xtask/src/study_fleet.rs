@@ -43,6 +43,10 @@ pub struct StudyFleet {
     /// Only write the logs of the tested fleet into this folder
     #[arg(long, value_name = "DIR")]
     write: Option<PathBuf>,
+    /// Only write the pages of the tested fleet: FILE, and beside it a folder of its name with a
+    /// page for each robot
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
     /// Where the table goes, instead of docs/study-fleet.md
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -52,13 +56,18 @@ impl StudyFleet {
     /// Make the fleets, and write the table.
     ///
     /// # Errors
-    /// What cannot be hidden, read or written.
+    /// What cannot be hidden, read or written; a tested fleet of which something is missed or
+    /// something else is named; more than one in twenty sound fleets of which something is.
     pub fn run(&self, root: &Path) -> Result<(), Box<dyn Error>> {
         let faulty = |seed| Fleet::sound(self.robots, self.days, seed).with_faults(8);
         if let Some(folder) = &self.write {
             faulty(self.seed).write(folder)?;
             return Ok(());
         }
+        if let Some(path) = &self.page {
+            return self.pages(&faulty(self.seed), path);
+        }
+        let mut missed = Vec::new();
         let mut text = format!(
             "# Fleets\n\n`cargo xtask study-fleet --faulty {} --sound {} --robots {} --days {} --seed {}`: virtual \
              OP2s, {} robots, {} days, 60 postures a day, 0.1 mm of noise on each.\n\n## With faults\n\nEight robots \
@@ -82,7 +91,11 @@ impl StudyFleet {
         for seed in self.seed..self.seed + self.faulty {
             let fleet = faulty(seed);
             let (found, summary, seconds) = self.look(&fleet)?;
-            writeln!(text, "{}", row(seed, &fleet, &found, &summary, seconds))?;
+            let (line, is_right) = row(seed, &fleet, &found, &summary, seconds);
+            writeln!(text, "{line}")?;
+            if !is_right {
+                missed.push(format!("the fleet of seed {seed}"));
+            }
             eprintln!("{}", text.lines().last().unwrap_or_default());
         }
         text += "\n## Nothing hidden\n\n| seed | rows | verdicts but none and absorbed | shared effects | changes | robots to look at |\n|---|---|---|---|---|---|\n";
@@ -117,6 +130,30 @@ impl StudyFleet {
             .unwrap_or_else(|| root.join("docs/study-fleet.md"));
         fs::write(&out, text)?;
         eprintln!("wrote {}", out.display());
+        for alarms in [shared, changed] {
+            if alarms as u64 * 20 > self.sound {
+                missed.push(format!("{alarms} of {} sound fleets", self.sound));
+            }
+        }
+        match missed.is_empty() {
+            true => Ok(()),
+            false => Err(format!("not as it should be: {}", missed.join(", ")).into()),
+        }
+    }
+
+    /// Write the pages of a fleet.
+    fn pages(&self, fleet: &Fleet, path: &Path) -> Result<(), Box<dyn Error>> {
+        let (found, summary, _) = self.look(fleet)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let made = format!("cargo xtask study-fleet --page {}", path.display());
+        let pages = sesc::report::fleet::pages(&found, &summary, &made, &name)?;
+        let folder = path.with_file_name(&pages.folder);
+        fs::create_dir_all(&folder)?;
+        for (robot, page) in &pages.robots {
+            fs::write(folder.join(robot), page)?;
+        }
+        fs::write(path, &pages.fleet)?;
+        eprintln!("wrote {}", path.display());
         Ok(())
     }
 
@@ -135,8 +172,8 @@ impl StudyFleet {
     }
 }
 
-/// A line of the table.
-fn row(seed: u64, fleet: &Fleet, found: &Found, summary: &Summary, seconds: f64) -> String {
+/// A line of the table, and whether it is what was hidden and nothing else.
+fn row(seed: u64, fleet: &Fleet, found: &Found, summary: &Summary, seconds: f64) -> (String, bool) {
     let name = Fleet::name;
     let batch: BTreeSet<String> = fleet.batch.iter().map(|robot| name(*robot)).collect();
     let own = summary.shared.iter().find(|s| s.target == BATCH.0);
@@ -187,14 +224,23 @@ fn row(seed: u64, fleet: &Fleet, found: &Found, summary: &Summary, seconds: f64)
         .filter(|robot| !known.contains(*robot))
         .map(String::as_str)
         .collect();
-    format!(
+    let (drifts_from, stuck_robot) = (fleet.drifts.map(|(_, day)| day), fleet.stuck.map(name));
+    let is_right = (robots, others, rest, urdfs) == (fleet.batch.len(), 0, 0, 1)
+        && drifts
+            .iter()
+            .eq(drifts_from.map(|day| day.to_string()).iter())
+        && stuck.iter().eq(stuck_robot.iter())
+        && (found.failed.len(), found.twice.len()) == (fleet.truncated.len(), 1)
+        && none.is_empty();
+    let line = format!(
         "| {seed} | {robots} of {}, {others} | {size} | {told}, {} | {rest} | {} | {urdfs} of 1 | {} of {} | {} of 1 | {} | {seconds:.0} |",
         fleet.batch.len(),
-        fleet.drifts.map_or(0, |(_, day)| day),
+        drifts_from.unwrap_or(0),
         stuck.join(", "),
         found.failed.len(),
         fleet.truncated.len(),
         found.twice.len(),
         none.join(", ")
-    )
+    );
+    (line, is_right)
 }

@@ -158,7 +158,7 @@ impl<'m> Problem<'m> {
         });
         let factor = match prior {
             Prior::Free => free(&flat),
-            Prior::Cad(_) => prior
+            Prior::Cad(_) | Prior::Population(_) => prior
                 .covariance_factor(model)
                 .unwrap_or_else(|| DMatrix::zeros(p, 0)),
         };
@@ -194,7 +194,7 @@ impl<'m> Problem<'m> {
             prior: factor,
             beyond_prior: match prior {
                 Prior::Free => Beyond::Nothing,
-                Prior::Cad(_) => Beyond::Exact,
+                Prior::Cad(_) | Prior::Population(_) => Beyond::Exact,
             },
             wide_prior: usual,
             rows: flat,

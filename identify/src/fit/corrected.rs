@@ -100,7 +100,7 @@ pub fn towards(
             let usual = Tolerances::usual();
             let tolerances = match prior {
                 Prior::Cad(tolerances) => tolerances,
-                Prior::Free => &usual,
+                Prior::Free | Prior::Population(_) => &usual,
             };
             match masses::nearest(model, tolerances, &params, &Limits::generous(robot)) {
                 Ok(masses) => masses,

@@ -112,10 +112,11 @@ pub(super) fn identify_within(
     let told_by = misfit.map_or(noise.df, |test| test.df);
     let sigma = noise.sigma * inflation * widening(told_by);
     let guessed = noise.source == NoiseSource::Unknown;
-    let prior = settings.prior.covariance_factor(model);
+    let prior = settings.prior.spread(model);
+    let centre = settings.prior.centre(model);
     let mut failures = Vec::new();
     let mut fit = |fold: &Fold| {
-        let mut estimate = fold.solve(sigma, &cad, prior.as_ref());
+        let mut estimate = fold.solve(sigma, &centre, prior.as_ref());
         let bounded = limits.map(|limits| {
             physical::constrain(
                 model,

@@ -28,6 +28,7 @@ pub(crate) mod masses;
 mod noise_tests;
 pub mod part;
 mod physical;
+pub mod population;
 pub mod prior;
 mod request;
 pub mod residuals;

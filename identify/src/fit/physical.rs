@@ -47,6 +47,8 @@ pub fn constrain(
     let (tolerances, width) = match prior {
         Prior::Cad(tolerances) => (tolerances.clone(), 1.0),
         Prior::Free => (Tolerances::usual(), WEAK),
+        // Of links a population knows nothing; it is refused before.
+        Prior::Population(_) => (Tolerances::usual(), 1.0),
     };
     let space = Space::new(model, &tolerances);
     let free = matches!(prior, Prior::Free);

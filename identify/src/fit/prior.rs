@@ -12,13 +12,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use nalgebra::{DMatrix, Matrix4};
+use nalgebra::{DMatrix, DVector, Matrix4};
 use serde::{Deserialize, Serialize};
 use sesc_model::Model;
 use sesc_model::files;
 use sesc_model::standard::PER_LINK;
 use sesc_model::text::listed;
 
+use super::population::Population;
 use crate::svd::svd;
 use crate::{Error, Setting, message};
 
@@ -55,6 +56,8 @@ pub enum Prior {
     Free,
     /// CAD within tolerances.
     Cad(Tolerances),
+    /// What a fleet of such robots is like.
+    Population(Box<Population>),
 }
 
 /// CAD taken nearly for granted: parts on a scale, masses to 0.2 %, CoMs to 0.1 mm.
@@ -112,7 +115,7 @@ impl Prior {
     /// off are an explanation that competes with the effects and is named.
     pub const OF_DIAGNOSES: &str = "tight";
 
-    /// `tight`, `cad`, `free`, or a file of tolerances.
+    /// `tight`, `cad`, `free`, or a file of tolerances or of a [`Population`].
     ///
     /// # Errors
     /// When a file cannot be read, names unknown links or holds no tolerances.
@@ -121,13 +124,33 @@ impl Prior {
             "free" => Prior::Free,
             "tight" => Prior::Cad(Tolerances::of(TIGHT)),
             "cad" => Prior::Cad(Tolerances::of(USUAL)),
-            file => Prior::Cad(Tolerances::read(Path::new(file), model)?),
+            file => Prior::read(Path::new(file), model)?,
         })
+    }
+
+    fn read(path: &Path, model: &Model) -> Result<Prior, Error> {
+        let file = path.display().to_string();
+        let text = files::read_text(path, files::SETTINGS).map_err(|source| {
+            let source = format!("{source}; ");
+            let message = message![source, Setting::Prior, " takes tight, cad, free or a file"];
+            Error::prior(&file, message)
+        })?;
+        let table: toml::Table =
+            toml::from_str(&text).map_err(|error| Error::prior(&file, error.to_string()))?;
+        match Population::is_in(&table) {
+            true => Population::read(&text, &file, model)
+                .map(|found| Prior::Population(Box::new(found))),
+            false => Tolerances::read(&text, &file, model).map(Prior::Cad),
+        }
     }
 
     /// In a few words, for reports.
     pub fn sentence(&self) -> String {
         match self {
+            Prior::Population(found) => format!(
+                "a fleet: mean and covariance of {} robots of this URDF",
+                found.robots
+            ),
             Prior::Free => "none: data alone, what they cannot see stays at CAD".to_string(),
             Prior::Cad(tolerances) => {
                 let (mass, com) = tolerances.of_link("");
@@ -151,11 +174,29 @@ impl Prior {
         self.covariance_factor(model)
     }
 
-    /// S with S Sᵀ the covariance of the base parameters of `model`; `None` when free.
+    /// S with S Sᵀ the covariance of the base parameters of `model` about CAD's; `None` when
+    /// free.
     pub(crate) fn covariance_factor(&self, model: &Model) -> Option<DMatrix<f64>> {
         match self {
             Prior::Free => None,
             Prior::Cad(tolerances) => Some(tolerances.factor(model)),
+            Prior::Population(found) => Some(found.about_cad(&model.cad_params())),
+        }
+    }
+
+    /// What the base parameters are before data: CAD's, or the mean of a fleet.
+    pub(crate) fn centre(&self, model: &Model) -> DVector<f64> {
+        match self {
+            Prior::Free | Prior::Cad(_) => DVector::from_vec(model.cad_params()),
+            Prior::Population(found) => found.centre(),
+        }
+    }
+
+    /// S with S Sᵀ the covariance of the base parameters about [`Prior::centre`].
+    pub(crate) fn spread(&self, model: &Model) -> Option<DMatrix<f64>> {
+        match self {
+            Prior::Free | Prior::Cad(_) => self.covariance_factor(model),
+            Prior::Population(found) => found.factor(),
         }
     }
 }
@@ -177,16 +218,10 @@ impl Tolerances {
         Tolerances::of(USUAL)
     }
 
-    fn read(path: &Path, model: &Model) -> Result<Tolerances, Error> {
-        let file = path.display().to_string();
-        let text = files::read_text(path, files::SETTINGS).map_err(|source| {
-            let source = format!("{source}; ");
-            let message = message![source, Setting::Prior, " takes tight, cad, free or a file"];
-            Error::prior(&file, message)
-        })?;
-        let bad = |reason: String| Error::prior(&file, reason);
+    fn read(text: &str, file: &str, model: &Model) -> Result<Tolerances, Error> {
+        let bad = |reason: String| Error::prior(file, reason);
         let tolerances: Tolerances =
-            toml::from_str(&text).map_err(|error| bad(error.to_string()))?;
+            toml::from_str(text).map_err(|error| bad(error.to_string()))?;
         let names = || model.tree.links.iter().map(|link| link.name.as_str());
         if let Some(stray) = tolerances
             .links

@@ -215,6 +215,15 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
         range: request.range,
         ..Settings::new(request.prior.of(&model)?)
     };
+    if request.physical && matches!(settings.prior, Prior::Population(_)) {
+        return Err(Error::request(message![
+            Setting::Physical,
+            " needs to know how far masses of links may be off CAD, and a population of robots \
+             does not tell: give ",
+            Setting::Prior,
+            " cad"
+        ]));
+    }
     let supports: Vec<&str> = part.supports.iter().map(String::as_str).collect();
     let limits = request.physical.then(|| Limits::of(&robot)).transpose()?;
     let found = identify_within(

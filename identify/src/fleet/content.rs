@@ -1,10 +1,11 @@
 //! Logs by what they hold.
 
-use std::io::Read as _;
+use std::io;
 use std::path::Path;
 
 use sesc_model::files;
 
+use super::disk::{Disk, read_text};
 use crate::Error;
 use crate::logs::{LogSource, Sidecar};
 
@@ -60,12 +61,10 @@ impl Log {
     ///
     /// # Errors
     /// When one of them cannot be read; the error names the file without its folder.
-    pub fn read(path: &Path) -> Result<Log, Error> {
-        let mut bytes = Vec::new();
-        std::fs::File::open(path)
-            .and_then(|mut file| file.read_to_end(&mut bytes))
-            .map_err(|error| Error::read(file_name(path), error))?;
-        Ok(Log::new(bytes, read_sidecar(path)?))
+    pub fn read(disk: &dyn Disk, path: &Path) -> Result<Log, Error> {
+        let bytes = disk.read(path, u64::MAX);
+        let bytes = bytes.map_err(|error| Error::read(file_name(path), error))?;
+        Ok(Log::new(bytes, read_sidecar(disk, path)?))
     }
 
     pub(super) fn content(&self) -> Content {
@@ -96,12 +95,14 @@ impl Log {
 ///
 /// # Errors
 /// When it cannot be read; the error names the file without its folder.
-pub(super) fn read_sidecar(log: &Path) -> Result<String, Error> {
-    let beside = Sidecar::of_log(log);
-    match files::read_text(&beside, files::SIDECAR) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(String::new()),
-        read => read.map_err(|error| Error::read(file_name(&beside), error)),
+pub(super) fn read_sidecar(disk: &dyn Disk, log: &Path) -> Result<String, Error> {
+    for beside in Sidecar::paths(log) {
+        match read_text(disk, &beside, files::SIDECAR << 20) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            read => return read.map_err(|error| Error::read(file_name(&beside), error)),
+        }
     }
+    Ok(String::new())
 }
 
 fn file_name(path: &Path) -> String {

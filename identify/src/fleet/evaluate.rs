@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::content::{Log, each_once};
-use super::options::Options;
+use super::options::{Only, Options};
 use super::row::Row;
 use super::together::together;
 use crate::diagnose::{Request, diagnose};
@@ -75,24 +75,11 @@ fn look(
 ) -> Result<(), Error> {
     let support = support(robot, options, sources)?;
     row.support.clone_from(&support);
-    let log = match sources {
-        [one] => one.clone(),
-        several => together(several, &robot.description.dofs(), &reading(robot, options))?,
-    };
-    let mut request = Request::new(Arc::clone(robot), log);
-    request.support = Some(support.clone());
-    request.snapping = options.snapping();
-    // Several logs were put together in SI units.
-    request.angles = options.angles.filter(|_| sources.len() == 1);
-    request.prior = prior(options, Prior::OF_DIAGNOSES);
-    request.noise = options.noise;
-    request.floor = options.floor;
-    request.motion = options.motion_model();
-    request.feet = options.feet();
-    let report = diagnose(&request, watch)?;
-    row.diagnosed(&report.diagnosis);
-    if !row.is_usable() {
-        return Ok(());
+    if options.only == Only::All {
+        diagnosed(robot, options, sources, row, watch)?;
+        if !row.is_usable() {
+            return Ok(());
+        }
     }
     let request = fit::Request {
         robot: Some(Arc::clone(robot)),
@@ -106,10 +93,48 @@ fn look(
         feet: options.feet(),
         ..fit::Request::default()
     };
-    let found = fit(&request, watch)?.identification.parameters;
-    row.params = found.iter().map(|p| p.value).collect();
+    let found = fit(&request, watch)?.identification;
+    if options.only == Only::Parameters {
+        row.fitted(&found);
+        if !found.is_usable() {
+            return Ok(());
+        }
+    }
+    row.params = found.parameters.iter().map(|p| p.value).collect();
     let finite = |x: &f64| x.is_finite();
-    row.std = found.iter().map(|p| p.std.filter(finite)).collect();
+    let parameters = found.parameters.iter();
+    row.std = parameters.map(|p| p.std.filter(finite)).collect();
+    if options.information {
+        let covariance = &found.estimate.covariance;
+        let lower = (0..covariance.nrows()).flat_map(|i| (0..=i).map(move |j| covariance[(i, j)]));
+        row.covariance = lower.collect();
+    }
+    Ok(())
+}
+
+fn diagnosed(
+    robot: &Arc<Robot>,
+    options: &Options,
+    sources: &[LogSource],
+    row: &mut Row,
+    watch: &mut dyn Watch,
+) -> Result<(), Error> {
+    let log = match sources {
+        [one] => one.clone(),
+        several => together(several, &robot.description.dofs(), &reading(robot, options))?,
+    };
+    let mut request = Request::new(Arc::clone(robot), log);
+    request.support = Some(row.support.clone());
+    request.snapping = options.snapping();
+    // Several logs were put together in SI units.
+    request.angles = options.angles.filter(|_| sources.len() == 1);
+    request.prior = prior(options, Prior::OF_DIAGNOSES);
+    request.noise = options.noise;
+    request.floor = options.floor;
+    request.motion = options.motion_model();
+    request.feet = options.feet();
+    let report = diagnose(&request, watch)?;
+    row.diagnosed(&report.diagnosis);
     Ok(())
 }
 

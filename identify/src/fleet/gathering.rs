@@ -7,6 +7,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use sesc_model::Snapping;
 
+use super::disk::Disk;
 use super::row::Row;
 use super::table::assembled;
 use super::work::{Done, Failed};
@@ -81,8 +82,9 @@ impl Gathering {
         self.fleet.rows.push(row);
     }
 
-    /// All groups together; `robot` is that of groups without a URDF of their own.
-    pub fn finish(self, robot: &Arc<Robot>) -> Fleet {
+    /// All groups together; `robot` is that of groups without a URDF of their own, and `disk`
+    /// has the others.
+    pub fn finish(self, robot: &Arc<Robot>, disk: &dyn Disk) -> Fleet {
         let Gathering {
             mut fleet,
             places,
@@ -102,9 +104,9 @@ impl Gathering {
         for (key, urdf) in urdfs {
             let names = match urdf {
                 None => names(robot, &key.1),
-                Some(path) => {
-                    Robot::read(&path).map_or_else(|_| Vec::new(), |own| names(&own, &key.1))
-                }
+                Some(path) => disk
+                    .robot(&path)
+                    .map_or_else(|_| Vec::new(), |own| names(&own, &key.1)),
             };
             fleet.names.insert(key, names);
         }

@@ -189,12 +189,27 @@ fn read(path: &Path) -> Result<String, Error> {
     files::read_text(path, LIST).map_err(|error| Error::read(path.display().to_string(), error))
 }
 
+/// A path relative to a folder, or an address such as `s3://bucket/log.csv`.
+fn place(folder: &Path, text: &str) -> PathBuf {
+    match is_address(text) {
+        true => PathBuf::from(text),
+        false => folder.join(text),
+    }
+}
+
+/// Whether a path is an address of an object store, such as `s3://bucket/log.csv`, which a
+/// [`Disk`](super::Disk) of the caller's own reads.
+pub fn is_address(path: &str) -> bool {
+    let scheme = path.split_once("://").map(|(scheme, _)| scheme);
+    scheme.is_some_and(|scheme| !scheme.is_empty() && !scheme.contains(['/', '\\']))
+}
+
 fn list(path: &Path, by: &[String], found: &mut Vec<Input>) -> Result<(), Error> {
     let beside = path.parent().unwrap_or(Path::new("."));
     let text = read(path)?;
     let lines = text.lines().map(str::trim);
     for line in lines.filter(|line| !line.is_empty() && !line.starts_with('#')) {
-        found.push(Input::new(beside.join(line), &BTreeMap::new(), by));
+        found.push(Input::new(place(beside, line), &BTreeMap::new(), by));
     }
     Ok(())
 }
@@ -239,9 +254,9 @@ fn manifest(path: &Path, by: &[String], found: &mut Vec<Input>) -> Result<(), Er
         let mut said: BTreeMap<String, String> = fields
             .map(|(key, value)| (key.to_string(), value.to_string()))
             .collect();
-        let log = beside.join(said.remove(PATH).unwrap_or_default());
+        let log = place(beside, &said.remove(PATH).unwrap_or_default());
         if let Some(urdf) = said.get_mut("urdf").filter(|urdf| !urdf.is_empty()) {
-            *urdf = beside.join(&*urdf).display().to_string();
+            *urdf = place(beside, urdf).display().to_string();
         }
         found.push(Input::new(log, &said, by));
     }

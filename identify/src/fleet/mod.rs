@@ -18,6 +18,7 @@
 //! [`summary`](summary::summary()) is a pure function of the rows.
 
 mod content;
+mod disk;
 mod evaluate;
 mod gathering;
 mod groups;
@@ -25,6 +26,7 @@ mod manifest;
 mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod population;
 mod row;
 mod run;
 mod seen;
@@ -35,13 +37,15 @@ mod together;
 mod work;
 
 pub use content::{Log, content_hash};
+pub use disk::{Disk, Local, Stamp};
 pub use evaluate::row;
 pub use gathering::{Fleet, Gathering, Twice};
 pub use groups::{Group, groups};
-pub use manifest::{Input, inputs};
-pub use options::Options;
+pub use manifest::{Input, inputs, is_address};
+pub use options::{Only, Options};
+pub use population::population;
 pub use row::{EffectFound, Row, Size};
 pub use run::{Request, run};
 pub use store::Store;
 pub use table::{COLUMNS, assembled, check_table, write};
-pub use work::{Done, Failed, work};
+pub use work::{Done, Failed, Job, work};

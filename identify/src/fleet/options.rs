@@ -40,6 +40,31 @@ pub struct Options {
     pub both_feet: Option<bool>,
     /// The link that is the other sole.
     pub other_foot: Option<String>,
+    /// What is made of a group.
+    #[serde(skip_serializing_if = "Only::is_all")]
+    pub only: Only,
+    /// Whether rows keep what they know of all parameters together, for
+    /// [`population`](super::population()).
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub information: bool,
+}
+
+/// What is made of a group.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Only {
+    /// Diagnosis and fit.
+    #[default]
+    All,
+    /// The fit: parameters and health, without verdict and effects.
+    Parameters,
+}
+
+impl Only {
+    fn is_all(&self) -> bool {
+        *self == Only::All
+    }
 }
 
 impl Default for Options {
@@ -54,6 +79,8 @@ impl Default for Options {
             motion: true,
             both_feet: None,
             other_foot: None,
+            only: Only::All,
+            information: false,
         }
     }
 }

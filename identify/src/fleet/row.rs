@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Diagnosis;
 use crate::diagnose::findings::Step;
+use crate::fit::Identification;
 use crate::health::Finding;
 
 /// A number with its standard deviation, in the unit that its name ends in.
@@ -92,12 +93,40 @@ pub struct Row {
     pub error: Option<String>,
     /// Version of this library.
     pub version: String,
+    /// Covariance of the parameters, m², lower triangle row by row; kept where
+    /// [`Options::information`](super::Options::information) asks for it, and no column of the
+    /// table.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub covariance: Vec<f64>,
 }
+
+/// What the sentence of a row says that was fitted alone.
+const FITTED: &str = "Parameters alone were asked for: no diagnosis was made.";
 
 impl Row {
     /// Whether the row says something of the robot.
     pub fn is_usable(&self) -> bool {
-        !self.verdict.is_empty() && self.verdict != "unusable"
+        self.has_result() && self.verdict != "unusable"
+    }
+
+    /// Whether the logs could be read and something came of them.
+    pub fn has_result(&self) -> bool {
+        !self.verdict.is_empty() || !self.params.is_empty()
+    }
+
+    /// Take over what a fit says of the data, where there is no diagnosis.
+    pub(super) fn fitted(&mut self, found: &Identification) {
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        self.postures = found.postures;
+        self.independent = found.samples.independent as u64;
+        self.noise_floor = finite(found.noise_floor);
+        self.held_out_rmse = finite(found.held_out_rmse);
+        self.health.clone_from(&found.health);
+        self.health.iter_mut().for_each(|f| f.picture = None);
+        self.sentence = FITTED.to_string();
+        if !found.is_usable() {
+            self.verdict = "unusable".to_string();
+        }
     }
 
     /// Take over what a diagnosis says.

@@ -10,11 +10,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
+use super::disk::Local;
 use super::gathering::{Fleet, Gathering};
 use super::groups::Group;
 use super::options::Options;
 use super::store::Store;
-use super::work::{Done, work};
+use super::work::{Done, Job, work};
 use crate::Error;
 use crate::robot::Robot;
 use crate::watch::{Progress, Watch, tell};
@@ -75,8 +76,13 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
                 while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed))
                     && !stop.load(Ordering::Relaxed)
                     && {
-                        let of = (&request.robot, &request.options, request.store.as_ref());
-                        send.send(work(of, group, &mut stopped)).is_ok()
+                        let job = Job {
+                            robot: &request.robot,
+                            options: &request.options,
+                            store: request.store.as_ref(),
+                            disk: &Local,
+                        };
+                        send.send(work(job, group, &mut stopped)).is_ok()
                     }
                 {}
             });
@@ -86,7 +92,7 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
         stop.store(true, Ordering::Relaxed);
         all
     })?;
-    Ok(gathering.finish(&request.robot))
+    Ok(gathering.finish(&request.robot, &Local))
 }
 
 /// Receive what threads send, and tell how far they are.

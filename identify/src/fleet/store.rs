@@ -10,22 +10,21 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-use sesc_model::files;
-
 use super::content::{Content, content_hash, each_once};
+use super::disk::{Disk, read_text};
 use super::groups::Group;
 use super::options::Options;
 use super::row::Row;
 use super::seen::Seen;
 use crate::Error;
 use crate::robot::Robot;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// Grows when rows of the same logs become others without a new version.
 const FORMAT: u32 = 1;
-/// Largest entry that is read, MiB.
-const ENTRY: u64 = 64;
+/// Largest entry that is read, bytes.
+const ENTRY: u64 = 64 << 20;
 
 /// A folder of rows.
 #[derive(Debug, Clone)]
@@ -65,8 +64,8 @@ impl Store {
     }
 
     /// The row under `key`; none where there is none, or a damaged one.
-    pub fn get(&self, key: &str) -> Option<Row> {
-        entry(&self.path(key))
+    pub fn get(&self, disk: &dyn Disk, key: &str) -> Option<Row> {
+        entry(disk, &self.path(key))
     }
 
     /// Keep a row under `key`, and what the logs of its group held.
@@ -75,27 +74,32 @@ impl Store {
     /// When the folder or a file cannot be written.
     pub(super) fn put(
         &self,
-        key: &str,
-        row: &Row,
+        disk: &dyn Disk,
+        (key, row): (&str, &Row),
         group: &Group,
         seen: &Seen,
     ) -> Result<(), Error> {
-        let row = begun(&self.path(key), row)?;
-        let seen = begun(&self.seen_path(group), seen)?;
-        Ok(files::finish_together(vec![row, seen])?)
+        let row = (self.path(key), text(row)?);
+        let seen = (self.seen_path(group), text(seen)?);
+        disk.write(&[row, seen])
     }
 
     /// What the logs of a group held; nothing where that is not known.
-    pub(super) fn seen(&self, group: &Group) -> Seen {
-        entry(&self.seen_path(group)).unwrap_or_default()
+    pub(super) fn seen(&self, disk: &dyn Disk, group: &Group) -> Seen {
+        entry(disk, &self.seen_path(group)).unwrap_or_default()
     }
 
     /// Keep what the logs of a group hold.
     ///
     /// # Errors
     /// When the folder or the file cannot be written.
-    pub(super) fn put_seen(&self, group: &Group, seen: &Seen) -> Result<(), Error> {
-        Ok(begun(&self.seen_path(group), seen)?.finish()?)
+    pub(super) fn put_seen(
+        &self,
+        disk: &dyn Disk,
+        group: &Group,
+        seen: &Seen,
+    ) -> Result<(), Error> {
+        disk.write(&[(self.seen_path(group), text(seen)?)])
     }
 
     fn path(&self, key: &str) -> PathBuf {
@@ -116,18 +120,15 @@ fn place(folder: &Path, key: &str) -> PathBuf {
 }
 
 /// An entry that is whole.
-fn entry<T: DeserializeOwned>(path: &Path) -> Option<T> {
-    let text = files::read_text(path, ENTRY).ok()?;
+fn entry<T: DeserializeOwned>(disk: &dyn Disk, path: &Path) -> Option<T> {
+    let text = read_text(disk, path, ENTRY).ok()?;
     let (hash, rest) = text.split_once('\n')?;
     let is_whole = hash == content_hash(rest.as_bytes());
     is_whole.then(|| serde_json::from_str(rest).ok())?
 }
 
-fn begun(path: &Path, what: &impl Serialize) -> Result<files::NewFile, Error> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Error::write(folder.display().to_string(), error))?;
+/// The text of an entry.
+fn text(what: &impl Serialize) -> Result<String, Error> {
     let text = serde_json::to_string(what).map_err(Error::serialise)?;
-    let text = format!("{}\n{text}", content_hash(text.as_bytes()));
-    Ok(files::begun(path, &text)?)
+    Ok(format!("{}\n{text}", content_hash(text.as_bytes())))
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::content::{Content, Log, each_once};
+use super::disk::Disk;
 use super::evaluate::row;
 use super::groups::Group;
 use super::options::Options;
@@ -49,24 +50,36 @@ pub struct Done {
     pub urdf: Option<PathBuf>,
 }
 
-/// Work on one group, of a fleet with this robot, these options and this store.
+/// What all groups of a fleet have in common.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    /// The robot of groups that have no URDF of their own.
+    pub robot: &'a Arc<Robot>,
+    /// How every group is looked at.
+    pub options: &'a Options,
+    /// Where rows are kept.
+    pub store: Option<&'a Store>,
+    /// Where logs are, and the store.
+    pub disk: &'a dyn Disk,
+}
+
+/// Work on one group.
 ///
 /// # Errors
 /// When the store cannot be written; the kind `Interrupted` where `watch` stops the call. What
 /// is wrong with a log is in the row.
-pub fn work(
-    (robot, options, store): (&Arc<Robot>, &Options, Option<&Store>),
-    group: &Group,
-    watch: &mut dyn Watch,
-) -> Result<Done, Error> {
-    let mut options = options.clone();
+pub fn work(job: Job, group: &Group, watch: &mut dyn Watch) -> Result<Done, Error> {
+    let Job { store, disk, .. } = job;
+    let mut options = job.options.clone();
     options.support = group.support.clone().or(options.support);
     let name = (group.robot.as_str(), group.day.as_str());
-    let before = store.map(|store| store.seen(group)).unwrap_or_default();
-    let mut logs = Logs::of(group, &before);
+    let before = store
+        .map(|store| store.seen(disk, group))
+        .unwrap_or_default();
+    let mut logs = Logs::of(disk, group, &before);
     let robot = match &group.urdf {
-        None => Ok(Arc::clone(robot)),
-        Some(path) => Robot::read(path).map(Arc::new),
+        None => Ok(Arc::clone(job.robot)),
+        Some(path) => disk.robot(path).map(Arc::new),
     };
     let robot = match robot {
         Ok(robot) => robot,
@@ -96,17 +109,17 @@ pub fn work(
     };
     let key_of = |logs: &Logs| Store::key(&robot, &options, name, &logs.contents());
     let mut key = store.map(|store| (store, key_of(&logs)));
-    let mut known = key.as_ref().and_then(|(store, key)| store.get(key));
+    let mut known = key.as_ref().and_then(|(store, key)| store.get(disk, key));
     if known.is_none() && logs.opened() < logs.held.len() {
-        logs = Logs::of(group, &Seen::default());
+        logs = Logs::of(disk, group, &Seen::default());
         key = store.map(|store| (store, key_of(&logs)));
-        known = key.as_ref().and_then(|(store, key)| store.get(key));
+        known = key.as_ref().and_then(|(store, key)| store.get(disk, key));
     }
     let from_store = known.is_some();
     let mut found = match known {
         Some(row) => {
             if let Some((store, _)) = key.filter(|_| logs.seen != before) {
-                store.put_seen(group, &logs.seen)?;
+                store.put_seen(disk, group, &logs.seen)?;
             }
             row
         }
@@ -114,7 +127,7 @@ pub fn work(
             let found = made(&robot, &options, name, &logs.in_memory(), watch)?;
             let sound = found.error.as_deref() != Some(DEFECT);
             if let Some((store, key)) = key.filter(|_| sound) {
-                store.put(&key, &found, group, &logs.seen)?;
+                store.put(disk, (&key, &found), group, &logs.seen)?;
             }
             found
         }
@@ -147,10 +160,10 @@ struct Logs {
 }
 
 impl Logs {
-    fn of(group: &Group, before: &Seen) -> Logs {
+    fn of(disk: &dyn Disk, group: &Group, before: &Seen) -> Logs {
         let mut logs = Logs::default();
         for path in &group.logs {
-            match before.held(path, &mut logs.seen) {
+            match before.held(disk, path, &mut logs.seen) {
                 Ok(held) => {
                     logs.read.push((held.content.hash.clone(), path.clone()));
                     logs.held.push(held);

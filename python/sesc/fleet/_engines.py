@@ -17,6 +17,9 @@ from ._unit import Job, work
 
 __all__ = ["worked"]
 
+#: Spark tasks for each processor.
+TASKS = 8
+
 
 def worked(engine: Any, jobs: Sequence[Job]) -> Iterator[str]:
     """What jobs come to on an engine: an executor, ``"ray"`` or a SparkSession."""
@@ -76,25 +79,34 @@ def _ray(jobs: Sequence[Job]) -> Iterator[str]:
         yield from ray.get(ready)
 
 
-def _by_parts(robot: Any, options: str, group: str, store: str | None) -> str:
-    return work(Job(robot, options, group, store))
+def _by_parts(robot: Any, *others: Any) -> str:
+    return work(Job(robot, *others))
 
 
 def _spark(session: Any, jobs: Sequence[Job]) -> Iterator[str]:
-    """Spark tasks through ``mapInArrow``, a partition for each group; what they come to is collected."""
+    """Spark tasks through ``mapInArrow``, several for each processor; what they come to is collected."""
     if not jobs:
         return iter(())
     # The robot travels once with the function, groups as rows.
-    robot, options, store = jobs[0].robot, jobs[0].options, jobs[0].store
-    packed = pickle.dumps(robot)
+    packed = pickle.dumps(jobs[0]._replace(group=""))
 
     def mapped(batches: Any) -> Any:
         pyarrow: Any = import_module("pyarrow")
-        own = pickle.loads(packed)
+        job = pickle.loads(packed)
         for batch in batches:
-            found = [work(Job(own, options, group, store)) for group in batch.column(0).to_pylist()]
+            found = [work(job._replace(group=group)) for group in batch.column(0).to_pylist()]
             yield pyarrow.RecordBatch.from_arrays([pyarrow.array(found, pyarrow.string())], names=["done"])
 
     rows = session.createDataFrame([(job.group,) for job in jobs], "group string")
-    rows = rows.repartition(len(jobs)).mapInArrow(mapped, "done string")
-    return (row["done"] for row in rows.toLocalIterator())
+    # A task costs Spark 40 ms; one that is lost takes the rows that it made from the store.
+    tasks = min(len(jobs), TASKS * _processors(session))
+    rows = rows.repartition(tasks).mapInArrow(mapped, "done string")
+    return (row["done"] for row in rows.collect())
+
+
+def _processors(session: Any) -> int:
+    """What a Spark cluster runs at once; Spark Connect does not say."""
+    try:
+        return max(1, int(session.sparkContext.defaultParallelism))
+    except Exception:
+        return 64

@@ -5,36 +5,22 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from .. import _run, _sesc
 from .._robot import Robot
 from ._engines import worked
+from ._objects import Objects, is_address, local
 from ._unit import Job
 
 __all__ = ["COLUMNS", "Fleet", "run"]
 
 #: The columns of the table, in their order.
-COLUMNS = (
-    "robot",
-    "day",
-    "urdf_hash",
-    "support",
-    "postures",
-    "independent",
-    "noise_floor",
-    "held_out_rmse",
-    "verdict",
-    "sentence",
-    "effects",
-    "health",
-    "params",
-    "std",
-    "inputs",
-    "error",
-    "version",
-)
+COLUMNS = _sesc.FLEET_COLUMNS
 
 
 class Fleet:
@@ -51,8 +37,10 @@ class Fleet:
         twice: logs that came more than once.
     """
 
-    def __init__(self, found: _sesc.FleetFound) -> None:
+    def __init__(self, found: _sesc.FleetFound, objects: Objects, asked: tuple[Robot, str]) -> None:
         self._found = found
+        self._objects = objects
+        self._asked = asked
         self._about: dict[str, Any] = json.loads(found.json())
         self.rows: list[dict[str, Any]] = json.loads(found.rows())
         for row in self.rows:
@@ -94,11 +82,36 @@ class Fleet:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the table to ``.parquet`` or ``.csv``, whole or not at all: the bytes of ``sesc fleet``."""
-        self._found.write(os.fspath(path))
+        if not is_address(path):
+            self._found.write(local(path))
+            return
+        with TemporaryDirectory() as folder:
+            own = Path(folder, os.fspath(path).rpartition("/")[2])
+            self._found.write(os.fspath(own))
+            self._objects.write(os.fspath(path), own.read_bytes())
 
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Write the page: what robots share, what changed, what to look at first, every row."""
-        _run.written(path, self._found.page())
+        """Write the page, ``fleet.html``: what robots share, what changed, what to look at first;
+        and beside it a folder ``fleet`` with a page for each robot."""
+        at = local(path)
+        above, slash, name = at.replace(os.sep, "/").rpartition("/")
+        text, folder, robots = self._found.pages(name)
+        if not is_address(at):
+            Path(above or slash, folder).mkdir(exist_ok=True)
+        for robot, page in robots:
+            self._put(f"{above}{slash}{folder}/{robot}", page)
+        self._put(at, text)
+
+    def save_prior(self, path: str | os.PathLike[str]) -> None:
+        """Write what is known of the next robot, for ``prior=`` of :func:`sesc.fit` and
+        :func:`sesc.diagnose`; :func:`run` has to be called with ``information=True``."""
+        self._put(local(path), self._found.population(*self._asked))
+
+    def _put(self, path: str, text: str) -> None:
+        if is_address(path):
+            self._objects.write(path, text)
+        else:
+            _run.written(path, text)
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -127,6 +140,9 @@ def run(
     angles: str | None = None,
     prior: str | os.PathLike[str] | None = None,
     noise: float | None = None,
+    only: str | None = None,
+    information: bool = False,
+    storage: Mapping[str, Any] | None = None,
     progress: _run.Progress = False,
 ) -> Fleet:
     """Fit and diagnose every robot and day of a fleet, and say what robots share and what changed.
@@ -135,14 +151,18 @@ def run(
         robot: the robot of every log that has no URDF of its own.
         paths_or_table: a pattern (``"logs/robot=*/day=*/*.parquet"``), a folder, a list file or a
             manifest, several of these, or a table with the column ``path`` and any of ``by``,
-            ``urdf``, ``support``.
+            ``urdf``, ``support``. Paths may be addresses (``s3://``, ``gs://``), which fsspec reads.
         by: what makes a group, from the table's columns, the path's folders or the file's name:
             the last is the day, those before it the robot.
-        store: a folder that keeps rows under the hash of what they were made from.
+        store: a folder that keeps rows under the hash of what they were made from, or an address.
         engine: any ``concurrent.futures.Executor`` (processes, Dask's ``client.get_executor()``),
             ``"ray"`` or a SparkSession; threads of this process, one a processor, unless given.
         support, angles, prior, noise: as in :func:`sesc.diagnose`; the parameters are fitted with
             the usual tolerances unless ``prior`` is given.
+        only: ``"parameters"`` fits without a diagnosis, in a fraction of the time.
+        information: keep the covariance of the parameters with each row (19 kB), for
+            :meth:`Fleet.save_prior`.
+        storage: what fsspec is given for addresses: ``{"endpoint_url": "https://…"}``.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 
     Example:
@@ -155,35 +175,57 @@ def run(
         "prior": None if prior is None else os.fspath(prior),
         "noise": noise,
         "snap": robot.snap,
+        "only": only,
+        "information": True if information else None,
     }
     options = json.dumps({key: value for key, value in given.items() if value is not None})
-    data, table = _named(paths_or_table, by)
+    objects = Objects(storage)
+    data, table = _named(paths_or_table, by, objects)
     groups = _sesc.fleet_groups(data, table, list(by))
-    folder = None if store is None else os.fspath(store)
+    folder = None if store is None else local(store)
+    is_remote = any("://" in group for group in groups) or is_address(folder or "")
     show = _run.shown(progress)
-    if engine is None:
+    if engine is None and not is_remote:
         found = _sesc.FleetFound.run(robot, options, groups, folder, show)
-    else:
-        jobs = [Job(robot, options, group, folder) for group in groups]
-        done = []
-        for one in worked(engine, jobs):
+        return _ended(Fleet(found, objects, (robot, options)), progress)
+    disk = objects if is_remote else None
+    jobs = [Job(robot, options, group, folder, disk) for group in groups]
+    own = ThreadPoolExecutor(2 * (os.cpu_count() or 1)) if engine is None else nullcontext(engine)
+    done = []
+    with own as running:
+        for one in worked(running, jobs):
             done.append(one)
             if show is not None:
                 show("diagnosing", len(done), len(jobs))
-        found = _sesc.FleetFound.gathered(robot, done)
+    found = _sesc.FleetFound.gathered(robot, done, disk)
+    return _ended(Fleet(found, objects, (robot, options)), progress)
+
+
+def _ended(found: Fleet, progress: _run.Progress) -> Fleet:
     _run.ended(progress)
-    return Fleet(found)
+    return found
 
 
-def _named(given: Any, by: Sequence[str]) -> tuple[list[str], list[tuple[str, dict[str, str]]]]:
+def _named(
+    given: Any, by: Sequence[str], objects: Objects
+) -> tuple[list[str], list[tuple[str, dict[str, str]]]]:
     """Patterns and files, and the rows of a table with what it says of each path."""
     if isinstance(given, (str, os.PathLike)):
-        return [os.fspath(given)], []
+        given = [given]
     if isinstance(given, Mapping) or hasattr(given, "columns"):
         return [], _of_table(given, by)
-    if isinstance(given, Iterable):
-        return [os.fspath(path) for path in given], []
-    raise TypeError(f"a fleet is a glob, paths or a table with the column `path`, not {type(given).__name__}")
+    if not isinstance(given, Iterable):
+        raise TypeError(
+            f"a fleet is a glob, paths or a table with the column `path`, not {type(given).__name__}"
+        )
+    here: list[str] = []
+    table: list[tuple[str, dict[str, str]]] = []
+    for path in map(local, given):
+        if is_address(path):
+            table += [(log, {} if urdf is None else {"urdf": urdf}) for log, urdf in objects.logs(path)]
+        else:
+            here.append(path)
+    return here, table
 
 
 def _of_table(table: Any, by: Sequence[str]) -> list[tuple[str, dict[str, str]]]:
@@ -195,5 +237,9 @@ def _of_table(table: Any, by: Sequence[str]) -> list[tuple[str, dict[str, str]]]
     rows = []
     for k, path in enumerate(table["path"]):
         said = {name: column[k] for name, column in columns.items()}
-        rows.append((str(Path(str(path))), {name: text for name, text in said.items() if text is not None}))
+        rows.append((_plain(str(path)), {name: text for name, text in said.items() if text is not None}))
     return rows
+
+
+def _plain(path: str) -> str:
+    return path if is_address(path) else str(Path(local(path)))

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from .. import _sesc
 from .._robot import Robot
+from ._objects import Objects
 
 __all__ = ["Job", "work"]
 
@@ -17,15 +18,17 @@ class Job(NamedTuple):
         robot: the robot, unless the group has a URDF of its own.
         options: how the group is looked at, as JSON.
         group: robot, day and paths, as JSON. The paths have to be readable where it runs.
-        store: the folder of rows, or None.
+        store: the folder of rows, or None; it may be an address.
+        disk: what reads and writes addresses, where there are such.
     """
 
     robot: Robot
     options: str
     group: str
     store: str | None = None
+    disk: Objects | None = None
 
 
 def work(job: Job) -> str:
     """What a group comes to, as JSON: its row, and what is known of its files."""
-    return _sesc.fleet_work(job.robot, job.options, job.group, job.store)
+    return _sesc.fleet_work(*job)

@@ -1,11 +1,13 @@
 //! A fleet: on the console, and as a page.
 
+mod line;
 mod page;
+mod robot;
 #[cfg(test)]
 mod tests;
 mod text;
 
-pub use page::page;
+pub use page::{Pages, pages};
 pub use text::text;
 
 use serde::Serialize;

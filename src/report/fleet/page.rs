@@ -1,6 +1,8 @@
-//! The page of a fleet: what robots share, what changed, what to look at first, and every row.
+//! The page of a fleet: what robots share, what changed, what to look at first, and every robot
+//! with a link to its own page.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use minijinja::value::Serde;
 use minijinja::{Error, context};
@@ -9,29 +11,23 @@ use sesc_identify::fleet::summary::Summary;
 use sesc_identify::fleet::{Fleet, Row};
 
 use super::super::html::render;
-use super::{count, headline, label, twice};
+use super::line::line;
+use super::robot::robot_page;
+use super::{count, headline, twice};
 
-/// Robots with a section of their own, at most: more would make no page that a browser opens.
+/// Robots with a page of their own, at most.
 const ROBOTS: usize = 2000;
 /// Days of the picture, at most: the last ones.
 const DAYS: usize = 31;
 
-/// A row as the page has it.
+/// A robot in the list of all.
 #[derive(Serialize)]
-struct Line {
-    day: String,
-    verdict: String,
-    bad: bool,
-    postures: u64,
-    noise_mm: Option<f64>,
-    left_mm: Option<f64>,
-    said: String,
-}
-
-#[derive(Serialize)]
-struct RobotSection {
+struct RobotLine {
     name: String,
-    lines: Vec<Line>,
+    days: usize,
+    postures: u64,
+    said: String,
+    bad: bool,
 }
 
 /// A robot of the picture: a mark a day.
@@ -41,21 +37,53 @@ struct Marks {
     marks: Vec<(&'static str, &'static str, String)>,
 }
 
-/// The page; `command` made it.
-pub fn page(fleet: &Fleet, summary: &Summary, command: &str) -> Result<String, Error> {
+/// The page of a fleet, and those of its robots.
+pub struct Pages {
+    /// The page of the fleet.
+    pub fleet: String,
+    /// Name of the folder beside it.
+    pub folder: String,
+    /// Names of files and pages of robots, for this folder.
+    pub robots: Vec<(String, String)>,
+}
+
+/// All pages; `command` made them. That of the fleet has the name `file`, `fleet.html`, and those
+/// of robots stand in the folder `fleet` beside it.
+///
+/// # Errors
+/// When a template cannot be filled.
+pub fn pages(fleet: &Fleet, summary: &Summary, command: &str, file: &str) -> Result<Pages, Error> {
+    let folder = Path::new(file).file_stem().unwrap_or_default();
+    let folder = folder.to_string_lossy().into_owned();
     let mut robots: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     for row in &fleet.rows {
         robots.entry(&row.robot).or_default().push(row);
     }
+    // Whoever is to be looked at has a page in any case.
+    let first = summary.look_first.iter().map(String::as_str);
+    let mut shown: Vec<&str> = Vec::new();
+    let mut known = BTreeSet::new();
+    for name in first.chain(robots.keys().copied()) {
+        if known.insert(name) && shown.len() < ROBOTS {
+            shown.push(name);
+        }
+    }
+    let shown: BTreeSet<&str> = shown.into_iter().collect();
+    let link = |name: &str| shown.contains(name).then(|| file_of(name));
+    let links: BTreeMap<&str, Option<String>> =
+        robots.keys().map(|name| (*name, link(name))).collect();
     let days: BTreeSet<&str> = fleet.rows.iter().map(|row| row.day.as_str()).collect();
     let days: Vec<&str> = days
         .iter()
         .copied()
         .skip(days.len().saturating_sub(DAYS))
         .collect();
-    let sections = robots.iter().take(ROBOTS).map(|(name, rows)| RobotSection {
+    let sections = robots.iter().take(ROBOTS).map(|(name, rows)| RobotLine {
         name: name.to_string(),
-        lines: rows.iter().map(|row| line(row)).collect(),
+        days: rows.len(),
+        postures: rows.iter().map(|row| row.postures).sum(),
+        said: verdicts(rows),
+        bad: rows.iter().any(|row| line(row).bad),
     });
     let picture = summary.look_first.iter().filter_map(|robot| {
         let rows = robots.get(robot.as_str())?;
@@ -79,33 +107,54 @@ pub fn page(fleet: &Fleet, summary: &Summary, command: &str) -> Result<String, E
         twice => fleet.twice.iter().map(twice).collect::<Vec<String>>(),
         days => Serde(&days),
         picture => Serde(picture.collect::<Vec<Marks>>()),
-        sections => Serde(sections.collect::<Vec<RobotSection>>()),
+        sections => Serde(sections.collect::<Vec<RobotLine>>()),
+        links => Serde(&links),
+        folder => address(&folder),
+        left_out => robots.len().saturating_sub(ROBOTS),
         command => command,
     };
-    render("fleet.html", context)
+    let own = robots.iter().filter(|(name, _)| shown.contains(*name));
+    let own = own.map(|(name, rows)| {
+        let page = robot_page(name, rows, summary, (&address(file), command))?;
+        Ok((file_of(name), page))
+    });
+    Ok(Pages {
+        fleet: render("fleet.html", context)?,
+        folder,
+        robots: own.collect::<Result<_, Error>>()?,
+    })
 }
 
-fn line(row: &Row) -> Line {
-    let effects: Vec<String> = row.effects.iter().map(label).collect();
-    let health: Vec<String> = row
-        .health
-        .iter()
-        .map(|f| format!("{} {}", f.kind.name(), f.target))
-        .collect();
-    let error = row.error.iter().cloned();
-    let said: Vec<String> = effects.into_iter().chain(health).chain(error).collect();
-    Line {
-        day: row.day.clone(),
-        verdict: match row.verdict.as_str() {
-            "" => "no result".to_string(),
-            verdict => verdict.to_string(),
-        },
-        bad: !matches!(row.verdict.as_str(), "none" | "absorbed"),
-        postures: row.postures,
-        noise_mm: row.noise_floor.map(|x| 1e3 * x),
-        left_mm: row.held_out_rmse.map(|x| 1e3 * x),
-        said: said.join("; "),
+/// What the days of a robot came to: `none on 5 days, named on 2`.
+fn verdicts(rows: &[&Row]) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for row in rows {
+        *counts.entry(line(row).verdict).or_default() += 1;
     }
+    let said = counts
+        .iter()
+        .map(|(verdict, n)| format!("{verdict} on {}", count(*n, "day")));
+    said.collect::<Vec<String>>().join(", ")
+}
+
+/// The name of a robot's file: letters, digits, `-`, `_` and `.` as they are, all else by its
+/// number behind `~`, which means nothing in an address.
+fn file_of(robot: &str) -> String {
+    format!("{}.html", spelt(robot, '~'))
+}
+
+/// A name in an address.
+fn address(name: &str) -> String {
+    spelt(name, '%')
+}
+
+fn spelt(name: &str, sign: char) -> String {
+    let byte = |byte: u8| match byte {
+        b'-' | b'_' | b'.' => char::from(byte).to_string(),
+        _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
+        _ => format!("{sign}{byte:02x}"),
+    };
+    name.bytes().map(byte).collect()
 }
 
 /// A day of a robot: mark, class, words.
@@ -121,9 +170,10 @@ fn mark(rows: &[&Row], day: &str) -> (&'static str, &'static str, String) {
         row.error.is_some(),
         row.health.is_empty(),
     ) {
-        (_, true, _) | ("", ..) => ("×", "bad", words),
+        (_, true, _) => ("×", "bad", words),
+        ("", ..) if !row.has_result() => ("×", "bad", words),
         ("unusable", ..) | (_, _, false) => ("!", "bad", words),
-        ("none" | "absorbed", ..) => ("·", "fine", words),
+        ("none" | "absorbed" | "", ..) => ("·", "fine", words),
         _ => ("●", "ok", words),
     }
 }

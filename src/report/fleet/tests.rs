@@ -36,7 +36,8 @@ fn fleet() -> Fleet {
 fn the_page_says_what_robots_share_and_escapes_names() {
     let fleet = fleet();
     let summary = summary(&fleet.rows, &Default::default());
-    let page = page(&fleet, &summary, "sesc fleet").unwrap();
+    let all = pages(&fleet, &summary, "sesc fleet", "my fleet.html").unwrap();
+    let page = all.fleet;
     for text in [
         "4 robots share joint_offset:l_&lt;knee&gt;",
         "offset 2.87",
@@ -45,7 +46,26 @@ fn the_page_says_what_robots_share_and_escapes_names() {
         assert!(page.contains(text), "{text}\n{page}");
     }
     assert!(!page.contains("<knee>") && !page.contains("r<2>"));
-    assert_eq!(page.matches("<details id=").count(), 4);
+    // Every robot is linked to a page of its own, whatever its name.
+    let names: Vec<&str> = all.robots.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["r1.html", "r3.html", "r4.html", "r~3c2~3e.html"]);
+    for name in names {
+        assert!(
+            page.contains(&format!("href=\"my%20fleet/{name}\"")),
+            "{name}"
+        );
+    }
+    let own = &all.robots[3].1;
+    for text in [
+        "<h1>r&lt;2&gt;</h1>",
+        "href=\"../my%20fleet.html\"",
+        "4 robots share",
+        // 0.0501 rad ± 0.001 rad on both days.
+        "<td>2.87 ± 0.06</td><td>2.87 ± 0.06</td>",
+    ] {
+        assert!(own.contains(text), "{text}\n{own}");
+    }
+    assert!(!own.contains("<knee>") && !own.contains("r<2>"));
     let text = text(&fleet, &summary);
     assert!(
         text.contains("4 robots, 8 rows") && text.contains("4 robots share"),

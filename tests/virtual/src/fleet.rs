@@ -46,6 +46,9 @@ pub struct Fleet {
     pub truncated: Vec<(usize, usize)>,
     /// A log that was delivered twice.
     pub twice: Option<(usize, usize)>,
+    /// By how much masses (relative) and centres of mass (m, on each axis) of links differ from
+    /// robot to robot: standard deviations.
+    pub spread: Option<(f64, f64)>,
 }
 
 impl Fleet {
@@ -125,6 +128,9 @@ impl Fleet {
         let seed = (self.seed * 1000 + robot as u64) * 1000 + day as u64;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut world = stage.world();
+        if self.spread.is_some() {
+            world = World::new(&Robot::from_urdf(&self.body(urdf, robot))?, stage.support)?;
+        }
         if self
             .urdf
             .is_some_and(|(own, from)| own == robot && day >= from)
@@ -163,6 +169,26 @@ impl Fleet {
         Ok(())
     }
 
+    /// The URDF of what a robot really is; its logs are those of a robot of the fleet's URDF.
+    pub fn body(&self, urdf: &str, robot: usize) -> String {
+        let Some((mass, com)) = self.spread else {
+            return urdf.to_owned();
+        };
+        let seed = self.seed * 1_000_003 + robot as u64;
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let mut text = String::new();
+        let mut rest = urdf;
+        while let Some(at) = rest.find("<inertial>") {
+            let end = at + rest[at..].find("</inertial>").unwrap_or(0);
+            text += &rest[..at];
+            let moved = edited(&rest[at..end], "xyz=\"", |x| x + com * normal());
+            text += &edited(&moved, "<mass value=\"", |x| x * (1.0 + mass * normal()));
+            rest = &rest[end..];
+        }
+        text + rest
+    }
+
     /// The text of a log: mean readings with the standard deviation of a single one.
     fn log(&self, stage: &Stage, world: &World, stuck: bool, random: &mut ChaCha8Rng) -> String {
         let joints = stage.joint_names();
@@ -193,6 +219,18 @@ impl Fleet {
         }
         text
     }
+}
+
+/// A text with other numbers in the first attribute that begins so.
+fn edited(text: &str, attribute: &str, mut to: impl FnMut(f64) -> f64) -> String {
+    let Some(start) = text.find(attribute).map(|at| at + attribute.len()) else {
+        return text.to_owned();
+    };
+    let end = start + text[start..].find('"').unwrap_or(0);
+    let numbers = text[start..end].split_whitespace();
+    let numbers = numbers.map(|number| to(number.parse().expect("URDFs have numbers")).to_string());
+    let numbers: Vec<String> = numbers.collect();
+    format!("{}{}{}", &text[..start], numbers.join(" "), &text[end..])
 }
 
 /// The URDF of a robot that carries a heavier head.

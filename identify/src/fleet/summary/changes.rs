@@ -125,7 +125,7 @@ fn findings(history: &History) -> Vec<Change> {
         .rows
         .iter()
         .copied()
-        .filter(|row| !row.verdict.is_empty())
+        .filter(|row| row.has_result())
         .collect();
     let Some(last) = rows.last() else {
         return Vec::new();

@@ -86,7 +86,7 @@ fn data(history: &History) -> Vec<(f64, String)> {
         .rows
         .iter()
         .copied()
-        .filter(|row| !row.verdict.is_empty())
+        .filter(|row| row.has_result())
         .collect();
     let mut seen: Vec<(String, f64, usize, &str)> = Vec::new();
     for (at, row) in rows.iter().enumerate() {

@@ -1,0 +1,138 @@
+//! The robots of a fleet as knowledge of the next one, which takes the place of CAD's tolerances.
+//!
+//! ```text
+//! r ~ N(μ, Σ)      μ mean over robots, Σ = S Sᵀ covariance between robots and of μ
+//! about CAD:  Σ + (μ − r_CAD)(μ − r_CAD)ᵀ, for those who linearise about CAD
+//! ```
+//!
+//! The file is TOML: a table `population` with `urdf_hash`, `support`, `robots`, `names`, `mean`
+//! (m) and `covariance` (m², row by row).
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+use sesc_model::Model;
+
+use crate::Error;
+
+/// Eigenvalues below this, relative to the largest, are rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// Mean and covariance of the base parameters of robots of one URDF on one support.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[non_exhaustive]
+pub struct Population {
+    /// Hash of the URDF.
+    pub urdf_hash: String,
+    /// Link on the ground.
+    pub support: String,
+    /// Robots that it is of.
+    pub robots: usize,
+    /// Names of the base parameters.
+    pub names: Vec<String>,
+    /// Means over robots, m.
+    pub mean: Vec<f64>,
+    /// Covariance of the next robot about them, m²; row by row.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+/// A file with a table of that name.
+#[derive(Serialize, Deserialize)]
+struct File<T> {
+    population: T,
+}
+
+impl Population {
+    /// Whether a text is a file of a population, and not of tolerances.
+    pub(super) fn is_in(text: &toml::Table) -> bool {
+        text.contains_key("population")
+    }
+
+    /// Read the text of `file`.
+    ///
+    /// # Errors
+    /// When it is no population, or that of another robot or support than `model`'s.
+    pub(super) fn read(text: &str, file: &str, model: &Model) -> Result<Population, Error> {
+        let bad = |reason: String| Error::prior(file, reason);
+        let found: File<Population> =
+            toml::from_str(text).map_err(|error| bad(error.to_string()))?;
+        let found = found.population;
+        let support = &model.tree.links[model.tree.support].name;
+        if (&found.urdf_hash, &found.support) != (&model.tree.hash, support) {
+            return Err(bad(format!(
+                "it is of URDF {} on `{}`, and the robot is URDF {} on `{support}`",
+                found.urdf_hash, found.support, model.tree.hash
+            )));
+        }
+        let names: Vec<&String> = model.base.params.iter().map(|p| &p.name).collect();
+        let n = names.len();
+        let is_square =
+            found.covariance.len() == n && found.covariance.iter().all(|r| r.len() == n);
+        if !found.names.iter().eq(names) || found.mean.len() != n || !is_square {
+            return Err(bad(format!(
+                "it has other than the {n} base parameters of the robot; make it anew by a fleet \
+                 with the same options"
+            )));
+        }
+        let all = found.covariance.iter().flatten().chain(&found.mean);
+        if !all.copied().all(f64::is_finite) {
+            return Err(bad("its numbers are not all finite".to_string()));
+        }
+        if found.factor().is_none() {
+            return Err(bad("its covariance has a negative eigenvalue".to_string()));
+        }
+        Ok(found)
+    }
+
+    /// The text of its file.
+    ///
+    /// # Errors
+    /// When it cannot be written as TOML.
+    pub fn to_toml(&self) -> Result<String, Error> {
+        let text = toml::to_string(&File { population: self }).map_err(Error::serialise)?;
+        Ok(format!(
+            "# How base parameters are spread between {} robots: a prior for `fit` and `diagnose`.\n{text}",
+            self.robots
+        ))
+    }
+
+    /// The means, m.
+    pub(crate) fn centre(&self) -> DVector<f64> {
+        DVector::from_column_slice(&self.mean)
+    }
+
+    /// S with S Sᵀ = Σ; none where Σ is no covariance.
+    pub(crate) fn factor(&self) -> Option<DMatrix<f64>> {
+        let n = self.mean.len();
+        let covariance = DMatrix::from_fn(n, n, |i, j| self.covariance[i][j]);
+        let even = (&covariance + covariance.transpose()) * 0.5;
+        let axes = even.try_symmetric_eigen(f64::EPSILON, 10_000)?;
+        let largest = axes.eigenvalues.max();
+        let least = ROUNDING * largest * n as f64;
+        if largest < 0.0 || axes.eigenvalues.iter().any(|value| *value < -1e3 * least) {
+            return None;
+        }
+        let kept: Vec<DVector<f64>> = axes
+            .eigenvalues
+            .iter()
+            .zip(axes.eigenvectors.column_iter())
+            .filter(|(value, _)| **value > least)
+            .map(|(value, axis)| axis * value.sqrt())
+            .collect();
+        Some(match kept.is_empty() {
+            true => DMatrix::zeros(n, 0),
+            false => DMatrix::from_columns(&kept),
+        })
+    }
+
+    /// The factor of what is known about CAD: beside Σ, how far the mean is from it.
+    pub(super) fn about_cad(&self, cad: &[f64]) -> DMatrix<f64> {
+        let n = self.mean.len();
+        let own = self.factor().unwrap_or_else(|| DMatrix::zeros(n, 0));
+        let off = self.centre() - DVector::from_column_slice(cad);
+        let columns = own.ncols();
+        let mut wider = own.insert_column(columns, 0.0);
+        wider.set_column(columns, &off);
+        wider
+    }
+}

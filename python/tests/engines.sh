@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# One fleet on every engine, calm and with workers and drivers killed in the middle: one SHA-256.
+# Installs Dask, Ray and Spark from PyPI and Java 17 from Debian, builds the package and runs
+# python/tests/engines. Ray and Spark are too heavy for every change (1.2 GB); run this before a
+# change of python/sesc/fleet is called done, and put its output into docs/fleet.md.
+#
+#     python/tests/engines.sh [--kill worker,driver] [further words for pytest]
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+root=$PWD
+venv=${CARGO_TARGET_DIR:-target}/engines-venv
+if ! command -v java >/dev/null; then
+  apt-get update -q
+  DEBIAN_FRONTEND=noninteractive apt-get install -y -q openjdk-17-jre-headless
+fi
+[[ -x $venv/bin/python ]] || python3 -m venv "$venv"
+"$venv/bin/pip" install --quiet "maturin>=1.14,<2" numpy pytest hypothesis "distributed" "ray>=2.60" \
+  "pyspark>=4.3" pyarrow pandas
+bin=$(cd "$venv/bin" && pwd)
+rm -rf "$venv/wheels"
+(cd python && "$bin/maturin" build --quiet --profile dev --out "$bin/../wheels" --interpreter "$bin/python")
+"$bin/pip" install --quiet --force-reinstall --no-deps "$venv"/wheels/sesc-*.whl
+tests=$(mktemp -d)
+trap 'rm -r "$tests"' EXIT
+cp -r python/tests "$tests"
+cd "$tests/tests"
+java -version 2>&1 | head -1
+"$bin/pip" list --format freeze | grep -E "^(distributed|ray|pyspark)="
+SESC_REPOSITORY=$root "$bin/python" -m pytest engines -s --engine executor,dask,ray,spark "$@"

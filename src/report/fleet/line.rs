@@ -1,0 +1,52 @@
+//! A row of the table as pages have it.
+
+use serde::Serialize;
+use sesc_identify::fleet::Row;
+
+use super::label;
+
+/// A row: verdict, worth of the data, and what was found, in short.
+#[derive(Serialize)]
+pub(super) struct Line {
+    pub day: String,
+    pub verdict: String,
+    pub bad: bool,
+    pub postures: u64,
+    pub noise_mm: Option<f64>,
+    pub left_mm: Option<f64>,
+    pub said: String,
+}
+
+/// A row as pages have it.
+pub(super) fn line(row: &Row) -> Line {
+    let effects: Vec<String> = row.effects.iter().map(label).collect();
+    let health: Vec<String> = row
+        .health
+        .iter()
+        .map(|f| format!("{} {}", f.kind.name(), f.target))
+        .collect();
+    let error = row.error.iter().cloned();
+    let said: Vec<String> = effects.into_iter().chain(health).chain(error).collect();
+    Line {
+        day: row.day.clone(),
+        verdict: match row.verdict.as_str() {
+            "" if row.has_result() => "fitted".to_string(),
+            "" => "no result".to_string(),
+            verdict => verdict.to_string(),
+        },
+        bad: !is_fine(row),
+        postures: row.postures,
+        noise_mm: row.noise_floor.map(|x| 1e3 * x),
+        left_mm: row.held_out_rmse.map(|x| 1e3 * x),
+        said: said.join("; "),
+    }
+}
+
+/// Whether nothing is missing, as far as it was looked for.
+fn is_fine(row: &Row) -> bool {
+    match row.verdict.as_str() {
+        "none" | "absorbed" => true,
+        "" => row.has_result(),
+        _ => false,
+    }
+}

@@ -1,0 +1,83 @@
+//! The page of one robot of a fleet: why it is looked at, and what its rows say day by day.
+
+use minijinja::value::Serde;
+use minijinja::{Error, context};
+use serde::Serialize;
+use sesc_identify::fleet::Row;
+use sesc_identify::fleet::summary::Summary;
+
+use super::super::html::render;
+use super::label;
+use super::line::{Line, line};
+
+/// An effect with its size on every day.
+#[derive(Serialize)]
+struct Course {
+    effect: String,
+    parameter: String,
+    days: Vec<Option<(f64, f64)>>,
+}
+
+/// The page of the robot `name`; it stands in a folder beside the page `fleet`.
+pub(super) fn robot_page(
+    name: &str,
+    rows: &[&Row],
+    summary: &Summary,
+    (fleet, command): (&str, &str),
+) -> Result<String, Error> {
+    let reason = summary.reasons.iter().find(|reason| reason.robot == name);
+    let shared = summary
+        .shared
+        .iter()
+        .filter(|shared| shared.robots.iter().any(|robot| robot == name));
+    let shared: Vec<&str> = shared.map(|shared| shared.sentence.as_str()).collect();
+    let changes: Vec<_> = summary
+        .changes
+        .iter()
+        .filter(|change| change.robot == name)
+        .collect();
+    let last = rows.iter().rev().find(|row| row.has_result());
+    let context = context! {
+        name => name,
+        fleet => fleet,
+        why => reason.map(|reason| reason.why.as_str()),
+        shared => Serde(shared),
+        changes => Serde(changes),
+        lines => Serde(rows.iter().map(|row| line(row)).collect::<Vec<Line>>()),
+        courses => Serde(courses(rows)),
+        days => Serde(rows.iter().map(|row| &row.day).collect::<Vec<&String>>()),
+        last => Serde(last.map(|row| (&row.day, &row.sentence))),
+        command => command,
+    };
+    render("fleet_robot.html", context)
+}
+
+/// Every parameter of every effect, in the unit that its name ends in; angles in degrees.
+fn courses(rows: &[&Row]) -> Vec<Course> {
+    let mut found: Vec<Course> = Vec::new();
+    for (day, row) in rows.iter().enumerate() {
+        for effect in &row.effects {
+            for (parameter, size) in &effect.parameters {
+                let (shown, unit) = match parameter.strip_suffix("_rad") {
+                    Some(short) => (format!("{short}, °"), 1f64.to_degrees()),
+                    None => match parameter.strip_suffix("_m") {
+                        Some(short) => (format!("{short}, mm"), 1e3),
+                        None => (parameter.clone(), 1.0),
+                    },
+                };
+                let name = label(effect);
+                let is_it = |course: &Course| course.effect == name && course.parameter == shown;
+                let at = found.iter().position(is_it).unwrap_or_else(|| {
+                    found.push(Course {
+                        effect: name.clone(),
+                        parameter: shown.clone(),
+                        days: vec![None; rows.len()],
+                    });
+                    found.len() - 1
+                });
+                found[at].days[day] = Some((unit * size.value, unit * size.std));
+            }
+        }
+    }
+    found
+}
