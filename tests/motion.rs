@@ -7,6 +7,7 @@ use std::sync::Arc;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{self, Diagnosis, Verdict};
+use sesc_identify::evaluate::MotionPredictor;
 use sesc_identify::fit::{self, Identification, MotionModel, fit};
 use sesc_identify::hide::hide;
 use sesc_identify::logs::{LogSource, Table};
@@ -16,7 +17,7 @@ use sesc_identify::simulate;
 use sesc_identify::stance::Stance;
 use sesc_reference::World;
 use sesc_virtual::moving::Swing;
-use sesc_virtual::recording::{Kind, Noise, Recording};
+use sesc_virtual::recording::{Kind, Noise, Recording, draw};
 use sesc_virtual::stage::{Platform, Stage};
 
 const WHITE: Noise = Noise {
@@ -297,4 +298,78 @@ fn a_payload_in_motion_is_found_at_every_rate() {
         assert!(found.last.rmse < 1.15 * WHITE.std[0], "{}", found.last.rmse);
         assert!(found.model_on_log.agrees);
     }
+}
+
+/// A foot, a leg that leans to the side, and a trunk that bows.
+const BOWER: &str = r#"<robot name="bower">
+  <link name="foot"><inertial><origin xyz="0.02 0 0.03"/><mass value="1"/></inertial></link>
+  <link name="leg"><inertial><origin xyz="0 0.01 0.25"/><mass value="3"/>
+    <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.04" iyz="0" izz="0.01"/></inertial></link>
+  <link name="trunk"><inertial><origin xyz="0.02 0 0.2"/><mass value="5"/>
+    <inertia ixx="0.2" ixy="0" ixz="0" iyy="0.15" iyz="0" izz="0.05"/></inertial></link>
+  <joint name="ankle" type="revolute"><parent link="foot"/><child link="leg"/>
+    <origin xyz="0 0 0.1"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
+  <joint name="hip" type="revolute"><parent link="leg"/><child link="trunk"/>
+    <origin xyz="0 0 0.4"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
+</robot>"#;
+
+/// Eight minutes at 100 Hz, of which one row in sixteen is kept: how late joints are is found
+/// in fast motion as it is in ten seconds of it.
+#[test]
+fn a_delay_is_found_in_a_long_log() {
+    const DELAY_S: f64 = 0.05;
+    let robot = Arc::new(Robot::parse(BOWER, "bower.urdf").unwrap());
+    let rows = 48_000;
+    let waves = [[3.1, 0.3], [4.3, 1.1], [3.7, 2.0], [4.4, 0.5]];
+    // Positions, velocities and accelerations of both joints.
+    let at = |t: f64, order: i32| -> Vec<f64> {
+        let quarter = f64::from(order) * std::f64::consts::FRAC_PI_2;
+        let of = |[w, p]: &[f64; 2]| 0.12 * w.powi(order) * (w * t + p + quarter).sin();
+        waves
+            .chunks(2)
+            .map(|own| own.iter().map(of).sum())
+            .collect()
+    };
+    let times: Vec<f64> = (0..rows).map(|k| 0.01 * f64::from(k)).collect();
+    let all = |order: i32, late: f64| -> Vec<f64> {
+        times.iter().flat_map(|t| at(t + late, order)).collect()
+    };
+    let model = robot
+        .model("foot", sesc_model::Snapping::Off, None)
+        .unwrap();
+    let moving = MotionPredictor::new(&model);
+    let [q, rates, gains] = [0, 1, 2].map(|order| all(order, DELAY_S));
+    let cop = moving.readings(&q, rows as usize, (&rates, &gains));
+    let mut random = ChaCha8Rng::seed_from_u64(21);
+    let noise = [5e-4; 2].map(|std| draw(Kind::White, std, &times, &mut random));
+    let seen = all(0, 0.0);
+    let column =
+        |of: &[f64], k: usize| -> Vec<f64> { of.iter().skip(k).step_by(2).copied().collect() };
+    let reading = |axis: usize| -> Vec<f64> {
+        let own = column(&cop, axis).into_iter().zip(&noise[axis]);
+        own.map(|(y, e)| y + e).collect()
+    };
+    let log = Table::new("long")
+        .numbers("t", times.clone())
+        .numbers("ankle", column(&seen, 0))
+        .numbers("hip", column(&seen, 1))
+        .numbers("cop_x", reading(0))
+        .numbers("cop_y", reading(1));
+    let mut request = diagnose::Request::new(robot, log);
+    request.support = Some("foot".to_string());
+    request.prior = "tight".into();
+    request.noise = Some(5e-4);
+    let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
+    println!("{}", found.sentence);
+    let named: Vec<&str> = found.steps.iter().map(|step| step.effect).collect();
+    assert_eq!(named, ["time_delay"]);
+    let delay = &found.steps[0].parameters["delay_s"];
+    assert!(
+        (delay.value.abs() - DELAY_S).abs() < 0.001,
+        "{}",
+        delay.value
+    );
+    assert!(found.last.rmse < 1.15 * 5e-4, "{}", found.last.rmse);
 }

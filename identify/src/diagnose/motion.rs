@@ -22,7 +22,7 @@ use crate::fit::prior::{Prior, Tolerances};
 use crate::observations::correlation::Correlation;
 use crate::observations::motion_use::{Column, MotionModel, MotionUse, Share};
 use crate::observations::postures::{Postures, rms};
-use crate::observations::zmp::{Moved, Zmp, in_time};
+use crate::observations::zmp::{Moved, Zmp};
 
 /// How far joints may stand from where encoders say, rad or m.
 const OFFSET: f64 = 0.1;
@@ -80,10 +80,9 @@ fn tell_slopes(moved: &mut Moved, data: &Postures, model: &Model) {
     let motion = data.motion.clone().unwrap_or_default();
     let (rates, gains) = (&motion.rates[..], &motion.gains[..]);
     let (cad, tilts) = (model.cad_params(), tilts(data, model));
-    moved.slopes = Zmp::new(model).slopes(&cad, &data.q, (rates, gains), &tilts);
-    if let Some(t) = &data.t {
-        moved.in_time = in_time(t, &moved.shift, &moved.slopes, (rates, gains));
-    }
+    let zmp = Zmp::new(model);
+    moved.slopes = zmp.slopes(&cad, &data.q, (rates, gains), &tilts);
+    moved.in_time = zmp.in_time(&cad, &data.q, &motion, &tilts, &moved.slopes);
 }
 
 /// The share that readings show, with masses within their prior and joints that stand

@@ -1,7 +1,7 @@
 //! Rows of a log with how the joints move in them, block by block.
 //!
 //! ```text
-//! before │ block │ ahead      a row's window reaches into the blocks beside its own
+//! before │ block │ ahead      what is known of a row reaches into the blocks beside its own
 //! ```
 //!
 //! One block is read ahead and the end of the last one is kept: memory does not grow with the

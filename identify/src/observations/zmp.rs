@@ -16,7 +16,6 @@ use sesc_model::inertia::GRAVITY;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Model, motion_rows};
 
-use super::correlation;
 use super::motion::Motion;
 use crate::evaluate::FASTEST;
 
@@ -24,14 +23,10 @@ use crate::evaluate::FASTEST;
 const LEAST_LOAD: f64 = 0.2;
 /// An acceleration that hardly changes the load on the ground, rad/s² or m/s².
 const SMALL: f64 = 1e-3;
-/// Rows further apart than this many ordinary intervals are no neighbours.
-const GAP: f64 = 4.0;
-/// Parabolas reach this far to either side where rows are dense, s.
-const REACH_S: f64 = 0.06;
-/// Rows further apart know no derivative of what motion adds, s: at 0.7 Hz it would be 4 % off.
-const FAR_S: f64 = 0.12;
-/// Joints are moved by this for differences, rad or m.
+/// Joints are moved by this for differences, rad or m,
 const STEP: f64 = 1e-5;
+/// and the robot by this along its motion, s.
+const STEP_S: f64 = 1e-3;
 
 /// The ZMP of one robot on its support, row by row.
 pub struct Zmp {
@@ -80,57 +75,6 @@ impl Moved {
             }
         }
     }
-}
-
-/// Δ̇ and Δ̈ of a log by parabolas through rows at times `t`, less the parts `Σ_j ∂Δ/∂q_j q̇_j`
-/// and `Σ_j ∂Δ/∂q_j q̈_j` of positions; x and y each. Zero where a row has a neighbour on one
-/// side alone, and where rows are too far apart, as those kept of a long log are.
-pub fn in_time(
-    t: &[f64],
-    shift: &[[f64; 2]],
-    slopes: &[f64],
-    (rates, gains): (&[f64], &[f64]),
-) -> Vec<[[f64; 2]; 2]> {
-    let dof = rates.len() / shift.len().max(1);
-    let step = correlation::step(t).unwrap_or(0.0);
-    if step > FAR_S {
-        return vec![[[0.0; 2]; 2]; shift.len()];
-    }
-    let reach = REACH_S.max(1.5 * step);
-    let joins = |a: usize, b: usize| t[b] > t[a] && t[b] - t[a] <= GAP * step;
-    let of = |k: usize| {
-        let near = |other: &usize| (t[*other] - t[k]).abs() <= reach;
-        let before = (1..=k)
-            .rev()
-            .take_while(|&a| joins(a - 1, a))
-            .map(|a| a - 1);
-        let after = (k + 1..t.len()).take_while(|&b| joins(b - 1, b));
-        let ends = (
-            before.take_while(near).last(),
-            after.take_while(near).last(),
-        );
-        let (Some(first), Some(last)) = ends else {
-            return [[0.0; 2]; 2];
-        };
-        let (a, b) = (t[k] - t[first], t[last] - t[k]);
-        let slopes = &slopes[2 * k * dof..2 * (k + 1) * dof];
-        let own = |motion: &[f64], axis: usize| -> f64 {
-            let motion = motion[k * dof..(k + 1) * dof].iter();
-            motion
-                .zip(slopes.chunks_exact(2))
-                .map(|(x, slope)| x * slope[axis])
-                .sum()
-        };
-        let of = [0, 1].map(|axis| {
-            let back = (shift[k][axis] - shift[first][axis]) / a;
-            let forth = (shift[last][axis] - shift[k][axis]) / b;
-            let rate = (b * back + a * forth) / (a + b) - own(rates, axis);
-            let curve = 2.0 * (forth - back) / (a + b) - own(gains, axis);
-            [rate, curve]
-        });
-        [0, 1].map(|order| [0, 1].map(|axis| of[axis][order]))
-    };
-    (0..shift.len()).map(of).collect()
 }
 
 /// What one joint does to the ZMP, by axis.
@@ -298,6 +242,61 @@ impl Zmp {
         slopes
     }
 
+    /// Δ̇ and Δ̈ of postures `q` along their `motion`, less what `slopes` make of velocities and
+    /// accelerations; x and y each.
+    pub fn in_time(
+        &self,
+        params: &[f64],
+        q: &[f64],
+        motion: &Motion,
+        tilts: &[[f64; 2]],
+        slopes: &[f64],
+    ) -> Vec<[[f64; 2]; 2]> {
+        let Motion {
+            rates,
+            gains,
+            jerks,
+            snaps,
+            ..
+        } = motion;
+        // Where all derivatives but the last are known, `dt` later.
+        let later = |dt: f64, of: [&[f64]; 3]| -> Vec<f64> {
+            let [x, rate, gain] = of;
+            let all = x.iter().zip(rate).zip(gain);
+            all.map(|((x, rate), gain)| x + dt * (rate + 0.5 * dt * gain))
+                .collect()
+        };
+        let at = |dt: f64| {
+            let q = later(dt, [q, rates, gains]);
+            let rates = later(dt, [rates, gains, jerks]);
+            let gains = later(dt, [gains, jerks, snaps]);
+            self.shifts(params, &q, (&rates, &gains), tilts)
+        };
+        let [before, here, after] = [-STEP_S, 0.0, STEP_S].map(at);
+        let of = |k: usize| {
+            let own = 2 * k * self.dof..2 * (k + 1) * self.dof;
+            let known = jerks[k * self.dof..(k + 1) * self.dof].iter();
+            if known.clone().all(|jerk| *jerk == 0.0) {
+                return [[0.0; 2]; 2];
+            }
+            let by_slopes = |motion: &[f64], axis: usize| -> f64 {
+                let motion = motion[own.start / 2..own.end / 2].iter();
+                let slopes = slopes[own.clone()].chunks_exact(2);
+                motion.zip(slopes).map(|(x, slope)| x * slope[axis]).sum()
+            };
+            let rate = |axis: usize| (after[k][axis] - before[k][axis]) / (2.0 * STEP_S);
+            let curve = |axis: usize| {
+                let sum = after[k][axis] + before[k][axis];
+                (sum - 2.0 * here[k][axis]) / (STEP_S * STEP_S)
+            };
+            [
+                [0, 1].map(|axis| rate(axis) - by_slopes(rates, axis)),
+                [0, 1].map(|axis| curve(axis) - by_slopes(gains, axis)),
+            ]
+        };
+        (0..tilts.len()).map(of).collect()
+    }
+
     /// What joints do to the ZMP near posture `q`.
     fn levers(&self, q: &[f64]) -> Vec<Lever> {
         let still = vec![0.0; self.dof];
@@ -318,36 +317,5 @@ impl Zmp {
             }
         };
         (0..self.dof).map(of).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Δ = 0.01 + 0.2 t + 0.5 t² on uneven stamps, of which a joint at 3 rad/s and 4 rad/s² has
-    /// 0.02 m/rad.
-    #[test]
-    fn derivatives_are_those_of_a_parabola_unless_rows_are_far_apart() {
-        for (step, known) in [(0.002, true), (0.05, true), (0.4, false)] {
-            let t: Vec<f64> = (0..40)
-                .map(|k| step * (f64::from(k) + 0.3 * f64::from(k % 3)))
-                .collect();
-            let of = |t: &f64| 0.01 + 0.2 * t + 0.5 * t * t;
-            let shift: Vec<[f64; 2]> = t.iter().map(|t| [of(t), -of(t)]).collect();
-            let slopes: Vec<f64> = t.iter().flat_map(|_| [0.02, 0.0]).collect();
-            let (rates, gains) = (vec![3.0; 40], vec![4.0; 40]);
-            let found = in_time(&t, &shift, &slopes, (&rates, &gains));
-            assert_eq!(found[0], [[0.0; 2]; 2]);
-            for (found, t) in found[1..39].iter().zip(&t[1..]) {
-                let expected = match known {
-                    true => [[0.2 + t - 0.06, -0.2 - t], [1.0 - 0.08, -1.0]],
-                    false => [[0.0; 2]; 2],
-                };
-                let pairs = found.iter().flatten().zip(expected.iter().flatten());
-                let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                assert!(off < 1e-6, "{step} s: {found:?} {expected:?}");
-            }
-        }
     }
 }

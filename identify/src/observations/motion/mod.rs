@@ -21,12 +21,16 @@
 //! same in every swing while noise averages out. Dense rows are averaged over a twentieth of h
 //! first. A window ends where the log pauses; a row with too little of it on either side does
 //! not know its motion, unless nothing moves in what there is. What rows of whole windows leave of
-//! the polynomials is the noise of positions: encoders that turn in ticks have some.
+//! the polynomials is the noise of positions: encoders that turn in ticks have some. How
+//! accelerations change from row to row is known, too, for joints that are late.
 
+mod changes;
 mod polynomials;
 #[cfg(test)]
 mod tests;
 mod windows;
+
+use std::ops::Range;
 
 use super::correlation;
 use crate::logs::Block;
@@ -89,6 +93,10 @@ pub struct Motion {
     pub gains_std: Vec<f64>,
     /// Standard deviation of the positions that were read, rad or m; 0 of joints that stand.
     pub positions_std: Vec<f64>,
+    /// First derivative of `gains` in time; 0 where it is not known,
+    pub jerks: Vec<f64>,
+    /// and second.
+    pub snaps: Vec<f64>,
     /// Whether the row has a window.
     pub known: Vec<bool>,
 }
@@ -128,31 +136,35 @@ impl Plan {
         best.map(|(_, plan)| plan)
     }
 
-    /// How far a window reaches to either side, s.
+    /// How far what is known of a row reaches to either side, s.
     pub fn reach_s(&self) -> f64 {
-        windows::reach(self.half)
+        windows::reach(self.half) + changes::reach(self.step_s)
     }
 
-    /// The motion in some `rows` of a log, of whose neighbours `t` and `q` hold what windows
-    /// reach; none where no joint moves by more than noise shows.
-    pub fn motion(
-        &self,
-        t: &[f64],
-        q: &[f64],
-        dof: usize,
-        rows: std::ops::Range<usize>,
-    ) -> Option<Motion> {
+    /// The motion in some `rows` of a log, of whose neighbours `t` and `q` hold what
+    /// [`Plan::reach_s`] says; none where no joint moves by more than noise shows.
+    pub fn motion(&self, t: &[f64], q: &[f64], dof: usize, rows: Range<usize>) -> Option<Motion> {
         if is_still(q, dof) || rows.is_empty() {
             return None;
         }
+        let near = |a: usize, b: usize| (t[b] - t[a]).abs() <= changes::reach(self.step_s);
+        let before = (0..rows.start)
+            .rev()
+            .take_while(|row| near(*row, rows.start));
+        let after = (rows.end..t.len()).take_while(|row| near(rows.end - 1, *row));
+        let around = rows.start - before.count()..rows.end + after.count();
+        let mut motion = self.motion_in(t, q, dof, around.clone())?;
+        changes::find(&mut motion, &t[around.clone()], self.step_s);
+        motion.narrow(rows.start - around.start..rows.end - around.start, dof);
+        Some(motion)
+    }
+
+    /// The same without changes of accelerations.
+    fn motion_in(&self, t: &[f64], q: &[f64], dof: usize, rows: Range<usize>) -> Option<Motion> {
         let nodes = Nodes::of(t, q, dof, self.step_s, self.half);
         let window = Window::new(&nodes, self.step_s, self.half);
         let moving = self.moving(&nodes, &window)?;
         let mut motion = Motion::default();
-        let count = rows.len() * dof;
-        for all in motion.columns() {
-            all.reserve(count);
-        }
         let mut positions = PositionNoise::new(dof, nodes.rows);
         let mut at: Option<(usize, Local)> = None;
         for row in rows {
@@ -292,6 +304,16 @@ impl Motion {
         self.known.retain(|known| *known);
     }
 
+    /// Keep some rows in line.
+    fn narrow(&mut self, rows: Range<usize>, dof: usize) {
+        for all in self.columns() {
+            all.truncate(rows.end * dof);
+            all.drain(..rows.start * dof);
+        }
+        self.known.truncate(rows.end);
+        self.known.drain(..rows.start);
+    }
+
     /// Add rows; those of a log that stands where there is none.
     pub fn extend(&mut self, other: Option<Motion>, rows: usize, dof: usize) {
         match other {
@@ -300,6 +322,8 @@ impl Motion {
                 self.gains.extend(other.gains);
                 self.gains_std.extend(other.gains_std);
                 self.positions_std.extend(other.positions_std);
+                self.jerks.extend(other.jerks);
+                self.snaps.extend(other.snaps);
                 self.known.extend(other.known);
             }
             None => {
@@ -312,15 +336,17 @@ impl Motion {
     }
 
     /// What is known of each row and joint.
-    pub fn columns(&mut self) -> [&mut Vec<f64>; 4] {
+    pub fn columns(&mut self) -> [&mut Vec<f64>; 6] {
         let Motion {
             rates,
             gains,
             gains_std,
             positions_std,
+            jerks,
+            snaps,
             known: _,
         } = self;
-        [rates, gains, gains_std, positions_std]
+        [rates, gains, gains_std, positions_std, jerks, snaps]
     }
 
     fn dof(&self) -> usize {

@@ -162,3 +162,45 @@ fn positions_are_known_as_well_as_encoders_read_them() {
         }
     }
 }
+
+/// Jerk and snap of a swing at 100, 50 and 20 Hz, row by row, the middle of a long log like
+/// its end; none where rows are too far apart, beside a pause and at the ends.
+#[test]
+fn accelerations_change_as_those_of_a_swing_do() {
+    let hertz = 0.7;
+    let w = std::f64::consts::TAU * hertz;
+    for (step, within) in [(0.01, 0.03), (0.02, 0.03), (0.05, 0.03), (0.16, 0.0)] {
+        let (mut t, q) = swing(step, 600.0 * step, if within > 0.0 { hertz } else { 0.1 });
+        t.iter_mut().skip(400).for_each(|t| *t += 100.0 / hertz);
+        let plan = Plan::of(&t, &q, 1).unwrap();
+        let motion = plan.motion(&t, &q, 1, 0..t.len()).unwrap();
+        let mut told = 0;
+        for (k, t) in t.iter().enumerate() {
+            let (jerk, snap) = (motion.jerks[k], motion.snaps[k]);
+            let beside = !motion.known[k] || k.min(599 - k) < 2 || k.abs_diff(400) < 2;
+            if within == 0.0 || (beside && jerk == 0.0) {
+                assert_eq!((jerk, snap), (0.0, 0.0), "{step} s, row {k}");
+                continue;
+            }
+            told += usize::from(jerk != 0.0);
+            let off = jerk + 0.3 * w.powi(3) * (w * t).cos();
+            assert!(
+                off.abs() < within * 0.3 * w.powi(3) || jerk == 0.0,
+                "{step} s, row {k}"
+            );
+            let off = snap - 0.3 * w.powi(4) * (w * t).sin();
+            assert!(
+                off.abs() < 3.0 * within * 0.3 * w.powi(4) || jerk == 0.0,
+                "{step} s, row {k}"
+            );
+        }
+        assert!(within == 0.0 || told > 500, "{told}");
+        // In some rows alone, whose neighbours are seen.
+        let some = plan.motion(&t, &q, 1, 100..150).unwrap();
+        assert_eq!(some.jerks.len(), 50);
+        for (k, jerk) in some.jerks.iter().enumerate() {
+            let whole = motion.jerks[100 + k];
+            assert!((jerk - whole).abs() < 1e-6 * whole.abs().max(1.0));
+        }
+    }
+}

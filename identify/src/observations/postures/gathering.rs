@@ -21,14 +21,14 @@ pub(super) struct Posture {
     pub(super) moving: Motions,
 }
 
-/// Sums of velocities, accelerations, their variances and those of positions over rows that know them; empty
-/// where joints stand.
+/// Sums of velocities, accelerations, their variances, those of positions, and of the first and
+/// second derivative of accelerations over rows that know them; empty where joints stand.
 #[derive(Clone, Default)]
 pub(super) struct Motions {
     pub(super) rows: f64,
     /// Whether a row does not know its motion.
     pub(super) unknown: bool,
-    pub(super) sums: [Vec<f64>; 4],
+    pub(super) sums: [Vec<f64>; 6],
 }
 
 impl Motions {
@@ -49,6 +49,8 @@ impl Motions {
                 of(&motion.gains),
                 variances(&motion.gains_std),
                 variances(&motion.positions_std),
+                of(&motion.jerks),
+                of(&motion.snaps),
             ],
         }
     }
@@ -193,6 +195,8 @@ impl Gathering {
                 gains_std: of(2).map(f64::sqrt).collect(),
                 // Accelerations of neighbours are from the same window, positions are read anew.
                 positions_std: of(3).map(|mean| (mean / own.rows).sqrt()).collect(),
+                jerks: of(4).collect(),
+                snaps: of(5).collect(),
                 known: vec![!own.unknown],
             });
             motion.extend(one, 1, dof);
