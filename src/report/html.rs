@@ -7,7 +7,7 @@
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, Error, UndefinedBehavior, context};
 
-use super::{DemoReport, HiddenAct, diagnose, figures, svg, table};
+use super::{DemoReport, HiddenAct, diagnose, digest, figures, svg, table};
 
 /// Outline of the OP2's sole around its sole frame: length, width, m.
 const OP2_SOLE_M: [f64; 2] = [0.105, 0.066];
@@ -74,7 +74,9 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     });
     environment.add_filter("plain", |value: f64| value.to_string());
     environment.add_global("colors", Serde(svg::PALETTE));
-    environment.add_global("script", Value::from_safe_string(SCRIPT.concat()));
+    let script = format!("\n'use strict';\n{}", SCRIPT.concat());
+    environment.add_global("policy", digest::source_of(&script));
+    environment.add_global("script", Value::from_safe_string(script));
     // The ending of a page's name turns escaping on.
     for (name, source) in [
         ("page.css", include_str!("page.css")),
@@ -185,6 +187,38 @@ mod tests {
         still(&page, 1);
         assert_eq!(page.matches("<svg ").count(), 9);
         assert_eq!(page, demo(&report()).unwrap());
+    }
+
+    /// The policy of a page lets its one script run and nothing else, and that is small.
+    #[test]
+    fn a_page_may_run_its_own_script_and_load_nothing() {
+        assert!(SCRIPT.concat().len() < 150_000);
+        let page = demo(&report()).unwrap();
+        let (_, policy) = page
+            .split_once("Content-Security-Policy\" content=\"")
+            .unwrap();
+        let (policy, _) = policy.split_once('"').unwrap();
+        let (_, script) = page.split_once("<script>").unwrap();
+        let (script, _) = script.split_once("</script>").unwrap();
+        let own = digest::source_of(script);
+        assert_eq!(
+            policy,
+            format!("default-src 'none'; style-src 'unsafe-inline'; script-src '{own}'")
+        );
+        for handler in ["onclick=", "onload=", "javascript:", " style=\""] {
+            assert!(!page.contains(handler), "{handler}");
+        }
+    }
+
+    #[test]
+    fn data_in_a_script_end_no_script() {
+        let hostile = serde_json::json!("</script><!--\u{2028}\u{2029}&");
+        let text = inline_json(&hostile);
+        assert!(!text.contains(['<', '>', '&', '\u{2028}', '\u{2029}']));
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
+            hostile
+        );
     }
 
     #[test]

@@ -116,6 +116,7 @@ pub fn still(page: &str, scripts: usize) -> String {
     }
     assert_eq!(count, scripts);
     let outside = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    let outside = outside.replace("http-equiv", "");
     for reference in [
         "http",
         "src=",

@@ -121,7 +121,7 @@ fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
     ] {
         assert!(page.contains(text), "{text}");
     }
-    for outside in ["http", "src=", "@import", "url(", "<script"] {
+    for outside in ["http:", "https:", "src=", "@import", "url(", "<script src"] {
         assert!(!page.contains(outside), "{outside}");
     }
 }

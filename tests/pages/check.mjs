@@ -60,6 +60,8 @@ async function check(path) {
   const printed = await page.ask(figures);
   expect(printed.length === count && printed.every((width) => width > 0),
     `on paper ${printed.filter((width) => width > 0).length} of ${count} figures`);
+  await page.size(718, 900);
+  for (const what of await page.ask(beyond, 718)) expect(false, `on paper: ${what}`);
   expect(await page.evaluate("![...document.querySelectorAll('.controls, .tip')].some((e) => e.offsetWidth)"),
     'sliders are printed');
   const { data } = await page.tell('Page.printToPDF', {});

@@ -75,12 +75,16 @@ fn data<'a>(found: &'a Diagnosis, view: &'a DiagnosisView) -> Data<'a> {
     let mut lines = vec![("rows", found.samples.sentence())];
     lines.push((
         "postures",
-        match found.postures_used < found.postures {
-            true => format!(
+        match (found.postures_used < found.postures, found.samples.rows) {
+            (true, _) => format!(
                 "{}, {} of them used, evenly chosen",
                 found.postures, found.postures_used
             ),
-            false => found.postures.to_string(),
+            (_, rows) if rows > found.postures => {
+                let each = rows as f64 / found.postures.max(1) as f64;
+                format!("{}, {each:.1} rows each", found.postures)
+            }
+            _ => format!("{}, a row each", found.postures),
         },
     ));
     lines.push((

@@ -79,14 +79,16 @@ function plots(data, tip, show) {
   for (const { svg, all } of figures) {
     svg.setAttribute('tabindex', '0');
     svg.setAttribute('role', 'group');
-    svg.addEventListener('pointermove', (event) => {
+    const point = (event) => {
       const matrix = svg.getScreenCTM().inverse();
       const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix);
       const dot = nearest(all, at.x, at.y, 14);
       if (!dot) return tip.hide();
       select(dot.k);
       tip.show(said(data, dot.k), event.clientX, event.clientY);
-    });
+    };
+    svg.addEventListener('pointermove', point);
+    svg.addEventListener('pointerdown', point);
     svg.addEventListener('pointerleave', () => tip.hide());
     svg.addEventListener('blur', () => tip.hide());
     const beside = () => {

@@ -63,8 +63,8 @@ function picture(group, data) {
       }
     }
     for (const mark of names) {
-      const body = Number(mark.dataset.n);
-      moved(mark, view.at(still[body].origin), view.at(frames[body].origin));
+      const [body, ...point] = numbers(mark.dataset.n);
+      moved(mark, view.at(seen(still[body], point)), view.at(seen(frames[body], point)));
     }
     for (const [path, [body, ...ends]] of arrows) {
       const [tail, tip] = [ends.slice(0, 3), ends.slice(3)].map((p) => view.at(seen(frames[body], p)));

@@ -154,11 +154,22 @@ impl Drawing<'_, '_> {
         }
     }
 
-    /// Names of the joints that are meant, beside them and apart from each other.
+    /// Names of the joints and links that are meant, beside them and apart from each other.
     fn names(&self, figure: &mut Figure, placed: &Placed<'_>) {
         let mut taken: Vec<f64> = Vec::new();
-        for (body, name) in &self.pictured.marks.joints {
-            let at = self.view.at(placed.joint(*body));
+        let marks = &self.pictured.marks;
+        // A joint is the origin of its body.
+        let joints = marks.joints.iter();
+        let joints = joints.map(|(body, name)| (*body, name, [0.0; 3]));
+        let links = marks.links.iter().filter_map(|name| {
+            let own = |capsule: &&Capsule| capsule.part == Part::Link && capsule.link == *name;
+            let capsule = self.pictured.skeleton.capsules.iter().find(own)?;
+            let [a, b] = capsule.ends;
+            let middle = [0, 1, 2].map(|axis| (a[axis] + b[axis]) / 2.0);
+            Some((capsule.body, name, middle))
+        });
+        for (body, name, point) in joints.chain(links) {
+            let at = self.view.at(placed.point(body, point));
             let wide = text_width(name) * 1.08;
             let left = at[0] + 14.0 + wide < WIDTH - 4.0;
             let x = match left {
@@ -171,7 +182,9 @@ impl Drawing<'_, '_> {
             }
             taken.push(y);
             let anchor = if left { Anchor::Start } else { Anchor::End };
-            figure.group(&format!("data-n=\"{body}\""), |figure| {
+            let [px, py, pz] = point;
+            let attributes = format!("data-n=\"{body} {px:.5} {py:.5} {pz:.5}\"");
+            figure.group(&attributes, |figure| {
                 figure.haloed([x, y], anchor, NAME, INK, name);
             });
         }

@@ -102,6 +102,7 @@ fn what_is_suspected_is_marked_and_named() {
         let texts = sound(&svg);
         assert!(texts.iter().any(|text| text == "r_hip_pitch"));
         assert!(texts.iter().any(|text| text == "<and> another"));
+        assert!(texts.iter().any(|text| text == "head_tilt_link"));
         assert_eq!(svg.matches("class=\"orange\" cx").count(), 1, "one joint");
         let orange = svg.matches("class=\"orange\" d").count();
         let blue = svg.matches("class=\"blue\" d").count();
