@@ -43,10 +43,6 @@ pub struct StudyFleet {
     /// Only write the logs of the tested fleet into this folder
     #[arg(long, value_name = "DIR")]
     write: Option<PathBuf>,
-    /// Only write the pages of the tested fleet: FILE, and beside it a folder of its name with a
-    /// page for each robot
-    #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
     /// Where the table goes, instead of docs/study-fleet.md
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -63,9 +59,6 @@ impl StudyFleet {
         if let Some(folder) = &self.write {
             faulty(self.seed).write(folder)?;
             return Ok(());
-        }
-        if let Some(path) = &self.page {
-            return self.pages(&faulty(self.seed), path);
         }
         let mut missed = Vec::new();
         let mut text = format!(
@@ -139,22 +132,6 @@ impl StudyFleet {
             true => Ok(()),
             false => Err(format!("not as it should be: {}", missed.join(", ")).into()),
         }
-    }
-
-    /// Write the pages of a fleet.
-    fn pages(&self, fleet: &Fleet, path: &Path) -> Result<(), Box<dyn Error>> {
-        let (found, summary, _) = self.look(fleet)?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let made = format!("cargo xtask study-fleet --page {}", path.display());
-        let pages = sesc::report::fleet::pages(&found, &summary, &made, &name)?;
-        let folder = path.with_file_name(&pages.folder);
-        fs::create_dir_all(&folder)?;
-        for (robot, page) in &pages.robots {
-            fs::write(folder.join(robot), page)?;
-        }
-        fs::write(path, &pages.fleet)?;
-        eprintln!("wrote {}", path.display());
-        Ok(())
     }
 
     fn look(&self, fleet: &Fleet) -> Result<(Found, Summary, f64), Box<dyn Error>> {
