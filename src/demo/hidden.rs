@@ -22,10 +22,9 @@ use sesc_identify::evaluate::{EffectPredictor, Evaluator};
 use sesc_identify::logs::Table;
 use sesc_identify::observations::postures::rms;
 use sesc_identify::plan::balance::Region;
-use sesc_identify::plan::candidates::{Demands, Sampler};
-use sesc_identify::plan::clearance::Clearance;
 use sesc_identify::plan::geometry::Geometry;
 use sesc_identify::plan::limits::Limits;
+use sesc_identify::plan::scene::Scene;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 
@@ -137,23 +136,8 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
     }
     let region = Region::square(BOX, 0.0)?;
     let geometry = Geometry::read(&robot.description, None);
-    let clearance = Clearance::new(model, &geometry, 0.005, None);
-    let uncertainty = nalgebra::DMatrix::zeros(model.base.params.len(), 0);
-    #[cfg(feature = "collision")]
-    let collisions =
-        sesc_identify::plan::collision::Collisions::new(model, &geometry, &limits.rest());
-    let demands = Demands {
-        limits: &limits,
-        region: &region,
-        sigmas: 0.0,
-        uncertainty: &uncertainty,
-        clearance: &clearance,
-        both_feet: None,
-        #[cfg(feature = "collision")]
-        collisions: &collisions,
-    };
-    let found = Sampler::new(model, demands, seed)
-        .sample(count, 100 * count, |_| ControlFlow::Continue(()));
+    let scene = Scene::new(model, &geometry, &limits, &region, 0.005, None);
+    let (found, _) = scene.sample(seed, count, 100 * count, |_| ControlFlow::Continue(()));
     match found.len() == count * model.dof() {
         true => Ok(found),
         false => Err(Error::Usage(

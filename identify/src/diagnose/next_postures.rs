@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use nalgebra::DMatrix;
 use sesc_model::effects::{Carry, EffectContext, Experiment, PostureContext};
 use sesc_model::{Model, Snapping};
 
@@ -13,11 +12,10 @@ use super::findings::{ExperimentProposal, Found};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
 use crate::plan::balance::Region;
-use crate::plan::candidates::{Demands, Sampler};
-use crate::plan::clearance::Clearance;
 use crate::plan::geometry::Geometry;
 use crate::plan::limits::Limits;
 use crate::plan::order;
+use crate::plan::scene::Scene;
 use crate::robot::Robot;
 
 /// Experiments, the best first, and the postures of the best.
@@ -271,24 +269,16 @@ fn candidates(
         .min(criteria::COP_BOX_M.1);
     let region = Region::square(half, 0.0).ok()?;
     let geometry = Geometry::read(&robot.description, folder);
-    let clearance = Clearance::new(model, &geometry, criteria::CLEARANCE_M, None);
-    let uncertainty = DMatrix::zeros(model.base.params.len(), 0);
-    #[cfg(feature = "collision")]
-    let collisions = crate::plan::collision::Collisions::new(model, &geometry, &limits.rest());
-    let demands = Demands {
-        limits: &limits,
-        region: &region,
-        sigmas: 2.0,
-        uncertainty: &uncertainty,
-        clearance: &clearance,
-        both_feet: None,
-        #[cfg(feature = "collision")]
-        collisions: &collisions,
-    };
-    let mut sampler = Sampler::new(model, demands, 1);
-    let q = sampler.sample(criteria::CANDIDATES, 20 * criteria::CANDIDATES, |_| {
-        ControlFlow::Continue(())
-    });
+    let clearance = criteria::CLEARANCE_M;
+    let mut scene = Scene::new(model, &geometry, &limits, &region, clearance, None);
+    scene.sigmas = 2.0;
+    let draws = 20 * criteria::CANDIDATES;
+    let (q, _) = scene.sample(
+        1,
+        criteria::CANDIDATES,
+        draws,
+        |_| ControlFlow::Continue(()),
+    );
     (q.len() >= NEXT_POSTURES * dof).then_some(q)
 }
 

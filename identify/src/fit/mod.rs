@@ -12,7 +12,6 @@ mod estimate;
 #[doc(hidden)]
 pub mod gather;
 #[cfg(not(feature = "nalgebra"))]
-#[allow(dead_code)]
 mod gather;
 pub mod identification;
 mod limits;

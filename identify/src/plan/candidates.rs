@@ -21,13 +21,8 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use sesc_model::{Function, Model};
 
-use super::balance::Region;
-use super::both_feet::BothFeet;
-use super::clearance::Clearance;
-#[cfg(feature = "collision")]
-use super::collision::Collisions;
-use super::limits::Limits;
 use super::poses::{self, Pose};
+use super::scene::Scene;
 use crate::evaluate::Evaluator;
 
 /// Draws worked on together.
@@ -43,25 +38,6 @@ const NEAR: f64 = 1e-5;
 const STRIDE: f64 = 0.25;
 /// Draws reach at least so far from rest, as a part of the limits.
 const LEAST_SPREAD: f64 = 0.2;
-
-/// What was asked of candidates.
-pub struct Demands<'a> {
-    /// Joint limits.
-    pub limits: &'a Limits,
-    /// Where the CoP may be.
-    pub region: &'a Region,
-    /// Standard deviations of the CoP kept from the edge.
-    pub sigmas: f64,
-    /// S of the parameters' covariance S Sᵀ.
-    pub uncertainty: &'a DMatrix<f64>,
-    /// What must stay clear of the ground.
-    pub clearance: &'a Clearance,
-    /// The other sole, where it has to lie on the floor, too.
-    pub both_feet: Option<&'a BothFeet<'a>>,
-    /// What must not collide.
-    #[cfg(feature = "collision")]
-    pub collisions: &'a Collisions,
-}
 
 /// What became of the draws.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -87,7 +63,7 @@ pub struct Counts {
 /// Draws candidates until there are enough.
 pub struct Sampler<'a> {
     model: &'a Model,
-    demands: Demands<'a>,
+    scene: &'a Scene<'a>,
     com: Evaluator,
     jacobian: Evaluator,
     regressor: Evaluator,
@@ -97,8 +73,9 @@ pub struct Sampler<'a> {
 }
 
 impl<'a> Sampler<'a> {
-    /// A sampler of postures that meet `demands`; the same seed draws the same.
-    pub fn new(model: &'a Model, demands: Demands<'a>, seed: u64) -> Sampler<'a> {
+    /// A sampler of postures that respect `scene`; the same seed draws the same.
+    pub fn new(scene: &'a Scene<'a>, seed: u64) -> Sampler<'a> {
+        let model = scene.model;
         Sampler {
             com: Evaluator::new(model, Function::Cop),
             jacobian: Evaluator::new(model, Function::ComJacobian),
@@ -108,7 +85,7 @@ impl<'a> Sampler<'a> {
                 low: vec![0; model.tree.links.len()],
                 ..Counts::default()
             },
-            demands,
+            scene,
             model,
         }
     }
@@ -158,15 +135,14 @@ impl<'a> Sampler<'a> {
         self.counts.balanced += 1;
         let mut bodies: Vec<Pose> = Vec::new();
         poses::bodies(self.model, &drawn.q, &mut bodies);
-        match self.demands.clearance.lowest(&bodies) {
-            Some((height, link)) if height < self.demands.clearance.height => {
+        match self.scene.clearance.lowest(&bodies) {
+            Some((height, link)) if height < self.scene.clearance.height => {
                 self.counts.low[link] += 1;
                 return false;
             }
             _ => self.counts.clear += 1,
         }
-        #[cfg(feature = "collision")]
-        if self.demands.collisions.first(&bodies).is_some() {
+        if self.scene.collisions.first(&bodies).is_some() {
             return false;
         }
         self.counts.collision_free += 1;
@@ -181,13 +157,13 @@ impl<'a> Sampler<'a> {
             for _ in 0..STEPS {
                 open = self.step(&mut draws, open);
             }
-            if let Some(feet) = self.demands.both_feet {
+            if let Some(feet) = &self.scene.both_feet {
                 for drawn in draws.iter_mut().filter(|drawn| drawn.violation > 0.0) {
-                    drawn.on_floor = feet.put_down(&mut drawn.q, &self.demands.limits.ranges);
+                    drawn.on_floor = feet.put_down(&mut drawn.q, &self.scene.limits.ranges);
                 }
             }
             self.judge(&mut draws);
-            let centre = self.demands.region.centre();
+            let centre = self.scene.region.centre();
             for drawn in draws.iter_mut().filter(|drawn| drawn.violation > 0.0) {
                 drawn.target = (drawn.target + centre) / 2.0;
             }
@@ -196,17 +172,17 @@ impl<'a> Sampler<'a> {
     }
 
     fn draw(&mut self) -> Drawn {
-        let rest = self.demands.limits.rest();
+        let rest = self.scene.limits.rest();
         let rng = &mut self.rng;
         let spread = 1.0 - (1.0 - LEAST_SPREAD) * rng.random::<f64>();
-        let ranges = self.demands.limits.ranges.iter().zip(&rest);
+        let ranges = self.scene.limits.ranges.iter().zip(&rest);
         let q = ranges
             .map(|(&(lower, upper), rest)| {
                 let uniform = lower + (upper - lower) * rng.random::<f64>();
                 (rest + spread * (uniform - rest)).clamp(lower, upper)
             })
             .collect();
-        let region = self.demands.region;
+        let region = self.scene.region;
         let bounds = region.bounds();
         let mut target = region.centre();
         for _ in 0..100 {
@@ -217,7 +193,7 @@ impl<'a> Sampler<'a> {
             }
         }
         // From one sole to the other.
-        let share = match self.demands.both_feet {
+        let share = match &self.scene.both_feet {
             Some(_) => self.rng.random::<f64>(),
             None => 0.0,
         };
@@ -245,14 +221,14 @@ impl<'a> Sampler<'a> {
             let drawn = &mut draws[k];
             let miss = drawn.target - Vector2::new(cop[2 * i], cop[2 * i + 1]);
             let j = &jacobian[3 * dof * i..][..2 * dof];
-            if let Some(feet) = self.demands.both_feet {
+            if let Some(feet) = &self.scene.both_feet {
                 let miss = miss + drawn.share * feet.at(&drawn.q);
-                let off = feet.step(&mut drawn.q, miss, j, &self.demands.limits.ranges);
+                let off = feet.step(&mut drawn.q, miss, j, &self.scene.limits.ranges);
                 if miss.norm().max(off) > NEAR {
                     still.push(k);
                 }
             } else if miss.norm() > NEAR {
-                drawn.move_by(miss, j, &self.demands.limits.ranges);
+                drawn.move_by(miss, j, &self.scene.limits.ranges);
                 still.push(k);
             }
         }
@@ -267,22 +243,22 @@ impl<'a> Sampler<'a> {
             .collect();
         let n = draws.len();
         let cop = self.com.run(&q, n);
-        let p = self.demands.uncertainty.nrows();
+        let p = self.scene.uncertainty.nrows();
         // As columns, φᵀ of one posture after the other.
         let rows = DMatrix::from_vec(p, 2 * n, self.regressor.run(&q, n));
-        let spread = self.demands.uncertainty.tr_mul(&rows);
+        let spread = self.scene.uncertainty.tr_mul(&rows);
         for (k, drawn) in draws.iter_mut().enumerate() {
             let (x, y) = (spread.column(2 * k), spread.column(2 * k + 1));
             let covariance = Matrix2::new(x.dot(&x), x.dot(&y), x.dot(&y), y.dot(&y));
             let cop = Vector2::new(cop[2 * k], cop[2 * k + 1]);
-            let own = self.demands.region;
-            let region = match self.demands.both_feet {
+            let own = self.scene.region;
+            let region = match &self.scene.both_feet {
                 None => Some(Cow::Borrowed(own)),
                 Some(feet) if drawn.on_floor => feet.region(own, &drawn.q).map(Cow::Owned),
                 Some(_) => None,
             };
             let violation = region.map_or(f64::INFINITY, |region| {
-                region.violation(cop, &covariance, self.demands.sigmas)
+                region.violation(cop, &covariance, self.scene.sigmas)
             });
             // What is not a number does not balance.
             drawn.violation = if violation <= f64::MAX {

@@ -15,6 +15,8 @@ use super::poses::{self, Pose};
 
 /// Pairs of bodies to watch.
 pub struct Collisions {
+    /// Collision shapes of the robot.
+    shapes: usize,
     solids: Vec<Placed>,
     /// Indices into `solids`.
     pairs: Vec<(usize, usize)>,
@@ -48,6 +50,7 @@ impl Collisions {
         }
         let parent = |body: usize| model.chain.bodies[body].parent;
         let mut all = Collisions {
+            shapes: geometry.shapes.len(),
             pairs: Vec::new(),
             exempt: Vec::new(),
             watched: 0,
@@ -86,6 +89,16 @@ impl Collisions {
             .map(|(a, b)| [name(a), name(b)])
             .collect();
         all
+    }
+
+    /// What is watched, in words.
+    pub fn sentence(&self) -> String {
+        match (self.shapes, self.watched) {
+            (0, _) => "not checked: the robot has no collision shapes".to_string(),
+            (shapes, pairs) => {
+                format!("{pairs} pairs of bodies by {shapes} shapes; neighbours are exempt")
+            }
+        }
     }
 
     /// The first two bodies that meet.

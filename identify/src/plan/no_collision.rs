@@ -1,0 +1,29 @@
+//! Without the feature `collision`: no body is watched.
+
+use sesc_model::Model;
+
+use super::geometry::Geometry;
+use super::poses::Pose;
+
+/// Nothing that could collide.
+pub struct Collisions {
+    /// Pairs of bodies that touch at rest: none is known.
+    pub exempt: Vec<[String; 2]>,
+}
+
+impl Collisions {
+    /// No pairs of bodies.
+    pub fn new(_: &Model, _: &Geometry, _: &[f64]) -> Collisions {
+        Collisions { exempt: Vec::new() }
+    }
+
+    /// No two bodies meet.
+    pub fn first(&self, _: &[Pose]) -> Option<(usize, usize)> {
+        None
+    }
+
+    /// What is watched, in words.
+    pub fn sentence(&self) -> String {
+        "not checked: built without the feature `collision`".to_string()
+    }
+}

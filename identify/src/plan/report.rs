@@ -1,0 +1,175 @@
+//! What a plan says: the postures in their order, and what they will tell.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::candidates::Counts;
+use super::efficiency::Efficiency;
+use super::joint_use::JointUse;
+use super::revisits::Revisits;
+use crate::Error;
+use crate::feet::Offset;
+use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
+
+/// Postures to take, in their order, and what a fit of them will know.
+#[derive(Debug, Clone, Serialize)]
+pub struct Plan {
+    /// The robot's name.
+    pub robot: String,
+    /// The link on the ground.
+    pub support: String,
+    /// Number of postures.
+    pub poses: usize,
+    /// Where the CoP stays, in words.
+    pub cop_region: String,
+    /// Safety margin of the CoP in standard deviations.
+    pub sigmas: f64,
+    /// What was drawn.
+    pub draws: Counts,
+    /// Postures that were chosen from.
+    pub candidates: usize,
+    /// What the later fit will know beforehand, in words.
+    pub prior: String,
+    /// Standard deviation of a reading, m.
+    pub noise: f64,
+    /// Directions of the parameters that the candidates can tell.
+    pub directions: usize,
+    /// Directions that the chosen postures tell.
+    pub rank: usize,
+    /// Condition number of the chosen postures' rows.
+    pub condition_number: f64,
+    /// RMS error of the CoP over all candidates that a fit will have, m.
+    pub expected_error: Option<f64>,
+    /// The same for random choices of as many candidates, on average.
+    pub expected_error_random: Option<f64>,
+    /// Both over the number of postures.
+    pub curve: Vec<Efficiency>,
+    /// log det of the information over the prior's: greedy, then per round of exchanges.
+    pub log_det: Vec<f64>,
+    /// Exchanges that improved the greedy choice.
+    pub exchanges: usize,
+    /// How far the joints move from posture to posture.
+    pub motion: Motion,
+    /// What was kept clear of the ground, in words.
+    pub clearance: String,
+    /// What was kept from colliding, in words.
+    pub collision: String,
+    /// Pairs of bodies that touch at rest and are not watched.
+    pub collision_exempt: Vec<[String; 2]>,
+    /// What was noticed.
+    pub notes: Vec<String>,
+    /// Corners of where the CoP may be, counter-clockwise, m.
+    pub corners: Vec<[f64; 2]>,
+    /// How far the CoP is kept from their edges, m.
+    pub margin: f64,
+    /// Predicted CoP of the chosen postures, m, in their order.
+    pub cop: Vec<[f64; 2]>,
+    /// Postures that come back after the last, under their own numbers.
+    pub revisits: Revisits,
+    /// What the soles will tell, where both are on the floor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub both_feet: Option<TwoFeet>,
+    /// What the chosen postures ask of every joint.
+    pub joints: Vec<JointUse>,
+    /// The chosen candidates in their order.
+    #[serde(skip)]
+    pub chosen: Vec<usize>,
+    /// All candidates, `q[k * dof + joint]`, rad or m.
+    #[serde(skip)]
+    pub q: Vec<f64>,
+}
+
+/// What the soles of a plan on both feet will tell.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TwoFeet {
+    /// The link that is the other sole.
+    pub other_foot: String,
+    /// Joints between the soles, and how well their soles know the offset of each alone; those
+    /// that move no sole are left out.
+    pub offsets: Vec<Offset>,
+}
+
+impl TwoFeet {
+    /// In a few words.
+    pub fn sentence(&self) -> String {
+        let worst = self.offsets.iter().max_by(|a, b| a.std.total_cmp(&b.std));
+        match worst {
+            Some(worst) => format!(
+                "both soles on the floor, `{}` the other: how it lies tells an offset of each of {} \
+                 joints, of `{}` worst (± {:.2}°)",
+                self.other_foot,
+                self.offsets.len(),
+                worst.joint,
+                worst.std.to_degrees()
+            ),
+            None => format!("both soles on the floor, `{}` the other", self.other_foot),
+        }
+    }
+}
+
+/// The largest joint displacement from posture to posture, summed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Motion {
+    /// In the order of choice, rad (m for prismatic joints).
+    pub as_chosen: f64,
+    /// In the order of the plan.
+    pub ordered: f64,
+}
+
+impl Plan {
+    /// The postures as a log in memory, those that come back included.
+    pub fn log(&self) -> LogSource {
+        let rows: Vec<usize> = self.rows().collect();
+        let poses: Vec<i64> = rows.iter().map(|&k| k as i64 + 1).collect();
+        let table = Table::new("plan").integers("pose", poses);
+        let joints = self.joints.iter();
+        let table = joints.fold(table, |table, joint| {
+            let values: Vec<f64> = rows.iter().map(|&k| joint.values[k]).collect();
+            table.numbers(&joint.joint, values)
+        });
+        LogSource::from(table).with_sidecar(self.sidecar())
+    }
+
+    /// Write the postures as a log, those that come back included; gives back where its
+    /// sidecar is.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, mut log: PostureWriter) -> Result<PathBuf, Error> {
+        let postures: Vec<&[f64]> = self.postures().collect();
+        for k in self.rows() {
+            log.row(&Row {
+                pose: k as i64 + 1,
+                q: postures[k],
+                ..Row::default()
+            })?;
+        }
+        log.finish(&self.sidecar())
+    }
+
+    /// Places of the postures, row by row.
+    fn rows(&self) -> impl Iterator<Item = usize> {
+        let again = self.revisits.poses.iter().map(|pose| *pose as usize - 1);
+        let again = again.filter(|_| self.revisits.written);
+        (0..self.chosen.len()).chain(again)
+    }
+
+    fn sidecar(&self) -> Sidecar {
+        Sidecar {
+            robot: Some(self.robot.clone()),
+            support: Some(self.support.clone()),
+            both_feet: self.both_feet.as_ref().map(|_| true),
+            other_foot: self.both_feet.as_ref().map(|feet| feet.other_foot.clone()),
+            ..Sidecar::default()
+        }
+    }
+
+    /// The chosen postures in their order, rad or m.
+    pub fn postures(&self) -> impl Iterator<Item = &[f64]> {
+        let dof = self.q.len() / self.candidates.max(1);
+        self.chosen
+            .iter()
+            .map(move |&k| &self.q[k * dof..(k + 1) * dof])
+    }
+}
