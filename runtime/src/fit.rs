@@ -73,6 +73,9 @@ mod answers;
 mod batch;
 mod correlation;
 mod error;
+mod forget;
+mod merge;
+mod start;
 mod triangle;
 
 #[cfg(test)]
@@ -124,137 +127,7 @@ pub struct Estimator<T, const N: usize> {
     correlation: [Correlation<T>; 2],
 }
 
-impl<T: Scalar, const N: usize> Default for Estimator<T, N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl<T: Scalar, const N: usize> Estimator<T, N> {
-    /// An estimator without data; unobservable parameters are zero.
-    ///
-    /// ```
-    /// # use sesc_runtime::fit::{Error, Estimator};
-    /// static PARAMETERS: Estimator<f32, 7> = Estimator::new();
-    /// assert_eq!(PARAMETERS.rank(), 0);
-    /// ```
-    pub const fn new() -> Self {
-        Self {
-            triangle: Triangle::empty(),
-            nominal: [T::ZERO; N],
-            prior: [T::ZERO; N],
-            kept: [T::ONE; N],
-            turn: 0,
-            lambda: T::ONE,
-            residual: T::ZERO,
-            readings: 0.0,
-            postures: 0,
-            correlation: [Correlation::EMPTY, Correlation::EMPTY],
-        }
-    }
-
-    /// An estimator without data; unobservable parameters are those of `nominal` (m), the CAD for example.
-    ///
-    /// ```
-    /// # use sesc_runtime::fit::{Error, Estimator};
-    /// let cad = Estimator::with_nominal(&[0.1, 0.2])?;
-    /// assert_eq!((cad.params(), cad.rank()), ([0.1, 0.2], 0));
-    /// # Ok::<(), Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NotFinite`].
-    pub fn with_nominal(nominal: &[T; N]) -> Result<Self, Error> {
-        finite(nominal)?;
-        let mut estimator = Self::new();
-        estimator.nominal = *nominal;
-        Ok(estimator)
-    }
-
-    /// Each parameter is known to be `mean[k]` ± `std[k]` (m), independently.
-    ///
-    /// This prior is not forgotten. A prior with correlations is entered by
-    /// [`row`](Self::row): line i of the upper triangular factor F of its information
-    /// matrix (P⁻¹ = Fᵀ F) is a row of std 1 whose value is that line times the mean.
-    ///
-    /// ```
-    /// # use sesc_runtime::fit::{Error, Estimator};
-    /// let cad = Estimator::with_prior(&[0.1, 0.2], &[0.01, 0.02])?;
-    /// assert_eq!((cad.params(), cad.rank()), ([0.1, 0.2], 2));
-    /// # Ok::<(), Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NotFinite`], [`Error::Std`]; [`Error::OutOfRange`] where 1/std exceeds
-    /// [`Scalar::LIMIT`].
-    pub fn with_prior(mean: &[T; N], std: &[T; N]) -> Result<Self, Error> {
-        finite(std)?;
-        let mut estimator = Self::with_nominal(mean)?;
-        for (prior, std) in estimator.prior.iter_mut().zip(std) {
-            let weight = T::ONE / positive(*std)?;
-            if weight > T::LIMIT {
-                return Err(Error::OutOfRange);
-            }
-            if weight * weight >= T::LEAST {
-                *prior = weight * weight;
-            }
-        }
-        estimator.triangle.weights = estimator.prior;
-        Ok(estimator)
-    }
-
-    /// Goes on from a batch fit: `params` (m) and the packed triangle `factor` of their
-    /// information, R with RᵀR = C⁻¹ row by row from the diagonal on, 1/m, as the
-    /// generated `MODEL_PARAMS` and `MODEL_INFORMATION` hold them.
-    ///
-    /// What comes after counts as if the batch fit had had it too. Both are `f64`, whatever
-    /// the scalar of the estimator, and under [`forgetting`](Self::forgetting) they fade
-    /// as readings do. A parameter whose row is zero stays as it is until readings show it.
-    ///
-    /// ```
-    /// # use sesc_runtime::fit::{Error, Estimator};
-    /// // 0.1 ± 0.01 and 0.2 ± 0.02, known independently.
-    /// let mut estimator = Estimator::<f32, 2>::resume(&[0.1, 0.2], &[100.0, 0.0, 50.0])?;
-    /// assert_eq!((estimator.params(), estimator.rank()), ([0.1, 0.2], 2));
-    /// assert!((estimator.deviations()[1] - 0.02).abs() < 1e-8);
-    /// # Ok::<(), Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NotFinite`]; [`Error::Factor`] where `factor` has not N (N + 1)/2 numbers, or
-    /// a diagonal below zero, or of zero with numbers behind it; [`Error::OutOfRange`] where
-    /// it holds more than [`Scalar::MOST`].
-    pub fn resume(params: &[f64; N], factor: &[f64]) -> Result<Self, Error> {
-        let mut estimator = Self::with_nominal(&params.map(T::from_f64))?;
-        estimator.triangle = Triangle::of_factor(factor)?;
-        let weights = estimator.triangle.weights.iter();
-        estimator.readings = weights.filter(|weight| **weight > T::ZERO).count() as f64;
-        Ok(estimator)
-    }
-
-    /// Multiply the information by `lambda` before every posture: 1 forgets nothing.
-    ///
-    /// See the module on winding up.
-    ///
-    /// ```
-    /// # use sesc_runtime::fit::{Error, Estimator};
-    /// // About the last 1000 postures count.
-    /// let estimator = Estimator::<f64, 2>::new().forgetting(0.999)?;
-    /// assert!(estimator.forgetting(1.5).is_err());
-    /// # Ok::<(), Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Forgetting`] outside (0, 1].
-    pub fn forgetting(mut self, lambda: T) -> Result<Self, Error> {
-        self.lambda = factor(lambda)?;
-        Ok(self)
-    }
-
     /// Feed one posture: `rows` as the generated `regressor_cop` gives them, the reading
     /// `cop` (m) and its standard deviations `std` (m), each x and y.
     ///
@@ -344,73 +217,6 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         Ok(())
     }
 
-    /// Multiply the information by `lambda` once, as every posture does by the factor of
-    /// [`forgetting`](Self::forgetting), and restore one column of the prior.
-    ///
-    /// ```
-    /// # use sesc_runtime::fit::{Error, Estimator};
-    /// let mut estimator = Estimator::<f64, 1>::new();
-    /// estimator.row(&[1.0], 0.1, 1.0)?;
-    /// estimator.forget(0.5)?;
-    /// assert_eq!(estimator.variance(0), Some(2.0));
-    /// # Ok::<(), Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Forgetting`] outside (0, 1].
-    pub fn forget(&mut self, lambda: T) -> Result<(), Error> {
-        self.fade(factor(lambda)?);
-        Ok(())
-    }
-
-    /// Take over all that `other` knows, as if its rows had been fed here.
-    ///
-    /// That includes its prior, as if it were data: two estimators that start from
-    /// one belief would count it twice, so give it to one of them and start the other
-    /// [`with_nominal`](Self::with_nominal) its mean. The forgetting factor stays.
-    ///
-    /// ```
-    /// # use sesc_runtime::fit::{Error, Estimator};
-    /// let (mut first, mut second) = (Estimator::<f64, 1>::new(), Estimator::new());
-    /// first.row(&[1.0], 0.1, 1e-3)?;
-    /// second.row(&[1.0], 0.3, 1e-3)?;
-    /// first.merge(&second)?;
-    /// assert!((first.params()[0] - 0.2).abs() < 1e-15);
-    /// # Ok::<(), Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`Error::OutOfRange`] where both together exceed [`Scalar::MOST`].
-    pub fn merge(&mut self, other: &Self) -> Result<(), Error> {
-        let (mine, theirs) = (self.triangle.information(), other.triangle.information());
-        if mine.iter().zip(&theirs).any(|(a, b)| *a + *b > T::MOST) {
-            return Err(Error::OutOfRange);
-        }
-        let fits = |value: T, weight: T| weight == T::ZERO || weight * value * value <= T::MOST;
-        if !self
-            .shifted(other)
-            .all(|(_, value, weight)| fits(value, weight))
-        {
-            return Err(Error::OutOfRange);
-        }
-        for (row, value, weight) in self.shifted(other) {
-            self.residual = self.residual + self.triangle.include(row, value, weight).square();
-        }
-        self.residual = self.residual + other.residual;
-        self.readings += other.readings + other.prior_readings();
-        self.postures = self.postures.saturating_add(other.postures);
-        for (axis, other) in self.correlation.iter_mut().zip(&other.correlation) {
-            axis.merge(other);
-        }
-        Ok(())
-    }
-
-    fn prior_readings(&self) -> f64 {
-        self.prior.iter().filter(|p| **p > T::ZERO).count() as f64
-    }
-
     /// A row in units of its standard deviation, its reading from the nominal one.
     fn weighed(&self, row: &[T; N], value: T, std: T) -> Result<([T; N], T), Error> {
         finite(row)?;
@@ -435,54 +241,6 @@ impl<T: Scalar, const N: usize> Estimator<T, N> {
         self.residual = self.residual + left.square();
         self.readings += 1.0;
         left.error()
-    }
-
-    fn fade(&mut self, lambda: T) {
-        if lambda < T::ONE {
-            self.lighten(lambda);
-        }
-        // The prior comes back in turn, also after a single `forget`.
-        let turn = self.turn;
-        if turn < N {
-            let lost = self.prior[turn] * (T::ONE - self.kept[turn]);
-            if lost >= T::LEAST {
-                let mut row = [T::ZERO; N];
-                row[turn] = T::ONE;
-                self.residual = self.residual + self.triangle.include(row, T::ZERO, lost).square();
-                self.kept[turn] = T::ONE;
-            }
-            self.turn = turn + 1;
-        }
-        if self.turn >= N {
-            self.turn = 0;
-        }
-    }
-
-    /// Multiply all information by λ.
-    fn lighten(&mut self, lambda: T) {
-        self.readings *= lambda.to_f64();
-        self.residual = self.residual * lambda;
-        for i in 0..N {
-            self.kept[i] = self.kept[i] * lambda;
-            let weight = self.triangle.weights[i] * lambda;
-            self.triangle.weights[i] = weight;
-            if weight < T::LEAST && weight > T::ZERO {
-                self.residual = self.residual + self.triangle.drop_pivot(i);
-            }
-        }
-    }
-
-    /// The lines of `other` about the own nominal parameters: row, value, weight.
-    fn shifted<'a>(&self, other: &'a Self) -> impl Iterator<Item = ([T; N], T, T)> + use<'a, T, N> {
-        let nominal = self.nominal;
-        let values = other.triangle.values.iter().zip(&other.triangle.weights);
-        values.enumerate().map(move |(i, (value, weight))| {
-            let (line, mut value) = (other.triangle.line(i), *value);
-            for ((x, theirs), mine) in line.iter().zip(&other.nominal).zip(&nominal) {
-                value = value + *x * (*theirs - *mine);
-            }
-            (line, value, *weight)
-        })
     }
 }
 
