@@ -19,7 +19,6 @@
 //! it; here they become source text.
 
 #![deny(unsafe_code)]
-#![deny(missing_docs)]
 
 mod builder;
 #[doc(hidden)]

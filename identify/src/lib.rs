@@ -7,7 +7,6 @@
 //! ```
 
 #![forbid(unsafe_code)]
-#![deny(missing_docs)]
 // The rooms whose signatures hold matrices are public with the feature `nalgebra` alone; what
 // only our tests and studies ask of them is then used by nobody.
 #![cfg_attr(not(feature = "nalgebra"), allow(dead_code))]

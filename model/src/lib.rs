@@ -19,7 +19,6 @@
 //! ```
 
 #![deny(unsafe_code)]
-#![deny(missing_docs)]
 
 pub mod base;
 pub mod bounds;

@@ -41,8 +41,6 @@
 //! # Ok::<(), sesc_reference::Error>(())
 //! ```
 
-#![deny(missing_docs)]
-
 mod com;
 mod dynamics;
 mod error;

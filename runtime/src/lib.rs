@@ -43,7 +43,6 @@
 
 #![no_std]
 #![deny(unsafe_code)]
-#![deny(missing_docs)]
 
 #[cfg(any(test, feature = "std"))]
 extern crate std;

@@ -14,10 +14,10 @@ use std::time::Duration;
 
 use sesc_test_support::machine;
 
-pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
-pub const LIMIT: Duration = Duration::from_secs(300);
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+const LIMIT: Duration = Duration::from_secs(300);
 
-pub const FUNCTIONS: [&str; 8] = [
+const FUNCTIONS: [&str; 8] = [
     "com",
     "com_jacobian",
     "com_velocity",

@@ -47,7 +47,9 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
         let model = Robot::read(&urdf)?.model(support, Snapping::default(), None)?;
         let text = rust::module(&Facts::of(&model), module)?;
         files.push((PathBuf::from(format!("generated/src/{module}.rs")), text));
-        modules.push_str(&format!("#[rustfmt::skip]\npub mod {module};\n"));
+        modules.push_str(&format!(
+            "/// `{robot}` on its link `{support}`.\n#[rustfmt::skip]\npub mod {module};\n"
+        ));
     }
     files.push((PathBuf::from("generated/src/lib.rs"), modules));
     for (robot, support, scalar, name) in C_TARGETS {

@@ -13,12 +13,19 @@ use sesc_model::program::Program;
 
 /// What a program can be run in.
 pub trait Number: Copy {
+    /// The nearest number to `x`.
     fn of(x: f64) -> Self;
+    /// self + other.
     fn add(self, other: Self) -> Self;
+    /// self − other.
     fn sub(self, other: Self) -> Self;
+    /// self · other.
     fn mul(self, other: Self) -> Self;
+    /// self / other.
     fn div(self, other: Self) -> Self;
+    /// −self.
     fn neg(self) -> Self;
+    /// Sine and cosine of an angle, rad.
     fn sin_cos(self) -> (Self, Self);
     /// The nearest number in [-1, 1].
     fn clamp(self) -> Self;
@@ -78,6 +85,7 @@ enum Step {
 }
 
 impl Interpreter {
+    /// An interpreter of the operations of `program`.
     pub fn new(program: &Program) -> Interpreter {
         let places: HashMap<_, usize> = program
             .iter()
@@ -131,7 +139,9 @@ impl Interpreter {
 /// An unevaluated sum of two doubles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Double {
+    /// The nearest `f64`.
     pub high: f64,
+    /// What it leaves.
     pub low: f64,
 }
 
@@ -161,6 +171,7 @@ fn two_product(a: f64, b: f64) -> Double {
 }
 
 impl Double {
+    /// self / divisor.
     pub fn over(self, divisor: f64) -> Double {
         let high = self.high / divisor;
         let rest = self.sub(two_product(high, divisor));

@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 /// What kind of trees to draw.
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
+    /// Number of joints.
     pub joints: usize,
     /// Revolute joints with axes along coordinate axes and right angles only.
     pub canonical: bool,

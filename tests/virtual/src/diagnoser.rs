@@ -9,6 +9,7 @@ use std::process::Command;
 /// A diagnoser to ask: a robot's description and a log in, its JSON out.
 #[derive(Debug, Clone)]
 pub struct Diagnoser {
+    /// The command.
     pub sesc: PathBuf,
 }
 

@@ -30,6 +30,7 @@ pub struct TwoFeet {
 }
 
 impl TwoFeet {
+    /// The robot of `stage` on both soles.
     pub fn new(stage: &Stage) -> TwoFeet {
         let other = match stage.platform {
             Platform::Op2 => "l_sole",
@@ -145,8 +146,11 @@ pub struct Noise {
 
 /// A log in columns: joints, then the CoP of both feet together in the support frame.
 pub struct TwoFootLog {
+    /// Names of the joints.
     pub joints: Vec<String>,
+    /// Encoder readings of each posture, rad.
     pub q: Vec<Vec<f64>>,
+    /// CoP of each posture, m.
     pub cop: Vec<[f64; 2]>,
 }
 

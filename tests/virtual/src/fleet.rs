@@ -28,11 +28,15 @@ pub const STUCK: &str = "r_knee";
 /// How large a fleet is, and what is wrong with it.
 #[derive(Debug, Clone, Default)]
 pub struct Fleet {
+    /// Number of robots.
     pub robots: usize,
+    /// Days on which each is recorded.
     pub days: usize,
+    /// Postures a day.
     pub postures: usize,
     /// Standard deviation of a posture's mean reading on one axis, m.
     pub noise: f64,
+    /// Seed of robots, postures and noise.
     pub seed: u64,
     /// Robots whose joint [`BATCH`] is off by the same angle.
     pub batch: Vec<usize>,

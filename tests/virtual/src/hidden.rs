@@ -25,39 +25,68 @@ const STIFF: f64 = 1e7;
 /// The part of a log that reads wrong where `cop_outliers` are hidden.
 pub const OUTLIER_FRACTION: f64 = 0.12;
 
+/// What may be wrong with a virtual robot, its sensor or its log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Effect {
+    /// Readings off by a constant.
     SensorOffset,
+    /// Readings larger or smaller by a factor.
     SensorGain,
+    /// A sensor turned about the vertical.
     SensorRotation,
+    /// Readings that wander with time.
     SensorDrift,
+    /// A cell whose gain is off.
     CellGain,
+    /// A cell with a force offset.
     CellOffset,
+    /// Cells that answer by a power of the force.
     CellExponent,
+    /// A cell that reads no more than a limit.
     CellSaturation,
+    /// A floor that is not level.
     GroundSlope,
+    /// A point mass on a link.
     Payload,
+    /// A force on a link.
     ExternalForce,
+    /// An encoder off by a constant.
     JointOffset,
+    /// An encoder off by a factor.
     JointScale,
+    /// An encoder of the wrong sign.
     JointSign,
+    /// Two encoders exchanged.
     JointSwap,
+    /// Joints that give way under load.
     JointCompliance,
+    /// Joints that rest on either side of a dead band.
     Backlash,
+    /// Readings later than postures.
     TimeDelay,
+    /// Masses that are not CAD's.
     MassDistribution,
+    /// Readings far from the others.
     CopOutliers,
+    /// Angles in degrees or lengths in millimetres.
     Units,
     // Outside the library.
+    /// A load that hangs from a link.
     HangingLoad,
+    /// A knee that errs by a sine of its angle.
     KneeSine,
+    /// A mass that slides on its link.
     LooseMass,
+    /// A link that bends under load.
     BendingLink,
+    /// A cable that becomes taut.
     Cable,
+    /// A gear that errs once a tooth.
     GearError,
 }
 
 impl Effect {
+    /// What the library of effects knows.
     pub const LIBRARY: [Effect; 21] = [
         Effect::SensorOffset,
         Effect::SensorGain,
@@ -82,6 +111,7 @@ impl Effect {
         Effect::Units,
     ];
 
+    /// What it does not know.
     pub const OUTSIDE: [Effect; 6] = [
         Effect::HangingLoad,
         Effect::KneeSine,
@@ -136,15 +166,18 @@ impl Effect {
         }
     }
 
+    /// The effect of this name.
     pub fn named(name: &str) -> Option<Effect> {
         let all = Self::LIBRARY.into_iter().chain(Self::OUTSIDE);
         all.into_iter().find(|effect| effect.name() == name)
     }
 
+    /// Whether the library does not know it.
     pub fn is_outside(self) -> bool {
         Self::OUTSIDE.contains(&self)
     }
 
+    /// Whether it shows in forces of cells alone.
     pub fn needs_cells(self) -> bool {
         matches!(
             self,
@@ -169,8 +202,11 @@ impl Effect {
 /// One effect at one place with its size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hidden {
+    /// Which effect.
     pub effect: Effect,
+    /// The joint, link or cell that it acts on.
     pub target: String,
+    /// Its parameters, SI.
     pub values: Vec<f64>,
     /// Where a cable becomes taut, rad; 0 for all others.
     pub begins: f64,
@@ -189,6 +225,7 @@ impl Hidden {
         }
     }
 
+    /// The same effect with other `values`.
     pub fn with(&self, values: Vec<f64>) -> Hidden {
         Hidden {
             values,

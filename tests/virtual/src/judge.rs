@@ -27,11 +27,17 @@ pub type Labels = BTreeSet<String>;
 /// The parts of an answer that are judged.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Answer {
+    /// The verdict's name.
     pub verdict: String,
+    /// Labels of the effects that are named.
     pub steps: Labels,
+    /// Labels of every explanation that the data cannot tell apart.
     pub groups: Vec<Labels>,
+    /// Whether something is left that nothing explains.
     pub unexplained: bool,
+    /// RMS residual on held-out postures, m.
     pub final_rmse: f64,
+    /// The noise that it is compared with, m.
     pub noise_floor: f64,
 }
 
@@ -111,6 +117,7 @@ pub struct Judgement {
     pub group: usize,
     /// Nothing is said to be hidden.
     pub none: bool,
+    /// Something is said to be left that nothing explains.
     pub unexplained: bool,
     /// The answer leaves no more than noise might, whatever it is made of.
     pub imitates: bool,
@@ -120,10 +127,12 @@ pub struct Judgement {
     pub aside: Option<f64>,
     /// The answer, for the table of confusions.
     pub said: String,
+    /// Its effects without their targets.
     pub said_name: String,
 }
 
 impl Judgement {
+    /// Compares an answer with the truth.
     pub fn of(answer: &Answer, trial: &Trial) -> Judgement {
         let truth = truth(&trial.hidden);
         let steps = without_excuses(&answer.steps, &truth);
@@ -149,6 +158,7 @@ impl Judgement {
         self.exact || self.in_group || self.twin
     }
 
+    /// Right in the effects' names, or as a class.
     pub fn name_or_class(&self) -> bool {
         self.name || self.class()
     }

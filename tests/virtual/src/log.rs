@@ -15,6 +15,7 @@ use sesc_reference::{Track, World};
 use crate::poses::Poses;
 use crate::stage::Stage;
 
+/// Readings that a posture's mean is made of.
 pub const READINGS: usize = 100;
 
 /// How a log is written down.
@@ -31,9 +32,13 @@ pub struct Style {
 /// A log in memory: what its files say.
 #[derive(Debug, Clone)]
 pub struct Log {
+    /// Number of every posture.
     pub numbers: Vec<f64>,
+    /// Time of every posture, s.
     pub times: Option<Vec<f64>>,
+    /// Names of the joints.
     pub joints: Vec<String>,
+    /// Encoder readings of each posture, rad.
     pub postures: Vec<Vec<f64>>,
     /// Mean readings, m.
     pub cop: Vec<[f64; 2]>,

@@ -13,14 +13,18 @@ use crate::stage::{Postures, Stage};
 
 /// A log's postures in the order of their numbers.
 pub struct Poses {
+    /// Where the joints are over time.
     pub track: Track,
+    /// Number of every posture.
     pub numbers: Vec<f64>,
+    /// Time of every posture, s.
     pub times: Option<Vec<f64>>,
     /// Postures between them that the log does not have; none of a motion.
     pub aside: Vec<(f64, Vec<f64>)>,
 }
 
 impl Poses {
+    /// Draws postures of this kind for the robot of `stage`.
     pub fn draw(
         stage: &Stage,
         postures: Postures,

@@ -15,9 +15,13 @@ use crate::stage::Stage;
 /// What noise is like, beside its size; time constants in s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
+    /// Independent from row to row.
     White,
+    /// First order, of this correlation time.
     Ar1(f64),
+    /// Second order, smooth, of this correlation time.
     Smooth(f64),
+    /// Second order with sway, of this correlation time.
     Sway(f64),
 }
 
@@ -29,8 +33,11 @@ pub enum Motion {
     /// Stays of `hold` seconds in postures drawn over the sole, each reached `visits`
     /// times in turn; between them a second that is not recorded.
     Stays {
+        /// Number of postures.
         postures: usize,
+        /// Visits of each.
         visits: usize,
+        /// Length of a stay, s.
         hold: f64,
     },
 }
@@ -38,6 +45,7 @@ pub enum Motion {
 /// Noise of a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
+    /// Its correlation.
     pub kind: Kind,
     /// Of x and y, m.
     pub std: [f64; 2],
@@ -48,11 +56,15 @@ pub struct Noise {
 /// Rows in time.
 #[derive(Debug, Clone, Default)]
 pub struct Recording {
+    /// Names of the joints.
     pub joints: Vec<String>,
+    /// Time of every row, s.
     pub t: Vec<f64>,
     /// Of stays.
     pub pose: Option<Vec<f64>>,
+    /// Encoder readings of every row, rad or m.
     pub q: Vec<Vec<f64>>,
+    /// CoP of every row, m.
     pub cop: Vec<[f64; 2]>,
 }
 

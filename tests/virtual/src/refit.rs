@@ -30,6 +30,7 @@ pub struct Refit<'a> {
 }
 
 impl<'a> Refit<'a> {
+    /// Fits of `log`, which `robust` makes robust against outliers.
     pub fn new(stage: &'a Stage, log: &'a Log, robust: bool) -> Self {
         Self {
             stage,

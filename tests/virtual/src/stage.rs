@@ -20,21 +20,30 @@ const CELLS_M: [f64; 2] = [0.0315, 0.0245];
 /// ±30°.
 const WIDE: f64 = 0.523_598_775_598_298_8;
 
+/// A robot that studies stand on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Platform {
+    /// The OP2 on its right sole.
     Op2,
+    /// A humanoid of 30 joints with skew axes.
     Skew,
+    /// One with axes along coordinates.
     Plain,
 }
 
+/// Kinds of postures, and how many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Postures {
+    /// Balanced, within ranges of a bench.
     Bench(usize),
+    /// Within ±30° of every joint, balanced or not.
     Wide(usize),
+    /// On the way of a slow motion.
     Motion(usize),
 }
 
 impl Postures {
+    /// How many.
     pub fn count(self) -> usize {
         match self {
             Self::Bench(count) | Self::Wide(count) | Self::Motion(count) => count,
@@ -45,9 +54,13 @@ impl Postures {
 /// A robot standing, and how large everything about it is.
 #[derive(Debug, Clone)]
 pub struct Stage {
+    /// Which robot.
     pub platform: Platform,
+    /// Its URDF.
     pub urdf: PathBuf,
+    /// The link on the ground.
     pub support: &'static str,
+    /// The robot.
     pub robot: Robot,
     /// Foot against the OP2's.
     pub size: f64,
@@ -81,6 +94,7 @@ const OP2_RANGES: [(&str, f64, f64); 20] = [
 ];
 
 impl Stage {
+    /// The robot `platform` on its sole.
     pub fn new(platform: Platform) -> Stage {
         let (name, support, size) = match platform {
             Platform::Op2 => ("op2", "r_sole", 1.0),
@@ -127,11 +141,13 @@ impl Stage {
         joint.starts_with("r_") || joint.starts_with("right_")
     }
 
+    /// Names of the joints that move.
     pub fn joint_names(&self) -> Vec<String> {
         let joints = self.robot.movable_joints();
         joints.map(|joint| joint.name.clone()).collect()
     }
 
+    /// Places of the force cells in the sole, m.
     pub fn cells(&self) -> [[f64; 2]; 4] {
         let [x, y] = CELLS_M.map(|half| half * self.size);
         [[x, y], [x, -y], [-x, -y], [-x, y]]
@@ -147,6 +163,7 @@ impl Stage {
         self.reading_std() * weight_n / (2.0 * CELLS_M[0] * self.size)
     }
 
+    /// `count` postures whose CoP stays within the sole.
     pub fn balanced(&self, count: usize, random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
         let world = self.world();
         let within = BOX_M * self.size;
@@ -160,6 +177,7 @@ impl Stage {
         postures
     }
 
+    /// `count` postures within ±30°.
     pub fn wide(&self, count: usize, random: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
         let ranges = self.robot.movable_joints().map(|joint| {
             let (low, high) = joint.range();

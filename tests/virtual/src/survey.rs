@@ -11,13 +11,19 @@ use crate::trial::{Choice, Question, Trial};
 /// A trial and what became of it.
 #[derive(Debug, Clone)]
 pub struct Outcome {
+    /// What was asked.
     pub question: Question,
+    /// What was hidden.
     pub effects: Vec<Effect>,
     /// Robot, postures, what is hidden, how visible: for a reader.
     pub description: String,
+    /// How visible it was: χ² of the hidden effects.
     pub chi2: f64,
+    /// Seed of the trial.
     pub seed: u64,
+    /// What became of the answer.
     pub judgement: Judgement,
+    /// Time of the answer, s.
     pub seconds: f64,
 }
 

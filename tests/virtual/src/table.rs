@@ -10,7 +10,9 @@ use crate::trial::Question;
 /// The share that is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
+    /// At least this share.
     Least(f64),
+    /// At most this share.
     Most(f64),
     /// None.
     Shown,
@@ -19,13 +21,18 @@ pub enum Bound {
 /// A share, asked for and found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Goal {
+    /// What is counted.
     pub what: &'static str,
+    /// What is asked for.
     pub bound: Bound,
+    /// Trials in which it holds.
     pub met: usize,
+    /// Trials in which it might.
     pub of: usize,
 }
 
 impl Goal {
+    /// The share that was found.
     pub fn found(&self) -> f64 {
         self.met as f64 / self.of as f64
     }

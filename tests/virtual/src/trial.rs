@@ -32,20 +32,28 @@ pub enum Question {
 
 /// A question with its truth and its log.
 pub struct Trial {
+    /// What is asked.
     pub question: Question,
+    /// Robot and sole.
     pub stage: Stage,
+    /// Kind and number of postures.
     pub postures: Postures,
+    /// What is wrong.
     pub hidden: Vec<Hidden>,
+    /// How visible that is: χ² of its readings.
     pub chi2: f64,
+    /// What the diagnoser sees.
     pub log: Log,
     /// Readings without noise of the postures put aside, m.
     pub aside: Vec<[f64; 2]>,
+    /// Seed that makes it again.
     pub seed: u64,
 }
 
 /// What a study draws from.
 #[derive(Debug, Clone)]
 pub struct Choice {
+    /// Robots to draw from.
     pub platforms: Vec<Platform>,
     /// Only logs in which this is hidden.
     pub only: Option<Effect>,
