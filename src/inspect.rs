@@ -76,6 +76,8 @@ pub struct Body {
     pub joint: Option<String>,
     /// Body on the other side of that joint.
     pub parent: Option<String>,
+    /// What turns it against that body.
+    pub rotation: String,
     /// B_i as a product of rotations.
     pub orientation: String,
     /// CAD value of r_i, m, in the body's link frame.
@@ -170,6 +172,7 @@ fn bodies(model: &Model) -> Vec<Body> {
         body: body.name.clone(),
         joint: body.joint.clone(),
         parent: body.parent.map(|p| chain.bodies[p].name.clone()),
+        rotation: chain.own_rotation(i),
         orientation: chain.orientation_product(i),
         r: body.r(),
         s: body.s,

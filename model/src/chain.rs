@@ -230,31 +230,44 @@ impl Chain {
         children
     }
 
-    /// `B_i` as a product, for people: `Rx(r_ank_roll) · Ry(-r_ank_pitch)`.
+    /// What turns body `body` against the one that carries it, for people: `Ry(-r_knee)`.
+    pub fn own_rotation(&self, body: usize) -> String {
+        let body = &self.bodies[body];
+        let mut factors = Vec::new();
+        if (body.rotation - Matrix3::identity()).norm() > 0.0 {
+            factors.push(format!("A[{}]", body.joint.as_deref().unwrap_or_default()));
+        }
+        if let Motion::Revolute {
+            axis: Axis(axis),
+            by,
+        } = body.motion
+        {
+            factors.push(rotation(&axis, &self.dofs[by.dof], &by));
+        }
+        product(factors)
+    }
+
+    /// `B_i` as a product, for people: `Rx(r_ank_roll) Ry(-r_ank_pitch)`.
     pub fn orientation_product(&self, body: usize) -> String {
         let mut factors = Vec::new();
         let mut at = Some(body);
         while let Some(i) = at {
-            let body = &self.bodies[i];
-            if let Motion::Revolute {
-                axis: Axis(axis),
-                by,
-            } = body.motion
-            {
-                factors.push(rotation(&axis, &self.dofs[by.dof], &by));
-            }
-            let tilt = (body.rotation - Matrix3::identity()).norm();
-            if tilt > 0.0 {
-                factors.push(format!("A[{}]", body.joint.as_deref().unwrap_or_default()));
-            }
-            at = body.parent;
+            factors.push(self.own_rotation(i));
+            at = self.bodies[i].parent;
         }
+        factors.retain(|factor| factor != IDENTITY);
         factors.reverse();
-        if factors.is_empty() {
-            "I".to_string()
-        } else {
-            factors.join(" ")
-        }
+        product(factors)
+    }
+}
+
+/// A rotation that turns nothing.
+const IDENTITY: &str = "I";
+
+fn product(factors: Vec<String>) -> String {
+    match factors.is_empty() {
+        true => IDENTITY.to_string(),
+        false => factors.join(" "),
     }
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 use sesc_identify::compare;
 use sesc_model::ModelFile;
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, print_json, show};
 use crate::Error;
 use crate::report::compare::text;
 
@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let comparison = compare::compare(&before, &after)?;
     match arguments.json {
         true => print_json(&comparison)?,
-        false => print(&text(&comparison, &before.file, &after.file))?,
+        false => show(&text(&comparison, &before.file, &after.file))?,
     }
     Ok(Outcome::Ok)
 }

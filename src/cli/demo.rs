@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use sesc_model::files::write_all_if_changed;
 
-use super::{Bar, Outcome, message, print};
+use super::{Bar, Outcome, message, show};
 use crate::Error;
 use crate::demo::{self, Demo};
 use crate::report::html;
@@ -28,8 +28,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
     let page = html::demo(&demo.report).map_err(|error| Error::Report(Box::new(error)))?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
-    print(&text(&demo))?;
-    print(&format!(
+    show(&text(&demo))?;
+    show(&format!(
         "\nreport with figures: {}\n",
         arguments.out.display()
     ))?;

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::outputs::Files;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, message, print, print_json,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, message, print_json, show,
 };
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
@@ -128,7 +128,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     };
     match arguments.json {
         true => print_json(&report.diagnosis)?,
-        false => print(&text(&report.diagnosis, asked))?,
+        false => show(&text(&report.diagnosis, asked))?,
     }
     let found = &report.diagnosis;
     Ok(match usable {

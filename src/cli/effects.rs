@@ -5,7 +5,7 @@ use serde::Serialize;
 use sesc_model::effects::Catalog;
 use sesc_model::effects::about::{EffectAbout, about};
 
-use super::{Outcome, print, print_json};
+use super::{Outcome, print_json, show};
 use crate::Error;
 use crate::report::table::Table;
 
@@ -47,8 +47,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     match (arguments.json, &arguments.name) {
         (true, _) => print_json(&Listed { effects })?,
-        (false, Some(_)) => print(&effects.iter().map(page).collect::<String>())?,
-        (false, None) => print(&(table(&effects) + BESIDE))?,
+        (false, Some(_)) => show(&effects.iter().map(page).collect::<String>())?,
+        (false, None) => show(&(table(&effects) + BESIDE))?,
     }
     Ok(Outcome::Ok)
 }

@@ -8,7 +8,7 @@ use sesc_model::Snapping;
 
 use super::fit_outputs::Outputs;
 use super::outputs::Files;
-use super::{Bar, FeetArguments, Motion, Outcome, message, print, print_json};
+use super::{Bar, FeetArguments, Motion, Outcome, message, print_json, show};
 use crate::Error;
 use crate::report;
 use crate::report::fit::{FitReport, Unusable};
@@ -134,7 +134,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         named.for_each(|path| message(&not_written(path)));
         match arguments.json {
             true => print_json(&Unusable::of(&found.identification))?,
-            false => print(&report::fit::text(&found.identification))?,
+            false => show(&report::fit::text(&found.identification))?,
         }
         return Ok(Outcome::Failed);
     }
@@ -154,9 +154,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if arguments.json {
         print_json(&report)?;
     } else {
-        print(&report::fit::text(&found.identification))?;
+        show(&report::fit::text(&found.identification))?;
         if let Some(corrected) = &found.corrected {
-            print(&report::fit::corrections(corrected))?;
+            show(&report::fit::corrections(corrected))?;
         }
     }
     let (error, floor) = (

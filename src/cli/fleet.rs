@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 
 use super::outputs::Files;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, print,
-    print_json,
+    Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, print_json,
+    show,
 };
 use crate::Error;
 use crate::report::fleet::{answer, pages, text};
@@ -130,7 +130,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     match arguments.json {
         true => print_json(&answer(&found, &summary))?,
-        false => print(&text(&found, &summary))?,
+        false => show(&text(&found, &summary))?,
     }
     let none = !found.rows.iter().any(Row::has_result);
     Ok(if none { Outcome::Failed } else { Outcome::Ok })

@@ -6,17 +6,23 @@ use std::fmt::Write as _;
 use clap::Args;
 use sesc_model::{Function, Interface};
 
-use super::{Outcome, RobotArguments, print, print_json};
+use super::{Outcome, RobotArguments, print_json, show};
 use crate::Error;
 use crate::inspect::{Inspection, inspect};
 use crate::report::table::Table;
 
 /// Tree, chain, base parameters, what is unobservable, operation counts, snaps
 #[derive(Args)]
-#[command(after_help = "Example:\n  sesc inspect robots/op2/op2.urdf --support r_sole")]
+#[command(
+    after_help = "Examples:\n  sesc inspect robots/op2/op2.urdf --support r_sole\n  sesc inspect robots/op2/op2.urdf --support r_sole --long | less -S"
+)]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
+    /// Rotations from the support link to each body, and a sentence on each function: lines may be
+    /// long
+    #[arg(long)]
+    long: bool,
     /// Machine-readable output
     #[arg(long)]
     json: bool,
@@ -28,7 +34,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if arguments.json {
         print_json(&inspection)?;
     } else {
-        print(&text(&inspection))?;
+        show(&text(&inspection, arguments.long))?;
     }
     // The structure says one rank, the numbers another: that must not pass quietly.
     if inspection.rank == inspection.numeric_rank {
@@ -39,14 +45,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
 }
 
-fn text(i: &Inspection) -> String {
+fn text(i: &Inspection, long: bool) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
         "{} on {}: {} links, {} bodies, {} independent joints, {:.6} kg (hash {})\n",
         i.robot, i.support, i.links, i.bodies, i.dof, i.mass_kg, i.hash
     );
-    let mut chain = Table::new(&["body", "joint", "carried by", "r_i from CAD, mm", "B_i"]);
+    let rotation = if long { "B_i" } else { "B_i = B of that ·" };
+    let mut chain = Table::new(&["body", "joint", "carried by", "r_i from CAD, mm", rotation]);
     for body in &i.chain {
         let [x, y, z] = body.r.map(|x| 1e3 * x);
         let s = body.s.map(|s| format!("; s = {s:.4}")).unwrap_or_default();
@@ -55,7 +62,12 @@ fn text(i: &Inspection) -> String {
             body.joint.clone().unwrap_or_default(),
             body.parent.clone().unwrap_or_default(),
             format!("{x:9.4} {y:9.4} {z:9.4}{s}"),
-            body.orientation.clone(),
+            if long {
+                &body.orientation
+            } else {
+                &body.rotation
+            }
+            .clone(),
         ]);
     }
     let _ = writeln!(out, "{chain}");
@@ -87,7 +99,8 @@ fn text(i: &Inspection) -> String {
     let effects = i.operations.values().any(|operations| operations.other > 0);
     let mut titles = vec!["function", "mul", "add", "sin_cos"];
     titles.extend(effects.then_some("other"));
-    titles.extend(["rounding f64", "f32", "unit", "what it is"]);
+    titles.extend(["rounding f64", "f32", "unit"]);
+    titles.extend(long.then_some("what it is"));
     let mut costs = Table::new(&titles);
     let functions = Function::ALL.iter().map(|function| function.interface());
     let functions: BTreeMap<&str, Interface> = functions.map(|f| (f.name, f)).collect();
@@ -102,7 +115,7 @@ fn text(i: &Inspection) -> String {
         row.push(format!("{:.1e}", i.rounding_bound[name].f64));
         row.push(format!("{:.1e}", i.rounding_bound[name].f32));
         row.push(functions[name].unit.to_string());
-        row.push(functions[name].sentence.to_string());
+        row.extend(long.then(|| functions[name].sentence.to_string()));
         costs.row(&row);
     }
     let _ = writeln!(out, "\n{costs}");

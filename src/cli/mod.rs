@@ -1,6 +1,7 @@
 //! The command line: parse, call, print.
 
 mod compare;
+mod defaults;
 mod demo;
 mod diagnose;
 mod effects;
@@ -9,6 +10,7 @@ mod fit_outputs;
 mod fleet;
 mod generate;
 mod inspect;
+mod manners;
 mod outputs;
 mod plan;
 mod predict;
@@ -44,6 +46,8 @@ use sesc_identify::{Message, Progress, Watch};
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    #[command(flatten)]
+    manners: manners::Manners,
 }
 
 #[derive(Subcommand)]
@@ -147,6 +151,10 @@ pub fn main() -> ExitCode {
 pub fn main_from(words: Vec<OsString>) -> u8 {
     let words = WORDS.get_or_init(|| words);
     let json = json_is_wanted(words);
+    let (words, note) = match defaults::completed(words) {
+        Ok(completed) => completed,
+        Err(error) => return failed(&error, json),
+    };
     let cli = match Cli::try_parse_from(words) {
         Ok(cli) => cli,
         // Help and version are answers.
@@ -159,6 +167,10 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
             error.exit()
         }
     };
+    cli.manners.hold();
+    if let Some(note) = note {
+        message(&note);
+    }
     stay_silent_where_panics_become_errors();
     if let Err(error) = outputs::tidy_when_interrupted() {
         // Results do not depend on it.
@@ -187,14 +199,17 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
         Ok(Outcome::Failed) => 1,
         // A reader that went away (`| head`) is no fault.
         Err(Error::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
-        Err(error) => {
-            if json {
-                print_error(error.kind(), &error.to_string(), error.file(), error.line());
-            }
-            complain(&error);
-            2
-        }
+        Err(error) => failed(&error, json),
     }
+}
+
+/// Say what is wrong; the exit code.
+fn failed(error: &Error, json: bool) -> u8 {
+    if json {
+        print_error(error.kind(), &error.to_string(), error.file(), error.line());
+    }
+    complain(error);
+    2
 }
 
 /// Damaged Parquet files make its library panic; the error that comes of it says enough.
@@ -237,8 +252,7 @@ fn complain(error: &Error) {
         text.push_str(&format!("  caused by: {inner}\n"));
         cause = inner.source();
     }
-    // If stderr is closed, the message cannot be shown.
-    let _ = std::io::stderr().write_all(visible_lines(&text).as_bytes());
+    message(text.trim_end());
 }
 
 /// The robot of a command.
@@ -301,10 +315,18 @@ fn left_out(model: &Model) {
 
 /// A line on stderr. Names of files may hold what a terminal obeys; it is spelled out.
 fn message(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", visible_lines(text));
+    if let Some(text) = manners::message(&visible_lines(text)) {
+        // If stderr is closed, the message cannot be shown.
+        let _ = writeln!(std::io::stderr(), "{text}");
+    }
 }
 
-/// A whole result on stdout, for people.
+/// A result on stdout that people read: emphasised where a terminal shows it.
+fn show(text: &str) -> Result<(), Error> {
+    print_as_is(&manners::result(&visible_lines(text)))
+}
+
+/// A whole result on stdout that a program may read: a script, a page of a manual, a path.
 fn print(text: &str) -> Result<(), Error> {
     print_as_is(&visible_lines(text))
 }
@@ -388,7 +410,7 @@ fn judged(error: f64, floor: f64, most: Option<f64>) -> Outcome {
 /// A progress bar on a terminal's stderr; silent elsewhere.
 fn progress(what: &'static str) -> ProgressBar {
     let bar = ProgressBar::new(0);
-    if !std::io::stderr().is_terminal() {
+    if !std::io::stderr().is_terminal() || manners::quiet() {
         bar.set_draw_target(ProgressDrawTarget::hidden());
     }
     let style = ProgressStyle::with_template("{msg} {bar:30} {pos}/{len} ({eta})");

@@ -5,9 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::outputs::Files;
-use super::{
-    Bar, FeetArguments, Outcome, RobotArguments, command_line, message, print, print_json,
-};
+use super::{Bar, FeetArguments, Outcome, RobotArguments, command_line, message, print_json, show};
 use crate::Error;
 use crate::report;
 use sesc_identify::feet::Feet;
@@ -129,7 +127,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     match arguments.json {
         true => print_json(&found)?,
-        false => print(&report::plan::text(&found))?,
+        false => show(&report::plan::text(&found))?,
     }
     Ok(Outcome::Ok)
 }

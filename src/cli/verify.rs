@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Bar, Outcome, RobotArguments, print, print_json};
+use super::{Bar, Outcome, RobotArguments, print_json, show};
 use crate::Error;
 use crate::report::table::Table;
 use crate::verify::{holds, verify};
@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             );
         }
         let verdict = if found.pass { "pass" } else { "FAIL" };
-        print(&format!("{text}{verdict} on {} postures\n", found.samples))?;
+        show(&format!("{text}{verdict} on {} postures\n", found.samples))?;
     }
     Ok(if found.pass {
         Outcome::Ok

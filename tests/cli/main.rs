@@ -3,6 +3,7 @@
 
 mod answers;
 mod compare;
+mod defaults;
 mod manners;
 mod model_files;
 mod pipes;

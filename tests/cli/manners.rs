@@ -213,3 +213,71 @@ fn shells_and_man_know_every_command() {
     );
     refused(&sesc(&["man", "fot"]), &["`fot`", "fit"]);
 }
+
+#[test]
+fn verdicts_and_warnings_stand_out_where_asked_and_programs_read_plain_text() {
+    let urdf = op2();
+    let inspect = ["inspect", &urdf, "--support", "r_sole"];
+    let plain = stdout(&sesc(&inspect));
+    assert!(!plain.contains('\x1b'));
+    let painted = stdout(&sesc(&[&inspect[..], &["--color", "always"]].concat()));
+    assert!(painted.starts_with("\x1b[1mop2 on r_sole: "));
+    assert_eq!(painted.replace("\x1b[1m", "").replace("\x1b[0m", ""), plain);
+    for (option, from) in [("--json", "{"), ("--color=never", "op2")] {
+        let words = [&inspect[..], &["--color", "auto", option]].concat();
+        let words = if option == "--json" {
+            words
+        } else {
+            [&inspect[..], &[option]].concat()
+        };
+        let text = stdout(&sesc(&words));
+        assert!(text.starts_with(from) && !text.contains('\x1b'));
+    }
+    let wrong = sesc(&[
+        "inspect",
+        &urdf,
+        "--support",
+        "nowhere",
+        "--color",
+        "always",
+    ]);
+    assert!(String::from_utf8_lossy(&wrong.stderr).starts_with("\x1b[1;31merror:\x1b[0m "));
+}
+
+#[test]
+fn quiet_commands_say_warnings_and_errors_alone() {
+    let folder = folder();
+    let out = folder.path().join("log.csv").display().to_string();
+    let urdf = op2();
+    let simulate = [
+        "simulate",
+        &urdf,
+        "--support",
+        "r_sole",
+        "--poses",
+        "3",
+        "--out",
+        &out,
+    ];
+    assert!(!sesc(&simulate).stderr.is_empty());
+    let quiet = sesc(&[&simulate[..], &["--quiet"]].concat());
+    assert!(quiet.status.success() && quiet.stderr.is_empty());
+    let wrong = sesc(&["inspect", &urdf, "--support", "nowhere", "--quiet"]);
+    refused(&wrong, &["nowhere"]);
+}
+
+#[test]
+fn tables_of_a_robot_fit_a_wide_terminal_and_long_ones_are_asked_for() {
+    let inspect = ["inspect", &op2(), "--support", "r_sole"];
+    let widest = |text: &str| {
+        let tables = text
+            .lines()
+            .filter(|line| !line.contains(" moves to its parent "));
+        tables.map(|line| line.chars().count()).max().unwrap()
+    };
+    let text = stdout(&sesc(&inspect));
+    assert!(widest(&text) <= 120, "{}", widest(&text));
+    assert!(text.contains("Ry(-r_knee)"));
+    let long = stdout(&sesc(&[&inspect[..], &["--long"]].concat()));
+    assert!(long.contains("Rx(-r_ank_roll) Ry(r_ank_pitch) Ry(-r_knee)"));
+}

@@ -122,10 +122,31 @@ pub fn columns_text() -> String {
         };
         let names = column.names.join(", ");
         let Column { unit, meaning, .. } = column;
-        format!("  {names:<33} {unit:<7} {meaning}{need}\n")
+        let start = format!("  {names:<32} {unit:<6}");
+        hanging(start, &format!("{meaning}{need}"))
     });
     let lines: String = lines.collect();
     format!("Columns of a posture log:\n{}", lines.trim_end())
+}
+
+/// Characters of a line that any terminal shows.
+const LINE: usize = 98;
+
+/// `text` behind `start`, its further lines below its first.
+fn hanging(start: String, text: &str) -> String {
+    let indent = start.chars().count();
+    let (mut out, mut at) = (start, indent);
+    for word in text.split(' ') {
+        let length = word.chars().count() + 1;
+        if at + length > LINE {
+            out.push_str(&format!("\n{:indent$}", ""));
+            at = indent;
+        }
+        out.push_str(&format!(" {word}"));
+        at += length;
+    }
+    out.push('\n');
+    out
 }
 
 /// More columns than any robot has joints and readings.

@@ -1,0 +1,184 @@
+//! `sesc.toml` beside a URDF: options that every command on this robot would be given.
+//!
+//! ```toml
+//! support = "r_sole"
+//! prior = "tight"
+//! noise = 0.0005          # m
+//! limits = "limits.csv"   # paths are relative to this file
+//! ```
+//!
+//! What the command line says wins over it, and so does the support link that the sidecar of a
+//! log names. The options that were taken from it are said in a note.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Command, CommandFactory as _};
+use sesc_identify::logs::Sidecar;
+use sesc_model::files;
+
+use super::Cli;
+use crate::Error;
+
+/// The file's name.
+pub(super) const FILE: &str = "sesc.toml";
+
+/// What a key's value is.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Text,
+    Number,
+    Flag,
+    /// A path, unless it is one of these words.
+    Path(&'static [&'static str]),
+}
+
+/// Keys, which are options with `_` for `-`, in the order in which they are said.
+const KEYS: [(&str, Kind); 13] = [
+    ("support", Kind::Text),
+    ("no_snap", Kind::Flag),
+    ("both_feet", Kind::Flag),
+    ("other_foot", Kind::Text),
+    ("degrees", Kind::Flag),
+    ("prior", Kind::Path(&["tight", "cad", "free"])),
+    ("noise", Kind::Number),
+    ("floor", Kind::Number),
+    ("motion", Kind::Text),
+    ("limits", Kind::Path(&[])),
+    ("cop_box", Kind::Number),
+    ("sole", Kind::Path(&[])),
+    ("servos", Kind::Path(&[])),
+];
+
+/// `words` with the options that the robot's [`FILE`] gives and they do not, and a note of them.
+///
+/// # Errors
+/// A file that cannot be used, with its name, the key and the remedy.
+pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<String>), Error> {
+    let mut words = words.to_vec();
+    let command = Cli::command();
+    // What is wrong with the words is said by the parser that runs after this.
+    let Ok(matches) = command.clone().try_get_matches_from(&words) else {
+        return Ok((words, None));
+    };
+    let Some((name, matches)) = matches.subcommand() else {
+        return Ok((words, None));
+    };
+    let (Some(command), Some(file)) = (command.find_subcommand(name), beside(matches)) else {
+        return Ok((words, None));
+    };
+    let Some(table) = read(&file)? else {
+        return Ok((words, None));
+    };
+    let known: Vec<&str> = KEYS.iter().map(|(key, _)| *key).collect();
+    if let Some(unknown) = table.keys().find(|key| !known.contains(&key.as_str())) {
+        let remedy = format!("no such key; the keys are {}", known.join(", "));
+        return Err(wrong(&file, unknown, &remedy));
+    }
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let mut given = Vec::new();
+    for (key, kind) in KEYS {
+        let Some(value) = table.get(key) else {
+            continue;
+        };
+        let option = spelled(value, kind, folder).map_err(|remedy| wrong(&file, key, &remedy))?;
+        if let Some(value) = option.filter(|_| wanted(command, matches, key)) {
+            given.push(format!("--{}{value}", key.replace('_', "-")));
+        }
+    }
+    if given.is_empty() {
+        return Ok((words, None));
+    }
+    let note = format!("note: {} gives {}", file.display(), given.join(" "));
+    // Behind the name of the command: what comes after `--` are files.
+    let at = words.iter().position(|word| word == name);
+    let at = at.map_or(words.len(), |k| k + 1);
+    words.splice(at..at, given.into_iter().map(OsString::from));
+    Ok((words, Some(note)))
+}
+
+/// Where the file of the command's robot would be.
+fn beside(matches: &ArgMatches) -> Option<PathBuf> {
+    let values = |id| matches.try_get_raw(id).ok().flatten();
+    let urdf = values("urdf").or_else(|| values("inputs"))?.next()?;
+    let urdf = Path::new(urdf);
+    let described = urdf.extension().and_then(OsStr::to_str);
+    let described =
+        described.is_some_and(|extension| ["urdf", "xacro", "xml"].contains(&extension));
+    described.then(|| urdf.with_file_name(FILE))
+}
+
+fn read(file: &Path) -> Result<Option<toml::Table>, Error> {
+    let text = match files::read_text(file, files::SIDECAR) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(Error::Usage(format!("{}: {error}", file.display()))),
+    };
+    match text.parse() {
+        Ok(table) => Ok(Some(table)),
+        Err(error) => {
+            let error = format!("{}: {error}", file.display());
+            Err(Error::Usage(error.trim_end().to_string()))
+        }
+    }
+}
+
+fn wrong(file: &Path, key: &str, remedy: &str) -> Error {
+    Error::Usage(format!("{}: `{key}`: {remedy}", file.display()))
+}
+
+/// A value as it stands behind its option; none of a flag that is off.
+fn spelled(value: &toml::Value, kind: Kind, folder: &Path) -> Result<Option<String>, String> {
+    use toml::Value::{Boolean, Float, Integer, String};
+    match (kind, value) {
+        (Kind::Text, String(text)) => Ok(Some(format!("={text}"))),
+        (Kind::Number, Float(number)) => Ok(Some(format!("={number}"))),
+        (Kind::Number, Integer(number)) => Ok(Some(format!("={number}"))),
+        (Kind::Flag, Boolean(on)) => Ok(on.then(Default::default)),
+        (Kind::Path(words), String(text)) if words.contains(&text.as_str()) => {
+            Ok(Some(format!("={text}")))
+        }
+        (Kind::Path(_), String(text)) => Ok(Some(format!("={}", folder.join(text).display()))),
+        (Kind::Number, _) => Err("give a number".to_string()),
+        (Kind::Flag, _) => Err("give true or false".to_string()),
+        (Kind::Text | Kind::Path(_), _) => Err("give a text in quotes".to_string()),
+    }
+}
+
+/// Whether the command knows the option, has not been given it, and would use it.
+fn wanted(command: &Command, matches: &ArgMatches, key: &str) -> bool {
+    let option = key.replace('_', "-");
+    let own = command
+        .get_arguments()
+        .find(|own| own.get_long() == Some(&option));
+    let Some(own) = own else { return false };
+    let typed = matches.value_source(own.get_id().as_str()) == Some(ValueSource::CommandLine);
+    let used = match key {
+        "support" => command.get_name() != "fleet" && !logs_say_support(matches),
+        // Rust takes angles alone.
+        "servos" => command.get_name() != "generate" || takes_ticks(matches),
+        _ => true,
+    };
+    !typed && used
+}
+
+fn takes_ticks(matches: &ArgMatches) -> bool {
+    matches
+        .try_get_raw("lang")
+        .ok()
+        .flatten()
+        .is_some_and(|mut lang| lang.any(|lang| lang == "c"))
+}
+
+/// Whether logs of the command name their own support links.
+fn logs_say_support(matches: &ArgMatches) -> bool {
+    let Ok(Some(mut logs)) = matches.try_get_raw("data") else {
+        return false;
+    };
+    logs.any(|log| match Sidecar::of(Path::new(log)) {
+        Ok((sidecar, _)) => sidecar.support.is_some(),
+        // The command itself complains about it.
+        Err(_) => true,
+    })
+}
