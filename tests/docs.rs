@@ -65,7 +65,10 @@ fn links_between_pages_resolve() {
 #[test]
 fn formats_name_every_column_and_key() {
     let formats = read("docs/formats.md");
-    for line in sesc_identify::logs::columns_text().lines().skip(1) {
+    let columns = sesc_identify::logs::columns_text();
+    // Further lines of a meaning stand below its first.
+    let starts = |line: &&str| line.starts_with("  ") && !line.starts_with("   ");
+    for line in columns.lines().skip(1).filter(starts) {
         let names = line
             .split("  ")
             .find(|part| !part.trim().is_empty())
@@ -87,7 +90,7 @@ fn formats_name_every_column_and_key() {
 fn files_of_the_formats_page_are_read() {
     let formats = read("docs/formats.md");
     let blocks = blocks(&formats, "toml");
-    assert_eq!(blocks.len(), 3);
+    assert_eq!(blocks.len(), 4);
     let folder = folder();
     let at = |name: &str| folder.path().join(name).display().to_string();
     fs::copy(format!("{ROOT}/robots/op2/op2.urdf"), at("op2.urdf")).unwrap();
@@ -104,6 +107,18 @@ fn files_of_the_formats_page_are_read() {
     let warned = run("sesc fit op2.urdf --data run.csv --prior prior.toml 2>&1 >/dev/null");
     assert_eq!(warned, "");
     run("sesc diagnose op2.urdf --data run.csv --servos servos.toml");
+
+    fs::write(at("sesc.toml"), &blocks[3]).unwrap();
+    fs::write(
+        at("limits.csv"),
+        "joint,lower_deg,upper_deg\nhead_pan,-5,5\n",
+    )
+    .unwrap();
+    let planned = run("sesc plan op2.urdf --poses 3 --candidates 100 --out poses.csv 2>&1");
+    assert!(
+        planned.contains("--support=r_sole --prior=tight --noise=0.0005"),
+        "{planned}"
+    );
 }
 
 /// From an empty folder with a URDF to a corrected controller.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Verdict};
 use sesc_identify::evaluate::MotionPredictor;
 use sesc_identify::fit::{self, Identification, MotionModel, fit};
@@ -122,6 +123,28 @@ fn nothing_is_named_in_a_moving_log_unless_motion_is_off() {
         "{share:?}"
     );
     assert!(off.verdict != Verdict::None && off.last.rmse > 2.0 * WHITE.std[0]);
+}
+
+/// Readings of a quasi-static robot, stamped faster than it moved: what motion would add is not
+/// in them, and no offset of sensor or joints is blamed for that.
+#[test]
+fn readings_that_need_nothing_where_they_are_static_are_static() {
+    let stage = stage();
+    let world = World::new(&stage.robot, stage.support).unwrap();
+    for seed in 1..=4 {
+        let mut log = recorded(|w| w, Swing::new(0.5, 0.15, 15.0), 6.5, seed);
+        let mut random = ChaCha8Rng::seed_from_u64(100 + seed);
+        let noise = |random: &mut ChaCha8Rng| -> f64 {
+            let x: f64 = StandardNormal.sample(random);
+            WHITE.std[0] * x
+        };
+        for (q, cop) in log.q.iter().zip(&mut log.cop) {
+            *cop = world.cop(q).map(|truth| truth + noise(&mut random));
+        }
+        let found = diagnosed(&log, MotionModel::Auto);
+        assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
+        assert!(!found.motion.used, "{}", found.sentence);
+    }
 }
 
 #[test]

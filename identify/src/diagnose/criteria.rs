@@ -120,6 +120,14 @@ pub const OUTLIER_CHANCE: f64 = 0.5;
 /// humanoid's balance takes a CoM that is known to about 1 mm.
 pub const COM_APART_M: f64 = 1e-3;
 
+// Motion.
+
+/// χ² within so many of its deviations is that of noise alone.
+pub const NOISE_ALONE: f64 = 3.0;
+/// Readings that noise alone explains where they are static are static if motion costs this
+/// much χ² per independent sample: a chance of 1 in 3000 where neither is the truth.
+pub const MOTION_COSTS: f64 = 16.0;
+
 // Held-out errors.
 
 /// Parts that a log is dealt into.

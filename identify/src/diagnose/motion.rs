@@ -8,7 +8,8 @@
 //! free move it by its rows, `∂Δ/∂r`, joints that stand elsewhere by its slopes, `∂Δ/∂q`, joints
 //! that are late by its derivatives in time; loads of a hypothesis are accelerated with their
 //! links. How much of Δ readings show is tested as a share against 1, once before anything is
-//! explained (readings that show none are static), and once beside what was found.
+//! explained (readings that show none are static), and once beside what was found. Readings that
+//! need no explanation where they are static, and would need one in motion, are static, too.
 
 use std::rc::Rc;
 
@@ -16,11 +17,13 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::PostureContext;
 use sesc_model::{Function, Model};
 
+use super::criteria;
 use super::problem::{Fit, Problem};
 use crate::evaluate::Evaluator;
 use crate::fit::prior::{Prior, Tolerances};
 use crate::observations::correlation::Correlation;
 use crate::observations::motion_use::{Column, MotionModel, MotionUse, Share};
+use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
 use crate::observations::zmp::{Moved, Zmp};
 
@@ -41,7 +44,8 @@ pub(super) fn account(data: &mut Postures, model: &Model, prior: &Prior, asked: 
             tell_slopes(&mut moved, data, model);
             let share = share_of_readings(data, model, prior, &moved);
             let left_out = (all.len() - data.len()) as u64;
-            let used = !share.is_some_and(|share| share.is_missing());
+            let used = !share.is_some_and(|share| share.is_missing())
+                && !explains_more_than_motion(data, model, prior, &moved);
             if !used {
                 *data = all;
             }
@@ -148,6 +152,54 @@ fn share_of_readings(
         masses: p,
     };
     column.share(&unsure, per_sample)
+}
+
+/// Whether masses within their prior leave no more than noise where readings are static, and
+/// clearly more where they are those of motion: then what motion adds is not in them, however
+/// little an explanation of the difference would cost. Asked where the noise is known.
+fn explains_more_than_motion(data: &Postures, model: &Model, prior: &Prior, moved: &Moved) -> bool {
+    let stated = [
+        NoiseSource::Given,
+        NoiseSource::Stated,
+        NoiseSource::Repeats,
+    ];
+    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
+    let masses = prior.covariance_factor(model).or_else(usual);
+    let (Some(masses), true) = (masses, stated.contains(&data.noise_source)) else {
+        return false;
+    };
+    let (n, cad) = (2 * data.len(), DVector::from_vec(model.cad_params()));
+    let predicted = &moved.rows * &cad;
+    // As `Moved` corrects readings of motion; those of a robot that stands lack the shift.
+    let left = |share: f64| -> Option<(f64, f64)> {
+        let weight = |row: usize| {
+            let by_motion = share * moved.std[row / 2][row % 2];
+            1.0 / data.std[row].hypot(by_motion)
+        };
+        let y = DVector::from_fn(n, |row, _| {
+            let by = moved.correction[row / 2][row % 2] + predicted[row];
+            let shift = (1.0 - share) * moved.shift[row / 2][row % 2];
+            (data.reading[row] - by + shift) * weight(row)
+        });
+        let rows = DMatrix::from_fn(n, cad.len(), |row, c| moved.rows[(row, c)] * weight(row));
+        let free = &rows * &masses;
+        let inner = free.tr_mul(&free) + DMatrix::identity(free.ncols(), free.ncols());
+        let by_masses = free.tr_mul(&y);
+        let square = y.norm_squared() - by_masses.dot(&inner.cholesky()?.solve(&by_masses));
+        let per_sample = |axis: usize| {
+            let of_axis = |row: usize| 2 * row + axis;
+            let own = DVector::from_fn(data.len(), |k, _| y[of_axis(k)]);
+            let ones = DMatrix::from_element(data.len(), 1, 1.0);
+            Some(Correlation::of(data.t.as_deref()?, &own, &ones).rows_per_sample)
+        };
+        Some((square, (0..2).filter_map(per_sample).fold(1.0, f64::max)))
+    };
+    let (Some((standing, per_sample)), Some((moving, _))) = (left(0.0), left(1.0)) else {
+        return false;
+    };
+    let rows = n as f64;
+    let noise = rows + criteria::NOISE_ALONE * (2.0 * rows * per_sample).sqrt();
+    standing <= noise && (moving - standing) / per_sample > criteria::MOTION_COSTS
 }
 
 /// What is said of the motion in a log, once an explanation is found.
