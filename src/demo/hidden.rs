@@ -22,6 +22,7 @@ use sesc_identify::evaluate::{EffectPredictor, Evaluator};
 use sesc_identify::logs::Table;
 use sesc_identify::observations::postures::rms;
 use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::candidates::sample;
 use sesc_identify::plan::geometry::Geometry;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::scene::Scene;
@@ -137,7 +138,9 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
     let region = Region::square(BOX, 0.0)?;
     let geometry = Geometry::read(&robot.description, None);
     let scene = Scene::new(model, &geometry, &limits, &region, 0.005, None);
-    let (found, _) = scene.sample(seed, count, 100 * count, |_| ControlFlow::Continue(()));
+    let (found, _) = sample(&scene, seed, count, 100 * count, |_| {
+        ControlFlow::Continue(())
+    });
     match found.len() == count * model.dof() {
         true => Ok(found),
         false => Err(Error::Usage(

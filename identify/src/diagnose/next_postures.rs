@@ -12,6 +12,7 @@ use super::findings::{ExperimentProposal, Found};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
 use crate::plan::balance::Region;
+use crate::plan::candidates::sample;
 use crate::plan::geometry::Geometry;
 use crate::plan::limits::Limits;
 use crate::plan::order;
@@ -273,12 +274,9 @@ fn candidates(
     let mut scene = Scene::new(model, &geometry, &limits, &region, clearance, None);
     scene.sigmas = 2.0;
     let draws = 20 * criteria::CANDIDATES;
-    let (q, _) = scene.sample(
-        1,
-        criteria::CANDIDATES,
-        draws,
-        |_| ControlFlow::Continue(()),
-    );
+    let (q, _) = sample(&scene, 1, criteria::CANDIDATES, draws, |_| {
+        ControlFlow::Continue(())
+    });
     (q.len() >= NEXT_POSTURES * dof).then_some(q)
 }
 

@@ -60,8 +60,22 @@ pub struct Counts {
     pub low: Vec<usize>,
 }
 
+/// Up to `wanted` postures that respect `scene`, from at most `draws` draws, one after the other,
+/// and what became of the draws; the same seed draws the same. Stops where `progress` says so.
+pub fn sample(
+    scene: &Scene,
+    seed: u64,
+    wanted: usize,
+    draws: usize,
+    progress: impl FnMut(usize) -> ControlFlow<()>,
+) -> (Vec<f64>, Counts) {
+    let mut sampler = Sampler::new(scene, seed);
+    let q = sampler.sample(wanted, draws, progress);
+    (q, sampler.counts)
+}
+
 /// Draws candidates until there are enough.
-pub struct Sampler<'a> {
+struct Sampler<'a> {
     model: &'a Model,
     scene: &'a Scene<'a>,
     com: Evaluator,
@@ -69,12 +83,12 @@ pub struct Sampler<'a> {
     regressor: Evaluator,
     rng: ChaCha8Rng,
     /// What became of the draws so far.
-    pub counts: Counts,
+    counts: Counts,
 }
 
 impl<'a> Sampler<'a> {
     /// A sampler of postures that respect `scene`; the same seed draws the same.
-    pub fn new(scene: &'a Scene<'a>, seed: u64) -> Sampler<'a> {
+    fn new(scene: &'a Scene<'a>, seed: u64) -> Sampler<'a> {
         let model = scene.model;
         Sampler {
             com: Evaluator::new(model, Function::Cop),
@@ -92,7 +106,7 @@ impl<'a> Sampler<'a> {
 
     /// Up to `wanted` candidates from at most `draws` draws, one after the other;
     /// gives up where the first `FUTILE` bring none, and where `progress` says so.
-    pub fn sample(
+    fn sample(
         &mut self,
         wanted: usize,
         draws: usize,

@@ -10,7 +10,11 @@
 
 pub mod balance;
 pub mod both_feet;
-mod candidates;
+#[cfg(feature = "nalgebra")]
+#[doc(hidden)]
+pub mod candidates;
+#[cfg(not(feature = "nalgebra"))]
+pub(crate) mod candidates;
 mod clearance;
 #[cfg_attr(not(feature = "collision"), path = "no_collision.rs")]
 mod collision;
@@ -217,7 +221,7 @@ fn candidates_in(
     let wanted = request.wanted();
     let mut flow = ControlFlow::Continue(());
     let draws = DRAWS.saturating_mul(wanted);
-    let (q, counts) = scene.sample(request.seed, wanted, draws, |found| {
+    let (q, counts) = candidates::sample(scene, request.seed, wanted, draws, |found| {
         flow = watch.progress(Progress {
             what: "drawing candidates",
             done: found as u64,

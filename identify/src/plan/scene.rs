@@ -1,13 +1,10 @@
 //! What a posture has to respect: joint limits, balance, the ground, the robot's own body.
 
-use std::ops::ControlFlow;
-
 use nalgebra::DMatrix;
 use sesc_model::Model;
 
 use super::balance::Region;
 use super::both_feet::BothFeet;
-use super::candidates::{Counts, Sampler};
 use super::clearance::Clearance;
 use super::collision::Collisions;
 use super::geometry::Geometry;
@@ -58,19 +55,5 @@ impl<'a> Scene<'a> {
             limits,
             model,
         }
-    }
-
-    /// Up to `wanted` postures that respect it, from at most `draws` draws, one after the other,
-    /// and what became of the draws; the same seed draws the same. Stops where `progress` says so.
-    pub fn sample(
-        &self,
-        seed: u64,
-        wanted: usize,
-        draws: usize,
-        progress: impl FnMut(usize) -> ControlFlow<()>,
-    ) -> (Vec<f64>, Counts) {
-        let mut sampler = Sampler::new(self, seed);
-        let q = sampler.sample(wanted, draws, progress);
-        (q, sampler.counts)
     }
 }
