@@ -7,6 +7,7 @@
 mod body;
 mod compiled;
 mod correction;
+mod footprint;
 mod generated;
 mod hidden;
 mod records;

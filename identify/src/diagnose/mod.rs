@@ -15,6 +15,7 @@ mod dictionary;
 mod exact;
 mod experiment;
 pub mod findings;
+pub mod footprint;
 mod further_logs;
 mod held_out;
 mod hypothesis;
