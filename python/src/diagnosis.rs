@@ -88,7 +88,7 @@ impl DiagnosisReport {
     /// The page of `sesc diagnose --report`.
     fn page(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || match &self.report.view {
-            Some(view) => page(&self.report.diagnosis, view)
+            Some(view) => page(&self.report.diagnosis, view, &self.report.model_file, "")
                 .map_err(|error| Failure::internal(error.to_string())),
             None => Ok(String::new()),
         })

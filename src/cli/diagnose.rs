@@ -7,7 +7,8 @@ use clap::Args;
 
 use super::outputs::Files;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, message, print_json, show,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, command_line, message,
+    print_json, show,
 };
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
@@ -202,7 +203,7 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
         wrote(path);
     }
     if let (Some(path), Some(view)) = (&arguments.report, &report.view) {
-        let text = page(&report.diagnosis, view);
+        let text = page(&report.diagnosis, view, &report.model_file, &command_line());
         files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         wrote(path);
     }

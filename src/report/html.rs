@@ -75,6 +75,7 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     environment.add_filter("plain", |value: f64| value.to_string());
     environment.add_global("colors", Serde(svg::PALETTE));
     let script = format!("\n'use strict';\n{}", SCRIPT.concat());
+    environment.add_global("version", env!("CARGO_PKG_VERSION"));
     environment.add_global("policy", digest::source_of(&script));
     environment.add_global("script", Value::from_safe_string(script));
     // The ending of a page's name turns escaping on.

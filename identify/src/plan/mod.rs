@@ -148,6 +148,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let cop = Evaluator::new(model, Function::Cop).run(&q, count);
     Ok(Plan {
         robot: model.tree.robot.clone(),
+        hash: model.tree.hash.clone(),
         support: model.tree.links[model.tree.support].name.clone(),
         poses: request.poses,
         cop_region: request.region.sentence(),

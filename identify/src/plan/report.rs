@@ -17,6 +17,8 @@ use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
 pub struct Plan {
     /// The robot's name.
     pub robot: String,
+    /// Of its URDF.
+    pub hash: String,
     /// The link on the ground.
     pub support: String,
     /// Number of postures.

@@ -13,6 +13,7 @@ use crate::report::soles;
 use crate::report::table::mm;
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 use sesc_identify::diagnose::view::DiagnosisView;
+use sesc_model::ModelFile;
 
 /// Poses and blind spots in a row, at most.
 const POSES: usize = 40;
@@ -20,13 +21,21 @@ const BLIND: usize = 40;
 const EXPERIMENTS: usize = 8;
 const MEMBERS: usize = 10;
 
-/// The page of a diagnosis, alone in one file.
-pub fn page(found: &Diagnosis, view: &DiagnosisView) -> Result<String, Error> {
+/// The page of a diagnosis, alone in one file; `made` says of which robot and data it is,
+/// `command` makes it again.
+pub fn page(
+    found: &Diagnosis,
+    view: &DiagnosisView,
+    made: &ModelFile,
+    command: &str,
+) -> Result<String, Error> {
     let figure = Value::from_safe_string;
     let apart = view.differences.len() > 1;
     let poses = found.outliers.iter().take(POSES);
     let context = context! {
         found => Serde(found),
+        made => Serde(made),
+        command,
         last => Serde(&found.last),
         headline => headline(found, view),
         robot => robot::card(found, view).context(),

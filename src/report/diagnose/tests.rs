@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use sesc_model::{Function, Model, Snapping};
+use sesc_model::{DataUsed, Function, Model, ModelFile, Snapping};
 
 use super::{Asked, page, text};
 use crate::OP2_URDF;
@@ -78,10 +78,33 @@ fn small(size: (usize, bool), off: Off) -> (Diagnosis, DiagnosisView) {
     diagnosed(TWO_LINK, "foot", "tight", size, off)
 }
 
+/// Of which robot and data a page says that it is.
+fn made() -> ModelFile {
+    let robot = Robot::parse(TWO_LINK, "robot.urdf").unwrap();
+    let model = robot.model("foot", Snapping::default(), None).unwrap();
+    let mut made = ModelFile::from_values(&model, &model.params(), None, "cad");
+    made.data.push(DataUsed {
+        file: "mon<day>.csv".to_string(),
+        hash: "00c0ffee".to_string(),
+        rows: 7,
+    });
+    made
+}
+
 /// The page, after what holds for every page.
 fn sound(found: &Diagnosis, view: &DiagnosisView) -> String {
-    let html = page(found, view).unwrap();
-    assert_eq!(html, page(found, view).unwrap());
+    let made = made();
+    let html = page(found, view, &made, "sesc diagnose 'a<b>.urdf'").unwrap();
+    let again = page(found, view, &made, "sesc diagnose 'a<b>.urdf'").unwrap();
+    assert_eq!(html, again);
+    for words in [
+        &format!("two_link, hash {}", made.hash),
+        "mon&lt;day&gt;.csv, 7 rows, hash 00c0ffee",
+        "<pre>sesc diagnose &#x27;a&lt;b&gt;.urdf&#x27;</pre>",
+        "<p class=\"made\">sesc ",
+    ] {
+        assert!(html.contains(words), "{words}");
+    }
     assert!(html.contains("a&lt;b&gt;&amp;c") && !html.contains("a<b>"));
     for figure in html.split("<svg ").skip(1) {
         let figure = figure.split("</svg>").next().unwrap();

@@ -45,6 +45,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
         ),
         "a sole of 4 corners",
         "25 postures to take, of 120",
+        &format!("hash {}</dd>", found.hash),
     ] {
         assert!(html.contains(words), "{words}");
     }
