@@ -13,6 +13,7 @@
 
 pub mod cli;
 pub mod demo;
+pub mod effect_pages;
 pub mod error;
 pub mod inspect;
 pub mod report;

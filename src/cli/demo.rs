@@ -1,30 +1,49 @@
 //! `sesc demo`
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sesc_identify::hide::hide;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate;
+use sesc_model::Snapping;
 use sesc_model::files::write_all_if_changed;
 
+use super::outputs::Files;
 use super::{Bar, Outcome, message, show};
-use crate::Error;
 use crate::demo::{self, Demo};
 use crate::report::html;
 use crate::report::table::{Table, wrapped};
+use crate::{Error, OP2_URDF};
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
 #[derive(Args)]
-#[command(after_help = "Example:\n  sesc demo --out demo.html")]
+#[command(after_help = "Examples:\n  sesc demo --out demo.html\n  sesc demo --keep play")]
 pub(super) struct Arguments {
     /// Report to write
     #[arg(long, value_name = "FILE", default_value = "sesc-demo.html")]
     out: PathBuf,
+    /// Folder for the robot and two small logs of it, to play with
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
     /// Seed of postures and noise
     #[arg(long, default_value_t = demo::SEED)]
     seed: u64,
 }
 
+/// Of one reading of the logs that are kept, m.
+const NOISE_M: f64 = 0.0005;
+/// The logs that are kept: a robot as its URDF says, and one whose knee is off.
+const SAMPLES: [(&str, &[&str]); 2] = [
+    ("clean.csv", &[]),
+    ("knee.csv", &["joint_offset:r_knee=3deg"]),
+];
+
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    if let Some(folder) = &arguments.keep {
+        keep(folder)?;
+    }
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
     let page = html::demo(&demo.report).map_err(|error| Error::Report(Box::new(error)))?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
@@ -39,6 +58,35 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         message("check failed: generated functions and reference disagree");
         Ok(Outcome::Failed)
     }
+}
+
+/// Write the OP2, and logs of 200 postures of it read to 0.5 mm.
+fn keep(folder: &Path) -> Result<(), Error> {
+    let urdf = folder.join("op2.urdf");
+    let logs = SAMPLES.map(|(name, _)| folder.join(name));
+    let other = std::fs::read(&urdf).is_ok_and(|text| text != OP2_URDF.as_bytes());
+    if other {
+        return Err(Error::Usage(format!(
+            "{} is another file than would be written; give --keep another folder",
+            urdf.display()
+        )));
+    }
+    write_all_if_changed(&[(urdf.clone(), OP2_URDF.to_string())])?;
+    let files = Files::default().reads([&urdf]).writes_logs(&logs);
+    files.check_writable()?;
+    let mut written = vec![urdf.display().to_string()];
+    let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
+    for ((_, effects), path) in SAMPLES.iter().zip(&logs) {
+        let model = robot.model("r_sole", Snapping::default(), None)?;
+        let mut request = simulate::Request::new(hide(model, effects)?, 200);
+        request.range = Some(demo::RANGE_DEG.to_radians());
+        request.noise = NOISE_M;
+        request.seed = 3;
+        simulate::write(&request, path, &mut Bar::new("simulating"))?;
+        written.push(path.display().to_string());
+    }
+    message(&format!("wrote {}", written.join(", ")));
+    Ok(())
 }
 
 fn text(demo: &Demo) -> String {

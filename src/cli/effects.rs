@@ -7,6 +7,7 @@ use sesc_model::effects::about::{EffectAbout, about};
 
 use super::{Outcome, print_json, show};
 use crate::Error;
+use crate::effect_pages::Bench;
 use crate::report::table::Table;
 
 /// What a diagnosis may also name, besides effects.
@@ -47,7 +48,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     match (arguments.json, &arguments.name) {
         (true, _) => print_json(&Listed { effects })?,
-        (false, Some(_)) => show(&effects.iter().map(page).collect::<String>())?,
+        (false, Some(name)) => {
+            for page in Bench::new()?.pages(Some(name))? {
+                let text = page.text().replace("```text\n", "").replace("```\n", "");
+                show(&format!("{name}: {text}"))?;
+            }
+        }
         (false, None) => show(&(table(&effects) + BESIDE))?,
     }
     Ok(Outcome::Ok)
@@ -69,17 +75,4 @@ fn table(effects: &[EffectAbout]) -> String {
 fn parameters(effect: &EffectAbout) -> String {
     let names: Vec<&str> = effect.parameters.iter().map(|p| p.name).collect();
     names.join(", ")
-}
-
-/// The page of one effect.
-fn page(effect: &EffectAbout) -> String {
-    let parameters = match effect.parameters.is_empty() {
-        true => "none".to_string(),
-        false => parameters(effect),
-    };
-    let text = effect.page.replace("```text\n", "").replace("```\n", "");
-    format!(
-        "{}: {text}\nacts on     {}\nparameters  {parameters}\n",
-        effect.name, effect.target
-    )
 }

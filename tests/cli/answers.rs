@@ -1,7 +1,7 @@
 //! What programs read: the list of effects, errors as JSON, exit codes that judge.
 
 use serde_json::Value;
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
 
 #[test]
 fn effects_are_listed_and_explained() {
@@ -26,7 +26,15 @@ fn effects_are_listed_and_explained() {
     assert!(table.contains("backlash") && table.contains("joint or all"));
     let one = stdout(&sesc(&["effects", "backlash"]));
     assert!(one.contains("φ_j = q_j + (β/2) sign τ_j(φ)"), "{one}");
-    assert!(one.contains("parameters  width_rad"), "{one}");
+    assert!(one.contains("Parameters: width_rad (rad)."), "{one}");
+    // What it does on the OP2 is computed, and the page of the book says the same.
+    let page = std::fs::read_to_string(format!("{ROOT}/docs/effects/backlash.md")).unwrap();
+    let page = page.replace("```text\n", "").replace("```\n", "");
+    let body = one.strip_prefix("backlash: ").unwrap();
+    assert!(
+        page.contains(body) && body.contains("joint_compliance:all"),
+        "{one}"
+    );
     refused(
         &sesc(&["effects", "backlsh"]),
         &["no effect `backlsh`", "backlash"],
@@ -102,6 +110,28 @@ fn an_error_above_the_callers_limit_is_exit_code_1() {
             &["above 0"],
         );
     }
+}
+
+/// A robot and logs to play with; what is not theirs stays.
+#[test]
+fn the_demo_keeps_samples() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let (page, kept) = (at("demo.html"), at("new/samples"));
+    let [page, kept] = [page, kept].map(|path| path.display().to_string());
+    let demo = || sesc(&["demo", "--out", &page, "--keep", &kept]);
+    stdout(&demo());
+    let urdf = format!("{kept}/op2.urdf");
+    assert_eq!(std::fs::read(&urdf).unwrap(), std::fs::read(op2()).unwrap());
+    for (log, verdict) in [("clean.csv", "none"), ("knee.csv", "named")] {
+        let log = format!("{kept}/{log}");
+        let found = sesc(&["diagnose", &urdf, "--data", &log, "--json"]);
+        let found: Value = serde_json::from_str(&stdout(&found)).unwrap();
+        assert_eq!(found["verdict"], verdict, "{}", found["sentence"]);
+    }
+    std::fs::write(&urdf, "<robot/>").unwrap();
+    refused(&demo(), &["op2.urdf", "--keep another folder"]);
+    assert_eq!(std::fs::read(&urdf).unwrap(), b"<robot/>");
 }
 
 /// What is hidden in a simulated robot is what its diagnosis names.

@@ -103,7 +103,15 @@ const ROOMS: [(&str, &[&str]); 5] = [
     (
         "",
         &[
-            "words", "error", "inspect", "verify", "servos", "report", "demo", "cli",
+            "words",
+            "error",
+            "inspect",
+            "verify",
+            "servos",
+            "report",
+            "demo",
+            "effect_pages",
+            "cli",
         ],
     ),
 ];

@@ -10,7 +10,7 @@ use clap::Parser;
 enum Task {
     /// Print operations and instructions of one call; fail where they grew by 2 %
     Counts(xtask::counts::Counts),
-    /// Rewrite `generated/` and the figure of README from `robots/`
+    /// Rewrite `generated/`, the figure of README and the pages of effects
     Regen,
     /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/study.md
     Study(xtask::study::Study),

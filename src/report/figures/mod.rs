@@ -8,6 +8,7 @@ mod arrows;
 mod bars;
 mod cop;
 pub mod diagnose;
+mod effect;
 mod errors;
 pub mod fit;
 mod health;
@@ -21,6 +22,7 @@ pub mod robot;
 mod tests;
 
 pub use cop::{cop_over_postures, cop_plane};
+pub use effect::effect;
 pub use errors::errors;
 pub use health::health;
 pub use height::{height_level, height_shape};
