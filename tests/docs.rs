@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use sesc_test_support::command::{ROOT, folder, program};
+use sesc_test_support::command::{ROOT, folder, op2, program, sesc};
 
 /// Every page that a reader meets.
 fn pages() -> Vec<PathBuf> {
@@ -16,9 +16,11 @@ fn pages() -> Vec<PathBuf> {
         "CHANGELOG.md",
     ];
     let mut pages: Vec<PathBuf> = top.iter().map(|name| root.join(name)).collect();
-    let docs = fs::read_dir(root.join("docs")).unwrap();
-    let docs = docs.map(|entry| entry.unwrap().path());
-    pages.extend(docs.filter(|path| path.extension().is_some_and(|end| end == "md")));
+    for folder in ["docs", "docs/effects"] {
+        let docs = fs::read_dir(root.join(folder)).unwrap();
+        let docs = docs.map(|entry| entry.unwrap().path());
+        pages.extend(docs.filter(|path| path.extension().is_some_and(|end| end == "md")));
+    }
     pages.sort();
     pages
 }
@@ -44,21 +46,227 @@ fn links(text: &str) -> Vec<String> {
     found
 }
 
+/// What links call the headings of a page: letters and digits in small, spaces as dashes.
+fn anchors(text: &str) -> Vec<String> {
+    let mut code = false;
+    let headings = text.lines().filter(|line| {
+        code ^= line.starts_with("```");
+        !code && line.starts_with('#')
+    });
+    let name = |heading: &str| -> String {
+        let heading = heading.trim_start_matches('#').trim().to_lowercase();
+        let kept = heading
+            .chars()
+            .filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+        kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+    };
+    headings.map(name).collect()
+}
+
 #[test]
 fn links_between_pages_resolve() {
     let mut seen = 0;
+    let mut places = 0;
     for page in pages() {
-        for link in links(&fs::read_to_string(&page).unwrap()) {
-            if link.starts_with("http") || link.starts_with('#') {
+        let text = fs::read_to_string(&page).unwrap();
+        for link in links(&text) {
+            if link.starts_with("http") {
                 continue;
             }
-            let (file, _) = link.split_once('#').unwrap_or((&link, ""));
-            let target = page.parent().unwrap().join(file);
+            let (file, place) = link.split_once('#').unwrap_or((&link, ""));
+            let target = match file {
+                "" => page.clone(),
+                file => page.parent().unwrap().join(file),
+            };
             assert!(target.exists(), "{}: {link}", page.display());
+            seen += 1;
+            if !place.is_empty() {
+                let there = anchors(&fs::read_to_string(&target).unwrap());
+                assert!(
+                    there.iter().any(|name| name == place),
+                    "{}: {link}; there is {there:?}",
+                    page.display()
+                );
+                places += 1;
+            }
+        }
+    }
+    assert!(seen > 100 && places > 5, "{seen} {places}");
+}
+
+/// Every page of `docs/` is a chapter, and no chapter links out of the book.
+#[test]
+fn every_page_is_a_chapter_of_the_book() {
+    let summary = read("docs/SUMMARY.md");
+    let docs = Path::new(ROOT).join("docs");
+    let chapters: Vec<PathBuf> = links(&summary).iter().map(|file| docs.join(file)).collect();
+    for (k, chapter) in chapters.iter().enumerate() {
+        assert!(!chapters[..k].contains(chapter), "{}", chapter.display());
+        let text = fs::read_to_string(chapter).unwrap();
+        assert!(text.starts_with("# "), "{}", chapter.display());
+        for link in links(&text).iter().filter(|link| !link.starts_with("http")) {
+            let file = link.split('#').next().unwrap();
+            let mut depth = chapter
+                .parent()
+                .unwrap()
+                .strip_prefix(&docs)
+                .unwrap()
+                .components()
+                .count();
+            for step in file.split('/') {
+                match step {
+                    ".." => depth = depth.checked_sub(1).expect("a link out of the book"),
+                    _ => depth += 1,
+                }
+            }
+        }
+    }
+    for page in pages() {
+        let own = page.strip_prefix(&docs);
+        if own.is_ok_and(|name| name != Path::new("SUMMARY.md")) {
+            assert!(chapters.contains(&page), "{} is no chapter", page.display());
+        }
+    }
+}
+
+/// The picture that README begins with has colours for dark pages, and paper of its own.
+#[test]
+fn figures_of_pages_know_dark_pages() {
+    let mut seen = 0;
+    for page in pages() {
+        let text = fs::read_to_string(&page).unwrap();
+        for link in links(&text).iter().filter(|link| link.ends_with(".svg")) {
+            let figure = fs::read_to_string(page.parent().unwrap().join(link)).unwrap();
+            let dark = "@media screen and (prefers-color-scheme:dark){";
+            assert!(figure.contains(dark), "{link}");
+            assert!(
+                figure.contains("<rect class=\"paper\" x=\"0\" y=\"0\""),
+                "{link}"
+            );
             seen += 1;
         }
     }
+    assert!(seen > 30, "{seen}");
+}
+
+/// Numbers that decide verdicts, and their sentences, are those of the code.
+#[test]
+fn statistics_has_the_criteria_of_the_code() {
+    let code = read("identify/src/diagnose/criteria.rs");
+    let page = read("docs/statistics.md");
+    let rows = page.lines().filter(|line| line.starts_with("| `"));
+    let mut seen = 0;
+    for row in rows {
+        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
+        let name = cells[0].trim_matches('`');
+        let line = format!("pub const {name}: ");
+        let (before, after) = code.split_once(&line).unwrap_or_else(|| panic!("{name}"));
+        let value = after
+            .split(" = ")
+            .nth(1)
+            .unwrap()
+            .split(';')
+            .next()
+            .unwrap();
+        assert_eq!(cells[1], value, "{name}");
+        let sentence: Vec<&str> = before
+            .lines()
+            .rev()
+            .take_while(|line| line.starts_with("///"))
+            .map(|line| line.trim_start_matches("/// "))
+            .collect();
+        let sentence: Vec<&str> = sentence.into_iter().rev().collect();
+        assert_eq!(cells[2], sentence.join(" "), "{name}");
+        seen += 1;
+    }
     assert!(seen > 10, "{seen}");
+}
+
+/// Every effect has its page in the list and in the book.
+#[test]
+fn every_effect_is_a_chapter() {
+    let listed = run(Path::new(ROOT), "sesc effects --json");
+    let listed: serde_json::Value = serde_json::from_str(&listed).unwrap();
+    let summary = read("docs/SUMMARY.md");
+    for effect in listed["effects"].as_array().unwrap() {
+        let name = effect["name"].as_str().unwrap();
+        assert!(
+            summary.contains(&format!("  - [{name}](effects/{name}.md)")),
+            "{name}"
+        );
+        assert!(read("docs/effects/index.md").contains(&format!("[{name}]({name}.md)")));
+    }
+}
+
+/// Every key that a command prints stands in its row.
+#[test]
+fn formats_name_every_key_of_json() {
+    let formats = read("docs/formats.md");
+    let folder = folder();
+    fs::copy(
+        format!("{ROOT}/robots/op2/op2.urdf"),
+        folder.path().join("op2.urdf"),
+    )
+    .unwrap();
+    let run = |line: &str| run(folder.path(), line);
+    fs::create_dir(folder.path().join("logs")).unwrap();
+    run("sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.001 --out logs/r1_1.csv");
+    let lines = [
+        "inspect op2.urdf --support r_sole",
+        "verify op2.urdf --support r_sole --samples 20",
+        "plan op2.urdf --support r_sole --poses 10 --candidates 100 --out poses.csv",
+        "fit op2.urdf --data logs/r1_1.csv --out model.toml",
+        "diagnose op2.urdf --data logs/r1_1.csv",
+        "effects",
+        "compare model.toml model.toml",
+        "fleet op2.urdf --data logs --out fleet.csv",
+    ];
+    for line in lines {
+        let command = line.split(' ').next().unwrap();
+        let row = format!("| `{command}` | ");
+        let keys = formats
+            .split(&row)
+            .nth(1)
+            .unwrap_or_else(|| panic!("{command}"));
+        let keys = keys.lines().next().unwrap();
+        let printed = run(&format!("sesc {line} --json --quiet"));
+        let printed: serde_json::Value = serde_json::from_str(&printed).unwrap();
+        for key in printed
+            .as_object()
+            .unwrap()
+            .keys()
+            .filter(|key| *key != "schema")
+        {
+            assert!(keys.contains(&format!("`{key}`")), "{command}: {key}");
+        }
+    }
+}
+
+/// The reader says itself which keys a sidecar may have.
+#[test]
+fn formats_name_every_key_of_sidecars() {
+    let formats = read("docs/formats.md");
+    let (folder, op2) = (folder(), op2());
+    let line = "sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.001 --out log.csv";
+    run(folder.path(), &line.replace("op2.urdf", &op2));
+    let log = folder.path().join("log.csv");
+    fs::write(log.with_extension("csv.toml"), "wxyz_uvw = 1\n").unwrap();
+    let log = log.display().to_string();
+    let said = sesc(&["fit", &op2, "--data", &log, "--support", "r_sole"]);
+    let said = String::from_utf8(said.stderr).unwrap();
+    let keys = said
+        .split("known are ")
+        .nth(1)
+        .unwrap_or_else(|| panic!("{said}"));
+    let keys = keys.lines().next().unwrap();
+    let keys: Vec<&str> = keys.trim().split(", ").collect();
+    assert!(keys.len() > 9, "{keys:?}");
+    for key in keys {
+        assert!(
+            formats.contains(&format!("\n{key} = ")) || formats.contains(&format!("`{key} = ")),
+            "{key}"
+        );
+    }
 }
 
 /// Columns are those that the commands name in their help.
@@ -126,11 +334,6 @@ fn files_of_the_formats_page_are_read() {
 fn the_tutorial_runs() {
     let tutorial = read("docs/tutorial.md");
     let folder = folder();
-    fs::copy(
-        format!("{ROOT}/robots/op2/op2.urdf"),
-        folder.path().join("op2.urdf"),
-    )
-    .unwrap();
     let mut printed = String::new();
     let commands = blocks(&tutorial, "sh");
     assert!(commands.len() > 6);
@@ -153,6 +356,35 @@ fn the_tutorial_runs() {
     ] {
         assert!(folder.path().join(written).exists(), "{written}");
     }
+    the_program_in_c_runs(folder.path());
+}
+
+/// README's lines are the tutorial's, and its C runs with what these generate.
+fn the_program_in_c_runs(folder: &Path) {
+    let (readme, tutorial) = (read("README.md"), read("docs/tutorial.md"));
+    let shown = blocks(&readme, "console");
+    let commands = shown[0].lines().filter_map(|line| line.strip_prefix("$ "));
+    for command in commands {
+        let command = command.split("  #").next().unwrap().trim();
+        assert!(tutorial.contains(command), "{command}");
+    }
+    let said = shown[0]
+        .lines()
+        .find(|line| line.starts_with("Missing"))
+        .unwrap();
+    assert!(tutorial.contains(said), "{said}");
+    let program = &blocks(&readme, "c")[0];
+    assert_eq!(program, &blocks(&read("docs/firmware.md"), "c")[0]);
+    fs::write(folder.join("main.c"), program).unwrap();
+    run(
+        folder,
+        "cc -std=c99 -Wall -Wextra -Werror -Ifw main.c fw/op2.c -o main",
+    );
+    let printed = run(folder, "./main");
+    assert!(
+        printed.ends_with(" mm\n") && printed.split(' ').count() == 4,
+        "{printed}"
+    );
 }
 
 /// What stands between fences of this kind.

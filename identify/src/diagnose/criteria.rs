@@ -2,7 +2,7 @@
 //!
 //! Scores are −2 log evidence with penalties: differences of them are −2 log odds. "The
 //! study" is `cargo xtask study`: effects hidden in a virtual robot that
-//! shares no code with the diagnosis. README's table counts seeds 700000 (100 logs)
+//! shares no code with the diagnosis. The table of docs/diagnosis.md counts seeds 700000 (100 logs)
 //! and 800000 (400 logs); rerun it after a change. Where no calibration is named, the
 //! number was chosen, not calibrated.
 
