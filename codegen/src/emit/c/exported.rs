@@ -43,7 +43,7 @@ impl Deref for Exported<'_> {
 }
 
 impl Exported<'_> {
-    /// Its name behind the prefix.
+    /// Its name after the prefix.
     pub(super) fn name(&self) -> String {
         let suffix = match (self.input, self.given) {
             (Input::Ticks, _) => "_ticks",
@@ -66,6 +66,14 @@ impl Exported<'_> {
 
     pub(super) fn takes_parameters(&self) -> bool {
         self.function.takes_parameters() && !self.baked
+    }
+
+    /// What a caller passes of one posture, in order; joint angles also where they come as
+    /// ticks.
+    pub(super) fn arguments(&self) -> Vec<Argument> {
+        let mut arguments = self.function.arguments(self.given);
+        arguments.retain(|argument| *argument != Argument::Parameters || !self.baked);
+        arguments
     }
 
     /// Name of its result array.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::exported::{Exported, Input};
 use super::helpers::Calls;
 use super::lanes::{self, Block};
-use super::{Scalar, fixed, float};
+use super::{Scalar, fixed, float, spelled};
 use crate::emit::header;
 use crate::facts::Facts;
 use sesc_model::expr::Argument;
@@ -24,7 +24,7 @@ pub(super) struct Text {
     declaration: String,
     definition: String,
     body: Vec<String>,
-    /// Of many postures: those of one register.
+    /// For functions of many postures: the function of one register's postures.
     block: Option<Block>,
 }
 
@@ -140,125 +140,114 @@ fn signature(declarations: &[String], before: usize) -> String {
     }
 }
 
-/// How the result's length is written.
-fn length(routine: &Exported, name: &str) -> String {
-    let columns = match routine.function.columns() {
+/// A length as C names it.
+fn extent(extent: Extent, name: &str) -> String {
+    match extent {
         Extent::Fixed(n) => n.to_string(),
         Extent::Dof => format!("{name}_DOF"),
         Extent::BaseParams => format!("{name}_BASE_PARAMS"),
         Extent::FullParams => format!("{name}_FULL_PARAMS"),
-    };
+    }
+}
+
+/// How many entries the result of one posture has.
+fn entries(routine: &Exported, name: &str) -> String {
+    let columns = extent(routine.function.columns(), name);
     match routine.program.shape {
         Shape::Matrix { rows, .. } => format!("{rows} * {columns}"),
         Shape::Vector(_) => columns,
     }
 }
 
-fn parameters(routine: &Exported, name: &str) -> Vec<Parameter> {
-    let real = format!("{name}_real");
-    let input = |array: &str, scalar: &str, meaning: String| Parameter {
-        direction: "in",
-        name: array.to_string(),
-        meaning,
-        scalar: format!("const {scalar}"),
-        length: Some(String::new()),
-    };
-    let mut parameters = match (routine.input, routine.given) {
-        _ if routine.function == Function::CorrectCop => vec![Parameter {
-            length: Some("2".to_string()),
-            ..input(
-                "reading",
-                &real,
-                "sensor reading, in the unit of cop, [2]".to_string(),
-            )
-        }],
-        (Input::Ticks, _) => vec![input(
-            "ticks",
-            "int32_t",
-            format!("servo ticks, [{name}_DOF], within the joint limits"),
-        )],
-        (_, Given::Positions) => vec![input(
-            "q",
-            &real,
-            format!("joint positions, rad (m for prismatic joints), [{name}_DOF]"),
-        )],
-        (_, Given::SinesCosines | Given::Direction) => vec![
-            input(
-                "sin_q",
-                &real,
-                format!("sines of the joint angles, [{name}_DOF]"),
-            ),
-            input(
-                "cos_q",
-                &real,
-                format!("cosines of the joint angles, [{name}_DOF]"),
-            ),
-        ],
-    };
-    let moves = |argument| {
-        routine
-            .function
-            .arguments(routine.given)
-            .contains(&argument)
-    };
-    if moves(Argument::Velocities) {
-        let meaning = format!("joint velocities, rad/s (m/s), [{name}_DOF]");
-        parameters.push(input("qd", &real, meaning));
-    }
-    if moves(Argument::Accelerations) {
-        let meaning = format!("joint accelerations, rad/s2 (m/s2), [{name}_DOF]");
-        parameters.push(input("qdd", &real, meaning));
-    }
-    if routine.takes_parameters() {
-        let meaning = format!("base parameters, m, [{name}_BASE_PARAMS]");
-        parameters.push(input("r", &real, meaning));
-    }
-    let length = length(routine, name);
-    parameters.push(Parameter {
-        direction: "out",
-        name: routine.output().to_string(),
-        meaning: format!("the result, [{length}]"),
-        scalar: real,
-        length: Some(length),
-    });
-    match routine.is_batch() {
-        true => of_many(parameters),
-        false => parameters,
+/// What the header says of an argument.
+fn meaning(argument: Argument) -> &'static str {
+    match argument {
+        Argument::Positions => "joint positions, rad (m for prismatic joints)",
+        Argument::Sines => "sines of the joint angles",
+        Argument::Cosines => "cosines of the joint angles",
+        Argument::Velocities => "joint velocities, rad/s (m/s)",
+        Argument::Accelerations => "joint accelerations, rad/s2 (m/s2)",
+        Argument::Parameters => "base parameters, m",
+        Argument::Direction => "a direction of the support frame, no longer than 1",
+        Argument::Reading => "sensor reading, in the unit of cop",
+        // Unknowns and contexts are inputs of fits, in Rust alone.
+        _ => "an input of fits",
     }
 }
 
-/// The parameters of a function of n postures; r is one for all.
-fn of_many(one: Vec<Parameter>) -> Vec<Parameter> {
-    let mut parameters = vec![Parameter {
+/// An input of a function. Of many postures all but the base parameters have n times as
+/// many entries.
+fn input(routine: &Exported, argument: Argument, name: &str) -> Parameter {
+    let entries = extent(Extent::of(argument), name);
+    let many = match routine.is_batch() && argument != Argument::Parameters {
+        true => " * n",
+        false => "",
+    };
+    Parameter {
         direction: "in",
-        name: "n".to_string(),
-        meaning: "number of postures, 0 as well".to_string(),
-        scalar: "size_t".to_string(),
-        length: None,
-    }];
-    parameters.extend(one.into_iter().map(|parameter| {
-        let Some((meaning, length)) = parameter.meaning.rsplit_once(", [") else {
-            return parameter;
-        };
-        if parameter.name == "r" {
-            return parameter;
-        }
-        let length = length.trim_end_matches(']');
-        Parameter {
-            meaning: format!("{meaning}, [{length} * n]"),
+        name: spelled(argument).to_string(),
+        meaning: format!("{}, [{entries}{many}]", meaning(argument)),
+        scalar: format!("const {name}_real"),
+        length: Some(match argument {
+            Argument::Reading => entries,
+            _ => String::new(),
+        }),
+    }
+}
+
+fn parameters(routine: &Exported, name: &str) -> Vec<Parameter> {
+    let mut parameters = Vec::new();
+    if routine.is_batch() {
+        parameters.push(Parameter {
+            direction: "in",
+            name: "n".to_string(),
+            meaning: "number of postures, 0 as well".to_string(),
+            scalar: "size_t".to_string(),
+            length: None,
+        });
+    }
+    let mut arguments = routine.arguments();
+    if routine.is_of_ticks() {
+        arguments.retain(|argument| !angles(*argument));
+        parameters.push(Parameter {
+            direction: "in",
+            name: "ticks".to_string(),
+            meaning: format!("servo ticks, [{name}_DOF], within the joint limits"),
+            scalar: "const int32_t".to_string(),
             length: Some(String::new()),
-            ..parameter
-        }
-    }));
+        });
+    }
+    let inputs = arguments.into_iter();
+    parameters.extend(inputs.map(|argument| input(routine, argument, name)));
+    let entries = entries(routine, name);
+    let (meaning, length) = match routine.is_batch() {
+        true => (format!("the result, [{entries} * n]"), String::new()),
+        false => (format!("the result, [{entries}]"), entries),
+    };
+    parameters.push(Parameter {
+        direction: "out",
+        name: routine.output().to_string(),
+        meaning,
+        scalar: format!("{name}_real"),
+        length: Some(length),
+    });
     parameters
+}
+
+/// Whether an argument is what servo ticks are turned into.
+fn angles(argument: Argument) -> bool {
+    matches!(
+        argument,
+        Argument::Positions | Argument::Sines | Argument::Cosines
+    )
 }
 
 /// Ticks to sines and cosines (or positions), then the function of those.
 fn ticks_body(routine: &Exported, name: &str) -> Vec<String> {
-    let arrays: &[&str] = match routine.given {
-        Given::Positions => &["q"],
-        Given::SinesCosines | Given::Direction => &["sin_q", "cos_q"],
-    };
+    let (arrays, others): (Vec<Argument>, Vec<Argument>) =
+        routine.arguments().into_iter().partition(|it| angles(*it));
+    let names = |arguments: &[Argument]| arguments.iter().map(|it| spelled(*it)).collect();
+    let (arrays, mut passed): (Vec<&str>, Vec<&str>) = (names(&arrays), names(&others));
     let mut lines: Vec<String> = arrays
         .iter()
         .map(|array| format!("{name}_real {array}[{name}_DOF];"))
@@ -269,13 +258,8 @@ fn ticks_body(routine: &Exported, name: &str) -> Vec<String> {
         input: Input::Program,
         ..routine.clone()
     };
-    let r = match (routine.function, routine.takes_parameters()) {
-        (Function::ComVelocity, _) => "qd, r, ",
-        (Function::Zmp, _) => "qd, qdd, r, ",
-        (_, true) => "r, ",
-        (_, false) => "",
-    };
-    let output = routine.output();
-    lines.push(format!("{name}_{}({arrays}, {r}{output});", target.name()));
+    passed.push(routine.output());
+    let passed = passed.join(", ");
+    lines.push(format!("{name}_{}({arrays}, {passed});", target.name()));
     lines
 }

@@ -44,6 +44,25 @@ struct Constant {
     values: Vec<String>,
 }
 
+/// Which function a comparison calls.
+#[derive(Debug, Clone, Copy)]
+struct Wanted {
+    function: Function,
+    of_ticks: bool,
+    /// With the parameters of the model file in it.
+    baked: bool,
+}
+
+impl Wanted {
+    fn is(self, routine: &Exported) -> bool {
+        routine.function == self.function
+            && routine.is_of_ticks() == self.of_ticks
+            && routine.baked == self.baked
+            && !routine.is_batch()
+            && (self.of_ticks || routine.given == Given::Positions)
+    }
+}
+
 /// What the return value is a sum of.
 pub(super) fn weights(checks: &[Check]) -> String {
     let weights = checks
@@ -75,13 +94,14 @@ pub(super) fn checks(
         values: in_format(posture, scalar, array_bits(routines, Argument::Positions)),
     });
     let mut checks = Vec::new();
-    let mut push = |stem: &str, expected: &[f64], mut arrays: Vec<Constant>, slack: f64| {
-        let Some(routine) = routines.iter().find(|r| r.name() == stem) else {
+    let mut push = |wanted: Wanted, expected: &[f64], mut arrays: Vec<Constant>, slack: f64| {
+        let Some(routine) = routines.iter().find(|routine| wanted.is(routine)) else {
             return;
         };
+        let stem = routine.name();
         let bits = routine.formats.as_ref().map_or(0, |formats| formats.output);
         let got = routine.output();
-        let label = format!("expected_{}", stem);
+        let label = format!("expected_{stem}");
         let tolerance = tolerance(routine, scalar, expected, slack);
         arrays.push(Constant {
             scalar: format!("{name}_real"),
@@ -105,20 +125,30 @@ pub(super) fn checks(
             count: expected.len(),
             tolerance: number(tolerance, scalar, bits),
             weight: 0,
-            stem: stem.to_string(),
+            stem,
         });
     };
-    push("com", &test.com, q.into_iter().collect(), 0.0);
+    let wanted = |function| Wanted {
+        function,
+        of_ticks: false,
+        baked: false,
+    };
+    push(
+        wanted(Function::Com),
+        &test.com,
+        q.into_iter().collect(),
+        0.0,
+    );
     let effects = facts.has_static_effects();
     match effects {
-        false => push("cop", &test.com[..2], Vec::new(), 0.0),
+        false => push(wanted(Function::Cop), &test.com[..2], Vec::new(), 0.0),
         true => {
             let expected = by_tape(facts, Function::Cop, &facts.cad_params());
-            push("cop", &expected, Vec::new(), 0.0);
+            push(wanted(Function::Cop), &expected, Vec::new(), 0.0);
         }
     }
     push(
-        "gravity_moments",
+        wanted(Function::GravityMoments),
         &test.moments,
         Vec::new(),
         test.moments_error,
@@ -131,13 +161,21 @@ pub(super) fn checks(
             name: "ticks".into(),
             values: values.iter().map(i32::to_string).collect(),
         };
-        push("com_ticks", &com, vec![array], 0.0);
+        let com_of_ticks = Wanted {
+            of_ticks: true,
+            ..wanted(Function::Com)
+        };
+        push(com_of_ticks, &com, vec![array], 0.0);
     }
     if let Some(identified) = &facts.identified {
-        let by_tape = |function| by_tape(facts, function, &identified.values);
-        push("model_com", &by_tape(Function::Com), Vec::new(), 0.0);
-        if effects {
-            push("model_cop", &by_tape(Function::Cop), Vec::new(), 0.0);
+        let functions = [Function::Com, Function::Cop];
+        for function in functions.into_iter().take(1 + usize::from(effects)) {
+            let baked = Wanted {
+                baked: true,
+                ..wanted(function)
+            };
+            let expected = by_tape(facts, function, &identified.values);
+            push(baked, &expected, Vec::new(), 0.0);
         }
     }
     let reading = Constant {
@@ -149,7 +187,7 @@ pub(super) fn checks(
             array_bits(routines, Argument::Reading),
         ),
     };
-    push("correct_cop", &test.cop, vec![reading], 0.0);
+    push(wanted(Function::CorrectCop), &test.cop, vec![reading], 0.0);
     for (k, check) in checks.iter_mut().enumerate() {
         check.weight = 1 << k;
     }
