@@ -27,6 +27,15 @@ const FUNCTIONS: [Function; 7] = [
     Function::Zmp,
 ];
 
+/// An array-like of joint positions, velocities or accelerations.
+type In<'a, 'py> = &'a Bound<'py, PyAny>;
+/// The caller's array for the result.
+type Out<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+/// Over how many threads; one where nothing is said.
+type Threads = Option<usize>;
+/// The result, or an exception.
+type Found<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
+
 /// Postures from which on the interpreter's lock is released: some ten microseconds' worth.
 const LONG: usize = 64;
 
@@ -48,22 +57,42 @@ impl Model {
         (evaluator, shape)
     }
 
-    fn run<'py>(
+    /// A function of arrays of one shape: positions, and velocities and accelerations where
+    /// the robot moves.
+    fn run<'py, const N: usize>(
         &self,
-        py: Python<'py>,
         function: Function,
-        q: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<usize>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        inputs: [(&str, In<'_, 'py>); N],
+        out: Out<'_, 'py>,
+        threads: Threads,
+    ) -> Found<'py> {
+        let py = inputs[0].1.py();
         guarded(py, || {
             let (evaluator, own) = self.evaluator(function);
-            let q = positions(q, &self.joints, "q")?;
-            let (n, shape) = self.shape(q.shape(), &own);
+            let given = |(name, input)| positions(input, &self.joints, name);
+            let arrays = inputs
+                .into_iter()
+                .map(given)
+                .collect::<PyResult<Vec<_>>>()?;
+            let shape = arrays[0].shape();
+            if arrays.iter().any(|array| array.shape() != shape) {
+                let shapes: Vec<String> = inputs
+                    .iter()
+                    .zip(&arrays)
+                    .map(|((name, _), array)| format!("{name} {:?}", array.shape()))
+                    .collect();
+                return Err(PyTypeError::new_err(format!(
+                    "the shapes are {}; give arrays of one shape",
+                    shapes.join(", ")
+                )));
+            }
+            let (n, shape) = self.shape(shape, &own);
             let out = result(py, out, &shape)?;
             {
                 let mut target = out.try_readwrite().map_err(|_| overlap())?;
-                let (q, target) = (q.as_slice()?, target.as_slice_mut()?);
+                let target = target.as_slice_mut()?;
+                let q = arrays.iter().map(|array| array.as_slice());
+                let q = q.collect::<Result<Vec<_>, _>>()?;
                 let dof = self.joints.len();
                 let work = Work {
                     postures: n,
@@ -71,7 +100,11 @@ impl Model {
                     threads: threads.unwrap_or(1),
                 };
                 let run = |start: usize, n: usize, out: &mut [f64]| {
-                    evaluator.run_into(&q[start * dof..], n, out);
+                    let from = |k: usize| &q[k][start * dof..];
+                    match N {
+                        3 => evaluator.run_moving_into(from(0), from(1), from(2), n, out),
+                        _ => evaluator.run_into(from(0), n, out),
+                    }
                 };
                 work.run(py, target, run)?;
             }
@@ -238,7 +271,8 @@ impl Model {
         detached(py, || json(&inspect(&self.inner)))
     }
 
-    /// Centre of mass in the support frame, m: ``(dof,)`` gives ``(3,)``, ``(n, dof)`` gives ``(n, 3)``.
+    /// Centre of mass in the support frame, m: ``(dof,)`` gives ``(3,)``, ``(n, dof)`` gives
+    /// ``(n, 3)``.
     ///
     /// Raises:
     ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
@@ -248,14 +282,8 @@ impl Model {
     ///     >>> model.com([0.0]).tolist()
     ///     [0.1, 0.0, 1.0]
     #[pyo3(signature = (q, *, out=None, threads=None))]
-    fn com<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<usize>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.run(py, Function::Com, q, out, threads)
+    fn com<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
+        self.run(Function::Com, [("q", q)], out, threads)
     }
 
     /// Its derivative with respect to joint positions, m/rad (prismatic: m/m): ``(3, dof)`` or
@@ -269,14 +297,8 @@ impl Model {
     ///     >>> model.com_jacobian([[0.0], [0.5]]).shape
     ///     (2, 3, 1)
     #[pyo3(signature = (q, *, out=None, threads=None))]
-    fn com_jacobian<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<usize>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.run(py, Function::ComJacobian, q, out, threads)
+    fn com_jacobian<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
+        self.run(Function::ComJacobian, [("q", q)], out, threads)
     }
 
     /// Moment of gravity about each joint, per kg of the total mass and g, m: ``(dof,)`` or
@@ -292,12 +314,11 @@ impl Model {
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn gravity_moments<'py>(
         &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<usize>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.run(py, Function::GravityMoments, q, out, threads)
+        q: In<'_, 'py>,
+        out: Out<'_, 'py>,
+        threads: Threads,
+    ) -> Found<'py> {
+        self.run(Function::GravityMoments, [("q", q)], out, threads)
     }
 
     /// Reading of the centre of pressure that a static posture gives, m, with the effects of the
@@ -311,18 +332,12 @@ impl Model {
     ///     >>> model.cop([0.0]).tolist()
     ///     [0.1, 0.0]
     #[pyo3(signature = (q, *, out=None, threads=None))]
-    fn cop<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<usize>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.run(py, Function::Cop, q, out, threads)
+    fn cop<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
+        self.run(Function::Cop, [("q", q)], out, threads)
     }
 
-    /// Rows of the CoP in the parameters, ``cop = cop_rows @ params`` without effects: ``(2, p)`` or
-    /// ``(n, 2, p)``.
+    /// Rows of the CoP in the parameters, ``cop = cop_rows @ params`` without effects: ``(2,
+    /// p)`` or ``(n, 2, p)``.
     ///
     /// Raises:
     ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
@@ -332,17 +347,12 @@ impl Model {
     ///     >>> model.cop_rows([0.0]).shape
     ///     (2, 5)
     #[pyo3(signature = (q, *, out=None, threads=None))]
-    fn cop_rows<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<usize>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.run(py, Function::RegressorCop, q, out, threads)
+    fn cop_rows<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
+        self.run(Function::RegressorCop, [("q", q)], out, threads)
     }
 
-    /// Rows of the CoM in the parameters, ``com = com_rows @ params``: ``(3, p)`` or ``(n, 3, p)``.
+    /// Rows of the CoM in the parameters, ``com = com_rows @ params``: ``(3, p)`` or ``(n, 3,
+    /// p)``.
     ///
     /// Raises:
     ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
@@ -352,14 +362,8 @@ impl Model {
     ///     >>> model.com_rows([0.0]).shape
     ///     (3, 5)
     #[pyo3(signature = (q, *, out=None, threads=None))]
-    fn com_rows<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<usize>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        self.run(py, Function::Regressor, q, out, threads)
+    fn com_rows<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
+        self.run(Function::Regressor, [("q", q)], out, threads)
     }
 
     /// Zero-moment point of a robot that moves, m: positions, velocities (rad/s, m/s) and
@@ -375,46 +379,18 @@ impl Model {
     #[pyo3(signature = (q, qd, qdd, *, out=None, threads=None))]
     fn zmp<'py>(
         &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        qd: &Bound<'py, PyAny>,
-        qdd: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<usize>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        guarded(py, || {
-            let (evaluator, own) = self.evaluator(Function::Zmp);
-            let q = positions(q, &self.joints, "q")?;
-            let qd = positions(qd, &self.joints, "qd")?;
-            let qdd = positions(qdd, &self.joints, "qdd")?;
-            if q.shape() != qd.shape() || q.shape() != qdd.shape() {
-                return Err(PyTypeError::new_err(format!(
-                    "q, qd and qdd have the shapes {:?}, {:?} and {:?}; give three of one shape",
-                    q.shape(),
-                    qd.shape(),
-                    qdd.shape()
-                )));
-            }
-            let (n, shape) = self.shape(q.shape(), &own);
-            let out = result(py, out, &shape)?;
-            {
-                let mut target = out.try_readwrite().map_err(|_| overlap())?;
-                let target = target.as_slice_mut()?;
-                let (q, qd, qdd) = (q.as_slice()?, qd.as_slice()?, qdd.as_slice()?);
-                let dof = self.joints.len();
-                let work = Work {
-                    postures: n,
-                    width: evaluator.width(),
-                    threads: threads.unwrap_or(1),
-                };
-                let run = |start: usize, n: usize, out: &mut [f64]| {
-                    let from = start * dof;
-                    evaluator.run_moving_into(&q[from..], &qd[from..], &qdd[from..], n, out);
-                };
-                work.run(py, target, run)?;
-            }
-            Ok(out)
-        })
+        q: In<'_, 'py>,
+        qd: In<'_, 'py>,
+        qdd: In<'_, 'py>,
+        out: Out<'_, 'py>,
+        threads: Threads,
+    ) -> Found<'py> {
+        self.run(
+            Function::Zmp,
+            [("q", q), ("qd", qd), ("qdd", qdd)],
+            out,
+            threads,
+        )
     }
 }
 
