@@ -73,7 +73,7 @@ fn is_gate(attributes: &str) -> bool {
 struct Face {
     file: PathBuf,
     text: String,
-    /// By the module's own name; else by what stands above it, item by item.
+    /// Whether items are named by the module's own path; else they are passed on one by one.
     whole: bool,
 }
 
@@ -105,19 +105,48 @@ fn public_files(file: &Path, whole: bool, found: &mut Vec<Face>) {
             false => false,
         };
     }
-    let own = text.split("#[cfg(test)]\nmod tests").next().unwrap();
     found.push(Face {
         file: file.to_path_buf(),
-        text: own.to_string(),
+        text,
         whole,
     });
+}
+
+/// Files that items are passed on from by `pub use crate::…`.
+fn passed_on(member: &str, faces: &[Face]) -> Vec<PathBuf> {
+    let src = Path::new(crate::ROOT).join(member).join("src");
+    let paths = faces.iter().flat_map(|face| {
+        let uses = face.text.split("pub use crate::").skip(1);
+        uses.map(|rest| rest.split([';', '{']).next().unwrap())
+    });
+    let file = |path: &str| {
+        let mut found = None;
+        let mut folder = src.clone();
+        for name in path.split("::") {
+            let candidates = [
+                folder.join(format!("{name}.rs")),
+                folder.join(name).join("mod.rs"),
+            ];
+            found = candidates.into_iter().find(|file| file.exists()).or(found);
+            folder.push(name);
+        }
+        found.unwrap_or_else(|| panic!("`pub use crate::{path}` names no file below {src:?}"))
+    };
+    paths.map(file).collect()
 }
 
 fn faces() -> Vec<Face> {
     let mut found = Vec::new();
     for member in LIBRARIES {
         let lib = Path::new(crate::ROOT).join(member).join("src/lib.rs");
-        public_files(&lib, true, &mut found);
+        let mut own = Vec::new();
+        public_files(&lib, true, &mut own);
+        for file in passed_on(member, &own) {
+            if own.iter().all(|face| face.file != file) {
+                public_files(&file, false, &mut own);
+            }
+        }
+        found.append(&mut own);
     }
     found
 }
@@ -197,6 +226,20 @@ fn no_signature_has_a_type_of_another_library() {
         }
     }
     assert!(complaints.is_empty(), "\n{complaints}");
+}
+
+#[test]
+fn what_is_passed_on_and_what_stands_below_tests_is_looked_at() {
+    let faces = faces();
+    let has = |file: &str, text: &str| {
+        let mut faces = faces.iter();
+        faces.any(|face| face.file.ends_with(file) && face.text.contains(text))
+    };
+    assert!(has(
+        "identify/src/observations/motion_use.rs",
+        "pub enum MotionModel"
+    ));
+    assert!(has("identify/src/skeleton/mod.rs", "pub enum Part"));
 }
 
 #[test]

@@ -27,6 +27,7 @@ const TOLD: f64 = 1.0;
 
 /// Whether the motion of the joints counts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MotionModel {
     /// Readings are compared with the ZMP where a log knows accelerations.
     #[default]
@@ -98,11 +99,11 @@ impl Share {
 
 /// What motion adds to readings, beside what masses do.
 pub struct Column {
-    /// By CAD, x and y in turn, m or over deviations.
+    /// Shift of the readings that CAD predicts, x and y in turn, m or over deviations.
     pub shift: Vec<f64>,
     /// Readings less those of CAD in motion, likewise.
     pub residual: DVector<f64>,
-    /// Of the base parameters, and of what else may be off, likewise.
+    /// Rows of the base parameters, and of what else may be off, likewise.
     pub rows: DMatrix<f64>,
     /// How many of these are of the base parameters, the first ones.
     pub masses: usize,

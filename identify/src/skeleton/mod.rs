@@ -45,6 +45,7 @@ pub struct Segment {
 
 /// What a capsule stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Part {
     /// The line from a joint to the next one.
     Bone,
