@@ -1,13 +1,15 @@
 //! `sesc`: centre of mass by the statically equivalent serial chain.
 //!
-//! From a URDF to verified functions of the CoM, and from posture logs to
-//! identified parameters. Data walks one way:
+//! The command line and its reports, above the libraries that do the work:
 //!
 //! ```text
-//! robot → evaluate → simulate | verify | identify → plan | demo → report
+//! sesc-model → sesc-codegen                    generate
+//!     |      → sesc-reference → verify         generated functions against the reference
+//!     `------→ sesc-identify                   fit, plan, diagnose, fleet
+//!                   `→ report, cli             figures, tables, pages, options
 //! ```
 //!
-//! The command line in [`cli`] parses, calls and prints; nothing else.
+//! A command in [`cli`] parses its options, calls one function and prints what it returns.
 
 #![forbid(unsafe_code)]
 

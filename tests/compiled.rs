@@ -189,7 +189,7 @@ fn compiled_code_is_the_tape_to_the_bit_and_the_reference_within_its_bound() {
     }
 }
 
-/// As the compiled program computes it, of what the tape computes.
+/// The checksum of the compiled program, over what the tape computes.
 fn checksum(values: &[f64]) -> f64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for value in values {

@@ -316,7 +316,7 @@ fn the_truth_comes_out() {
     }
 }
 
-/// As strong as in the open logs, nothing in the library is like these.
+/// Tests effects as strong as those of the open logs that no effect of the library is like.
 #[test]
 fn unmodelled_effects_stay_unexplained() {
     let unmodelled = [

@@ -59,7 +59,7 @@ impl Bench {
     }
 }
 
-/// Of several logs, for an estimate from 360 degrees of freedom scatters by 4 %.
+/// Tests the mean over several logs, for an estimate from 360 degrees of freedom scatters by 4 %.
 #[test]
 fn noise_and_evidence_are_those_of_a_log_that_states_it() {
     let hide = |w: World| w.joint_offset("r_hip_roll", 0.05).unwrap();

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-TURNING = ("revolute", "continuous")
+REVOLUTE = ("revolute", "continuous")
 
 
 def rotation(rpy):
@@ -91,8 +91,8 @@ def rerooted(robot, support):
         sys.exit(f"no link {support} to stand on")
     neighbours = {name: [] for name in links}
     for joint in robot.findall("joint"):
-        if joint.get("type") not in (*TURNING, "fixed") or joint.find("mimic") is not None:
-            sys.exit(f"joint {joint.get('name')}: only turning and fixed joints are compared")
+        if joint.get("type") not in (*REVOLUTE, "fixed") or joint.find("mimic") is not None:
+            sys.exit(f"joint {joint.get('name')}: only revolute and fixed joints are compared")
         parent, child = joint.find("parent").get("link"), joint.find("child").get("link")
         neighbours[parent].append((joint, child, False))
         neighbours[child].append((joint, parent, True))
@@ -193,22 +193,22 @@ def array(kind, name, values):
 
 def header(bodies):
     full, base = chain(bodies)
-    turning = bodies[1:]
+    jointed = bodies[1:]
     vectors = lambda rows: [", ".join(repr(float(x)) for x in np.ravel(row)) for row in rows]
     return "\n".join(
         [
             "/* Written by prepare.py: body 0 is the support, body i + 1 hangs on joint i. */",
             "#pragma once",
-            f"#define ROBOT_DOF {len(turning)}",
+            f"#define ROBOT_DOF {len(jointed)}",
             f"#define ROBOT_FULL {len(full)}",
             f"#define ROBOT_BASE {len(base)}",
-            array("char *const", "robot_joint", [f'"{b.joint}"' for b in turning]),
+            array("char *const", "robot_joint", [f'"{b.joint}"' for b in jointed]),
             "/* Body that carries joint i, and the axis (0, 1, 2) it turns about. */",
-            array("int", "robot_parent", [str(b.parent) for b in turning]),
-            array("int", "robot_axis", [str(b.axis) for b in turning]),
+            array("int", "robot_parent", [str(b.parent) for b in jointed]),
+            array("int", "robot_axis", [str(b.axis) for b in jointed]),
             "/* Joint frames in the bodies that carry them, row by row. */",
-            array("double", "robot_rotation", vectors(b.placement[0] for b in turning)),
-            array("double", "robot_translation", vectors(b.placement[1] for b in turning)),
+            array("double", "robot_rotation", vectors(b.placement[0] for b in jointed)),
+            array("double", "robot_translation", vectors(b.placement[1] for b in jointed)),
             array("double", "robot_mass", vectors(b.mass for b in bodies)),
             array("double", "robot_centre", vectors(b.moment / (b.mass or 1.0) for b in bodies)),
             array("double", "robot_full_params", vectors(full.reshape(-1, 3))),

@@ -13,7 +13,7 @@ use sesc_model::{Function, Given};
 
 use crate::robots::Drawn;
 
-/// Of one posture and of three, of which the blocks' tail is made.
+/// Functions compared for one posture and for three, which the blocks' tail is made of.
 const FUNCTIONS: [Function; 4] = [
     Function::Com,
     Function::ComJacobian,

@@ -93,7 +93,7 @@ impl Error {
         self
     }
 
-    /// The same error with a remedy, behind the name of a file that cannot be read.
+    /// The same error with a remedy, after the name of a file that cannot be read.
     pub(crate) fn saying(mut self, remedy: Message) -> Error {
         if let Cause::Other { message, .. } = &mut *self.0 {
             *message = remedy.after("; ");

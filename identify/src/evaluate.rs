@@ -103,7 +103,7 @@ impl Evaluator {
         }
     }
 
-    /// By [`FASTEST`] kernels, where results are not written to files that are compared.
+    /// Use the [`FASTEST`] kernels, where results are not written to files that are compared.
     pub fn fastest(self) -> Evaluator {
         Evaluator {
             kernels: FASTEST,

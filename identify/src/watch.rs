@@ -12,7 +12,7 @@ pub struct Progress {
     pub what: &'static str,
     /// How much of it is done: bytes, rows, postures.
     pub done: u64,
-    /// Of how much; not known of a pipe.
+    /// The whole amount; not known of a pipe.
     pub total: Option<u64>,
 }
 

@@ -95,7 +95,7 @@ impl Place {
 pub struct Chain {
     /// Body 0 holds the support link.
     pub bodies: Vec<Body>,
-    /// Of each of [`Tree::links`]; `None` beyond a cut.
+    /// Place of each of [`Tree::links`]; `None` beyond a cut.
     pub places: Vec<Option<Place>>,
     /// Number of full parameters: 3 per body, one more per prismatic joint.
     pub full_params: usize,
@@ -199,7 +199,7 @@ pub fn expand(tree: &Tree) -> Chain {
 }
 
 impl Chain {
-    /// CAD values of the full parameters: r_0 (m), r_1 …, with s_j behind its r_j.
+    /// CAD values of the full parameters: r_0 (m), r_1 …, with s_j after its r_j.
     pub fn full_cad(&self) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.full_params);
         for body in &self.bodies {

@@ -108,7 +108,7 @@ impl Error {
     }
 }
 
-/// As a person reads it, causes below: a build script that ends in `?` shows this.
+/// Shows the message and its causes as text: a build script that ends in `?` shows this.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")?;

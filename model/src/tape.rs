@@ -95,7 +95,7 @@ struct Instruction {
 /// A program made ready to run.
 #[derive(Debug, Clone)]
 pub struct Tape {
-    /// Of the first registers, in their order.
+    /// What the first registers are loaded from, in their order.
     sources: Vec<Source>,
     steps: Vec<Instruction>,
     registers: usize,

@@ -35,7 +35,7 @@ pub const MODERATE_ACCELERATION: [f64; 2] = [10.0, 2.5];
 /// A link: what it weighs and where.
 #[derive(Debug, Clone)]
 pub struct Link {
-    /// As in the URDF.
+    /// Its name in the URDF.
     pub name: String,
     /// kg
     pub mass: f64,
@@ -474,15 +474,15 @@ impl Dof {
     /// Largest velocity that the bound of the ZMP holds for, rad/s or m/s: where all joints
     /// move at once, the limits of servos would lift any robot off the ground.
     pub fn moderate_speed(&self) -> f64 {
-        let [turning, sliding] = MODERATE_SPEED;
+        let [revolute, prismatic] = MODERATE_SPEED;
         self.speed
-            .min(if self.prismatic { sliding } else { turning })
+            .min(if self.prismatic { prismatic } else { revolute })
     }
 
     /// Largest acceleration that the bound of the ZMP holds for, rad/s² or m/s².
     pub fn moderate_acceleration(&self) -> f64 {
-        let [turning, sliding] = MODERATE_ACCELERATION;
-        if self.prismatic { sliding } else { turning }
+        let [revolute, prismatic] = MODERATE_ACCELERATION;
+        if self.prismatic { prismatic } else { revolute }
     }
 }
 

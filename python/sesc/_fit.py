@@ -1,4 +1,4 @@
-"""Fits: parameters from logs, with all that must be said of them."""
+"""Fits: parameters from logs, with uncertainty, observability and held-out error."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@
 //! Mass fractions sum to one, so the CoM functions of one mechanism are not a
 //! linear space but an affine one. The support link's own columns settle the
 //! difference: `p_support = 0` for every posture. Its fraction takes up
-//! `1 - Σ_others μ` and changes nothing, so the sum to one binds nobody, and
+//! `1 - Σ_others μ` and changes nothing, so the sum to one is no constraint, and
 //! the zero function (all mass at the support's origin) is among the CoM
 //! functions. Hence
 //!

@@ -123,7 +123,7 @@ pub struct Estimator<T, const N: usize> {
     residual: T,
     readings: f64,
     postures: u64,
-    /// Of x and y.
+    /// Correlation in time of the x and the y readings.
     correlation: [Correlation<T>; 2],
 }
 

@@ -44,8 +44,8 @@ pub type FullParams<R, T = f64> = <<R as Sesc>::Full as Dim>::Array<T>;
 /// No function allocates, branches or panics. Where a joint angle is out of the
 /// domain of [`Real::sin_cos`], what depends on it is NaN.
 ///
-/// Only generated code implements this trait, by way of a hidden one, so that a function
-/// added here breaks nobody.
+/// Only generated code implements this trait, by way of a hidden one, so that adding a
+/// function here breaks no caller.
 ///
 /// ```
 /// use sesc_generated::two_link_foot::TwoLinkFoot;

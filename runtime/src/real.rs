@@ -170,7 +170,7 @@ mod tests {
         }
     }
 
-    /// As an effect writes it: a mean weighed by powers, and a sign.
+    /// An expression as effects write them: a mean weighed by powers, and a sign.
     fn weighed<T: Real>(x: T, y: T) -> [T; 2] {
         let (a, b) = (x.power(T::from_f64(1.5)), y.power(T::from_f64(0.5)));
         let sign = (T::from_f64(1e9) * (x - y)).clamp_unit();

@@ -36,8 +36,8 @@ pub(super) struct Arguments {
     /// Posture log (CSV, gzip, Parquet, MCAP) with CoP or foot cells
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
-    /// Log of an experiment that --next asked for: explanations of the first log are
-    /// judged by it, too
+    /// Log of an experiment that --next asked for: every hypothesis is fitted
+    /// to both logs
     #[arg(long, value_name = "FILE")]
     then: Vec<PathBuf>,
     /// Revolute joints are logged in degrees

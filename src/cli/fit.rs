@@ -215,7 +215,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
 }
 
 /// Nothing that is read is written, nothing is written twice, and every folder
-/// takes a file: before a long fit, not behind it.
+/// takes a file: before a long fit, not after it.
 fn check_files(arguments: &Arguments) -> Result<(), Error> {
     if let Some(path) = &arguments.partial
         && path.extension().is_none_or(|end| end != "part")

@@ -40,7 +40,7 @@ pub(super) struct Arguments {
     /// Parameters of the simulated robot, and their support unless --support is given; else CAD
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Effect that the robot shall have, several times if wanted: see `sesc effects`
+    /// Hidden effect of the robot, may be repeated; `sesc effects` lists them
     #[arg(long, value_name = "EFFECT[:TARGET]=VALUE")]
     hide: Vec<String>,
     /// Log to write (.csv, .csv.gz or .parquet); its sidecar is FILE.toml

@@ -1,4 +1,4 @@
-//! The seed paper's simulation, done right, on the embedded OP2.
+//! The SESC paper's simulation on the embedded OP2, with what flat CoP data cannot observe.
 //!
 //! 1000 postures uniform in ±30°, CoP noise 4.93 mm, least squares on all 63
 //! columns (the paper's Eq. (5), by pseudo-inverse) and on the 43 base columns.

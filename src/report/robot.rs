@@ -99,7 +99,7 @@ fn most_upright(postures: &[Shown]) -> usize {
     least.map_or(0, |(k, _)| k)
 }
 
-/// Rounded to so many digits behind the point; null where it is no number.
+/// Rounded to `digits` digits after the decimal point; null where it is no number.
 fn rounded(value: f64, digits: i32) -> Json {
     let scale = 10_f64.powi(digits);
     // Adding zero takes the sign from a negative zero.

@@ -48,7 +48,7 @@ fn platformio_finds_what_its_manifest_names() {
     }
 }
 
-/// As much of Arduino's core as an example needs; the main program turns the loop once.
+/// The part of Arduino's core that an example needs; the main program runs the loop once.
 const ARDUINO_H: &str = r#"#pragma once
 #include <cstdio>
 struct Port {

@@ -143,7 +143,7 @@ fn headers_tell_mass_limits_names_and_indices() {
     }
 }
 
-/// Of each joint: zero, sign, and ticks a turn or metres a tick.
+/// The convention of each joint: zero, sign, and ticks a turn or metres a tick.
 fn convention(header: &str) -> BTreeMap<String, (i32, i32, f64, String)> {
     let lines = header
         .lines()

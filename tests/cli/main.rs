@@ -1,5 +1,5 @@
 //! The command line as its users meet it: contracts of the JSON, files that
-//! appear whole or not at all, what the commands promise.
+//! appear whole or not at all, what the commands say.
 
 mod answers;
 mod compare;

@@ -97,7 +97,7 @@ macro_rules! run {
     }};
 }
 
-/// As `run`, and from sines and cosines: close to the same function of q.
+/// Does what `run` does, and from sines and cosines: close to the same function of q.
 macro_rules! run_sc {
     ($m:ident, $unit:ident) => {{
         run!($m, $unit);

@@ -34,7 +34,7 @@ pub fn logged(folder: &Path, stem: &str, truth: Vec<Hidden>) -> String {
     trial.log.write(folder, stem).display().to_string()
 }
 
-/// By masses that are known well, unless `more` says otherwise.
+/// Diagnose with masses that are known well, unless `more` says otherwise.
 pub fn diagnose(log: &str, more: &[&str]) -> Value {
     let urdf = op2();
     let mut arguments = vec!["diagnose", &urdf, "--data", log, "--json"];

@@ -7,8 +7,8 @@ use sesc_model::{Function, Given, Model, ModelFile};
 use crate::hidden::Hidden;
 use crate::robots::{Stand, distance, run};
 
-/// What firmware may rely on, m.
-const PROMISED: f64 = 1e-9;
+/// Largest error that firmware may rely on, m.
+const LARGEST_ERROR: f64 = 1e-9;
 
 /// The model with these effects, cells given.
 pub fn with(stand: &Stand, hidden: &[Hidden]) -> Model {
@@ -83,7 +83,7 @@ fn every_effect_of_the_sensor_is_taken_back() {
                 counts.add,
                 counts.other
             );
-            if off > PROMISED {
+            if off > LARGEST_ERROR {
                 bad.push(format!("{hidden:?}: {off:.1e}"));
             }
             assert!(moved > 1e-4, "{hidden:?}");
@@ -121,7 +121,7 @@ fn stages_are_taken_back_in_reverse() {
         .unwrap();
     for cop in cops(&stand, 0.95) {
         let back = pair(&backwards, pair(&forwards, cop));
-        assert!(distance(back, cop) <= PROMISED, "{cop:?}: {back:?}");
+        assert!(distance(back, cop) <= LARGEST_ERROR, "{cop:?}: {back:?}");
     }
     // By hand, where no cell is wrong: y = 100 A (Rot(ψ) diag(g) p + o).
     let by_hand = with(

@@ -51,7 +51,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// Of [`BODY`], what is called.
+    /// The functions of [`BODY`] that are called.
     pub fn body(&self) -> impl Iterator<Item = Function> {
         let moves = self.moves;
         BODY.into_iter()

@@ -119,7 +119,7 @@ impl Hidden {
         }
     }
 
-    /// By the name of its target.
+    /// An effect by the name of its target.
     pub fn named(context: &EffectContext, effect: &str, target: &str, values: &[f64]) -> Hidden {
         let effect = Catalog::standard().named(effect).unwrap();
         let target = context.target_named(effect, target).unwrap();
@@ -150,7 +150,7 @@ impl Hidden {
         effect.unknowns(context, target, &self.values)
     }
 
-    /// As a model file has it.
+    /// The record of a model file.
     pub fn record(&self, context: &EffectContext) -> EffectRecord {
         let Instance { effect, target } = &self.instance;
         let parameters = effect.parameters(context, target).iter();

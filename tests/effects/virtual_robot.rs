@@ -235,7 +235,7 @@ fn dance(stand: &Stand, hidden: &Hidden, dance: &Dance) -> Vec<[[f64; 2]; 3]> {
 /// `q + d q' + d² q''/2` is off by at most `d³ |q'''| / 6`, a joint turns the CoM
 /// by at most the robot's reach per radian.
 #[test]
-fn late_angles_are_foretold_to_third_order() {
+fn late_angles_are_predicted_to_third_order() {
     for stand in Stand::all() {
         let context = stand.context();
         let dancing = Dance::of(&stand, 2.0);

@@ -13,7 +13,7 @@ use sesc_test_support::machine;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {
     pub name: &'static str,
-    /// Of qemu; none is this machine.
+    /// The board of qemu; none is this machine.
     pub board: Option<&'static str>,
     pub fixed: bool,
 }

@@ -49,7 +49,8 @@ fn calls(trace: impl BufRead, measure: &Range<u32>) -> Vec<(u32, u64)> {
     calls
 }
 
-/// Of `Trace 0: 0x7f788c000100 [00800400/00000048/00000110/ff000201] reset`: 0x48.
+/// Reads the program counter of `Trace 0: 0x7f788c000100 [00800400/00000048/00000110/ff000201]
+/// reset`: 0x48.
 fn program_counter(line: &[u8]) -> Option<u32> {
     let line = std::str::from_utf8(line).ok()?.strip_prefix("Trace")?;
     let field = line.split('[').nth(1)?.split('/').nth(1)?;

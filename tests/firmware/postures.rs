@@ -28,7 +28,7 @@ pub struct Posture {
 pub fn postures() -> Vec<Posture> {
     const LIMIT_RAD: f64 = 2.617;
     const LIMIT_TICKS: i32 = 1706;
-    /// Of every joint in the URDF, 5.6549 rad/s.
+    /// Speed below the limit of every joint in the URDF, 5.6549 rad/s.
     const SPEED: f64 = 5.654;
     const SLOW: f64 = 0.1;
     const GAIN: f64 = 0.5;

@@ -19,14 +19,14 @@ struct Used {
 }
 
 impl Files {
-    /// Of a folder `src`.
+    /// Read the files of a folder `src`.
     pub fn read(src: &Path) -> Files {
         let mut used = BTreeMap::new();
         collect(src, "", &mut used);
         Files { used }
     }
 
-    /// Of texts by module.
+    /// Read texts by module.
     pub fn of(texts: &[(&str, &str)]) -> Files {
         let used = texts
             .iter()

@@ -9,6 +9,7 @@ mod circles;
 mod faces;
 mod imports;
 mod options;
+mod words;
 
 use std::fmt::Write as _;
 use std::fs;

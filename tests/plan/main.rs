@@ -151,7 +151,7 @@ fn the_same_seed_gives_the_same_file_and_another_does_not() {
     assert!(motion["ordered"].as_f64() < motion["as_chosen"].as_f64());
 }
 
-/// A column of turning joints about x and y in turn, on a wide foot.
+/// A column of revolute joints about x and y in turn, on a wide foot.
 fn column(joints: usize) -> String {
     let mut text = String::from("<robot name=\"column\"><link name=\"foot\"/>");
     for k in 0..joints {
@@ -363,8 +363,8 @@ fn bad_input_is_refused_with_a_remedy() {
     assert!(!Path::new(&out).exists());
 }
 
-/// Without a log that has visits five postures are to come back at the end; a log whose visits differ
-/// by 2 mm says what a posture is known to, and nothing needs to be asked for.
+/// Without a log that has visits five postures are to come back at the end; a log whose visits
+/// differ by 2 mm says what a posture is known to, and nothing needs to be asked for.
 #[test]
 fn a_plan_asks_for_revisits_until_a_log_knows_what_they_differ_by() {
     let folder = folder();

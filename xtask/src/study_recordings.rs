@@ -65,7 +65,7 @@ pub struct Said {
     pub samples: (usize, usize),
     /// Noise of a reading on one axis over the true one.
     pub noise: f64,
-    /// Of the diagnosis, where it was asked.
+    /// Verdict of the diagnosis, where it was asked for.
     pub verdict: Option<Verdict>,
     /// Noise of x and y that the diagnosis took, over the true one.
     pub diagnosed_noise: Option<f64>,
@@ -75,7 +75,7 @@ pub struct Said {
 const OF_95: f64 = 1.959_964;
 
 impl Case {
-    /// As tables name it.
+    /// Its name in tables.
     pub fn name(&self) -> String {
         let motion = match self.motion {
             Motion::Sines(seconds) => format!("sines {seconds:.0} s"),

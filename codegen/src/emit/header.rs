@@ -25,20 +25,20 @@ pub const GENERATOR: &str = concat!(
 );
 
 /// Where the bounds hold.
-pub const PROMISE: [&str; 3] = [
+pub const BOUNDS_HOLD: [&str; 3] = [
     "Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for",
     "parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,",
     "against exact evaluation with the same parameters.",
 ];
 
 /// Where that of the ZMP holds, and why fixed point has none.
-pub fn promise_of_motion(has_zmp: bool) -> Vec<String> {
-    let [turning, sliding] = MODERATE_SPEED;
-    let [turned, slid] = MODERATE_ACCELERATION;
+pub fn zmp_bound_holds(has_zmp: bool) -> Vec<String> {
+    let [revolute, prismatic] = MODERATE_SPEED;
+    let [revolute_acc, prismatic_acc] = MODERATE_ACCELERATION;
     let text = match has_zmp {
         true => format!(
-            "That of zmp holds for joint velocities up to {turning} rad/s ({sliding} m/s) or the \
-             URDF's limit, accelerations up to {turned} rad/s2 ({slid} m/s2), and while the ground \
+            "That of zmp holds for joint velocities up to {revolute} rad/s ({prismatic} m/s) or the \
+             URDF's limit, accelerations up to {revolute_acc} rad/s2 ({prismatic_acc} m/s2), and while the ground \
              carries at least half of the weight."
         ),
         false => "zmp divides by the load on the ground: f64 and f32 have it.".to_string(),
@@ -111,7 +111,7 @@ pub fn cautions(facts: &Facts, correction_is_proven: bool) -> Vec<String> {
     texts.into_iter().flat_map(wrapped).collect()
 }
 
-/// Of a [`Function::CorrectCop`] that no bound is proven for.
+/// What the header says of a [`Function::CorrectCop`] that no bound is proven for.
 pub const ITERATED: &str = "correct_cop: Newton's method, unrolled. Each round forgets the \
     rounding of those before, which no bound of single operations shows: readings of a CoP \
     between the foot's cells come back within 1e-9 m (f64).";
@@ -176,8 +176,8 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
             others(routine.function, counts)
         ));
     }
-    lines.extend(PROMISE.map(str::to_string));
-    lines.extend(promise_of_motion(true));
+    lines.extend(BOUNDS_HOLD.map(str::to_string));
+    lines.extend(zmp_bound_holds(true));
     lines.extend(cautions(facts, correction_is_proven));
     lines
 }

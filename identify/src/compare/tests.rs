@@ -74,7 +74,7 @@ fn with_effect(mut file: ModelFile, target: &str, values: &[(&str, f64, f64)]) -
     file
 }
 
-/// Of 400 pairs without a change, chance makes about one in a hundred look like one; with a
+/// In 400 pairs without a change, chance makes about one in a hundred look like one; with a
 /// change of one well known parameter by six deviations, nine in ten are seen.
 #[test]
 fn a_change_is_told_from_chance() {

@@ -67,7 +67,7 @@ pub struct Step {
     pub rmse_before: f64,
     /// Held-out RMS error with it, m; the next step begins there.
     pub rmse_after: f64,
-    /// By how much −2 log evidence rises without it, its penalty paid.
+    /// Rise of −2 log evidence without this effect, less its penalty.
     pub evidence: f64,
     /// The step as a sentence.
     pub sentence: String,
@@ -78,9 +78,9 @@ pub struct Step {
 /// A number before and after.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Change<T> {
-    /// As it is.
+    /// The value as it is.
     pub before: T,
-    /// As it should be.
+    /// The value as it should be.
     pub after: T,
 }
 
@@ -89,9 +89,9 @@ pub struct Change<T> {
 pub struct UrdfChange {
     /// Line of the first of them in the file, from 1.
     pub line: usize,
-    /// As they are, one a line; empty where something is added.
+    /// The lines as they are, one tag a line; empty where something is added.
     pub before: String,
-    /// As they should be.
+    /// The lines as they should be.
     pub after: String,
 }
 

@@ -71,7 +71,7 @@ struct Log<'f, 'm> {
     problem: &'f Problem<'m>,
     carried: Carried,
     posture_context: Vec<f64>,
-    /// Of sides that gravity does not favour.
+    /// Penalty of sides of backlash that gravity does not favour.
     penalty: f64,
 }
 

@@ -99,7 +99,7 @@ impl Term {
         }
     }
 
-    /// As reports name its kind: `joint_offset`.
+    /// Name of its kind in reports: `joint_offset`.
     pub fn name(&self) -> &'static str {
         match self {
             Term::Effect(instance) => instance.effect.id().name(),
@@ -108,7 +108,7 @@ impl Term {
         }
     }
 
-    /// As reports name its target; `-` for the whole robot.
+    /// Name of its target in reports; `-` for the whole robot.
     pub fn target_name(&self, context: &EffectContext) -> String {
         self.effect()
             .map_or_else(|| "-".to_string(), |i| i.target_name(context))

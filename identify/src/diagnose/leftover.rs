@@ -69,7 +69,7 @@ pub struct Term {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formula {
     pub terms: Vec<Term>,
-    /// Part of the excess that it explains.
+    /// Share of what is above the noise that it explains.
     pub share: f64,
     /// Score of fit and formula together.
     pub score: f64,

@@ -195,7 +195,7 @@ fn with_other(
     )
 }
 
-/// Of many candidates the postures that tell most, in an order that moves little.
+/// Chooses the postures that tell most among many candidates, in an order that moves little.
 fn with_postures(
     experiment: Experiment,
     here: &Problem,

@@ -46,13 +46,13 @@ pub struct Problem<'m> {
     pub(super) offset: Option<DVector<f64>>,
     /// 1/σ per reading.
     pub weight: Vec<f64>,
-    /// By what the noise of each axis was multiplied since readings are correlated.
+    /// Factor of each axis's noise for the correlation of its readings in time.
     pub widened: [f64; 2],
     /// Masses within the prior that was asked for.
     pub nuisance: Nuisance,
     /// Masses within the usual tolerances of CAD, for `mass_distribution`.
     pub wide: Nuisance,
-    /// F of the two.
+    /// Factor F of the prior on masses; `wide_prior` is that of the usual tolerances.
     pub prior: DMatrix<f64>,
     /// What is known of directions that `prior` has no column for.
     pub beyond_prior: Beyond,
@@ -258,7 +258,7 @@ impl<'m> Problem<'m> {
         self.widened[0].max(self.widened[1]).powi(2)
     }
 
-    /// By how much an axis counts as known worse.
+    /// Factor of an axis's noise for what is known worse.
     pub(super) fn widened(&self, axis: usize) -> f64 {
         self.widened[axis]
     }

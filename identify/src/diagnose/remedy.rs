@@ -36,9 +36,9 @@ pub struct Servo {
 /// How far one tick goes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Step {
-    /// Of a revolute joint.
+    /// Resolution of a revolute joint, ticks per turn.
     TicksPerTurn(f64),
-    /// Of a prismatic joint.
+    /// Resolution of a prismatic joint, metres per tick.
     MetresPerTick(f64),
 }
 
@@ -259,7 +259,7 @@ fn changed(old: &str, new: &str) -> Option<UrdfChange> {
     })
 }
 
-/// Tags with the text behind them, and their lines.
+/// Tags with the text after them, and their lines.
 fn elements(text: &str) -> Vec<(usize, &str)> {
     let mut starts: Vec<usize> = text.match_indices('<').map(|(at, _)| at).collect();
     starts.push(text.len());

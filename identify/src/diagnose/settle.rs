@@ -1,4 +1,4 @@
-//! Masses where an explanation ends, not where CAD begins.
+//! Masses linearised about an explanation's own estimate instead of about CAD.
 //!
 //! ```text
 //! y ≈ h(e, r_b) + ∂h/∂r (r − r_b)        r = r₀ + F z,  r_b = r₀ + F z_b

@@ -40,13 +40,13 @@ pub struct Closure {
     pub std: [f64; ROWS],
     /// What soles and floor may be off by in all postures alike, m, rad, rad.
     pub common: [f64; ROWS],
-    /// By what the noise was multiplied since postures are no independent samples.
+    /// Factor of the noise for postures that are no independent samples.
     pub widened: [f64; ROWS],
     /// Where the noise of each equation is the log's own; else it is the least or the largest
     /// that is believed.
     from_log: [bool; ROWS],
     support: String,
-    /// By CAD, m, rad, rad.
+    /// Closure that CAD predicts, m, rad, rad.
     pub(super) values: Vec<f64>,
     /// Independent joints between the soles, and slopes by them, a column each.
     pub(super) joints: Vec<Between>,

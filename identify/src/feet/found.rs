@@ -9,7 +9,7 @@ pub struct Lies {
     pub roll_rad: f64,
     /// About its y axis, rad.
     pub pitch_rad: f64,
-    /// Of its origin over the floor, m.
+    /// Height of its origin over the floor, m.
     pub height_m: f64,
 }
 
@@ -30,10 +30,10 @@ impl Lies {
 pub struct Offset {
     /// The joint.
     pub joint: String,
-    /// Of a revolute joint, rad.
+    /// Offset of a revolute joint, rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_rad: Option<f64>,
-    /// Of a prismatic joint, m.
+    /// Offset of a prismatic joint, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_m: Option<f64>,
     /// Its standard deviation, rad or m.
@@ -100,7 +100,7 @@ pub struct ClosureFound {
 const LONGEST: usize = 10_000;
 
 impl ClosureFound {
-    /// Of two logs the one whose soles lie worse.
+    /// Returns the one of two logs whose soles lie worse.
     pub fn worse(self, other: ClosureFound) -> ClosureFound {
         let ratio = |found: &ClosureFound| {
             let open = if found.closes { 0.0 } else { 1e9 };

@@ -10,7 +10,8 @@ use crate::watch::Watch;
 /// Longer logs are recordings: they are not read once more.
 const ROWS: u64 = 20_000;
 
-/// Of the first log, if its rows state no deviations and no posture of any repeats.
+/// Estimates the noise of the first log again, if its rows state no deviations and no posture
+/// of any repeats.
 ///
 /// # Errors
 /// No support; the kind `Interrupted` where `watch` stops it.

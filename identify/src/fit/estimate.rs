@@ -1,4 +1,4 @@
-//! From gathered logs to what must be said of a fit.
+//! From gathered logs to parameters with their uncertainty, observability and held-out error.
 
 use nalgebra::DVector;
 use sesc_model::Model;

@@ -59,7 +59,7 @@ impl Fold {
 pub struct LogUsed {
     /// Name of the log.
     pub file: String,
-    /// Of its content.
+    /// Hash of its content.
     pub hash: String,
     /// Rows.
     pub rows: u64,

@@ -18,7 +18,7 @@ const ROOM: f64 = 0.1;
 /// Without it a mass of nothing could sit in the next town.
 #[derive(Debug, Clone, Default)]
 pub struct Limits {
-    /// Of each link in document order, and whether collision geometry gave it.
+    /// Extent of each link in document order, and whether collision geometry gave it.
     boxes: Vec<(Extent, bool)>,
 }
 

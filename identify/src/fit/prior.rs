@@ -40,10 +40,10 @@ pub struct Tolerance {
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Tolerances {
-    /// Of links that are not listed.
+    /// Tolerance of links that are not listed.
     #[serde(default)]
     pub default: Tolerance,
-    /// Of links by name.
+    /// Tolerances of links by name.
     #[serde(default)]
     pub links: BTreeMap<String, Tolerance>,
 }

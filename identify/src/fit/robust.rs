@@ -26,7 +26,7 @@ pub enum Loss {
 pub struct Robust {
     /// The loss.
     pub loss: Loss,
-    /// Of residuals, in units of their stated deviations (m where none are stated).
+    /// Scale of the residuals, in units of their stated deviations (m where none are stated).
     pub scale: f64,
 }
 

@@ -6,7 +6,7 @@ use crate::logs::Block;
 use crate::observations::correlation::{Independent, Whitener};
 use crate::observations::rows::Rows;
 
-/// Of a long log, rows as they are count one in this many beside independent ones.
+/// One row in this many of a long log is also counted as it is, beside independent samples.
 const PLAIN: usize = 4;
 
 /// What is said of a block's rows.
@@ -115,7 +115,7 @@ impl Stream {
     }
 }
 
-/// As good as drawn, the same on every machine.
+/// A pseudo-random fold for a key, the same on every machine.
 fn drawn(key: i64, folds: usize) -> usize {
     let mut x = (key as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

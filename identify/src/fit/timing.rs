@@ -38,7 +38,7 @@ const OF_SHARE: usize = 4000;
 /// The noise of a log in time, and its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timing {
-    /// By axis.
+    /// Correlation in time of each axis.
     pub correlation: [Correlation; 2],
     /// Noise of each axis in units of their RMS.
     pub axes: [f64; 2],
@@ -173,7 +173,7 @@ struct Head {
 }
 
 impl Head {
-    /// Of rows whose motion is known by `plan`; of those as they are without one.
+    /// Prepare rows whose motion `plan` knows, or rows as they are without a plan.
     fn of(
         blocks: &[Block],
         measurement: &mut Measurement<'_>,

@@ -50,7 +50,7 @@ type Place = (String, (String, String));
 #[derive(Debug, Default)]
 pub struct Gathering {
     fleet: Fleet,
-    /// By the hash of the content.
+    /// Places of every log by the hash of its content.
     places: BTreeMap<String, Vec<Place>>,
     /// URDFs other than the fleet's, by hash and support.
     urdfs: BTreeMap<(String, String), Option<PathBuf>>,

@@ -29,7 +29,7 @@ pub struct EffectFound {
     pub target: String,
     /// Its parameters by name, which ends in the unit: `offset_rad`.
     pub parameters: BTreeMap<String, Size>,
-    /// By how much −2 log evidence rises without it.
+    /// Rise of −2 log evidence without this effect.
     pub evidence: f64,
     /// The complete explanations that these data allow instead, effects with their targets;
     /// with the first effect of a row whose verdict is `class`.

@@ -29,7 +29,7 @@ struct Columns {
     tilted: usize,
 }
 
-/// One log of several, in their order: postures are numbered on, times run on behind a
+/// One log of several, in their order: postures are numbered on, times run on after a
 /// pause, and the CoP is in place of foot cells.
 ///
 /// # Errors

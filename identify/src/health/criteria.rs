@@ -34,7 +34,7 @@ pub(super) const ENOUGH: usize = 30;
 pub(super) const SHUFFLED_MOVES: f64 = 3.0;
 /// Ratio of scatters that counts as the same.
 pub(super) const ALIKE: (f64, f64) = (0.6, 1.6);
-/// Of so many shuffled logs one looks as if it went with some wiring.
+/// One in this many shuffled logs agrees with some wiring by chance.
 pub(super) const CHANCE: f64 = 1000.0;
 
 /// Largest change of an encoder that does not move, rad or m.

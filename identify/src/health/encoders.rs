@@ -26,7 +26,7 @@ const LARGEST_STEP: f64 = 0.3;
 /// A stuck encoder.
 pub(super) struct Stuck {
     pub finding: Finding,
-    /// By what each reading is less known without it, m.
+    /// Standard deviation that each reading gains without this encoder, m.
     pub less_known: Vec<f64>,
     pub joint: usize,
 }

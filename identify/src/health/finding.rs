@@ -35,7 +35,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// As in JSON.
+    /// Its name in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Kind::CopConstant => "cop_constant",

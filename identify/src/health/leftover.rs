@@ -11,7 +11,7 @@ use crate::observations::noise::NoiseSource;
 /// What a fit leaves.
 #[derive(Debug, Clone, Copy)]
 pub struct Leftover {
-    /// Of the rows, in units of `floor_m`.
+    /// χ² of the rows, in units of `floor_m`.
     pub chi2: f64,
     /// What noise alone leaves of it.
     pub expected: f64,

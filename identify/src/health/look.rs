@@ -94,7 +94,7 @@ struct LessKnown {
     joint: usize,
     dof: usize,
     anywhere: f64,
-    /// Of rows that state none, m.
+    /// Noise of rows that state none, m.
     noise: Option<f64>,
 }
 

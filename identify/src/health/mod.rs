@@ -45,7 +45,7 @@ use wirings::Wirings;
 pub struct Health {
     /// Each finding; data that cannot be used have one.
     pub findings: Vec<Finding>,
-    /// By what each reading is less known than its noise says, m; empty where by nothing.
+    /// Standard deviation of each reading beside its noise, m; empty where there is none.
     pub less_known: Vec<f64>,
     /// Joints whose positions are not known.
     pub stuck: Vec<usize>,

@@ -356,7 +356,7 @@ fn typical_run(poses: &[i64]) -> usize {
     for pose in poses {
         *counts.entry(*pose).or_default() += 1;
     }
-    // The last pose may go on behind these rows.
+    // The last pose may go on after these rows.
     if counts.len() > 1
         && let Some(last) = poses.last()
     {

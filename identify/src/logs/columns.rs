@@ -132,7 +132,7 @@ pub fn columns_text() -> String {
 /// Characters of a line that any terminal shows.
 const LINE: usize = 98;
 
-/// `text` behind `start`, its further lines below its first.
+/// `text` after `start`, its further lines below its first.
 fn hanging(start: String, text: &str) -> String {
     let indent = start.chars().count();
     let (mut out, mut at) = (start, indent);

@@ -97,7 +97,8 @@ struct Seen {
 }
 
 impl Seen {
-    /// By the singular values of `plain`, less what `weighted` gives no weight at all.
+    /// Observable directions by the singular values of `plain`, less what `weighted` gives no
+    /// weight at all.
     fn by(plain: &Factor, weighted: &Factor) -> Seen {
         let p = plain.params();
         let svd = svd(plain.r(), false, true);

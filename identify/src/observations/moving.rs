@@ -42,7 +42,7 @@ impl DerefMut for Moving {
 }
 
 impl Moving {
-    /// Of a robot with `dof` joints; plain rows without a plan.
+    /// Read postures of a robot with `dof` joints; plain rows without a plan.
     pub fn new(reader: PostureReader, dof: usize, plan: Option<Plan>) -> Moving {
         Moving {
             reader,

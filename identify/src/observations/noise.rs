@@ -59,7 +59,7 @@ pub enum NoiseSource {
 }
 
 impl NoiseSource {
-    /// As reports say it.
+    /// Its name in reports.
     pub fn phrase(self) -> &'static str {
         match self {
             NoiseSource::Given => "as given",
@@ -74,7 +74,7 @@ impl NoiseSource {
 /// What is known of the noise of a row before anything is fitted.
 #[derive(Debug, Clone, Copy)]
 pub struct Known {
-    /// By the user, m.
+    /// Noise that the user states, m.
     pub given: Option<f64>,
     /// RMS of stated deviations over rows and axes, m.
     pub stated: Option<f64>,

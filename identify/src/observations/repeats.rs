@@ -25,11 +25,11 @@ const SAID: u64 = 2;
 /// Sums of squares about means, and their degrees of freedom.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Squares {
-    /// By axis, m².
+    /// Sums of squares of each axis, m².
     pub sum: [f64; 2],
     /// The same in units of each row's variance: stated ones, or 1 m².
     pub weighted: [f64; 2],
-    /// Of one axis.
+    /// Degrees of freedom of one axis.
     pub df: u64,
 }
 
@@ -49,12 +49,12 @@ impl Squares {
         self.df += other.df;
     }
 
-    /// Of both axes in units of the rows' variances, with degrees of freedom.
+    /// Sum over both axes in units of the rows' variances, with degrees of freedom.
     pub fn both(&self) -> (f64, u64) {
         (self.weighted[0] + self.weighted[1], 2 * self.df)
     }
 
-    /// Of both axes, m², with degrees of freedom.
+    /// Sum over both axes, m², with degrees of freedom.
     fn metres(&self) -> (f64, u64) {
         (self.sum[0] + self.sum[1], 2 * self.df)
     }
@@ -92,12 +92,12 @@ pub struct Visits {
     /// Standard deviation on one axis beside readings' noise, m; zero where visits differ by
     /// no more than that.
     pub std: f64,
-    /// Of readings of one visit, m; none where each visit is one reading.
+    /// Standard deviation of readings within one visit, m; none where each visit is one reading.
     pub readings_std: Option<f64>,
 }
 
 impl Visits {
-    /// As reports say it.
+    /// The sentence that reports print.
     pub fn sentence(&self) -> String {
         let times = match self.again {
             1 => "1 posture was reached again".to_string(),

@@ -30,7 +30,7 @@ impl Samples {
         }
     }
 
-    /// As reports say it.
+    /// The sentence that reports print.
     pub fn sentence(&self) -> String {
         let rows = self.rows;
         if self.independent < rows {
@@ -96,7 +96,7 @@ impl Sum {
     }
 }
 
-/// Of the axis that has fewer samples.
+/// Correlation of the axis that has fewer independent samples.
 pub fn worst(axes: &[Correlation; 2]) -> Correlation {
     match axes[0].rows_per_sample > axes[1].rows_per_sample {
         true => axes[0],

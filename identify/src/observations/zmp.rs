@@ -80,9 +80,9 @@ impl Moved {
 /// What one joint does to the ZMP, by axis.
 #[derive(Clone, Copy, Default)]
 struct Lever {
-    /// By its acceleration, m s²/rad or s².
+    /// Effect of its acceleration on the CoP, m s²/rad or s².
     gain: [f64; 2],
-    /// By its position where it stands, m/rad or 1.
+    /// Effect of its position on the CoP, m/rad or 1.
     position: [f64; 2],
 }
 
@@ -110,7 +110,7 @@ impl Parts {
 }
 
 impl Zmp {
-    /// Of `model` on its support.
+    /// Prepare the ZMP of `model` on its support.
     pub fn new(model: &Model) -> Zmp {
         Zmp {
             tape: Tape::new(&motion_rows(model)),

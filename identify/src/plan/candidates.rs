@@ -44,11 +44,11 @@ const LEAST_SPREAD: f64 = 0.2;
 pub struct Counts {
     /// Postures drawn.
     pub drawn: usize,
-    /// Of these: balanced.
+    /// How many of these are balanced.
     pub balanced: usize,
-    /// Of these: nothing but the support body near the ground.
+    /// How many of these keep all but the support body off the ground.
     pub clear: usize,
-    /// Of these: no body runs into another.
+    /// How many of these are free of self-collision.
     pub collision_free: usize,
     /// The best CoP among draws that do not balance: how far it is out, m.
     #[serde(skip)]

@@ -11,7 +11,6 @@ pub struct JointUse {
     /// The joint's name.
     pub joint: String,
     /// Whether `limits`, `values` and `used` are m.
-    #[serde(rename = "sliding")]
     pub prismatic: bool,
     /// What was allowed.
     pub limits: [f64; 2],

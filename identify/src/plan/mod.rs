@@ -115,7 +115,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let params = model.base.params.len();
     let regressor = Evaluator::new(model, Function::RegressorCop).run(&q, count);
     let regressor = DMatrix::from_vec(params, 2 * count, regressor);
-    let noise = known.of_posture(request.noise);
+    let noise = known.reading_std(request.noise);
     let rows = match &prior {
         Some(s) => Rows::with_prior(&regressor, s, noise),
         None => Rows::free(&regressor, UNSEEN),

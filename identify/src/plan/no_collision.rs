@@ -5,7 +5,7 @@ use sesc_model::Model;
 use super::geometry::Geometry;
 use super::poses::Pose;
 
-/// Nothing that could collide.
+/// Stands in for the collision check where the feature is off: nothing collides.
 pub struct Collisions {
     /// Pairs of bodies that touch at rest: none is known.
     pub exempt: Vec<[String; 2]>,

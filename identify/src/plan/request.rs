@@ -54,7 +54,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// As many postures within the URDF's limits, with the CoP in `region`.
+    /// A request for `poses` postures within the URDF's limits, with the CoP in `region`.
     pub fn new(
         robot: impl Into<Arc<Robot>>,
         model: impl Into<Arc<Model>>,

@@ -33,7 +33,7 @@ pub struct Revisits {
 /// What a log says of the noise of postures to come.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Known {
-    /// Of a single reading within a visit, m; zero where visits are one reading each, whose
+    /// Noise of a single reading within a visit, m; zero where visits are one reading each, whose
     /// noise is part of what they differ by.
     pub noise: Option<f64>,
     /// What visits differ by, m; none where no posture was reached again.
@@ -41,7 +41,7 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// Of the log of a request, if it has one.
+    /// Look at the log of a request, if it has one.
     pub fn of(request: &Request, watch: &mut dyn Watch) -> Result<Known, Error> {
         match &request.log {
             Some(log) => Known::of_log(log, &request.model, watch),
@@ -76,7 +76,7 @@ impl Known {
 
     /// Standard deviation of a reading as it enters the fit, where `asked` is what it is unless
     /// the log says it, m.
-    pub fn of_posture(&self, asked: f64) -> f64 {
+    pub fn reading_std(&self, asked: f64) -> f64 {
         self.noise
             .unwrap_or(asked)
             .hypot(self.visits.unwrap_or(0.0))

@@ -50,7 +50,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// As many postures within the joint limits, without noise.
+    /// A request for `poses` postures within the joint limits, without noise.
     pub fn new(model: impl Into<Arc<Model>>, poses: usize) -> Request {
         Request {
             model: model.into(),

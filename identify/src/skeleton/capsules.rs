@@ -13,7 +13,7 @@ use super::{Capsule, Part, Segment};
 use crate::plan::geometry::{Geometry, Solid};
 use crate::plan::poses::{self, Pose};
 
-/// Of what robots are made, where a URDF gives no inertia, kg/m³.
+/// Density of bodies for which the URDF gives no inertia, kg/m³.
 const DENSITY: f64 = 1500.0;
 /// No inertia makes a link thicker or longer than this part of the robot.
 const LARGEST: f64 = 0.2;

@@ -37,9 +37,9 @@ pub(super) fn unit(bits: i32) -> f64 {
 pub struct Formats {
     pub(super) nodes: Vec<i32>,
     pub(super) sizes: Vec<f64>,
-    /// Of each input array.
+    /// Fraction bits of each input array.
     pub arrays: Vec<i32>,
-    /// Of the results.
+    /// Fraction bits of the results.
     pub output: i32,
 }
 

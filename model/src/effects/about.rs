@@ -11,7 +11,7 @@ use crate::urdf;
 /// One effect, as `sesc effects` lists it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct EffectAbout {
-    /// As in reports and model files: `joint_offset`.
+    /// Name in reports and model files: `joint_offset`.
     pub name: &'static str,
     /// What its target is: `joint`, `joint or all`, `two joints`, `link`, `cell`, one of a few
     /// ways by name, or `-` where it has none.

@@ -14,7 +14,7 @@ impl EffectId {
         EffectId(name)
     }
 
-    /// As in reports and model files: `joint_offset`.
+    /// Name in reports and model files: `joint_offset`.
     pub const fn name(self) -> &'static str {
         self.0
     }
@@ -65,7 +65,7 @@ impl Catalog {
         self.iter().find(|effect| effect.id().name() == name)
     }
 
-    /// The place of an effect in the list; behind its end if it is not there.
+    /// The place of an effect in the list; one past the last if it is not there.
     pub fn rank(&self, id: EffectId) -> usize {
         let place = self.effects.iter().position(|effect| effect.id() == id);
         place.unwrap_or(self.effects.len())

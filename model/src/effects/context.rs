@@ -169,7 +169,7 @@ impl<'m> EffectContext<'m> {
         })
     }
 
-    /// As sentences name a target: `l_knee`, `every joint`.
+    /// Name of a target in sentences: `l_knee`, `every joint`.
     pub fn spoken_name(&self, target: &Target) -> String {
         match target {
             Target::AllJoints => "every joint".to_string(),
@@ -177,7 +177,7 @@ impl<'m> EffectContext<'m> {
         }
     }
 
-    /// As reports and model files name a target.
+    /// Name of a target in reports and model files.
     pub fn name_of(&self, target: &Target) -> String {
         let joint = |j: &usize| self.robot.tree.dofs[*j].joint.clone();
         match target {

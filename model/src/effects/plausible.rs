@@ -34,11 +34,11 @@ pub const LARGEST_PULL: (f64, &str) = (
     1.0 / 3.0,
     "a pull of a third of the robot's weight and more does not go unnoticed",
 );
-/// Of a payload.
+/// Reason against a payload.
 pub const PAYLOAD_HEAVIER: &str = "it would weigh as much as the robot and more";
-/// Of a link that lacks mass.
+/// Reason against a link that lacks mass.
 pub const NEGATIVE_MASS: &str = "its body would weigh nothing or less";
-/// Of a spring.
+/// Reason against a spring.
 pub const STIFFNESS: &str = "a spring that does not push back holds nothing";
 
 /// The reason, where `x` is not clearly inside of `least` and `most`.

@@ -16,7 +16,7 @@ pub struct EncoderMap {
 }
 
 impl EncoderMap {
-    /// Of an encoder that reads the truth.
+    /// The map of an encoder that reads the truth.
     pub const TRUE: EncoderMap = EncoderMap {
         scale: 1.0,
         offset: 0.0,
@@ -70,7 +70,7 @@ pub(super) fn point(at_m: &[f64]) -> String {
     )
 }
 
-/// A plain number with so many digits behind the point.
+/// A plain number with `count` digits after the decimal point.
 pub(super) fn digits(x: f64, count: usize) -> String {
     format!("{x:.count$}").replace('-', "−")
 }

@@ -21,9 +21,9 @@ const POWER_STEP: f64 = 1.0 / 131_072.0;
 /// What a change does to a clamp.
 #[derive(Clone, Copy, PartialEq)]
 enum Corner {
-    /// It may pass its corners.
+    /// The change may take the clamped value across a corner.
     Crossed,
-    /// It stays on its side.
+    /// The change leaves the clamped value on its side of every corner.
     Held,
 }
 

@@ -46,7 +46,7 @@ fn noted() -> MutexGuard<'static, Noted> {
 /// A file under construction: written beside its place, renamed at the end,
 /// removed if dropped before.
 pub struct NewFile {
-    /// As the user calls it.
+    /// Its name as the user gave it.
     name: PathBuf,
     /// Where it really goes.
     place: PathBuf,
@@ -103,7 +103,7 @@ impl NewFile {
         finish_together(vec![self])
     }
 
-    /// Everything on the disk, so that a name never stands for less.
+    /// Flush everything to the disk before the file gets its final name.
     fn complete(&mut self) -> Result<(), Error> {
         let flushed = self.file.flush();
         let synced = flushed.and_then(|()| self.file.get_ref().sync_all());
@@ -171,7 +171,7 @@ pub fn finish_together(files: Vec<NewFile>) -> Result<(), Error> {
     put_together(files, &lock(folders))
 }
 
-/// As [`finish_together`], in folders that are locked.
+/// Does what [`finish_together`] does, in folders that are locked.
 fn put_together(mut files: Vec<NewFile>, locked: &[File]) -> Result<(), Error> {
     files.iter_mut().try_for_each(NewFile::complete)?;
     let mut noted = noted();

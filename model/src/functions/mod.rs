@@ -162,9 +162,9 @@ pub(crate) struct Scratch<'m> {
     beyond_sines: bool,
     /// What takes the place of r, each with its largest magnitude.
     pub(crate) masses: Option<Vec<(Id, f64)>>,
-    /// Stands behind the prefix of names: which of several passes over the chain.
+    /// Stands after the prefix of names: which of several passes over the chain.
     pub(crate) pass: String,
-    /// Of each body, those that carry the longest chain last.
+    /// Children of each body, those that carry the longest chain last.
     children: Vec<Vec<usize>>,
     /// Sine and cosine per body, once asked for.
     pub(crate) rotations: Vec<Option<(Id, Id)>>,

@@ -12,7 +12,7 @@
 //!
 //! so that a point y of body i is accelerated by `A_i y` against the body's origin. Leaf to
 //! root, with the [`Moments`] of each body over M, its origin o and children k at places
-//! d_k (sliding by u_k, which is accelerated by a_k against o besides `A_i d_k`):
+//! d_k (displaced by u_k, which is accelerated by a_k against o besides `A_i d_k`):
 //!
 //! ```text
 //! S_i = h_i + Σ R S_k + m_k u_k        F_i = A_i h_i + Σ R F_k + m_k a_k
@@ -58,7 +58,7 @@ struct Wrench {
     moment: Known,
 }
 
-/// A body on a prismatic joint as its parent sees it: how far it slid, and how that is
+/// A body on a prismatic joint as its parent sees it: its displacement, and how that is
 /// accelerated beside its place.
 struct Slide {
     by: [Id; 3],
@@ -224,7 +224,7 @@ impl Scratch<'_> {
         ]
     }
 
-    /// How far bodies on prismatic joints slid in the axes of their parents.
+    /// Displacements of bodies on prismatic joints in the axes of their parents.
     fn slides(&mut self, turnings: &[Turning], joints: &JointMotion) -> Vec<Option<Slide>> {
         let bodies = &self.m.chain.bodies;
         (0..bodies.len())

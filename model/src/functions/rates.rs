@@ -25,7 +25,7 @@ use crate::frames::Rotation;
 use crate::snap::tidy;
 use crate::tree::{Axis, Motion};
 
-/// Of a body that moves: the rate of its vector, and of the same turned by its joint.
+/// Rates of a body that moves: the rate of its vector, and of the same turned by its joint.
 pub(crate) struct SubtreeRate {
     pub(crate) v: Known,
     t: Known,
@@ -126,7 +126,7 @@ impl Scratch<'_> {
         self.g.mul(factor, rates[by.dof])
     }
 
-    /// The rate of child `c` in the axes of its parent `i`: `K ṫ`, and what slides.
+    /// The rate of child `c` in the axes of its parent `i`: `K ṫ`, and its displacement.
     fn moved(
         &mut self,
         i: usize,

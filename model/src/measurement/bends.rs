@@ -32,7 +32,8 @@ const SHARP: f64 = 134_217_728.0;
 /// A joint that gives way to its gravity moment.
 #[derive(Clone, Copy)]
 pub(super) enum Bend {
-    /// By its moment times this: rad per m of moment over the nominal weight.
+    /// A joint turned by its moment times this compliance: rad per m of moment over the
+    /// nominal weight.
     Spring(usize, Id),
     /// To one end of a dead band of half this width, rad.
     Slack(usize, Id),

@@ -17,7 +17,7 @@ impl PostureContext {
         PostureContext { dof: robot.dof() }
     }
 
-    /// Of a robot with `dof` independent joints.
+    /// The context of a robot with `dof` independent joints.
     pub fn with_joints(dof: usize) -> PostureContext {
         PostureContext { dof }
     }

@@ -54,7 +54,7 @@ pub struct Parameter {
 pub struct DataUsed {
     /// Path of the log as it was given.
     pub file: String,
-    /// Of its content.
+    /// Hash of its content.
     pub hash: String,
     /// Rows of the log.
     pub rows: u64,
@@ -79,7 +79,7 @@ pub struct EffectRecord {
     /// Joint, link, cell (`fsr_1`), `all`; `-` for the whole robot.
     #[serde(default = "whole")]
     pub target: String,
-    /// By name with unit: `offset_rad`.
+    /// Values by name with unit: `offset_rad`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, Quantity>,
 }
@@ -208,7 +208,8 @@ impl ModelFile {
         })
     }
 
-    /// Values in the order of the base parameters (a model that takes the file has made sure of it).
+    /// Values in the order of the base parameters (a model that takes the file has made sure
+    /// of it).
     pub fn values(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.value).collect()
     }

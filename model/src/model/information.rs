@@ -45,7 +45,7 @@ const INDEPENDENT: f64 = 1e-11;
 const ROUNDING: f64 = 1e-13;
 
 impl Information {
-    /// Of rows over their standard deviations, one column per parameter.
+    /// Factor of rows over their standard deviations, one column per parameter.
     ///
     /// Rows are rotated in one by one, so that a column without a pivot of its own leaves
     /// its row empty.
@@ -85,7 +85,7 @@ impl Information {
         }
     }
 
-    /// All rows behind each other: n (n + 1)/2 numbers.
+    /// All rows one after the other: n (n + 1)/2 numbers.
     pub fn packed(&self) -> Vec<f64> {
         self.factor.concat()
     }

@@ -250,7 +250,7 @@ impl Model {
                     ..bounds::Input::exact(-most, most)
                 })
                 .to_vec(),
-            // No longer than one.
+            // A direction d, ‖d‖ ≤ 1.
             Argument::Direction => vec![bounds::Input::exact(-1.0, 1.0); 3],
             // Those of fits: no bound is proven for them.
             Argument::Unknowns | Argument::Context | Argument::Free => Vec::new(),

@@ -25,26 +25,26 @@ pub enum Shape {
     },
     /// A cylinder.
     Cylinder {
-        /// Of the circle.
+        /// Radius of the circle, m.
         radius: f64,
-        /// Of the axis.
+        /// Length of the axis, m.
         length: f64,
     },
     /// A cylinder with half a sphere on each end.
     Capsule {
-        /// Of the circle and of the spheres.
+        /// Radius of the circle and of the spheres, m.
         radius: f64,
-        /// Of the axis, without the spheres.
+        /// Length of the axis without the spheres, m.
         length: f64,
     },
     /// A sphere.
     Sphere {
-        /// Of the sphere.
+        /// Radius of the sphere, m.
         radius: f64,
     },
     /// The triangles of a file.
     Mesh {
-        /// As the URDF names it.
+        /// Its file name in the URDF.
         file: String,
         /// Along each axis.
         scale: [f64; 3],

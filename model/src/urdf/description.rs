@@ -118,7 +118,7 @@ impl JointType {
         JointType::Planar,
     ];
 
-    /// As a URDF calls it.
+    /// Its name in a URDF.
     pub fn name(self) -> &'static str {
         match self {
             JointType::Revolute => "revolute",

@@ -94,7 +94,7 @@ impl<'a> Edits<'a> {
         }
     }
 
-    /// An attribute that is not there yet, right behind the name of the tag: values of
+    /// An attribute that is not there yet, right after the name of the tag: values of
     /// others may hold any character.
     fn add(&mut self, node: Node<'_, '_>, name: &str, value: &str) {
         let place = self.place(&node.range());

@@ -1,5 +1,5 @@
-//! A robot description read from URDF. Real files load; a broken file hears
-//! everything that is wrong with it at once, by file and line, link or joint.
+//! A robot description read from URDF. Real files load; all errors of a broken
+//! file are reported at once, by file and line, link or joint.
 //!
 //! ```text
 //! bytes -> size, UTF-8 -> scan -> XML tree -> draft -> checks -> Description

@@ -14,7 +14,7 @@ use super::{limits, scan};
 
 /// A mended text, and where its places are in what was given.
 pub(super) struct Source<'a> {
-    /// As it was given, without a byte order mark.
+    /// The text as it was given, without a byte order mark.
     pub(super) text: &'a str,
     mended: String,
     /// Bytes of the mark.

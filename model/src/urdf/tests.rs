@@ -305,7 +305,7 @@ fn files_are_named_without_directories_on_request() {
     assert_eq!(description.name, "r");
 }
 
-/// As long a chain as is allowed, written from the tip to the root, and a ring.
+/// Tests as long a chain as is allowed, written from the tip to the root, and a ring.
 #[test]
 fn long_chains_and_rings_do_not_recurse() {
     let count = limits::LINKS - 1;

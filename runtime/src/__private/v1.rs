@@ -71,7 +71,7 @@ pub trait Robot {
 }
 
 /// The functions of [`SescFromSinCos`](crate::SescFromSinCos), and rows combined by a
-/// direction `along` of the support frame, no longer than one: `dᵀ J` and `dᵀ Y`. Three
+/// direction d (`along`) of the support frame, ‖d‖ ≤ 1: `dᵀ J` and `dᵀ Y`. Three
 /// directions side by side in `T` give the three rows of one posture.
 #[allow(missing_docs)]
 pub trait SinCosRobot: Robot {

@@ -298,7 +298,7 @@ task!(RegressorCop, regressor_cop_into() -> [Base; 2]);
 task!(RegressorFull, regressor_full_into() -> [Full; 3]);
 task!(Cop, cop(r) -> 2);
 
-/// As [`task`] makes them, with a block of velocities beside each block of postures.
+/// A task as [`task`] makes them, with a block of velocities beside each block of postures.
 struct ComVelocity<'a, M: Robot, S: Scalar> {
     q: &'a [Array<M::Dof, S::Block>],
     qd: &'a [Array<M::Dof, S::Block>],

@@ -6,7 +6,7 @@ use super::super::svg::{ORANGE, key, same_scale, span};
 use super::super::table::mm;
 use super::to_mm;
 
-/// Of a figure in a pair, and of the one beside the robot, pixels.
+/// Size of a figure in a pair, and of the one beside the robot, pixels.
 const PAIR: [f64; 2] = [480.0, 448.0];
 const BESIDE: [f64; 2] = [340.0, 340.0];
 

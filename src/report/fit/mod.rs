@@ -46,7 +46,7 @@ pub struct Unusable<'a> {
 }
 
 impl<'a> Unusable<'a> {
-    /// Of a fit to such data.
+    /// What a fit to unusable data says.
     pub fn of(found: &'a Identification) -> Unusable<'a> {
         Unusable {
             verdict: "unusable",
@@ -82,8 +82,8 @@ pub struct Moved {
 }
 
 impl Shown {
-    /// Of a fit and some of its readings; `command` makes the page again, meshes are looked
-    /// for in `folder`.
+    /// What is shown of a fit and some of its readings; `command` makes the page again, meshes
+    /// are looked for in `folder`.
     pub fn of(
         report: &fit::Report,
         sample: Sample,

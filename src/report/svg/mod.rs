@@ -42,7 +42,7 @@ pub const GRID: Color = color("grid", "#e3e7ec", "#2b333e");
 pub const BAND: Color = color("band", "#c3cad4", "#505c6c");
 /// What was identified.
 pub const BLUE: Color = color("blue", "#0072b2", "#56b4e9");
-/// What cannot be known.
+/// What data cannot tell.
 pub const ORANGE: Color = color("orange", "#d55e00", "#f0a04b");
 /// The card behind a figure, and the inside of hollow marks.
 pub const PAPER: Color = color("paper", "#ffffff", "#1a2028");

@@ -53,7 +53,7 @@ pub fn run(command: &mut Command, input: &str, limit: Duration) -> Output {
     }
 }
 
-/// As [`run`], for a program that must succeed; returns what it printed.
+/// Does what [`run`] does, for a program that must succeed; returns what it printed.
 pub fn printed(command: &mut Command, input: &str, limit: Duration) -> String {
     let output = run(command, input, limit);
     assert!(

@@ -136,11 +136,11 @@ impl TwoFeet {
 /// Noise of a log of both feet.
 #[derive(Debug, Clone, Copy)]
 pub struct Noise {
-    /// Of the CoP, m.
+    /// Noise of the CoP, m.
     pub cop_m: f64,
-    /// Of every encoder, rad.
+    /// Noise of every encoder, rad.
     pub encoder_rad: f64,
-    /// Of what the floor and the other sole are off by in every posture alike, rad.
+    /// Tilt of the floor and the other sole in every posture alike, rad.
     pub flat_rad: f64,
 }
 

@@ -50,7 +50,7 @@ pub struct Fleet {
     pub truncated: Vec<(usize, usize)>,
     /// A log that was delivered twice.
     pub twice: Option<(usize, usize)>,
-    /// By how much masses (relative) and centres of mass (m, on each axis) of links differ from
+    /// How much masses (relative) and centres of mass (m, on each axis) of links differ from
     /// robot to robot: standard deviations.
     pub spread: Option<(f64, f64)>,
 }

@@ -216,7 +216,7 @@ pub struct Hidden {
 }
 
 impl Hidden {
-    /// As the contract writes it: `effect`, or `effect:target`.
+    /// Its name in JSON: `effect`, or `effect:target`.
     pub fn label(&self) -> String {
         if self.target == NOWHERE {
             self.effect.name().to_owned()

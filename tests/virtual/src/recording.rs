@@ -47,7 +47,7 @@ pub enum Motion {
 pub struct Noise {
     /// Its correlation.
     pub kind: Kind,
-    /// Of x and y, m.
+    /// Noise of x and y, m.
     pub std: [f64; 2],
     /// What a visit of a posture differs by, m.
     pub visit_std: f64,
@@ -60,7 +60,7 @@ pub struct Recording {
     pub joints: Vec<String>,
     /// Time of every row, s.
     pub t: Vec<f64>,
-    /// Of stays.
+    /// Number of the stay that each row belongs to, where rows are of stays.
     pub pose: Option<Vec<f64>>,
     /// Encoder readings of every row, rad or m.
     pub q: Vec<Vec<f64>>,

@@ -220,7 +220,7 @@ fn silent(outcome: &Outcome) -> bool {
     outcome.judgement.none && !outcome.judgement.unexplained
 }
 
-/// By postures put aside; what depends on a log's own time by what is reported.
+/// Judge by postures put aside; what depends on a log's own time by what is reported.
 fn predicted_to_noise(outcome: &Outcome) -> bool {
     let judgement = &outcome.judgement;
     let aside = judgement.aside.filter(|_| !drifts(outcome));

@@ -57,7 +57,7 @@ pub struct Choice {
     pub platforms: Vec<Platform>,
     /// Only logs in which this is hidden.
     pub only: Option<Effect>,
-    /// Of the library, only effects of the body.
+    /// Whether only the library's effects of the body are drawn.
     pub body: bool,
     /// Logs of 1000 postures, too.
     pub long: bool,

@@ -48,7 +48,7 @@ pub(super) const DEVICES: [Device; 14] = [
 ];
 
 impl Device {
-    /// As the table says it.
+    /// Its name in the table.
     pub fn name(self) -> &'static str {
         match self {
             Device::Constant => "constant CoP",
@@ -96,7 +96,7 @@ impl Device {
 pub(super) struct Broken {
     pub urdf: String,
     pub support: String,
-    /// Of a single reading, m, where the user says.
+    /// Noise of a single reading, m, where the user says.
     pub noise: Option<f64>,
     target: Option<String>,
 }

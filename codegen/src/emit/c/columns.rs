@@ -6,7 +6,7 @@
 /// Most columns of a line of generated C.
 const WIDTH: usize = 100;
 
-/// By how much further what follows a break is indented.
+/// Columns that what follows a break is indented further by.
 const STEP: usize = 4;
 
 /// `text` with every longer line broken. A line without a place to break stays.

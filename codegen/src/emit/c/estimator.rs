@@ -46,7 +46,7 @@ struct Texts {
 
 /// The estimator as the templates ask for it.
 ///
-/// `corrects`: whether the package has a function that frees a reading of sensor effects.
+/// `corrects`: whether the package has `correct_cop`, which inverts the sensor effects.
 ///
 /// # Errors
 /// In fixed point, whose numbers have no room for information.

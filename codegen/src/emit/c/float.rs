@@ -52,7 +52,7 @@ struct Spelling<'l, 'p> {
     listing: &'l Listing<'p>,
     scalar: Scalar,
     calls: &'l Calls<'l>,
-    /// Of a block of postures, the nodes that are one number for all of them; the others
+    /// For a block of postures, the nodes that are one number for all of them; the others
     /// have a lane for each.
     shared: Option<Vec<bool>>,
 }

@@ -30,14 +30,14 @@ pub(super) enum Helper {
     /// The numbers of one posture among many, and back.
     Gather,
     Scatter,
-    /// As above, in every lane.
+    /// The same in every lane.
     SincosLanes,
     ClampLanes,
     PowerLanes,
 }
 
 impl Helper {
-    /// Its name behind the prefix.
+    /// Its name after the prefix.
     fn name(self) -> &'static str {
         match self {
             Helper::Sincos => "sincos",

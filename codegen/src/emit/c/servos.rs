@@ -57,10 +57,10 @@ pub struct Setting {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Servos {
-    /// Of joints that are not named.
+    /// Settings of joints that are not named.
     #[serde(default)]
     pub default: Setting,
-    /// By name of the joint.
+    /// Settings by name of the joint.
     #[serde(default)]
     pub joints: BTreeMap<String, Setting>,
 }
@@ -97,9 +97,9 @@ pub struct Servo {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scale {
-    /// Of a revolute joint.
+    /// Resolution of a revolute joint, ticks per turn.
     TicksPerTurn(f64),
-    /// Of a prismatic joint.
+    /// Resolution of a prismatic joint, metres per tick.
     MetresPerTick(f64),
 }
 

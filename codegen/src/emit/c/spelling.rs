@@ -13,7 +13,7 @@ pub(super) fn spelled(argument: Argument) -> &'static str {
     }
 }
 
-/// Names of a sine and a cosine; the one nobody reads needs a place all the same.
+/// Names of a sine and a cosine; a name for the unused one as well, since the helper writes both.
 pub(super) fn pair(listing: &Listing, sin: Option<Id>, cos: Option<Id>) -> [String; 2] {
     let name = |id: Option<Id>| id.and_then(|id| listing.name(id)).map(str::to_string);
     match (name(sin), name(cos)) {

@@ -277,11 +277,11 @@ fn has(facts: &Facts, function: Function, given: Given) -> bool {
 /// How a tick becomes what the programs take.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Way {
-    /// As a position.
+    /// The position itself is passed on.
     Position,
     /// From the table of sines, with this many steps a tick.
     Table(u32),
-    /// By the sine and cosine of its angle.
+    /// The sine and cosine of its angle are passed on.
     Sines,
 }
 

@@ -110,7 +110,7 @@ fn the_first_experiment_splits_the_class() {
     }
     assert!(asked >= 20, "{asked}\n{told}");
     assert!(10 * split >= 9 * asked, "{split} of {asked}\n{told}");
-    // As many go as was promised.
+    // As many are left out as was said.
     assert!(10 * as_said >= 9 * asked, "{as_said} of {asked}\n{told}");
 }
 

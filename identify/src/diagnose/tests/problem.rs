@@ -187,7 +187,7 @@ fn values_are_found_and_their_deviations_are_honest() {
 
 /// `p ln 2N + 2 ln(kinds · targets)`: twenty joints cost 2 ln 20 more than one sensor.
 #[test]
-fn prices_grow_with_unknowns_and_targets() {
+fn penalties_grow_with_unknowns_and_targets() {
     for (bench, joint, link) in [
         (Bench::op2(), "r_knee", "body_link"),
         (Bench::skew(), "knee", "shank"),

@@ -32,9 +32,9 @@ pub struct Posture {
     pub q: Vec<f64>,
     /// CoP that was read, m.
     pub measured: [f64; 2],
-    /// By the robot with CAD masses.
+    /// CoP predicted by the robot with CAD masses, m.
     pub simulated: [f64; 2],
-    /// By the explanation.
+    /// CoP predicted by the explanation, m.
     pub corrected: [f64; 2],
     /// Rather an outlier than not.
     pub outlier: bool,

@@ -313,7 +313,8 @@ fn size(row: &Row, k: usize, widening: &[f64]) -> Option<Size> {
     })
 }
 
-/// By how much days scatter more than their deviations say, parameter by parameter; 1 at least.
+/// How many times as much days scatter as their deviations say, parameter by parameter; 1 at
+/// least.
 fn widening(histories: &[History]) -> Vec<f64> {
     let mut squares: Vec<Vec<f64>> = Vec::new();
     for stretch in histories.iter().flat_map(History::stretches) {

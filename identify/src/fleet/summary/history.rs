@@ -11,7 +11,7 @@ pub(super) type Key = (String, String);
 /// One robot.
 pub(super) struct History<'r> {
     pub robot: &'r str,
-    /// By day.
+    /// Its rows, sorted by day.
     pub rows: Vec<&'r Row>,
 }
 
@@ -56,7 +56,7 @@ pub(super) fn said<'r>(row: &'r Row, (effect, target): &Key) -> Said<'r> {
     }
 }
 
-/// As diagnoses write it: `effect:target`, or `effect`.
+/// An effect and its target as diagnoses write them: `effect:target`, or `effect`.
 pub(super) fn label((effect, target): (&str, &str)) -> String {
     match target {
         "-" => effect.to_string(),
@@ -108,7 +108,8 @@ pub(super) fn principal<'a>(found: impl Iterator<Item = &'a EffectFound>) -> Opt
 /// Mean of values with deviations of their own, which scatter by more if they do.
 ///
 /// ```text
-/// μ = Σ w_i x_i / Σ w_i     w_i = 1/(s_i² + τ²)     τ² = max(0, (Q − (n−1)) / (Σ u_i − Σ u_i²/Σ u_i))
+/// μ = Σ w_i x_i / Σ w_i     w_i = 1/(s_i² + τ²)     τ² = max(0, (Q − (n−1)) / (Σ u_i − Σ
+/// u_i²/Σ u_i))
 /// ```
 ///
 /// with u_i = 1/s_i² and Q = Σ u_i (x_i − x̄)² (DerSimonian and Laird 1986). Gives μ with its

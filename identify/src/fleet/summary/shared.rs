@@ -165,7 +165,7 @@ fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
     .filter(|candidate| !candidate.members.is_empty())
 }
 
-/// Of every effect: how far its sizes reach, how many robots have it, at how many targets.
+/// For every effect: how far its sizes reach, how many robots have it, at how many targets.
 fn scales(all: &[Candidate]) -> BTreeMap<String, (f64, usize, usize)> {
     let mut scales: BTreeMap<String, (f64, usize, usize)> = BTreeMap::new();
     for candidate in all {

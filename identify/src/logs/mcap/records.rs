@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Integers are little-endian. Only schemas, channels and messages matter here;
-//! the summary behind the data is walked over. A file that ends before its
+//! the summary after the data is walked over. A file that ends before its
 //! closing magic was cut off, which is an error. Memory: one chunk, of
 //! [`LARGEST`] bytes at most, and the names of topics and types, [`NAMES`] bytes at most. A
 //! chunk becomes at most [`EXPANSION`] times larger than it is, beyond its first MiB.
@@ -172,7 +172,7 @@ impl<R: Read> Records<R> {
         }
     }
 
-    /// The closing magic, and whatever stands behind it.
+    /// The closing magic, and whatever follows it.
     fn finish(&mut self) -> Result<(), String> {
         let mut magic = [0; 8];
         self.input.read_exact(&mut magic).map_err(|e| cut_off(&e))?;

@@ -80,7 +80,7 @@ fn chunk(records: &[u8], compression: &str) -> Vec<u8> {
     record(0x06, &content.concat())
 }
 
-/// Little-endian CDR, aligned from behind its first four bytes.
+/// Little-endian CDR, aligned from after its first four bytes.
 #[derive(Default)]
 struct Body(Vec<u8>);
 

@@ -57,10 +57,10 @@ mod field {
 /// What the footer of a file claims.
 #[derive(Default)]
 pub(super) struct Footer {
-    /// Of every element of the schema, groups before what they hold.
+    /// Number of children of every schema element, groups before what they hold.
     children: Vec<i64>,
     elements: usize,
-    /// Of the file, then of its row groups.
+    /// Number of rows of the file, then of its row groups.
     rows: Vec<i64>,
     /// Group by group, column by column.
     chunks: Vec<Chunk>,
@@ -159,8 +159,8 @@ impl Footer {
         })?;
         // What is not walked over is not looked at, and may be read all the same.
         if walk.taken() != bytes.len() {
-            let behind = bytes.len() - walk.taken();
-            return Err(format!("its footer has {behind} bytes behind its end"));
+            let after = bytes.len() - walk.taken();
+            return Err(format!("its footer has {after} bytes after its end"));
         }
         footer.children.resize(footer.elements, 0);
         Ok(footer)
@@ -208,7 +208,7 @@ fn pages<R: Read + Seek>(input: &mut R, chunk: Chunk, length: u64) -> Result<(),
     let start = u64::try_from(first.unwrap_or(chunk.data)).unwrap_or(0);
     let end = start.saturating_add(u64::try_from(chunk.packed).unwrap_or(0));
     if end > length {
-        return Err("a column that goes on behind the end of the file".into());
+        return Err("a column that goes on past the end of the file".into());
     }
     let mut at = start;
     let mut header = Vec::new();

@@ -77,7 +77,7 @@ struct Scale {
 }
 
 impl Correlation {
-    /// Of samples that are independent.
+    /// Correlation of independent samples.
     pub const NONE: Correlation = Correlation {
         time_s: 0.0,
         rows_per_sample: 1.0,
@@ -204,7 +204,7 @@ impl Columns<'_> {
 }
 
 impl Scale {
-    /// Of windows cut like this; `None` where they are too few, or more than `most`.
+    /// Estimate from windows cut like this; `None` where they are too few, or more than `most`.
     fn cut(
         t: &[f64],
         y: &DVector<f64>,
@@ -223,7 +223,7 @@ impl Scale {
             .flatten()
     }
 
-    /// Of these windows.
+    /// Estimate from these windows.
     fn of(
         t: &[f64],
         y: &DVector<f64>,

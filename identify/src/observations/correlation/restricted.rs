@@ -34,7 +34,7 @@ const LEAST: f64 = 1e-12;
 pub(super) struct Found {
     /// s; zero where residuals are white.
     pub tau: f64,
-    /// Of one row.
+    /// Variance of one row.
     pub variance: f64,
     /// Twice the log likelihood that correlation gains over none.
     pub gain: f64,
@@ -154,9 +154,9 @@ pub(super) fn estimate(
 struct Likelihood {
     /// Restricted log likelihood less a constant.
     value: f64,
-    /// Of a row.
+    /// Variance of one row.
     variance: f64,
-    /// By the columns of the basis.
+    /// Estimates of the basis columns' coefficients.
     params: DVector<f64>,
 }
 

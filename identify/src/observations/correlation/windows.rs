@@ -70,7 +70,7 @@ pub struct Process {
 }
 
 impl Default for Process {
-    /// Of independent rows.
+    /// The process of independent rows.
     fn default() -> Process {
         Process {
             cut: Cut {
@@ -123,7 +123,7 @@ pub struct Whitener {
 /// An independent row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Independent {
-    /// Of its first row.
+    /// Position in time of its first row.
     pub key: i64,
     /// (x, y), of the variance of a single row.
     pub row: Vec<f64>,
@@ -132,7 +132,7 @@ pub struct Independent {
 }
 
 impl Whitener {
-    /// Of noise like `process`.
+    /// Prepare to whiten noise that follows `process`.
     pub fn new(process: Process) -> Whitener {
         Whitener {
             process,

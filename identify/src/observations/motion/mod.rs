@@ -387,7 +387,8 @@ impl PositionNoise {
         self.count += 1.0;
     }
 
-    /// Of each row and joint; joints that stand there have accelerations without deviation.
+    /// Standard deviation of each row and joint; joints that stand there have accelerations
+    /// without deviation.
     fn of_rows(&self, gains_std: &[f64]) -> Vec<f64> {
         let std = self.squares.iter().map(|sum| match self.count > 0.0 {
             true => (sum / self.count).sqrt(),

@@ -29,7 +29,7 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    /// Of rows `step_s` apart, for windows of half `half` (s).
+    /// Place nodes over rows `step_s` apart, for windows of half `half` (s).
     pub fn of(t: &[f64], q: &[f64], dof: usize, step_s: f64, half: f64) -> Nodes {
         let rows = ((NODE * half / step_s) as usize).max(1);
         let mut nodes = Nodes {

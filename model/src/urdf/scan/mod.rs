@@ -178,7 +178,7 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// As many bytes and the same lines as before.
+    /// The mended text, of as many bytes and with the same lines as before.
     fn mended(self) -> String {
         let mut out = self.text.as_bytes().to_vec();
         for blank in self.blanks {

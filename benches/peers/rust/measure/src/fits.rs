@@ -1,7 +1,7 @@
 //! Parameters from postures and CoP readings in memory.
 //!
 //! Everyone starts from joint angles and readings and ends with parameters; the
-//! CoP that these foretell for other postures is compared.
+//! CoP that these predict for other postures is compared.
 
 use std::cell::RefCell;
 use std::io::{BufRead, BufReader, Write};
@@ -18,7 +18,7 @@ use crate::peers::{BASE, Fit, Peers, add_columns};
 use crate::turns::{Entry, Found, compare};
 use crate::{our_fit, ours};
 
-/// Of a CoP reading, m.
+/// Standard deviation of a CoP reading, m.
 const NOISE: f64 = 0.00493;
 /// Postures are drawn from ±this, rad.
 const RANGE: f64 = 0.5;
