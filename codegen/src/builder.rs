@@ -4,14 +4,12 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 #[cfg(feature = "c99")]
-use crate::emit::c::{
-    self, Options, Scalar, Servos,
-    layout::{self, Layout},
-};
-use crate::emit::names;
-use crate::emit::rust;
+use crate::emit::c::{Scalar, Servos, layout::Layout};
 use crate::error::Problem;
 use crate::facts::Facts;
+#[cfg(feature = "c99")]
+use crate::sources::C99;
+use crate::sources::{self, Sources};
 use sesc_model::{Model, ModelFile, Snapping, files, urdf};
 
 /// Generates a module for a robot from a controller's `build.rs`.
@@ -37,21 +35,11 @@ pub struct Builder {
     snapping: Snapping,
     out_dir: Option<PathBuf>,
     reruns: bool,
+    /// Folder of the C99, where any is wanted.
+    #[cfg(feature = "c99")]
+    c99_dir: Option<PathBuf>,
     #[cfg(feature = "c99")]
     c99: C99,
-}
-
-/// What C99 is wanted.
-#[cfg(feature = "c99")]
-#[derive(Debug, Clone)]
-struct C99 {
-    dir: Option<PathBuf>,
-    scalar: Scalar,
-    /// The usual ones of the scalar unless given.
-    servos: Option<Option<Servos>>,
-    estimator: bool,
-    lanes: Option<u32>,
-    layout: Layout,
 }
 
 impl Builder {
@@ -76,14 +64,9 @@ impl Builder {
             out_dir: None,
             reruns: true,
             #[cfg(feature = "c99")]
-            c99: C99 {
-                dir: None,
-                scalar: Scalar::F64,
-                servos: None,
-                estimator: false,
-                lanes: None,
-                layout: Layout::Bare,
-            },
+            c99_dir: None,
+            #[cfg(feature = "c99")]
+            c99: C99::default(),
         }
     }
 
@@ -214,18 +197,22 @@ impl Builder {
         for note in model.left_out() {
             println!("cargo::warning={note}");
         }
-        let name = match &self.name {
-            Some(name) => name.clone(),
-            None => names::suggest(&format!("{}_{support}", description.name)),
-        };
         let facts = Facts::of(&model);
-        let path = out_dir.join(format!("{name}.rs"));
-        #[allow(unused_mut, reason = "Rust is one file")]
-        let mut written = vec![(path.clone(), rust::module(&facts, &name)?)];
+        let mut written = Vec::new();
+        let mut take = |sources: Sources, dir: &Path| {
+            for note in sources.notes {
+                println!("cargo::warning={note}");
+            }
+            let files = sources.files.into_iter();
+            written.extend(files.map(|(file, text)| (dir.join(file), text)));
+        };
+        take(sources::rust(&facts, self.name.as_deref())?, &out_dir);
         #[cfg(feature = "c99")]
-        if let Some(dir) = &self.c99.dir {
-            written.extend(self.c99_files(dir, &facts, &name)?);
+        if let Some(dir) = &self.c99_dir {
+            let name = self.name.as_deref();
+            take(sources::c99(&facts, name, &self.c99)?, dir);
         }
+        let path = written[0].0.clone();
         let access = files::Access::default()
             .reads([&self.urdf])
             .reads(&self.model)
@@ -251,7 +238,7 @@ impl Builder {
     /// # Ok::<(), sesc_codegen::Error>(())
     /// ```
     pub fn c99(mut self, dir: impl AsRef<Path>) -> Builder {
-        self.c99.dir = Some(dir.as_ref().to_path_buf());
+        self.c99_dir = Some(dir.as_ref().to_path_buf());
         self
     }
 
@@ -342,28 +329,5 @@ impl Builder {
     pub fn layout(mut self, layout: Layout) -> Builder {
         self.c99.layout = layout;
         self
-    }
-
-    fn c99_files(
-        &self,
-        dir: &Path,
-        facts: &Facts,
-        name: &str,
-    ) -> Result<Vec<(PathBuf, String)>, Error> {
-        let mut options = Options::of(self.c99.scalar);
-        options.estimator = self.c99.estimator;
-        options.lanes = self.c99.lanes;
-        if let Some(servos) = &self.c99.servos {
-            options.servos.clone_from(servos);
-        }
-        let package = c::package(facts, name, &options)?;
-        for note in &package.notes {
-            println!("cargo::warning={note}");
-        }
-        let files = layout::files(facts, package, name, &options, self.c99.layout)?;
-        Ok(files
-            .into_iter()
-            .map(|(file, text)| (dir.join(file), text))
-            .collect())
     }
 }

@@ -27,6 +27,8 @@ mod error;
 #[doc(hidden)]
 pub mod facts;
 mod routines;
+#[doc(hidden)]
+pub mod sources;
 
 pub use builder::Builder;
 #[cfg(feature = "c99")]

@@ -62,6 +62,7 @@ class Model(_sesc.Model):
         ticks: bool | None = None,
         servos: str | os.PathLike[str] | None = None,
         estimator: bool = False,
+        lanes: int | None = None,
     ) -> list[Path]:
         """Write the functions as C99 to ``folder``; gives the files.
 
@@ -73,6 +74,8 @@ class Model(_sesc.Model):
             ticks: functions of servo ticks; for f32 and fixed32 unless given.
             servos: TOML file of each joint's servo.
             estimator: the parameters by recursive least squares, one posture a call.
+            lanes: 4, 8 or 16: functions of many postures besides, for gcc and clang on
+                computers, at most so many side by side; in f64 and f32.
         """
         options = {
             "scalar": scalar,
@@ -81,6 +84,7 @@ class Model(_sesc.Model):
             "ticks": ticks,
             "servos": None if servos is None else os.fspath(servos),
             "estimator": estimator,
+            "lanes": lanes,
         }
         return [Path(file) for file in _sesc.c_files(self, os.fspath(folder), options)]
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
-use sesc_codegen::emit::c::{self, Options, Scalar, Servos, layout};
-use sesc_codegen::emit::{names, rust};
 use sesc_codegen::facts::Facts;
+use sesc_codegen::sources::{self, C99, Sources};
+use sesc_codegen::{Layout, Scalar, Servos};
 use sesc_model::files;
 
 use crate::calls::detached;
@@ -22,6 +22,7 @@ pub struct COptions {
     ticks: Option<bool>,
     servos: Option<PathBuf>,
     estimator: bool,
+    lanes: Option<u32>,
 }
 
 /// Write C99 to a folder; gives the files.
@@ -41,15 +42,13 @@ pub fn c_files(
             other => return Err(unknown("scalar", other, "f64, f32, fixed32")),
         };
         let layout = match options.layout.as_str() {
-            "bare" => layout::Layout::Bare,
-            "cmake" => layout::Layout::Cmake,
-            "platformio" => layout::Layout::PlatformIo,
-            "arduino" => layout::Layout::Arduino,
+            "bare" => Layout::Bare,
+            "cmake" => Layout::Cmake,
+            "platformio" => Layout::PlatformIo,
+            "arduino" => Layout::Arduino,
             other => return Err(unknown("layout", other, "bare, cmake, platformio, arduino")),
         };
-        let mut wanted = Options::of(scalar);
-        wanted.estimator = options.estimator;
-        match (&options.servos, options.ticks) {
+        let servos = match (&options.servos, options.ticks) {
             (Some(_), Some(false)) => {
                 let message =
                     "`servos` says what a tick is, `ticks=False` leaves ticks out; give one";
@@ -57,19 +56,19 @@ pub fn c_files(
             }
             (Some(file), _) => {
                 let servos = Servos::read(file);
-                wanted.servos = Some(servos.map_err(|error| Failure::of_code(&error))?);
+                Some(Some(servos.map_err(|error| Failure::of_code(&error))?))
             }
-            (None, Some(true)) => wanted.servos = Some(Servos::default()),
-            (None, Some(false)) => wanted.servos = None,
-            (None, None) => {}
-        }
-        let usual = format!("{}_{}", model.tree.robot, model.support());
-        let name = options.name.unwrap_or_else(|| c::suggest(&usual));
-        let facts = Facts::of(&model);
-        let package = c::package(&facts, &name, &wanted);
-        let package = package.map_err(|error| Failure::of_code(&error))?;
-        let all = layout::files(&facts, package, &name, &wanted, layout);
-        write(&folder, all.map_err(|error| Failure::of_code(&error))?)
+            (None, ticks) => ticks.map(|wanted| wanted.then(Servos::default)),
+        };
+        let wanted = C99 {
+            scalar,
+            servos,
+            estimator: options.estimator,
+            lanes: options.lanes,
+            layout,
+        };
+        let written = sources::c99(&Facts::of(&model), options.name.as_deref(), &wanted);
+        write(&folder, written.map_err(|error| Failure::of_code(&error))?)
     })
 }
 
@@ -83,11 +82,8 @@ pub fn rust_files(
 ) -> PyResult<Vec<PathBuf>> {
     let model = model.inner.clone();
     detached(py, || {
-        let usual = format!("{}_{}", model.tree.robot, model.support());
-        let name = name.unwrap_or_else(|| names::suggest(&usual));
-        let text = rust::module(&Facts::of(&model), &name);
-        let text = text.map_err(|error| Failure::of_code(&error))?;
-        write(&folder, vec![(PathBuf::from(format!("{name}.rs")), text)])
+        let written = sources::rust(&Facts::of(&model), name.as_deref());
+        write(&folder, written.map_err(|error| Failure::of_code(&error))?)
     })
 }
 
@@ -98,8 +94,9 @@ fn unknown(keyword: &str, given: &str, known: &str) -> Failure {
     )
 }
 
-fn write(folder: &Path, all: Vec<(PathBuf, String)>) -> Result<Vec<PathBuf>, Failure> {
-    let all: Vec<_> = all
+fn write(folder: &Path, sources: Sources) -> Result<Vec<PathBuf>, Failure> {
+    let all: Vec<_> = sources
+        .files
         .into_iter()
         .map(|(file, text)| (folder.join(file), text))
         .collect();

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use sesc_codegen::emit::c::{self, Options, Servos, layout};
-use sesc_codegen::emit::{names, rust};
+use sesc_codegen::Servos;
 use sesc_codegen::facts::Facts;
-use sesc_model::{Model, files::write_all_if_changed};
+use sesc_codegen::sources::{self, C99};
+use sesc_model::files::write_all_if_changed;
 
 use super::outputs::Files;
 use super::{Outcome, RobotArguments, message, print};
@@ -98,50 +98,19 @@ enum Layout {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
-    let support = &model.tree.links[model.tree.support].name;
-    let usual = format!("{}_{support}", model.tree.robot);
-    let files = match arguments.lang {
+    let (facts, name) = (Facts::of(&model), arguments.name.as_deref());
+    let written = match arguments.lang {
         Language::Rust => {
-            if arguments.servos.is_some() || arguments.ticks.is_some() {
-                return Err(Error::Usage(
-                    "--servos and --ticks are for C; add --lang c (Rust takes joint angles)".into(),
-                ));
-            }
-            if arguments.estimator {
-                return Err(Error::Usage(
-                    "--estimator is for C; add --lang c (in Rust it is sesc_runtime::fit)".into(),
-                ));
-            }
-            if arguments.lanes.is_some() {
-                return Err(Error::Usage(
-                    "--lanes is for C; add --lang c (one Rust module serves SIMD lanes, \
-                     sesc_runtime::Batch)"
-                        .into(),
-                ));
-            }
-            if arguments.scalar != Scalar::F64 {
-                return Err(Error::Usage(
-                    "--scalar f32 and fixed32 are for C; add --lang c, or leave --scalar out (one \
-                     Rust module serves f64, f32 and SIMD lanes)"
-                        .into(),
-                ));
-            }
-            if arguments.layout.is_some() {
-                return Err(Error::Usage(
-                    "--layout arranges C files; add --lang c, or leave it out (a Rust module is one file)"
-                        .into(),
-                ));
-            }
-            let name = arguments.name.clone();
-            let name = name.unwrap_or_else(|| names::suggest(&usual));
-            vec![(
-                PathBuf::from(format!("{name}.rs")),
-                rust::module(&Facts::of(&model), &name)?,
-            )]
+            check_rust(arguments)?;
+            sources::rust(&facts, name)?
         }
-        Language::C => c_files(arguments, &model, &usual)?,
+        Language::C => sources::c99(&facts, name, &wanted_c(arguments)?)?,
     };
-    let files: Vec<(PathBuf, String)> = files
+    for note in &written.notes {
+        message(&format!("note: {note}"));
+    }
+    let files: Vec<(PathBuf, String)> = written
+        .files
         .into_iter()
         .map(|(file, text)| (arguments.out.join(file), text))
         .collect();
@@ -161,45 +130,67 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     Ok(Outcome::Ok)
 }
 
-fn c_files(
-    arguments: &Arguments,
-    model: &Model,
-    usual: &str,
-) -> Result<Vec<(PathBuf, String)>, Error> {
-    let mut options = Options::of(match arguments.scalar {
-        Scalar::F64 => c::Scalar::F64,
-        Scalar::F32 => c::Scalar::F32,
-        Scalar::Fixed32 => c::Scalar::Fixed32,
-    });
+/// Options of C are refused beside Rust.
+fn check_rust(arguments: &Arguments) -> Result<(), Error> {
+    let of_c = [
+        (
+            arguments.servos.is_some() || arguments.ticks.is_some(),
+            "--servos and --ticks are for C; add --lang c (Rust takes joint angles)",
+        ),
+        (
+            arguments.estimator,
+            "--estimator is for C; add --lang c (in Rust it is sesc_runtime::fit)",
+        ),
+        (
+            arguments.lanes.is_some(),
+            "--lanes is for C; add --lang c (one Rust module serves SIMD lanes, \
+             sesc_runtime::Batch)",
+        ),
+        (
+            arguments.scalar != Scalar::F64,
+            "--scalar f32 and fixed32 are for C; add --lang c, or leave --scalar out (one Rust \
+             module serves f64, f32 and SIMD lanes)",
+        ),
+        (
+            arguments.layout.is_some(),
+            "--layout arranges C files; add --lang c, or leave it out (a Rust module is one file)",
+        ),
+    ];
+    match of_c.into_iter().find(|(given, _)| *given) {
+        Some((_, sentence)) => Err(Error::Usage(sentence.into())),
+        None => Ok(()),
+    }
+}
+
+fn wanted_c(arguments: &Arguments) -> Result<C99, Error> {
     if arguments.lanes.is_some() && arguments.scalar == Scalar::Fixed32 {
         return Err(Error::Usage(
             "--lanes is for f64 and f32, fixed32 has one posture a call; leave one out".into(),
         ));
     }
-    options.estimator = arguments.estimator;
-    options.lanes = arguments.lanes;
-    match (&arguments.servos, arguments.ticks) {
+    let servos = match (&arguments.servos, arguments.ticks) {
         (Some(_), Some(false)) => {
             return Err(Error::Usage(
                 "--servos sets what a tick is, --ticks false leaves ticks out; give one".into(),
             ));
         }
-        (Some(file), _) => options.servos = Some(Servos::read(file)?),
-        (None, Some(true)) => options.servos = Some(Servos::default()),
-        (None, Some(false)) => options.servos = None,
-        (None, None) => {}
-    }
-    let name = arguments.name.clone().unwrap_or_else(|| c::suggest(usual));
-    let facts = Facts::of(model);
-    let package = c::package(&facts, &name, &options)?;
-    for note in &package.notes {
-        message(&format!("note: {note}"));
-    }
-    let layout = match arguments.layout.unwrap_or(Layout::Bare) {
-        Layout::Bare => layout::Layout::Bare,
-        Layout::Cmake => layout::Layout::Cmake,
-        Layout::Platformio => layout::Layout::PlatformIo,
-        Layout::Arduino => layout::Layout::Arduino,
+        (Some(file), _) => Some(Some(Servos::read(file)?)),
+        (None, ticks) => ticks.map(|wanted| wanted.then(Servos::default)),
     };
-    Ok(layout::files(&facts, package, &name, &options, layout)?)
+    Ok(C99 {
+        scalar: match arguments.scalar {
+            Scalar::F64 => sesc_codegen::Scalar::F64,
+            Scalar::F32 => sesc_codegen::Scalar::F32,
+            Scalar::Fixed32 => sesc_codegen::Scalar::Fixed32,
+        },
+        servos,
+        estimator: arguments.estimator,
+        lanes: arguments.lanes,
+        layout: match arguments.layout.unwrap_or(Layout::Bare) {
+            Layout::Bare => sesc_codegen::Layout::Bare,
+            Layout::Cmake => sesc_codegen::Layout::Cmake,
+            Layout::Platformio => sesc_codegen::Layout::PlatformIo,
+            Layout::Arduino => sesc_codegen::Layout::Arduino,
+        },
+    })
 }

@@ -52,7 +52,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
     ),
     (
         "codegen",
-        &["error", "routines", "facts", "emit", "builder"],
+        &["error", "routines", "facts", "emit", "sources", "builder"],
     ),
     (
         "identify",
