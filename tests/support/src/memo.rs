@@ -1,7 +1,9 @@
 //! What a tool said of the same input before.
 //!
 //! A compiler or a linter gives for the same text, arguments and version the same answer;
-//! a test that asks again looks it up. `SESC_ASK_AGAIN=1` asks the tool whatever it said.
+//! a test that asks again looks it up. Answers are kept beside what was asked, or, for all
+//! checkouts of a machine, in the folder that `SESC_ANSWERS` names. `SESC_ASK_AGAIN=1` asks
+//! the tool whatever it said.
 
 use std::collections::HashMap;
 use std::fs;
@@ -36,8 +38,16 @@ pub fn said(
     for tool in tools {
         version(tool).hash(&mut hasher);
     }
-    texts.hash(&mut hasher);
-    let (stamp, asked) = (folder.join("said"), format!("{:016x}", hasher.finish()));
+    // Wherever the checkout is, its files are called the same.
+    let place = folder.display().to_string();
+    for text in texts {
+        text.replace(&place, "").hash(&mut hasher);
+    }
+    let asked = format!("{:016x}", hasher.finish());
+    let stamp = match std::env::var_os("SESC_ANSWERS") {
+        Some(answers) => Path::new(&answers).join(&asked),
+        None => folder.join("said"),
+    };
     let again = std::env::var_os("SESC_ASK_AGAIN").is_some();
     let before = fs::read_to_string(&stamp).unwrap_or_default();
     let known = before.split_once('\n').filter(|(key, _)| *key == asked);
