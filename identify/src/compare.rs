@@ -104,6 +104,24 @@ pub struct Comparison {
 
 /// Compare two model files of one robot on one support.
 ///
+/// ```
+/// use sesc_identify::compare::compare;
+/// use sesc_model::ModelFile;
+///
+/// let file = |mm: f64, name: &str| {
+///     let text = format!(
+///         "robot = \"rod\"\nhash = \"0000000000000000\"\nsupport = \"foot\"\n\
+///          [[parameters]]\nname = \"leg.z\"\nvalue = {}\nstd = 0.0001\nsource = \"data\"\n",
+///         mm / 1000.0
+///     );
+///     ModelFile::parse(&text, name)
+/// };
+/// let (monday, friday) = (file(100.0, "monday.toml")?, file(103.0, "friday.toml")?);
+/// let found = compare(&monday, &friday).unwrap();
+/// assert!(found.changed, "3 mm are 21 standard deviations of the difference");
+/// # Ok::<(), sesc_model::Error>(())
+/// ```
+///
 /// # Errors
 /// Where the files are of different supports, or their base parameters have other names:
 /// then they describe different robots.

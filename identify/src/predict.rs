@@ -118,6 +118,27 @@ struct Evaluators {
 impl Predictor {
     /// Open the log.
     ///
+    /// ```
+    /// use sesc_identify::logs::Table;
+    /// use sesc_identify::predict::{Predictor, Request};
+    /// use sesc_identify::robot::Robot;
+    /// use sesc_identify::stance::Stance;
+    /// # let urdf = "<robot name='rod'><link name='foot'/>\
+    /// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+    /// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+    /// #     <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+    /// #     </robot>";
+    /// let log = Table::new("postures").numbers("hip", vec![0.0; 1000]);
+    /// let stance = Stance::new(Robot::parse(urdf, "rod.urdf")?).on("foot");
+    /// let mut predictor = Predictor::open(&Request::new(stance, log), &mut ())?;
+    /// let mut rows = 0;
+    /// while let Some(block) = predictor.block(&mut ())? {
+    ///     rows += block.cop_m.len();
+    /// }
+    /// assert_eq!(rows, 1000);
+    /// # Ok::<(), sesc_identify::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Whatever is wrong with the log or its sidecar.
     pub fn open(request: &Request, watch: &mut dyn Watch) -> Result<Predictor, Error> {

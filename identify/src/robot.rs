@@ -39,6 +39,13 @@ impl Robot {
 
     /// Parse the text of a URDF; `file` names it in messages.
     ///
+    /// ```
+    /// use sesc_identify::robot::Robot;
+    ///
+    /// let broken = Robot::parse("<robot name='rod'><link name='foot'>", "rod.urdf");
+    /// assert!(broken.unwrap_err().to_string().starts_with("rod.urdf"));
+    /// ```
+    ///
     /// # Errors
     /// Everything that is wrong with the text.
     pub fn parse(text: &str, file: &str) -> Result<Robot, Error> {

@@ -23,6 +23,21 @@ pub struct Stance {
 
 impl Stance {
     /// A robot as its URDF describes it, on a support that is yet to be named.
+    ///
+    /// ```
+    /// use sesc_identify::robot::Robot;
+    /// use sesc_identify::stance::Stance;
+    /// # let urdf = "<robot name='rod'><link name='foot'/>\
+    /// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+    /// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+    /// #     <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+    /// #     </robot>";
+    /// let stance = Stance::new(Robot::parse(urdf, "rod.urdf")?);
+    /// assert_eq!(stance.clone().on("foot").model()?.support(), "foot");
+    /// // Without a support the error names the links to choose from.
+    /// assert!(stance.model().unwrap_err().to_string().contains("foot"));
+    /// # Ok::<(), sesc_identify::Error>(())
+    /// ```
     pub fn new(robot: impl Into<Arc<Robot>>) -> Stance {
         Stance {
             robot: robot.into(),

@@ -132,6 +132,34 @@ impl Report {
 
 /// Some of the readings beside their predictions; none of parts alone.
 ///
+/// ```
+/// use std::sync::Arc;
+/// use sesc_identify::fit::{Request, fit, residuals};
+/// use sesc_identify::logs::Table;
+/// use sesc_identify::robot::Robot;
+/// # let urdf = "<robot name='rod'><link name='foot'/>\
+/// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+/// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+/// #     <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+/// #     </robot>";
+/// # let hip: Vec<f64> = (0..30).map(|k| 0.6 * (0.7 * f64::from(k)).sin()).collect();
+/// # let log = Table::new("rod.csv")
+/// #     .numbers("cop_x", hip.iter().map(|q| 0.11 * q.sin()).collect::<Vec<f64>>())
+/// #     .numbers("cop_y", vec![0.0; 30])
+/// #     .numbers("hip", hip);
+/// # let mut request = Request::default();
+/// # request.robot = Some(Arc::new(Robot::parse(urdf, "rod.urdf")?));
+/// # request.logs = vec![log.into()];
+/// # request.support = Some("foot".into());
+/// # request.noise = Some(1e-5);
+/// let report = fit(&request, &mut ())?;
+/// let sample = residuals(&request, &report, &mut ())?;
+/// let row = &sample.rows[1];
+/// let miss = |predicted: [f64; 2]| (predicted[0] - row.measured[0]).abs();
+/// assert!(miss(row.fitted) < 0.01 * miss(row.cad));
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
+///
 /// # Errors
 /// When a log cannot be read again; the kind `Interrupted` where `watch` stops it.
 pub fn residuals(
@@ -275,6 +303,42 @@ pub(crate) fn check_result(file: &ModelFile) -> Result<(), Error> {
 }
 
 /// Gather all logs and parts of a request into one part, on its support.
+///
+/// ```
+/// use std::sync::Arc;
+/// use sesc_identify::fit::{Request, fit, gather};
+/// use sesc_identify::logs::Table;
+/// use sesc_identify::robot::Robot;
+/// # let urdf = "<robot name='rod'><link name='foot'/>\
+/// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+/// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+/// #     <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+/// #     </robot>";
+/// # let robot = Arc::new(Robot::parse(urdf, "rod.urdf")?);
+/// # let log = |name: &str, start: u32| {
+/// #     let hip: Vec<f64> = (start..start + 20).map(|k| (0.7 * f64::from(k)).sin()).collect();
+/// #     Table::new(name)
+/// #         .numbers("cop_x", hip.iter().map(|q| 0.11 * q.sin()).collect::<Vec<f64>>())
+/// #         .numbers("cop_y", vec![0.0; 20])
+/// #         .numbers("hip", hip)
+/// # };
+/// // A part per day: a few kilobytes, however long the logs are.
+/// let part = |name: &str, start| {
+///     let mut day = Request::default();
+///     day.robot = Some(robot.clone());
+///     day.logs = vec![log(name, start).into()];
+///     day.support = Some("foot".into());
+///     day.noise = Some(1e-5);
+///     gather(&day, &mut ())
+/// };
+/// let (monday, tuesday) = (part("monday", 0)?, part("tuesday", 20)?);
+/// assert_eq!(monday.postures(), 20);
+///
+/// let mut both = Request::default();
+/// both.parts = vec![("monday".into(), monday), ("tuesday".into(), tuesday)];
+/// assert_eq!(fit(&both, &mut ())?.identification.postures, 40);
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`fit`].

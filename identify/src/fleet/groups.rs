@@ -24,6 +24,21 @@ pub struct Group {
 }
 
 /// The groups of all inputs, sorted by robot, day and URDF.
+///
+/// ```
+/// use sesc_identify::fleet::{groups, inputs};
+///
+/// # let folder = std::env::temp_dir().join(format!("sesc-groups-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).unwrap();
+/// for name in ["r17_monday.csv", "r17_tuesday.csv", "r18_monday.csv"] {
+///     std::fs::write(folder.join(name), "cop_x,cop_y,hip\n").unwrap();
+/// }
+/// let data = [folder.join("*.csv").display().to_string()];
+/// let found = groups(&inputs(&data, &["robot".into(), "day".into()])?);
+/// assert_eq!((found[1].robot.as_str(), found[1].day.as_str()), ("r17", "tuesday"));
+/// # std::fs::remove_dir_all(&folder).unwrap();
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
 pub fn groups(inputs: &[Input]) -> Vec<Group> {
     let mut found: BTreeMap<_, Vec<PathBuf>> = BTreeMap::new();
     for input in inputs {

@@ -51,6 +51,31 @@ impl Request {
 
 /// Look at every group.
 ///
+/// ```
+/// use std::sync::Arc;
+/// use sesc_identify::fleet::{Request, groups, inputs, run};
+/// use sesc_identify::robot::Robot;
+/// # let urdf = "<robot name='rod'><link name='foot'/>\
+/// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+/// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+/// #     <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+/// #     </robot>";
+/// let robot = Arc::new(Robot::parse(urdf, "rod.urdf")?);
+/// # let folder = std::env::temp_dir().join(format!("sesc-fleet-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).unwrap();
+/// let log = folder.join("r17_monday.csv");
+/// std::fs::write(&log, "cop_x,cop_y\n0,0\n").unwrap();
+/// let groups = groups(&inputs(&[log.display().to_string()], &["robot".into(), "day".into()])?);
+/// // A log that cannot be read is a row with its error, never the end of the run.
+/// let mut request = Request::new(robot, groups);
+/// request.options.support = Some("foot".into());
+/// let fleet = run(&request, &mut ())?;
+/// assert_eq!(fleet.rows[0].robot, "r17");
+/// assert!(fleet.rows[0].error.as_deref().is_some_and(|error| error.contains("hip")));
+/// # std::fs::remove_dir_all(&folder).unwrap();
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
+///
 /// # Errors
 /// When the store cannot be written; the kind `Interrupted` where `watch` stops the run. What
 /// is wrong with a log is in its row.

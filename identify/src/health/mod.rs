@@ -102,8 +102,27 @@ pub fn screen(
     rows::screened(log, (robot, model), options, noise, watch)
 }
 
-/// What is wrong with a log itself, as a fit of `robot` on `support` (the log's own unless
-/// given) would see it; of no known robot what its rows alone show.
+/// What is wrong with a log itself.
+///
+/// ```
+/// use sesc_identify::health::of_log;
+/// use sesc_identify::logs::{LogSource, Table};
+/// use sesc_model::Snapping;
+///
+/// // Thirty rows, written twice.
+/// let wave = |rate: f64| (0..60).map(move |k| (rate * f64::from(k % 30)).sin());
+/// let log: LogSource = Table::new("rod.csv")
+///     .numbers("cop_x", wave(0.7).map(|x| 0.01 * x).collect::<Vec<f64>>())
+///     .numbers("cop_y", wave(1.3).map(|x| 0.01 * x).collect::<Vec<f64>>())
+///     .numbers("hip", wave(0.7).collect::<Vec<f64>>())
+///     .into();
+/// let found = of_log(&log, None, Snapping::default(), &mut ())?;
+/// assert!(found.iter().any(|finding| finding.kind.name() == "rows_copied"));
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
+///
+/// With a robot the log is looked at as a fit of that robot on the log's own support would
+/// see it; without one, only what its rows show by themselves is found.
 ///
 /// # Errors
 /// What is wrong with the log; when `watch` stops it.

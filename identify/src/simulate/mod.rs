@@ -216,6 +216,26 @@ pub fn simulate(request: &Request, watch: &mut dyn Watch) -> Result<LogSource, E
 
 /// Simulate a log of any length into the file at `path`; gives back where its sidecar is.
 ///
+/// ```
+/// use sesc_identify::robot::Robot;
+/// use sesc_identify::simulate::{Request, write};
+/// use sesc_identify::stance::Stance;
+/// # let urdf = "<robot name='rod'><link name='foot'/>\
+/// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+/// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+/// #     <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+/// #     </robot>";
+/// let model = Stance::new(Robot::parse(urdf, "rod.urdf")?).on("foot").model()?;
+/// let mut request = Request::new(model, 30);
+/// request.noise = 0.0005;
+/// # let folder = std::env::temp_dir().join(format!("sesc-doc-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).unwrap();
+/// let sidecar = write(&request, &folder.join("rod.csv"), &mut ())?;
+/// assert!(sidecar.ends_with("rod.csv.toml"));
+/// # std::fs::remove_dir_all(&folder).unwrap();
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
+///
 /// # Errors
 /// A request that makes no sense, a file that cannot be written.
 pub fn write(request: &Request, path: &Path, watch: &mut dyn Watch) -> Result<PathBuf, Error> {

@@ -89,6 +89,22 @@ pub struct Skeleton {
 
 impl Skeleton {
     /// The robot of `model`; `folder` is where its meshes may be.
+    ///
+    /// ```
+    /// use sesc_identify::robot::Robot;
+    /// use sesc_identify::skeleton::Skeleton;
+    /// use sesc_model::Snapping;
+    /// # let urdf = "<robot name='rod'><link name='foot'/>\
+    /// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+    /// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+    /// #     <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+    /// #     </robot>";
+    /// let robot = Robot::parse(urdf, "rod.urdf")?;
+    /// let model = robot.model("foot", Snapping::default(), None)?;
+    /// let skeleton = Skeleton::of(&model, &robot.description, None);
+    /// assert_eq!(skeleton.bodies.len(), 2, "foot and leg");
+    /// # Ok::<(), sesc_identify::Error>(())
+    /// ```
     pub fn of(model: &Model, description: &Description, folder: Option<&Path>) -> Skeleton {
         let geometry = Geometry::read(description, folder);
         let tree = &model.tree;
