@@ -262,7 +262,7 @@ impl EffectPage {
     }
 }
 
-/// As a page and the list of all name what an effect acts on.
+/// What an effect acts on, as its page and the list of all have it.
 pub fn acts_on(about: &EffectAbout) -> &str {
     match about.target.as_str() {
         "-" => "the robot",

@@ -32,7 +32,7 @@ pub(super) struct Arguments {
     seed: u64,
 }
 
-/// Of one reading of the logs that are kept, m.
+/// Noise of a reading in the logs that are kept, m.
 const NOISE_M: f64 = 0.0005;
 /// The logs that are kept: a robot as its URDF says, and one whose knee is off.
 const SAMPLES: [(&str, &[&str]); 2] = [

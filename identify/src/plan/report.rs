@@ -17,7 +17,7 @@ use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
 pub struct Plan {
     /// The robot's name.
     pub robot: String,
-    /// Of its URDF.
+    /// Hash of the URDF.
     pub hash: String,
     /// The link on the ground.
     pub support: String,

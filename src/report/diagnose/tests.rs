@@ -78,7 +78,7 @@ fn small(size: (usize, bool), off: Off) -> (Diagnosis, DiagnosisView) {
     diagnosed(TWO_LINK, "foot", "tight", size, off)
 }
 
-/// Of which robot and data a page says that it is.
+/// The robot and data that a page names.
 fn made() -> ModelFile {
     let robot = Robot::parse(TWO_LINK, "robot.urdf").unwrap();
     let model = robot.model("foot", Snapping::default(), None).unwrap();
