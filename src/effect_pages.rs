@@ -8,7 +8,6 @@ use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
 use sesc_identify::diagnose::footprint::{Feature, Footprint, Footprints, Quantity, Telling};
-use sesc_identify::diagnose::words::unit_of;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::candidates::sample;
@@ -16,8 +15,8 @@ use sesc_identify::plan::geometry::Geometry;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::scene::Scene;
 use sesc_identify::robot::Robot;
-use sesc_model::effects::Catalog;
 use sesc_model::effects::about::{EffectAbout, about};
+use sesc_model::effects::{Catalog, Unit};
 use sesc_model::{Model, Snapping};
 
 use crate::report::figures;
@@ -285,7 +284,7 @@ fn told_apart(telling: &Telling) -> String {
 /// `, at an ordinary size: offset 1.1°`
 fn size(footprint: &Footprint) -> String {
     let sizes = footprint.size.iter().map(|value| {
-        let (factor, unit) = unit_of(value.name);
+        let (factor, unit) = Unit::of(value.name).shown();
         let x = factor * value.value;
         let digits = (1.0 - x.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
         let space = if unit == "°" || unit.is_empty() {
@@ -293,9 +292,7 @@ fn size(footprint: &Footprint) -> String {
         } else {
             " "
         };
-        let ends = ["_nm_per_rad", "_rad", "_kg", "_m", "_n", "_s"];
-        let stem = ends.iter().find_map(|end| value.name.strip_suffix(end));
-        let stem = stem.unwrap_or(value.name).replace('_', " ");
+        let stem = Unit::stem(value.name);
         format!("{stem} {x:.digits$}{space}{unit}")
     });
     let sizes: Vec<String> = sizes.collect();

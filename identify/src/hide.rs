@@ -6,28 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use sesc_model::effects::{Catalog, EffectContext};
+use sesc_model::effects::{Catalog, EffectContext, Parameter};
 use sesc_model::{EffectRecord, Model, ModelFile, Quantity};
 
 use crate::Error;
-
-/// Units of values, by the end of a parameter's name: how many of its own unit one is.
-const UNITS: [(&str, &[(&str, f64)]); 7] = [
-    ("_nm_per_rad", &[("Nm/rad", 1.0)]),
-    (
-        "_rad",
-        &[
-            ("deg", std::f64::consts::PI / 180.0),
-            ("°", std::f64::consts::PI / 180.0),
-            ("rad", 1.0),
-        ],
-    ),
-    ("_kg", &[("kg", 1.0), ("g", 1e-3)]),
-    ("_m", &[("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)]),
-    ("_n", &[("N", 1.0)]),
-    ("_s", &[("ms", 1e-3), ("s", 1.0)]),
-    ("", &[("%", 1e-2)]),
-];
 
 /// The model with effects hidden in it, in the words of the module's head.
 ///
@@ -102,17 +84,16 @@ fn record(context: &EffectContext, text: &str) -> Result<EffectRecord, Error> {
     }
     let mut record = record;
     for (parameter, value) in parameters.iter().zip(values) {
-        let value = quantity(parameter.name, value.trim()).map_err(bad)?;
+        let value = quantity(parameter, value.trim()).map_err(bad)?;
         let value = Quantity { value, std: None };
         record.parameters.insert(parameter.name.to_string(), value);
     }
     Ok(record)
 }
 
-/// `1.5deg` of a parameter that ends in `_rad`.
-fn quantity(parameter: &str, text: &str) -> Result<f64, String> {
-    let units = UNITS.iter().find(|(end, _)| parameter.ends_with(end));
-    let units = units.map_or(&[][..], |(_, units)| *units);
+/// `1.5deg` of a parameter in radians.
+fn quantity(parameter: &Parameter, text: &str) -> Result<f64, String> {
+    let units = parameter.unit.spellings();
     let unit = units.iter().find(|(unit, _)| text.ends_with(unit));
     let (number, factor) = match unit {
         Some((unit, factor)) => (&text[..text.len() - unit.len()], *factor),
@@ -122,7 +103,8 @@ fn quantity(parameter: &str, text: &str) -> Result<f64, String> {
     value.map(|x| factor * x).ok_or_else(|| {
         let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
         format!(
-            "`{text}` is no value of {parameter}; give a number, with one of the units {} or none",
+            "`{text}` is no value of {}; give a number, with one of the units {} or none",
+            parameter.name,
             names.join(", ")
         )
     })

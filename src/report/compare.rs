@@ -1,7 +1,8 @@
 //! Two models held against each other, on the console.
 
 use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
-use sesc_identify::diagnose::words::{Found, spoken, unit_of};
+use sesc_identify::diagnose::words::{Found, spoken};
+use sesc_model::effects::Unit;
 
 use super::table::Table;
 
@@ -67,7 +68,7 @@ fn of(parameter: &Difference, value: f64) -> String {
     match parameter.std {
         Some(std) => spoken(&Found { name, value, std }),
         None => {
-            let (factor, unit) = unit_of(name);
+            let (factor, unit) = Unit::of(name).shown();
             format!("{:.4} {unit}", factor * value)
         }
     }

@@ -1,5 +1,9 @@
 //! The whole diagnosis: search, class, verdict, held-out errors, sentences.
 
+use std::f64::consts::FRAC_PI_2;
+
+use sesc_model::effects::Unit;
+
 use super::closing;
 use super::com_spread;
 use super::criteria;
@@ -450,15 +454,15 @@ fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
         if from < criteria::SMALLEST_REPORTED {
             continue;
         }
-        let values = term.values(context, &[from]);
-        let angle = values.iter().any(|v| v.name.ends_with("_rad"));
+        let parameters = instance.effect.parameters(context, &instance.target);
+        let unit = parameters.first().map_or(Unit::One, |p| p.unit);
         spots.push(Blind {
             effect: term.label(context),
             from,
-            size: match angle {
-                true if from > std::f64::consts::FRAC_PI_2 => "over 90°".to_string(),
-                true => format!("{:.0}°", from.to_degrees()),
-                false => format!("{:.0} mm", 1e3 * from),
+            size: match unit.shown() {
+                _ if unit == Unit::Radian && from > FRAC_PI_2 => "over 90°".to_string(),
+                (factor, "°") => format!("{:.0}°", factor * from),
+                (factor, symbol) => format!("{:.0} {symbol}", factor * from),
             },
         });
     }

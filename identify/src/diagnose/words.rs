@@ -1,7 +1,7 @@
 //! Findings in the words of the people who use them.
 
 use nalgebra::DMatrix;
-use sesc_model::effects::{EffectContext, Value};
+use sesc_model::effects::{EffectContext, Unit, Value};
 
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
@@ -68,7 +68,7 @@ fn with_deviations(
 
 /// `0.93° ± 0.04°`, `31 g ± 2 g`: by the unit at the end of its name.
 pub fn spoken(found: &Found) -> String {
-    let (factor, unit) = unit_of(found.name);
+    let (factor, unit) = Unit::of(found.name).shown();
     let (value, std) = (factor * found.value, factor * found.std);
     let digits = match std {
         s if s.is_finite() && s > 0.0 => (1.0 - s.log10().floor()).clamp(0.0, 6.0) as usize,
@@ -81,28 +81,9 @@ pub fn spoken(found: &Found) -> String {
         .to_string()
 }
 
-/// What a value is multiplied with for people, and the unit it then has, by the unit at the
-/// end of its name.
-pub fn unit_of(name: &str) -> (f64, &'static str) {
-    match name {
-        n if n.ends_with("_nm_per_rad") => (1.0, "Nm/rad"),
-        n if n.ends_with("_rad") => (180.0 / std::f64::consts::PI, "°"),
-        n if n.ends_with("_kg") => (1e3, "g"),
-        n if n.ends_with("_m") => (1e3, "mm"),
-        n if n.ends_with("_n") => (1.0, "N"),
-        n if n.ends_with("_s") => (1e3, "ms"),
-        _ => (1.0, ""),
-    }
-}
-
 /// `width 0.93° ± 0.04°`: what it is called, without the unit, and its value.
 pub fn named(found: &Found) -> String {
-    let plain = ["_nm_per_rad", "_rad", "_kg", "_m", "_n", "_s"];
-    let stem = plain
-        .iter()
-        .find_map(|unit| found.name.strip_suffix(unit))
-        .unwrap_or(found.name);
-    format!("{} {}", stem.replace('_', " "), spoken(found))
+    format!("{} {}", Unit::stem(found.name), spoken(found))
 }
 
 /// `subject`, with its values: `backlash in every joint: width 0.93° ± 0.04°`.

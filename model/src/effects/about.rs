@@ -48,16 +48,6 @@ const EXAMPLE: &str = "<robot name='example'>\
 /// Its cells, m.
 const CELLS: [[f64; 2]; 4] = [[0.1, 0.05], [0.1, -0.05], [-0.1, -0.05], [-0.1, 0.05]];
 
-/// Units at the ends of names, the longest first.
-const UNITS: [(&str, &str); 6] = [
-    ("_nm_per_rad", "Nm/rad"),
-    ("_rad", "rad"),
-    ("_kg", "kg"),
-    ("_m", "m"),
-    ("_n", "N"),
-    ("_s", "s"),
-];
-
 /// All effects of `catalog`, in its order.
 pub fn about(catalog: &Catalog) -> Vec<EffectAbout> {
     let robot = urdf::parse(EXAMPLE, "example.urdf")
@@ -74,10 +64,9 @@ fn one(effect: &dyn Effect, context: &EffectContext) -> EffectAbout {
     for target in &targets {
         for parameter in effect.parameters(context, target) {
             if parameters.iter().all(|known| known.name != parameter.name) {
-                let unit = UNITS.iter().find(|(end, _)| parameter.name.ends_with(end));
                 parameters.push(ParameterAbout {
                     name: parameter.name,
-                    unit: unit.map_or("1", |(_, unit)| unit),
+                    unit: parameter.unit.symbol(),
                 });
             }
         }

@@ -25,6 +25,7 @@ mod joint_offset;
 mod joint_scale;
 mod joint_sign;
 mod joint_swap;
+mod parameter;
 mod payload;
 pub mod plausible;
 mod programs;
@@ -46,6 +47,7 @@ pub use context::{EffectContext, Target};
 pub use experiment::{Carry, Experiment};
 pub use instance::{Instance, instances};
 pub(crate) use instance::{apply, apply_before_sensor, sense, undo};
+pub use parameter::{Parameter, Unit, Value};
 pub use payload::known_weight;
 pub use programs::{
     joints, moments, other_sole, other_sole_by_joints, reading, reading_of_masses, resting_reading,
@@ -77,31 +79,6 @@ pub enum Stage {
     Offset,
     /// The record: order and units of readings.
     Record,
-}
-
-/// A parameter of an effect as people know it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameter {
-    /// With its unit at the end: `offset_rad`, `mass_kg`.
-    pub name: &'static str,
-    /// An ordinary size of the unknown that it belongs to.
-    pub scale: f64,
-}
-
-impl Parameter {
-    /// A parameter and an ordinary size of its unknown.
-    pub const fn new(name: &'static str, scale: f64) -> Parameter {
-        Parameter { name, scale }
-    }
-}
-
-/// A parameter with its value.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Value {
-    /// With its unit: `offset_rad`, `mass_kg`.
-    pub name: &'static str,
-    /// In that unit.
-    pub value: f64,
 }
 
 /// What a URDF can hold of an effect.

@@ -27,6 +27,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::Information;
+use crate::effects::Unit;
 use crate::text::{shortened, visible};
 use crate::urdf::limits;
 use crate::{Error, files};
@@ -172,9 +173,9 @@ impl ModelFile {
         });
         let effects = self.effects.iter().find_map(|effect| {
             effect.parameters.iter().find_map(|(name, quantity)| {
-                let most = match name.ends_with("_rad") {
-                    true => limits::TURNS_RAD,
-                    false => MOST,
+                let most = match Unit::of(name) {
+                    Unit::Radian => limits::TURNS_RAD,
+                    _ => MOST,
                 };
                 let own = |text: &str| shortened(&visible(text), 64);
                 let what = format!("effect `{}`: `{}`", own(&effect.effect), own(name));

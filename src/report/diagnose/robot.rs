@@ -6,8 +6,8 @@ use crate::report::figures::robot::Marks;
 use crate::report::robot::{Card, Correction, Shown};
 use sesc_identify::diagnose::findings::{Diagnosis, Step};
 use sesc_identify::diagnose::view::{DiagnosisView, Posture};
-use sesc_identify::diagnose::words::unit_of;
 use sesc_identify::skeleton::Skeleton;
+use sesc_model::effects::Unit;
 
 /// Parameters that a slider names, at most.
 const NAMED: usize = 4;
@@ -51,25 +51,18 @@ fn values(steps: &[Step]) -> Vec<(String, f64, &'static str)> {
             .iter()
             .enumerate()
             .map(move |(k, (name, quantity))| {
-                let (factor, unit) = unit_of(name);
+                let (factor, unit) = Unit::of(name).shown();
                 let subject = match (step.target.as_str(), step.parameters.len()) {
-                    (_, several) if several > 1 && k > 0 => stem(name),
+                    (_, several) if several > 1 && k > 0 => Unit::stem(name),
                     ("-", 1) => effect(step),
-                    ("-", _) => format!("{}: {}", effect(step), stem(name)),
+                    ("-", _) => format!("{}: {}", effect(step), Unit::stem(name)),
                     (target, 1) => format!("{} {target}", effect(step)),
-                    (target, _) => format!("{} {target}: {}", effect(step), stem(name)),
+                    (target, _) => format!("{} {target}: {}", effect(step), Unit::stem(name)),
                 };
                 (subject, factor * quantity.value, unit)
             })
     });
     all.take(NAMED).collect()
-}
-
-/// Name of a parameter without its unit.
-fn stem(name: &str) -> String {
-    let known = ["_rad", "_kg", "_mm", "_m", "_s"].iter();
-    let stem = known.filter_map(|unit| name.strip_suffix(unit)).next();
-    stem.unwrap_or(name).replace('_', " ")
 }
 
 /// What the explanation names, on the robot.

@@ -5,6 +5,7 @@ use minijinja::{Error, context};
 use serde::Serialize;
 use sesc_identify::fleet::Row;
 use sesc_identify::fleet::summary::Summary;
+use sesc_model::effects::Unit;
 
 use super::super::html::render;
 use super::label;
@@ -52,18 +53,17 @@ pub(super) fn robot_page(
     render("fleet_robot.html", context)
 }
 
-/// Every parameter of every effect, in the unit that its name ends in; angles in degrees.
+/// Every parameter of every effect, in the unit in which people read it.
 fn courses(rows: &[&Row]) -> Vec<Course> {
     let mut found: Vec<Course> = Vec::new();
     for (day, row) in rows.iter().enumerate() {
         for effect in &row.effects {
             for (parameter, size) in &effect.parameters {
-                let (shown, unit) = match parameter.strip_suffix("_rad") {
-                    Some(short) => (format!("{short}, °"), 1f64.to_degrees()),
-                    None => match parameter.strip_suffix("_m") {
-                        Some(short) => (format!("{short}, mm"), 1e3),
-                        None => (parameter.clone(), 1.0),
-                    },
+                let (factor, unit) = Unit::of(parameter).shown();
+                let stem = Unit::stem(parameter);
+                let shown = match unit {
+                    "" => stem,
+                    unit => format!("{stem}, {unit}"),
                 };
                 let name = label(effect);
                 let is_it = |course: &Course| course.effect == name && course.parameter == shown;
@@ -75,7 +75,7 @@ fn courses(rows: &[&Row]) -> Vec<Course> {
                     });
                     found.len() - 1
                 });
-                found[at].days[day] = Some((unit * size.value, unit * size.std));
+                found[at].days[day] = Some((factor * size.value, factor * size.std));
             }
         }
     }

@@ -5,16 +5,17 @@ use sesc_identify::fleet::{Fleet, Row};
 
 use super::*;
 
+fn row(robot: &str, day: &str, effects: &str) -> Row {
+    let json = format!(
+        r#"{{"robot": "{robot}", "day": "{day}", "urdf_hash": "a", "support": "sole",
+            "postures": 60, "independent": 60, "noise_floor": 0.00014, "held_out_rmse": 0.0002,
+            "verdict": "named", "sentence": "", "effects": [{effects}], "health": [],
+            "params": [], "std": [], "inputs": ["0"], "error": null, "version": "0"}}"#
+    );
+    serde_json::from_str(&json).unwrap()
+}
+
 fn fleet() -> Fleet {
-    let row = |robot: &str, day: &str, text: &str| -> Row {
-        let json = format!(
-            r#"{{"robot": "{robot}", "day": "{day}", "urdf_hash": "a", "support": "sole",
-                "postures": 60, "independent": 60, "noise_floor": 0.00014, "held_out_rmse": 0.0002,
-                "verdict": "named", "sentence": "", "effects": [{text}], "health": [],
-                "params": [], "std": [], "inputs": ["0"], "error": null, "version": "0"}}"#
-        );
-        serde_json::from_str(&json).unwrap()
-    };
     let offset = |value: f64| {
         format!(
             r#"{{"effect": "joint_offset", "target": "l_<knee>", "evidence": 90.0,
@@ -71,4 +72,38 @@ fn the_page_says_what_robots_share_and_escapes_names() {
         text.contains("4 robots, 8 rows") && text.contains("4 robots share"),
         "{text}"
     );
+}
+
+#[test]
+fn every_size_is_told_in_the_unit_that_people_read() {
+    let effect = |name: &str, parameter: &str, value: f64| {
+        format!(
+            r#"{{"effect": "{name}", "target": "trunk", "evidence": 90.0,
+                "parameters": {{"{parameter}": {{"value": {value}, "std": 0.001}}}}}}"#
+        )
+    };
+    let all = [
+        effect("payload", "mass_kg", 0.2),
+        effect("external_force", "force_x_n", 1.5),
+        effect("time_delay", "delay_s", 0.025),
+        effect("joint_compliance", "stiffness_nm_per_rad", 40.0),
+        effect("joint_scale", "scale", 1.05),
+    ];
+    let mut fleet = Fleet::default();
+    fleet.rows.push(row("r1", "1", &all.join(",")));
+    let summary = summary(&fleet.rows, &Default::default());
+    let pages = pages(&fleet, &summary, "sesc fleet", "fleet.html").unwrap();
+    let page = &pages.robots[0].1;
+    for text in [
+        "mass, g",
+        "200.00 ± 1.00",
+        "force x, N",
+        "1.50 ± 0.00",
+        "delay, ms",
+        "25.00 ± 1.00",
+        "stiffness, Nm&#x2f;rad",
+        ">scale<",
+    ] {
+        assert!(page.contains(text), "{text}\n{page}");
+    }
 }

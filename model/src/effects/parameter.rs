@@ -1,0 +1,201 @@
+//! Parameters of effects and their units.
+//!
+//! Model files and JSON name a parameter with its unit at the end (`offset_rad`); what that
+//! ending means stands here alone.
+
+use core::f64::consts::PI;
+
+/// The unit of an effect's parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Unit {
+    /// A part of something: a scale, a gain, a slope, an exponent.
+    One,
+    /// An angle.
+    Radian,
+    /// A length.
+    Metre,
+    /// A mass.
+    Kilogram,
+    /// A force.
+    Newton,
+    /// A time.
+    Second,
+    /// The stiffness of a joint.
+    NewtonMetrePerRadian,
+}
+
+impl Unit {
+    /// All but [`Unit::One`], those with the longest endings first.
+    const NAMED: [Unit; 6] = [
+        Unit::NewtonMetrePerRadian,
+        Unit::Radian,
+        Unit::Kilogram,
+        Unit::Metre,
+        Unit::Newton,
+        Unit::Second,
+    ];
+
+    /// The unit of the parameter that files call `name`.
+    ///
+    /// ```
+    /// use sesc_model::effects::Unit;
+    ///
+    /// assert_eq!(Unit::of("stiffness_nm_per_rad"), Unit::NewtonMetrePerRadian);
+    /// assert_eq!(Unit::of("gain_x"), Unit::One);
+    /// ```
+    pub const fn of(name: &str) -> Unit {
+        let mut k = 0;
+        while k < Unit::NAMED.len() {
+            if ends_with(name.as_bytes(), Unit::NAMED[k].ending().as_bytes()) {
+                return Unit::NAMED[k];
+            }
+            k += 1;
+        }
+        Unit::One
+    }
+
+    /// The parameter that files call `name` without its unit: `force x` of `force_x_n`.
+    pub fn stem(name: &str) -> String {
+        let ending = Unit::of(name).ending();
+        name[..name.len() - ending.len()].replace('_', " ")
+    }
+
+    /// What names of parameters with this unit end in: `_rad`.
+    const fn ending(self) -> &'static str {
+        match self {
+            Unit::One => "",
+            Unit::Radian => "_rad",
+            Unit::Metre => "_m",
+            Unit::Kilogram => "_kg",
+            Unit::Newton => "_n",
+            Unit::Second => "_s",
+            Unit::NewtonMetrePerRadian => "_nm_per_rad",
+        }
+    }
+
+    /// Its symbol; `1` where there is none.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Unit::One => "1",
+            Unit::Radian => "rad",
+            Unit::Metre => "m",
+            Unit::Kilogram => "kg",
+            Unit::Newton => "N",
+            Unit::Second => "s",
+            Unit::NewtonMetrePerRadian => "Nm/rad",
+        }
+    }
+
+    /// What a value is multiplied with for people, and the symbol of the unit that it then has;
+    /// an empty one where there is none.
+    pub fn shown(self) -> (f64, &'static str) {
+        match self {
+            Unit::One => (1.0, ""),
+            Unit::Radian => (180.0 / PI, "°"),
+            Unit::Metre => (1e3, "mm"),
+            Unit::Kilogram => (1e3, "g"),
+            Unit::Second => (1e3, "ms"),
+            Unit::Newton | Unit::NewtonMetrePerRadian => (1.0, self.symbol()),
+        }
+    }
+
+    /// Units in which people may write a value, and how many of this unit each is; one that
+    /// ends in another comes before it.
+    pub fn spellings(self) -> &'static [(&'static str, f64)] {
+        match self {
+            Unit::One => &[("%", 1e-2)],
+            Unit::Radian => &[("deg", PI / 180.0), ("°", PI / 180.0), ("rad", 1.0)],
+            Unit::Metre => &[("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)],
+            Unit::Kilogram => &[("kg", 1.0), ("g", 1e-3)],
+            Unit::Newton => &[("N", 1.0)],
+            Unit::Second => &[("ms", 1e-3), ("s", 1.0)],
+            Unit::NewtonMetrePerRadian => &[("Nm/rad", 1.0)],
+        }
+    }
+}
+
+/// `str::ends_with`, which is not const.
+const fn ends_with(name: &[u8], ending: &[u8]) -> bool {
+    if ending.len() > name.len() {
+        return false;
+    }
+    let mut k = 0;
+    while k < ending.len() {
+        if name[name.len() - ending.len() + k] != ending[k] {
+            return false;
+        }
+        k += 1;
+    }
+    true
+}
+
+/// A parameter of an effect as people know it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// With its unit at the end: `offset_rad`, `mass_kg`.
+    pub name: &'static str,
+    /// That unit.
+    pub unit: Unit,
+    /// An ordinary size of the unknown that it belongs to.
+    pub scale: f64,
+}
+
+impl Parameter {
+    /// A parameter and an ordinary size of its unknown; its unit is the one that its name ends
+    /// in.
+    ///
+    /// ```
+    /// use sesc_model::effects::{Parameter, Unit};
+    ///
+    /// const WIDTH: Parameter = Parameter::new("width_rad", 0.02);
+    /// assert_eq!(WIDTH.unit, Unit::Radian);
+    /// ```
+    pub const fn new(name: &'static str, scale: f64) -> Parameter {
+        let unit = Unit::of(name);
+        Parameter { name, unit, scale }
+    }
+}
+
+/// A parameter with its value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Value {
+    /// With its unit: `offset_rad`, `mass_kg`.
+    pub name: &'static str,
+    /// In that unit.
+    pub value: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_a_stem_and_a_unit() {
+        let told = |name: &str| (Unit::stem(name), Unit::of(name).shown().1);
+        assert_eq!(told("force_x_n"), ("force x".to_string(), "N"));
+        assert_eq!(told("offset_x_m"), ("offset x".to_string(), "mm"));
+        assert_eq!(
+            told("stiffness_nm_per_rad"),
+            ("stiffness".to_string(), "Nm/rad")
+        );
+        assert_eq!(told("delay_s"), ("delay".to_string(), "ms"));
+        assert_eq!(told("mass_kg"), ("mass".to_string(), "g"));
+        assert_eq!(told("yaw_rad"), ("yaw".to_string(), "°"));
+        assert_eq!(told("slope_x"), ("slope x".to_string(), ""));
+        assert_eq!(Unit::of("m"), Unit::One);
+    }
+
+    #[test]
+    fn a_spelling_is_found_by_what_a_text_ends_in() {
+        for unit in Unit::NAMED {
+            for (k, (spelling, _)) in unit.spellings().iter().enumerate() {
+                let first = unit
+                    .spellings()
+                    .iter()
+                    .position(|(s, _)| spelling.ends_with(s));
+                assert_eq!(first, Some(k), "{spelling} of {unit:?}");
+            }
+        }
+    }
+}
