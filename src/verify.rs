@@ -7,6 +7,7 @@
 //! A model with effects is compared with the virtual robot of the reference, which has
 //! them (`world`).
 
+mod imperfect;
 mod motion;
 mod world;
 
@@ -16,11 +17,11 @@ use nalgebra::DVector;
 use serde::Serialize;
 use sesc_codegen::emit::header::function_name;
 use sesc_model::bounds::Precision;
-use sesc_model::effects::Instance;
 use sesc_model::{Function, Given, Model};
 use sesc_reference::Reference;
 
 use crate::Error;
+pub use imperfect::with_effect;
 pub use motion::JointMotion;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
@@ -186,10 +187,9 @@ pub fn holds(error: f64, bound: f64) -> bool {
 /// way on the way to that end, the bound of the whole model is taken.
 fn decided(model: &Model) -> Model {
     let mut decided = model.clone();
-    let is = |name| move |(i, _): &(Instance, Vec<f64>)| i.effect.id().name() == name;
-    if !decided.effects.iter().any(is("joint_compliance")) {
-        let loose = is("backlash");
-        decided.effects.retain(|effect| !loose(effect));
+    if !decided.effects.iter().any(|(i, _)| i.effect.is_spring()) {
+        let effects = &mut decided.effects;
+        effects.retain(|(i, _)| i.effect.dead_band().is_none());
     }
     decided
 }

@@ -11,7 +11,7 @@ use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::effects::Catalog;
 use sesc_model::{EffectRecord, ModelFile, Quantity, Snapping};
-use sesc_reference::{Reference, World};
+use sesc_reference::{Place, Reference, World};
 use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
 
 const LIFT_BASE: &str = include_str!("../robots/lift_base/lift_base.urdf");
@@ -70,15 +70,13 @@ fn world(text: &str, support: &str, effects: &[EffectRecord]) -> World {
     let robot = sesc_reference::Robot::from_urdf(text).unwrap();
     let world = World::new(&robot, support).unwrap();
     effects.iter().fold(world, |world, record| {
-        let value = |name: &str| record.parameters[name].value;
-        let target = &record.target;
-        match record.effect.as_str() {
-            "joint_offset" => world.joint_offset(target, value("offset_rad")).unwrap(),
-            _ => {
-                let at = [value("x_m"), value("y_m"), value("z_m")];
-                world.payload(target, value("mass_kg"), at).unwrap()
-            }
-        }
+        let values: Vec<f64> = record.parameters.values().map(|x| x.value).collect();
+        let is_link = robot.links().iter().any(|link| link.name == record.target);
+        let place = match is_link {
+            true => Place::Link(&record.target),
+            false => Place::Joint(&record.target),
+        };
+        world.named(&record.effect, place, &values).unwrap()
     })
 }
 

@@ -210,4 +210,10 @@ pub enum Error {
         /// How many there are.
         count: usize,
     },
+    /// An imperfection that the virtual robot does not know, or not there or of such values.
+    #[error("the virtual robot has no imperfection `{name}` of such a place and so many values")]
+    UnknownImperfection {
+        /// The name asked for.
+        name: String,
+    },
 }

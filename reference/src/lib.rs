@@ -60,4 +60,4 @@ pub use joint::{Joint, JointKind, Link, Mimic, Pose};
 pub use regressor::numeric_rank;
 pub use robot::Robot;
 pub use tree::Coordinate;
-pub use world::{GRAVITY, Reading, Track, World};
+pub use world::{GRAVITY, Place, Reading, Track, World};

@@ -13,11 +13,11 @@
 //!
 //! Beside dead bands the virtual robot settles until it rests, and so much is allowed for.
 
-use sesc_model::effects::{Catalog, EffectContext, Instance};
+use sesc_model::effects::{Catalog, EffectContext, Instance, Stage};
 use sesc_model::{Function, Model};
 use sesc_reference::{GRAVITY, Reference, World};
 
-use super::{JointMotion, Truth, magnified};
+use super::{JointMotion, Truth, magnified, with_effect};
 use crate::Error;
 use sesc_identify::robot::Robot;
 
@@ -66,10 +66,10 @@ impl Bent {
         let read = sesc_reference::Robot::from_urdf(robot.text())?;
         let support = &model.tree.links[model.tree.support].name;
         let records = Record::all(model);
-        let has = |name| records.iter().any(|r| r.name == name);
-        let in_rounds = has("joint_compliance") && !has("backlash");
+        let has = |is: &dyn Fn(&Record) -> bool| records.iter().any(is);
+        let in_rounds = has(&|r| r.is_spring()) && !has(&|r| r.is_dead_band());
         let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
-        let of_cells = records.iter().any(|r| r.name.starts_with("cell_"));
+        let of_cells = has(&|r| r.instance.effect.stage() == Stage::Cells);
         let world = |acts: &dyn Fn(&Record) -> bool, cells: &[[f64; 2]]| {
             let world = World::new(&read, support)?;
             let world = match cells.is_empty() {
@@ -77,7 +77,9 @@ impl Bent {
                 false => world.cells(cells)?,
             };
             let mut acting = records.iter().filter(|record| acts(record));
-            acting.try_fold(world, |world, record| record.on(world, model))
+            acting.try_fold(world, |world, record| {
+                with_effect(world, model, record.instance, &record.values)
+            })
         };
         let rounded = |world: World| match in_rounds {
             true => world.after_rounds(ROUNDS),
@@ -99,7 +101,7 @@ impl Bent {
                 false => None,
             },
             loose: (
-                world(&|r| of_body(r) && r.name != "backlash", &[])?,
+                world(&|r| of_body(r) && !r.is_dead_band(), &[])?,
                 slack(model, &records),
             ),
             most_left_out: left_out(model, &records, weight),
@@ -217,8 +219,6 @@ impl Bent {
 
 /// An effect of a model file with its values in the order of its parameters.
 struct Record<'m> {
-    name: &'static str,
-    target: &'m str,
     values: Vec<f64>,
     instance: &'m Instance,
 }
@@ -236,8 +236,6 @@ impl Record<'_> {
                 let parameters = instance.effect.parameters(&context, &instance.target);
                 let value = |name: &str| record.parameters.get(name).map_or(0.0, |x| x.value);
                 Record {
-                    name: instance.effect.id().name(),
-                    target: &record.target,
                     values: parameters.iter().map(|p| value(p.name)).collect(),
                     instance,
                 }
@@ -245,71 +243,20 @@ impl Record<'_> {
             .collect()
     }
 
-    /// Places of the revolute joints that it acts on.
-    fn revolute(&self, model: &Model) -> Vec<usize> {
-        let dofs = model.tree.dofs.iter().enumerate();
-        let named = dofs.filter(|(_, dof)| ["all", dof.joint.as_str()].contains(&self.target));
-        let turning = named.filter(|(_, dof)| !dof.prismatic);
-        turning.map(|(j, _)| j).collect()
+    fn is_spring(&self) -> bool {
+        self.instance.effect.is_spring()
     }
 
-    /// The virtual robot with it.
-    fn on(&self, world: World, model: &Model) -> Result<World, Error> {
-        let (v, target) = (&self.values, self.target);
-        let joints = self.revolute(model);
-        let mut names = joints.iter().map(|&j| model.tree.dofs[j].joint.as_str());
-        let cell = target.trim_start_matches("fsr_").parse().unwrap_or(0);
-        Ok(match (self.name, target) {
-            ("joint_offset", _) => world.joint_offset(target, v[0])?,
-            ("joint_scale", _) => world.joint_scale(target, v[0])?,
-            ("joint_sign", _) => world.joint_sign(target)?,
-            ("joint_swap", _) => {
-                let (a, b) = target.split_once(',').unwrap_or((target, target));
-                world.joint_swap(a, b)?
-            }
-            ("joint_compliance", _) => {
-                names.try_fold(world, |world, joint| world.joint_compliance(joint, v[0]))?
-            }
-            ("backlash", _) => names.try_fold(world, |world, joint| world.backlash(joint, v[0]))?,
-            ("payload", _) => world.payload(target, v[0], [v[1], v[2], v[3]])?,
-            ("external_force", _) => world.external_force(target, [v[0], v[1], v[2]])?,
-            ("ground_slope", _) => world.ground_slope([v[0], v[1]])?,
-            ("sensor_offset", _) => world.sensor_offset([v[0], v[1]]),
-            ("sensor_gain", _) => world.sensor_gain([v[0], v[1]]),
-            ("sensor_rotation", _) => world.sensor_rotation(v[0]),
-            ("sensor_axes", "swapped") => world.sensor_axes(true, [1.0, 1.0]),
-            ("sensor_axes", "flip_x") => world.sensor_axes(false, [-1.0, 1.0]),
-            ("sensor_axes", _) => world.sensor_axes(false, [1.0, -1.0]),
-            ("cell_gain", _) => world.cell_gain(cell, v[0])?,
-            ("cell_offset", _) => world.cell_offset(cell, v[0])?,
-            ("cell_exponent", _) => world.cell_exponent(cell, v[0])?,
-            ("cell_saturation", _) => world.cell_saturation(cell, v[0])?,
-            ("units", "millimetres") => world.sensor_unit(1000.0),
-            ("units", "centimetres") => world.sensor_unit(100.0),
-            // Strokes stay in metres.
-            ("units", _) => model
-                .tree
-                .dofs
-                .iter()
-                .filter(|dof| !dof.prismatic)
-                .try_fold(world, |world, dof| {
-                    world.joint_scale(&dof.joint, 1_f64.to_radians())
-                })?,
-            (name, _) => {
-                return Err(Error::Usage(format!(
-                    "the virtual robot has no effect `{name}` to compare with; verify the model \
-                     without it"
-                )));
-            }
-        })
+    fn is_dead_band(&self) -> bool {
+        self.instance.effect.dead_band().is_some()
     }
 }
 
 /// Half the width of each joint's dead band, rad.
 fn slack(model: &Model, records: &[Record]) -> Vec<f64> {
     let mut half = vec![0.0; model.dof()];
-    for record in records.iter().filter(|record| record.name == "backlash") {
-        for j in record.revolute(model) {
+    for record in records.iter().filter(|record| record.is_dead_band()) {
+        for j in record.instance.target.revolute(model) {
             half[j] += 0.5 * record.values[0];
         }
     }
@@ -319,9 +266,8 @@ fn slack(model: &Model, records: &[Record]) -> Vec<f64> {
 /// What four rounds of the springs' fixed point leave out, m.
 fn left_out(model: &Model, records: &[Record], weight: f64) -> f64 {
     let mut compliance = vec![0.0; model.dof()];
-    let of_springs = records.iter().filter(|r| r.name == "joint_compliance");
-    for record in of_springs {
-        for j in record.revolute(model) {
+    for record in records.iter().filter(|record| record.is_spring()) {
+        for j in record.instance.target.revolute(model) {
             compliance[j] += 1.0 / record.values[0];
         }
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
-use sesc_reference::{Reference, Robot, World};
+use sesc_reference::{Place, Reference, Robot, World};
 use sesc_test_support::command::{folder, op2, sesc, stdout, write};
 use sesc_virtual::hidden::{Effect, Hidden, NOWHERE};
 
@@ -70,14 +70,15 @@ fn told(truth: Vec<Hidden>) -> Told {
         .unwrap_or_default()
         .iter()
         .fold(world, |world, effect| {
-            let value = |name: &str| effect["parameters"][name]["value"].as_float().unwrap();
-            let target = effect["target"].as_str().unwrap();
-            match effect["effect"].as_str().unwrap() {
-                "joint_offset" => world.joint_offset(target, value("offset_rad")).unwrap(),
-                "joint_scale" => world.joint_scale(target, value("scale")).unwrap(),
-                "sensor_rotation" => world.sensor_rotation(value("yaw_rad")),
-                other => panic!("{other} was not hidden"),
-            }
+            // Each of those that are hidden has one parameter.
+            let parameters = effect["parameters"].as_table().unwrap().values();
+            let values: Vec<f64> = parameters.map(|x| x["value"].as_float().unwrap()).collect();
+            let place = match effect["target"].as_str().unwrap() {
+                NOWHERE => Place::Whole,
+                joint => Place::Joint(joint),
+            };
+            let name = effect["effect"].as_str().unwrap();
+            world.named(name, place, &values).unwrap()
         });
     let joints: Vec<String> = robot.movable_joints().map(|j| j.name.clone()).collect();
     let q = postures(&log, &joints);

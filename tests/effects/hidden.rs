@@ -1,6 +1,7 @@
 //! What each effect is called, how large it may be, and how a virtual robot comes
 //! to have it.
 
+use sesc::verify::with_effect;
 use sesc_model::effects::{Catalog, Effect, EffectContext, Instance, Target};
 use sesc_model::{EffectRecord, Quantity};
 use sesc_reference::World;
@@ -57,56 +58,7 @@ pub fn sizes(effect: &dyn Effect, context: &EffectContext, target: &Target) -> V
 /// # Panics
 /// For an effect that nobody has taught it.
 pub fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
-    let v = &hidden.values;
-    let target = hidden.target.as_str();
-    let revolute = || match target {
-        "all" => {
-            let dofs = stand.model.tree.dofs.iter().filter(|dof| !dof.prismatic);
-            dofs.map(|dof| dof.joint.as_str()).collect()
-        }
-        joint => vec![joint],
-    };
-    let cell = || target.trim_start_matches("fsr_").parse().unwrap();
-    let found = match hidden.instance.effect.id().name() {
-        "sensor_offset" => Ok(world.sensor_offset([v[0], v[1]])),
-        "sensor_rotation" => Ok(world.sensor_rotation(v[0])),
-        "sensor_gain" => Ok(world.sensor_gain([v[0], v[1]])),
-        "ground_slope" => world.ground_slope([v[0], v[1]]),
-        "joint_offset" => world.joint_offset(target, v[0]),
-        "joint_scale" => world.joint_scale(target, v[0]),
-        "joint_compliance" => {
-            let mut joints = revolute().into_iter();
-            joints.try_fold(world, |world, joint| world.joint_compliance(joint, v[0]))
-        }
-        "backlash" => {
-            let mut joints = revolute().into_iter();
-            joints.try_fold(world, |world, joint| world.backlash(joint, v[0]))
-        }
-        "payload" => world.payload(target, v[0], [v[1], v[2], v[3]]),
-        "external_force" => world.external_force(target, [v[0], v[1], v[2]]),
-        "sensor_drift" => Ok(world.sensor_drift([v[0], v[1]])),
-        "cell_gain" => world.cell_gain(cell(), v[0]),
-        "cell_offset" => world.cell_offset(cell(), v[0]),
-        "cell_exponent" => world.cell_exponent(cell(), v[0]),
-        "cell_saturation" => world.cell_saturation(cell(), v[0]),
-        "time_delay" => Ok(world.time_delay(v[0])),
-        "joint_sign" => world.joint_sign(target),
-        "joint_swap" => {
-            let (a, b) = target.split_once(',').unwrap();
-            world.joint_swap(a, b)
-        }
-        "sensor_axes" => Ok(match target {
-            "swapped" => world.sensor_axes(true, [1.0, 1.0]),
-            "flip_x" => world.sensor_axes(false, [-1.0, 1.0]),
-            _ => world.sensor_axes(false, [1.0, -1.0]),
-        }),
-        "units" => Ok(match target {
-            "degrees" => world.joints_in_degrees(),
-            "millimetres" => world.sensor_unit(1000.0),
-            _ => world.sensor_unit(100.0),
-        }),
-        other => panic!("no virtual robot has the effect `{other}`: add it to tests/effects"),
-    };
+    let found = with_effect(world, &stand.model, &hidden.instance, &hidden.values);
     found.unwrap_or_else(|error| panic!("{hidden:?}: {error}"))
 }
 

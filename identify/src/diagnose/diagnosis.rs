@@ -8,7 +8,7 @@ use super::closing;
 use super::com_spread;
 use super::criteria;
 use super::findings::{
-    About, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, ModelOnLog, NextPostures,
+    About, ActsOn, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, ModelOnLog, NextPostures,
     Quantity, Step, Verdict,
 };
 use super::further_logs::{self, FurtherLog};
@@ -123,6 +123,8 @@ pub fn find<'m>(
         (_, _, 1) => Verdict::Named,
         _ => Verdict::Class,
     };
+    let told = told(problem, &best, &steps, &start, &held, &evidence);
+    let (told, steps): (Vec<usize>, Vec<Step>) = told.into_iter().unzip();
     let diagnosis = Diagnosis {
         verdict,
         health: about.health.clone(),
@@ -153,7 +155,7 @@ pub fn find<'m>(
             bias: baseline.bias,
         },
         baseline_chi2: raw.chi2,
-        steps: told(problem, &best, &steps, &start, &held, &evidence),
+        steps,
         last: last(held.last().unwrap_or(&start)),
         indistinguishable: labels(problem, &class),
         class: members,
@@ -172,6 +174,7 @@ pub fn find<'m>(
     let mut found = Found {
         diagnosis,
         best,
+        told,
         class,
         baseline,
     };
@@ -315,6 +318,7 @@ fn absorbed(problem: &Problem, best: &Fit) -> f64 {
     crate::observations::postures::rms(shift.iter().zip(&problem.weight).map(|(s, w)| s / w))
 }
 
+/// The steps in the order in which they close the gap, each with its place among the terms.
 fn told(
     problem: &Problem,
     best: &Fit,
@@ -322,7 +326,7 @@ fn told(
     start: &HeldOut,
     held: &[HeldOut],
     evidence: &[f64],
-) -> Vec<Step> {
+) -> Vec<(usize, Step)> {
     let values = words::values(problem, best);
     let mut before: Vec<Term> = Vec::new();
     let mut told = Vec::new();
@@ -337,9 +341,10 @@ fn told(
         let term = &best.terms[at];
         before.push(term.clone());
         let rmse_before = if k == 0 { start.rmse } else { held[k - 1].rmse };
-        told.push(Step {
+        let step = Step {
             effect: term.name(),
             target: term.target_name(&problem.context),
+            acts_on: ActsOn::of(term, &problem.context),
             parameters: values[at]
                 .iter()
                 .map(|v| {
@@ -367,7 +372,8 @@ fn told(
                 1e3 * held[k].rmse
             ),
             remedy: Remedy::default(),
-        });
+        };
+        told.push((at, step));
     }
     told
 }

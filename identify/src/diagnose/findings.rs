@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use sesc_model::effects::{EffectContext, Target};
 
 use super::held_out::HeldOut;
+use super::hypothesis::Term;
 use super::problem::Fit;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
@@ -61,6 +63,9 @@ pub struct Step {
     pub effect: &'static str,
     /// Joint, link or cell that it acts on; `-` where it acts on the whole.
     pub target: String,
+    /// The same by its kind.
+    #[serde(skip)]
+    pub acts_on: ActsOn,
     /// Its parameters by name, which ends in the unit: `offset_rad`.
     pub parameters: BTreeMap<&'static str, Quantity>,
     /// Held-out, without and with it (beside the steps before), m.
@@ -73,6 +78,38 @@ pub struct Step {
     pub sentence: String,
     /// What to change about it.
     pub remedy: Remedy,
+}
+
+/// What of the robot an effect acts on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ActsOn {
+    /// No part of it: sensor, ground, masses or record.
+    Whole,
+    /// Joints by name.
+    Joints(Vec<String>),
+    /// Every revolute joint.
+    AllJoints,
+    /// A link by name.
+    Link(String),
+    /// A foot cell, from 0.
+    Cell(usize),
+}
+
+impl ActsOn {
+    /// What a term acts on.
+    pub(super) fn of(term: &Term, context: &EffectContext) -> ActsOn {
+        let tree = &context.robot.tree;
+        let joint = |j: usize| tree.dofs[j].joint.clone();
+        match term.effect().map(|instance| &instance.target) {
+            Some(Target::Joint(j)) => ActsOn::Joints(vec![joint(*j)]),
+            Some(Target::Joints(a, b)) => ActsOn::Joints(vec![joint(*a), joint(*b)]),
+            Some(Target::AllJoints) => ActsOn::AllJoints,
+            Some(Target::Link(link)) => ActsOn::Link(tree.links[*link].name.clone()),
+            Some(Target::Cell(k)) => ActsOn::Cell(*k),
+            _ => ActsOn::Whole,
+        }
+    }
 }
 
 /// A number before and after.
@@ -311,6 +348,8 @@ pub(crate) struct Found {
     pub diagnosis: Diagnosis,
     /// The explanation, fitted.
     pub best: Fit,
+    /// The place of each step among its terms.
+    pub told: Vec<usize>,
     /// All that the data allow, the best first.
     pub class: Vec<Fit>,
     pub baseline: HeldOut,

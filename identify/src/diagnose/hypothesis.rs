@@ -25,6 +25,8 @@ pub enum Term {
 
 /// Unknowns of the noise of two widths: its share and its width.
 const OUTLIER_UNKNOWNS: usize = 2;
+/// The name of free masses in reports, rows and files.
+pub const FREE_MASSES: &str = "mass_distribution";
 /// Kinds of terms that are no effects.
 pub const MODELS: usize = 2;
 
@@ -104,7 +106,7 @@ impl Term {
         match self {
             Term::Effect(instance) => instance.effect.id().name(),
             Term::Outliers => "cop_outliers",
-            Term::FreeMasses => "mass_distribution",
+            Term::FreeMasses => FREE_MASSES,
         }
     }
 

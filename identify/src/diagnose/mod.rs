@@ -44,4 +44,5 @@ pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use findings::{Diagnosis, Verdict};
+pub(crate) use hypothesis::FREE_MASSES;
 pub use request::{FLOOR_M, NextLog, Report, Request, diagnose, look};

@@ -134,23 +134,18 @@ pub(super) fn add(
         .map(|found| found.iter().map(|value| value.value).collect())
         .collect();
     let terms = &found.best.terms;
-    for step in &mut found.diagnosis.steps {
-        let mut own = terms.iter().zip(&values).filter(|(term, _)| {
-            term.name() == step.effect && term.target_name(&problem.context) == step.target
-        });
-        if let Some((term, own)) = own.next() {
-            step.remedy = of_term(problem, term, own, description);
-            if let Some(joint) = joint_of(term, own) {
-                let name = &problem.context.robot.tree.dofs[joint].joint;
-                let prismatic = problem.context.robot.tree.dofs[joint].prismatic;
-                let usual = (!prismatic).then(Servo::default);
-                let servo = servos.get(name).copied().or(usual);
-                let map = encoder_of(joint, terms, &values);
-                if let (Some(old), Some(map)) = (servo, map)
-                    && let Some(new) = old.corrected(map)
-                {
-                    step.remedy.set_servo(old, new);
-                }
+    for (step, &at) in found.diagnosis.steps.iter_mut().zip(&found.told) {
+        let (term, own) = (&terms[at], &values[at]);
+        step.remedy = of_term(problem, term, own, description);
+        if let Some(joint) = joint_of(term, own) {
+            let dof = &problem.context.robot.tree.dofs[joint];
+            let usual = (!dof.prismatic).then(Servo::default);
+            let servo = servos.get(&dof.joint).copied().or(usual);
+            let map = encoder_of(joint, terms, &values);
+            if let (Some(old), Some(map)) = (servo, map)
+                && let Some(new) = old.corrected(map)
+            {
+                step.remedy.set_servo(old, new);
             }
         }
     }

@@ -21,6 +21,7 @@ use nalgebra::{DMatrix, DVector};
 use super::options::Options;
 use super::row::Row;
 use crate::Error;
+use crate::diagnose::FREE_MASSES;
 use crate::fit::population::Population;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health::Kind;
@@ -31,8 +32,6 @@ use crate::svd::svd;
 const ROBOTS: usize = 5;
 /// Steps; each narrows Σ, so that fewer only leave it wider.
 const STEPS: usize = 30;
-/// A row with another effect has parameters that make up for it.
-const MASSES: &str = "mass_distribution";
 
 /// What the data of one robot say, prior taken off.
 struct Said {
@@ -55,7 +54,8 @@ pub fn population(
         row.urdf_hash == *hash
             && !row.covariance.is_empty()
             && row.is_usable()
-            && row.effects.iter().all(|found| found.effect == MASSES)
+            // With another effect, its parameters make up for that.
+            && row.effects.iter().all(|found| found.effect == FREE_MASSES)
             && !row
                 .health
                 .iter()

@@ -77,7 +77,7 @@ impl<'a> Wirings<'a> {
                 tape.run(&[Values::PerPosture(q)], postures, &mut out, FASTEST);
                 out
             };
-            let of_all = faults.iter().filter(|i| i.effect.id().name() == "units");
+            let of_all = faults.iter().filter(|i| i.effect.is_unit());
             let mut units = vec![self.q.clone()];
             for unit in of_all {
                 let q = under(std::slice::from_ref(unit), &self.q);
@@ -86,7 +86,7 @@ impl<'a> Wirings<'a> {
                 }
             }
             let mut wired = units.clone();
-            for fault in faults.iter().filter(|i| i.effect.id().name() != "units") {
+            for fault in faults.iter().filter(|i| !i.effect.is_unit()) {
                 wired.extend(units.iter().map(|q| under(std::slice::from_ref(fault), q)));
             }
             (wired, units.len())

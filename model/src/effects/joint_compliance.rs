@@ -48,6 +48,10 @@ impl Effect for JointCompliance {
         }
     }
 
+    fn is_spring(&self) -> bool {
+        true
+    }
+
     fn values(&self, context: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         // Unknown: rad per metre of moment over weight.
         vec![context.weight() / unknowns[0]]

@@ -220,6 +220,17 @@ pub trait Effect: Sync {
         None
     }
 
+    /// Whether it is a spring in series with every joint that it acts on, whose stiffness
+    /// (Nm/rad) is its first parameter.
+    fn is_spring(&self) -> bool {
+        false
+    }
+
+    /// Whether it is a unit of the record: any other wiring may stand beside it.
+    fn is_unit(&self) -> bool {
+        false
+    }
+
     /// Whether a diagnosis says how small an effect of this kind the log would show.
     fn reports_smallest_detectable(&self) -> bool {
         false

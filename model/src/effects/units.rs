@@ -60,6 +60,10 @@ impl Effect for Units {
         }
     }
 
+    fn is_unit(&self) -> bool {
+        true
+    }
+
     fn label_has_target(&self) -> bool {
         // Which unit it is belongs to the finding, not to its name.
         false

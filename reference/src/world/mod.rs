@@ -18,6 +18,7 @@ mod cells;
 mod ground;
 mod joints;
 mod masses;
+mod named;
 mod sensor;
 mod statics;
 mod track;
@@ -36,6 +37,7 @@ use sensor::Sensor;
 use statics::{Pull, Yielding, moved_links};
 use unmodelled::Unmodelled;
 
+pub use named::Place;
 pub use statics::GRAVITY;
 pub use track::{Reading, Track};
 

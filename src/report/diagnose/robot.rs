@@ -4,7 +4,7 @@ use super::{effect, parameters};
 use crate::report::figures::diagnose as figures;
 use crate::report::figures::robot::Marks;
 use crate::report::robot::{Card, Correction, Shown};
-use sesc_identify::diagnose::findings::{Diagnosis, Step};
+use sesc_identify::diagnose::findings::{ActsOn, Diagnosis, Step};
 use sesc_identify::diagnose::view::{DiagnosisView, Posture};
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::effects::Unit;
@@ -78,9 +78,7 @@ fn suspects(steps: &[Step], skeleton: &Skeleton) -> Suspects {
     let mut said = Vec::new();
     for step in steps {
         let before = (found.marks.clone(), found.cells.len());
-        for target in step.target.split(',') {
-            mark(&mut found, step.effect, target, skeleton);
-        }
+        mark(&mut found, &step.acts_on, skeleton);
         let (what, sizes) = (effect(step), parameters(step).join(", "));
         // `offset 1.5°` says what it is.
         let told = sizes
@@ -95,9 +93,9 @@ fn suspects(steps: &[Step], skeleton: &Skeleton) -> Suspects {
         let marked = before != (found.marks.clone(), found.cells.len());
         if marked {
             let target = step.target.replace(',', "`, `");
-            said.push(match found.marks.every_joint && step.target == "all" {
-                true => format!("every joint ({what})"),
-                false => format!("`{target}` ({what})"),
+            said.push(match step.acts_on {
+                ActsOn::AllJoints => format!("every joint ({what})"),
+                _ => format!("`{target}` ({what})"),
             });
         }
     }
@@ -111,19 +109,20 @@ fn suspects(steps: &[Step], skeleton: &Skeleton) -> Suspects {
     found
 }
 
-fn mark(found: &mut Suspects, effect: &str, target: &str, skeleton: &Skeleton) {
-    let of_link = matches!(effect, "payload" | "external_force");
-    let cell = target
-        .strip_prefix("fsr_")
-        .and_then(|k| k.parse::<usize>().ok());
-    let body = skeleton.carried_by(target);
-    match (target, cell, body) {
-        ("all", ..) => found.marks.every_joint = true,
-        (link, ..) if of_link && skeleton.body_of(link).is_some() => {
-            found.marks.links.push(link.to_string());
+fn mark(found: &mut Suspects, acts_on: &ActsOn, skeleton: &Skeleton) {
+    match acts_on {
+        ActsOn::AllJoints => found.marks.every_joint = true,
+        ActsOn::Link(link) if skeleton.body_of(link).is_some() => {
+            found.marks.links.push(link.clone());
         }
-        (joint, _, Some(body)) => found.marks.joints.push((body, joint.to_string())),
-        (_, Some(k), _) if k > 0 => found.cells.push(k - 1),
+        ActsOn::Joints(joints) => {
+            let carried = joints.iter().filter_map(|joint| {
+                let body = skeleton.carried_by(joint)?;
+                Some((body, joint.clone()))
+            });
+            found.marks.joints.extend(carried);
+        }
+        ActsOn::Cell(k) => found.cells.push(*k),
         _ => {}
     }
 }

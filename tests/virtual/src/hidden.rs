@@ -14,7 +14,7 @@
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use sesc_reference::{Error, World};
+use sesc_reference::{Error, Place, World};
 
 /// The target of an effect that has none.
 pub const NOWHERE: &str = "-";
@@ -236,37 +236,10 @@ impl Hidden {
     /// Bends the robot.
     pub fn hide(&self, world: World) -> Result<World, Error> {
         let (v, target) = (&self.values, self.target.as_str());
-        let cell = || target.trim_start_matches("fsr_").parse().unwrap_or(0);
         match self.effect {
-            Effect::SensorOffset => Ok(world.sensor_offset([v[0], v[1]])),
-            Effect::SensorGain => Ok(world.sensor_gain([1.0 + v[0], 1.0 + v[1]])),
-            Effect::SensorRotation => Ok(world.sensor_rotation(v[0])),
-            Effect::SensorDrift => Ok(world.sensor_drift([v[0], v[1]])),
-            Effect::CellGain => world.cell_gain(cell(), 1.0 + v[0]),
-            Effect::CellOffset => world.cell_offset(cell(), v[0]),
-            Effect::CellExponent => world.cell_exponent(cell(), 1.0 + v[0]),
-            Effect::CellSaturation => world.cell_saturation(cell(), 1.0 / v[0].abs()),
-            Effect::GroundSlope => world.ground_slope([v[0], v[1]]),
-            Effect::Payload => world.payload(target, v[0], point(v)),
-            Effect::HangingLoad => world.hanging_load(target, v[0], point(v), 0.1),
-            Effect::ExternalForce => world.external_force(target, [v[0], v[1], v[2]]),
-            Effect::JointOffset => world.joint_offset(target, v[0]),
-            Effect::JointScale => world.joint_scale(target, 1.0 + v[0]),
-            Effect::JointSign => world.joint_sign(target),
-            Effect::JointSwap => {
-                let (one, other) = target.split_once(',').unwrap_or((target, ""));
-                world.joint_swap(one, other)
-            }
-            Effect::JointCompliance if target == ALL => {
-                world.joint_compliance_all(1.0 / v[0].abs())
-            }
-            Effect::JointCompliance => world.joint_compliance(target, 1.0 / v[0].abs()),
-            Effect::Backlash if target == ALL => world.backlash_all(v[0].abs()),
-            Effect::Backlash => world.backlash(target, v[0].abs()),
-            Effect::TimeDelay => Ok(world.time_delay(v[0])),
             Effect::MassDistribution => self.spread_masses(world),
             Effect::CopOutliers => world.cop_outliers(OUTLIER_FRACTION, v[0], self.seed),
-            Effect::Units => Ok(world.joints_in_degrees()),
+            Effect::HangingLoad => world.hanging_load(target, v[0], point(v), 0.1),
             Effect::KneeSine => {
                 let [x, y] = self.direction();
                 world.cop_sine(target, 3.0, [x * v[0], y * v[0]])
@@ -285,6 +258,43 @@ impl Hidden {
                 stiff.cable(target, STIFF * v[0].abs(), self.begins)
             }
             Effect::GearError => world.gear_error(target, v[0], 6.0, self.direction()[0]),
+            effect => world.named(effect.name(), self.place(), &self.in_files()),
+        }
+    }
+
+    /// What it acts on, for the virtual robot.
+    fn place(&self) -> Place<'_> {
+        let target = self.target.as_str();
+        match (self.effect, target) {
+            (Effect::Units, _) => Place::Way("degrees"),
+            (Effect::Payload | Effect::ExternalForce, link) => Place::Link(link),
+            (effect, cell) if effect.needs_cells() => {
+                Place::Cell(cell.trim_start_matches("fsr_").parse().unwrap_or(0))
+            }
+            (_, NOWHERE) => Place::Whole,
+            (_, ALL) => Place::AllJoints,
+            (_, joints) => match joints.split_once(',') {
+                Some((one, other)) => Place::Joints(one, other),
+                None => Place::Joint(joints),
+            },
+        }
+    }
+
+    /// Its values as model files have them.
+    fn in_files(&self) -> Vec<f64> {
+        let v = &self.values;
+        let each = |of: fn(&f64) -> f64| v.iter().map(of).collect();
+        match self.effect {
+            Effect::SensorGain | Effect::CellGain | Effect::CellExponent | Effect::JointScale => {
+                each(|less_one| 1.0 + less_one)
+            }
+            Effect::CellSaturation | Effect::JointCompliance => each(|inverse| 1.0 / inverse.abs()),
+            Effect::Backlash => each(|width| width.abs()),
+            Effect::Payload => {
+                let [x, y, z] = point(v);
+                vec![v[0], x, y, z]
+            }
+            _ => v.clone(),
         }
     }
 
