@@ -1,7 +1,9 @@
 #![doc = include_str!("pages/backlash.md")]
 
 use super::remedy::degrees;
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
+use super::{
+    Effect, EffectContext, EffectId, Measured, Parameter, Reason, Stage, Target, plausible,
+};
 use crate::expr::Id;
 
 pub(super) struct Backlash;
@@ -20,14 +22,11 @@ impl Effect for Backlash {
     }
 
     fn targets(&self, context: &EffectContext) -> Vec<Target> {
-        let mut targets = vec![Target::AllJoints];
-        targets.extend(context.revolute().into_iter().map(Target::Joint));
-        targets
+        context.all_and_each_revolute()
     }
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
-        const PARAMETERS: &[Parameter] = &[Parameter::new("width_rad", 0.02)];
-        PARAMETERS
+        const { &[Parameter::new("width_rad", 0.02)] }
     }
 
     fn phrase(&self, _: &Target, name: &str) -> String {
@@ -61,12 +60,7 @@ impl Effect for Backlash {
         violation
     }
 
-    fn invalid_reason(
-        &self,
-        _: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn invalid_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         let negative = values[0] < 0.0;
         negative.then_some("a dead band is 0 or wider; give width_rad without its sign")
     }
@@ -79,12 +73,7 @@ impl Effect for Backlash {
         )
     }
 
-    fn implausible_reason(
-        &self,
-        _: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn implausible_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         plausible::above(plausible::WIDEST_BACKLASH_RAD, values[0])
     }
 }

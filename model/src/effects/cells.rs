@@ -1,7 +1,7 @@
 #![doc = include_str!("pages/cells.md")]
 
 use super::remedy::digits;
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
+use super::{Effect, EffectContext, EffectId, Fitted, Measured, Parameter, Reason, Stage, Target};
 use crate::expr::Id;
 use crate::measurement::foot::{Foot, rectangle};
 
@@ -125,7 +125,7 @@ fn positive(at: &mut Measured, load: Id) -> Id {
 
 macro_rules! cell_effect {
     ($(#[$doc:meta])* $type:ident, $name:literal, $phrase:literal, $remedy:literal, $parameter:expr,
-     $to:expr, $from:expr, $invalid:expr, $starts:expr, $bound:expr, $wrong:expr) => {
+     $invalid:expr, $starts:expr, $bound:expr, $wrong:expr) => {
         $(#[$doc])*
         pub(super) struct $type;
 
@@ -170,23 +170,8 @@ macro_rules! cell_effect {
                 read_with(target, at, |at, load| wrong(at, load, x));
             }
 
-            fn values(&self, context: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
-                let to: fn(&EffectContext, f64) -> f64 = $to;
-                vec![to(context, unknowns[0])]
-            }
-
-            fn unknowns(&self, context: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
-                let from: fn(&EffectContext, f64) -> f64 = $from;
-                vec![from(context, values[0])]
-            }
-
-            fn invalid_reason(
-                &self,
-                _: &EffectContext,
-                _: &Target,
-                values: &[f64],
-            ) -> Option<&'static str> {
-                let invalid: fn(f64) -> Option<&'static str> = $invalid;
+            fn invalid_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {
+                let invalid: fn(f64) -> Reason = $invalid;
                 invalid(values[0])
             }
 
@@ -209,9 +194,7 @@ cell_effect!(
     "cell_gain",
     "a gain of foot cell {}",
     "true load of {name} = reading / {x}; calibrate the cell",
-    Parameter::new("gain", 0.1),
-    |_, x| 1.0 + x,
-    |_, g| g - 1.0,
+    Parameter::new("gain", 0.1).fitted(Fitted::LessOne),
     |g| (g < 0.0).then_some("cells do not pull; give a gain of 0 or more"),
     [0.0],
     |x| vec![(-0.95 - x).max(0.0) / 0.02, (x - 4.0).max(0.0) / 0.2],
@@ -228,9 +211,7 @@ cell_effect!(
     "cell_offset",
     "a zero offset of foot cell {}",
     "true load of {name} = reading − ({x} N); set the zero of the cell",
-    Parameter::new("offset_n", 0.03),
-    |context, x| x * context.weight(),
-    |context, newton| newton / context.weight(),
+    Parameter::new("offset_n", 0.03).fitted(Fitted::OverWeight),
     |_| None,
     [0.0],
     |x| super::beyond(x, 0.6, 0.05),
@@ -244,9 +225,7 @@ cell_effect!(
     "a bent characteristic of foot cell {}",
     "true load of {name} = reading to the power of 1/{x}, both over the robot's weight; \
      calibrate the cell",
-    Parameter::new("exponent", 0.1),
-    |_, x| 1.0 + x,
-    |_, exponent| exponent - 1.0,
+    Parameter::new("exponent", 0.1).fitted(Fitted::LessOne),
     |e| (e <= 0.0).then_some("such a cell feels no load; give an exponent above 0"),
     [0.0],
     |x| vec![(-0.8 - x).max(0.0) / 0.05, (x - 3.0).max(0.0) / 0.2],
@@ -264,9 +243,7 @@ cell_effect!(
     "cell_saturation",
     "a saturated foot cell {}",
     "{name} reads no more than {x} N and too little near it; load it less or replace it",
-    Parameter::new("level_n", 0.05),
-    |context, x| x * context.weight(),
-    |context, newton| newton / context.weight(),
+    Parameter::new("level_n", 0.05).fitted(Fitted::OverWeight),
     |s| (s <= 0.0).then_some("such a cell feels no load; give a level_n above 0"),
     [0.15, 0.22, 0.3, 0.38, 0.46, 0.54],
     |x| vec![(0.02 - x).max(0.0) / 0.01, (x - 1.0).max(0.0) / 0.01],

@@ -97,6 +97,12 @@ impl<'m> EffectContext<'m> {
         (0..self.robot.dof()).map(Target::Joint).collect()
     }
 
+    /// All revolute joints alike, and each of them.
+    pub fn all_and_each_revolute(&self) -> Vec<Target> {
+        let each = self.revolute().into_iter().map(Target::Joint);
+        [Target::AllJoints].into_iter().chain(each).collect()
+    }
+
     /// Every independent revolute joint.
     pub fn revolute(&self) -> Vec<usize> {
         Target::AllJoints.revolute(self.robot)

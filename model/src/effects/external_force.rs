@@ -2,7 +2,7 @@
 
 use super::remedy::signed;
 use super::{
-    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage, Target,
+    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Reason, Stage, Target,
     plausible,
 };
 use crate::expr::Id;
@@ -96,22 +96,12 @@ impl Effect for ExternalForce {
         violation
     }
 
-    fn invalid_reason(
-        &self,
-        context: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn invalid_reason(&self, context: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         let lifted = values[2] >= context.weight();
         lifted.then_some("it lifts the robot off the ground; give force_z_n below its weight")
     }
 
-    fn implausible_reason(
-        &self,
-        context: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn implausible_reason(&self, context: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         let pull = libm::sqrt(values.iter().map(|force| force * force).sum());
         plausible::above(plausible::LARGEST_PULL, pull / context.weight())
     }

@@ -2,7 +2,7 @@
 
 use super::remedy::{degrees, signed};
 use super::{
-    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage, Target,
+    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Reason, Stage, Target,
     plausible,
 };
 use crate::expr::Id;
@@ -20,10 +20,6 @@ impl Effect for GroundSlope {
 
     fn stage(&self) -> Stage {
         Stage::Ground
-    }
-
-    fn targets(&self, _: &EffectContext) -> Vec<Target> {
-        vec![Target::Whole]
     }
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
@@ -64,12 +60,7 @@ impl Effect for GroundSlope {
         }
     }
 
-    fn implausible_reason(
-        &self,
-        _: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn implausible_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         let steepest = libm::hypot(values[0], values[1]);
         plausible::above(plausible::LARGEST_SLOPE, steepest)
     }

@@ -1,7 +1,9 @@
 #![doc = include_str!("pages/joint_compliance.md")]
 
 use super::remedy::digits;
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
+use super::{
+    Effect, EffectContext, EffectId, Fitted, Measured, Parameter, Reason, Stage, Target, plausible,
+};
 use crate::expr::Id;
 
 pub(super) struct JointCompliance;
@@ -20,14 +22,12 @@ impl Effect for JointCompliance {
     }
 
     fn targets(&self, context: &EffectContext) -> Vec<Target> {
-        let mut targets = vec![Target::AllJoints];
-        targets.extend(context.revolute().into_iter().map(Target::Joint));
-        targets
+        context.all_and_each_revolute()
     }
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
-        const PARAMETERS: &[Parameter] = &[Parameter::new("stiffness_nm_per_rad", 0.3)];
-        PARAMETERS
+        // Fitted are rad per metre of moment over weight.
+        const { &[Parameter::new("stiffness_nm_per_rad", 0.3).fitted(Fitted::WeightOver)] }
     }
 
     fn phrase(&self, _: &Target, name: &str) -> String {
@@ -52,15 +52,6 @@ impl Effect for JointCompliance {
         true
     }
 
-    fn values(&self, context: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
-        // Unknown: rad per metre of moment over weight.
-        vec![context.weight() / unknowns[0]]
-    }
-
-    fn unknowns(&self, context: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
-        vec![context.weight() / values[0]]
-    }
-
     fn bound_violation(&self, context: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         // Springs push back; beyond half of what buckles under the robot's own
         // weight it could not have stood.
@@ -70,22 +61,12 @@ impl Effect for JointCompliance {
         violation
     }
 
-    fn invalid_reason(
-        &self,
-        _: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn invalid_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         let soft = values[0] <= 0.0;
         soft.then_some("a stiffness of 0 or less holds nothing; give Nm/rad above 0")
     }
 
-    fn implausible_reason(
-        &self,
-        _: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn implausible_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         let pushes_back = values[0] > 0.0;
         (!pushes_back).then_some(plausible::STIFFNESS)
     }

@@ -1,7 +1,9 @@
 #![doc = include_str!("pages/joint_scale.md")]
 
 use super::remedy::EncoderMap;
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
+use super::{
+    Effect, EffectContext, EffectId, Fitted, Measured, Parameter, Reason, Stage, Target, plausible,
+};
 use crate::expr::Id;
 
 pub(super) struct JointScale;
@@ -24,8 +26,7 @@ impl Effect for JointScale {
     }
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
-        const PARAMETERS: &[Parameter] = &[Parameter::new("scale", 0.05)];
-        PARAMETERS
+        const { &[Parameter::new("scale", 0.05).fitted(Fitted::LessOne)] }
     }
 
     fn phrase(&self, _: &Target, name: &str) -> String {
@@ -54,24 +55,11 @@ impl Effect for JointScale {
         }
     }
 
-    fn values(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
-        vec![1.0 + unknowns[0]]
-    }
-
-    fn unknowns(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
-        vec![values[0] - 1.0]
-    }
-
     fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         super::beyond(unknowns[0], 0.9, 0.05)
     }
 
-    fn implausible_reason(
-        &self,
-        _: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn implausible_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         // A wrong sign is another effect.
         plausible::outside(plausible::JOINT_SCALE, libm::fabs(values[0]))
     }

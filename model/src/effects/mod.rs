@@ -47,7 +47,7 @@ pub use context::{EffectContext, Target};
 pub use experiment::{Carry, Experiment};
 pub use instance::{Instance, instances};
 pub(crate) use instance::{apply, apply_before_sensor, sense, undo};
-pub use parameter::{Parameter, Unit, Value};
+pub use parameter::{Fitted, Parameter, Unit, Value};
 pub use payload::known_weight;
 pub use programs::{
     joints, moments, other_sole, other_sole_by_joints, reading, reading_of_masses, resting_reading,
@@ -81,6 +81,9 @@ pub enum Stage {
     Record,
 }
 
+/// Why values are not believed or not possible, where they are not.
+pub type Reason = Option<&'static str>;
+
 /// What a URDF can hold of an effect.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -105,8 +108,11 @@ pub trait Effect: Sync {
     /// When it acts.
     fn stage(&self) -> Stage;
 
-    /// Joints, links or cells that it may act on, on this robot and in this log.
-    fn targets(&self, context: &EffectContext) -> Vec<Target>;
+    /// Joints, links or cells that it may act on, on this robot and in this log; the whole
+    /// robot or its sensor unless it says.
+    fn targets(&self, _: &EffectContext) -> Vec<Target> {
+        vec![Target::Whole]
+    }
 
     /// Its parameters, one per unknown.
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
@@ -142,15 +148,19 @@ pub trait Effect: Sync {
     /// Write the effect into the measurement; one expression per unknown.
     fn rewrite(&self, target: &Target, at: &mut Measured, unknowns: &[Id]);
 
-    /// Values of the parameters that these unknowns mean: the same unless they
-    /// are fitted on another scale.
-    fn values(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
-        unknowns.to_vec()
+    /// Values of the parameters that these unknowns mean: each by what is [`Fitted`] for it,
+    /// unless they depend on each other.
+    fn values(&self, context: &EffectContext, target: &Target, unknowns: &[f64]) -> Vec<f64> {
+        let parameters = self.parameters(context, target).iter().zip(unknowns);
+        let value = |(p, x): (&Parameter, &f64)| p.fitted.value(*x, context.weight());
+        parameters.map(value).collect()
     }
 
     /// The unknowns that have these values: the inverse of [`Effect::values`].
-    fn unknowns(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.to_vec()
+    fn unknowns(&self, context: &EffectContext, target: &Target, values: &[f64]) -> Vec<f64> {
+        let parameters = self.parameters(context, target).iter().zip(values);
+        let unknown = |(p, x): (&Parameter, &f64)| p.fitted.unknown(*x, context.weight());
+        parameters.map(unknown).collect()
     }
 
     /// How far the unknowns are beyond what is physical, in units in which 1 is
@@ -161,13 +171,13 @@ pub trait Effect: Sync {
 
     /// Why these values (in the order of the parameters) are not believed of any robot: they
     /// sit at or beyond a bound of [`plausible`].
-    fn implausible_reason(&self, _: &EffectContext, _: &Target, _: &[f64]) -> Option<&'static str> {
+    fn implausible_reason(&self, _: &EffectContext, _: &Target, _: &[f64]) -> Reason {
         None
     }
 
     /// Why no robot can have these values (in the order of the parameters), in
     /// words that name the remedy.
-    fn invalid_reason(&self, _: &EffectContext, _: &Target, _: &[f64]) -> Option<&'static str> {
+    fn invalid_reason(&self, _: &EffectContext, _: &Target, _: &[f64]) -> Reason {
         None
     }
 

@@ -139,6 +139,44 @@ pub struct Parameter {
     pub unit: Unit,
     /// An ordinary size of the unknown that it belongs to.
     pub scale: f64,
+    /// What that unknown is.
+    pub fitted: Fitted,
+}
+
+/// The unknown that is fitted for a parameter: zero where there is no effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Fitted {
+    /// The value.
+    Value,
+    /// The value less one: of a factor.
+    LessOne,
+    /// The value over the robot's weight: of a force.
+    OverWeight,
+    /// The robot's weight over the value: of a stiffness.
+    WeightOver,
+}
+
+impl Fitted {
+    /// The value that this unknown means, on a robot of `weight` N.
+    pub fn value(self, unknown: f64, weight: f64) -> f64 {
+        match self {
+            Fitted::Value => unknown,
+            Fitted::LessOne => 1.0 + unknown,
+            Fitted::OverWeight => unknown * weight,
+            Fitted::WeightOver => weight / unknown,
+        }
+    }
+
+    /// The unknown that has this value.
+    pub fn unknown(self, value: f64, weight: f64) -> f64 {
+        match self {
+            Fitted::Value => value,
+            Fitted::LessOne => value - 1.0,
+            Fitted::OverWeight => value / weight,
+            Fitted::WeightOver => weight / value,
+        }
+    }
 }
 
 impl Parameter {
@@ -152,8 +190,17 @@ impl Parameter {
     /// assert_eq!(WIDTH.unit, Unit::Radian);
     /// ```
     pub const fn new(name: &'static str, scale: f64) -> Parameter {
-        let unit = Unit::of(name);
-        Parameter { name, unit, scale }
+        Parameter {
+            name,
+            unit: Unit::of(name),
+            scale,
+            fitted: Fitted::Value,
+        }
+    }
+
+    /// The same, of which something else than the value is fitted.
+    pub const fn fitted(self, fitted: Fitted) -> Parameter {
+        Parameter { fitted, ..self }
     }
 }
 

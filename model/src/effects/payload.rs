@@ -2,8 +2,8 @@
 
 use super::remedy::{grams, point};
 use super::{
-    Effect, EffectContext, EffectId, Instance, Measured, Parameter, Stage, Target, UrdfEdit,
-    plausible,
+    Effect, EffectContext, EffectId, Instance, Measured, Parameter, Reason, Stage, Target,
+    UrdfEdit, plausible,
 };
 use crate::expr::Id;
 use crate::urdf::Load;
@@ -124,12 +124,7 @@ impl Effect for Payload {
         vec![long / 1e-3, lacking / 1e-3, heavy / 0.02]
     }
 
-    fn invalid_reason(
-        &self,
-        context: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn invalid_reason(&self, context: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         let gone = values[0] <= -context.mass();
         gone.then_some("more is missing than the robot weighs; give mass_kg above that")
     }
@@ -139,7 +134,7 @@ impl Effect for Payload {
         context: &EffectContext,
         target: &Target,
         values: &[f64],
-    ) -> Option<&'static str> {
+    ) -> Reason {
         let Target::Link(link) = *target else {
             return None;
         };

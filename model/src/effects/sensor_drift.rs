@@ -22,10 +22,6 @@ impl Effect for SensorDrift {
         Stage::Offset
     }
 
-    fn targets(&self, _: &EffectContext) -> Vec<Target> {
-        vec![Target::Whole]
-    }
-
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const PARAMETERS: &[Parameter] = &[
             Parameter::new("drift_x_m", 0.002),

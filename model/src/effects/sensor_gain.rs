@@ -1,7 +1,9 @@
 #![doc = include_str!("pages/sensor_gain.md")]
 
 use super::remedy::digits;
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, plausible};
+use super::{
+    Effect, EffectContext, EffectId, Fitted, Measured, Parameter, Reason, Stage, Target, plausible,
+};
 use crate::expr::Id;
 
 pub(super) struct SensorGain;
@@ -19,14 +21,10 @@ impl Effect for SensorGain {
         Stage::Gain
     }
 
-    fn targets(&self, _: &EffectContext) -> Vec<Target> {
-        vec![Target::Whole]
-    }
-
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const PARAMETERS: &[Parameter] = &[
-            Parameter::new("gain_x", 0.05),
-            Parameter::new("gain_y", 0.05),
+            Parameter::new("gain_x", 0.05).fitted(Fitted::LessOne),
+            Parameter::new("gain_y", 0.05).fitted(Fitted::LessOne),
         ];
         PARAMETERS
     }
@@ -52,14 +50,6 @@ impl Effect for SensorGain {
         }
     }
 
-    fn values(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
-        unknowns.iter().map(|g| 1.0 + g).collect()
-    }
-
-    fn unknowns(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Vec<f64> {
-        values.iter().map(|g| g - 1.0).collect()
-    }
-
     fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         // A gain near zero leaves no signal; a negative one is a wiring error.
         unknowns
@@ -68,12 +58,7 @@ impl Effect for SensorGain {
             .collect()
     }
 
-    fn invalid_reason(
-        &self,
-        _: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn invalid_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         let zero = values.contains(&0.0);
         zero.then_some("a gain of 0 shows no CoP; leave it out or give another")
     }
@@ -86,12 +71,7 @@ impl Effect for SensorGain {
         }
     }
 
-    fn implausible_reason(
-        &self,
-        _: &EffectContext,
-        _: &Target,
-        values: &[f64],
-    ) -> Option<&'static str> {
+    fn implausible_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {
         let outside = |gain: &f64| plausible::outside(plausible::SENSOR_GAIN, *gain);
         values.iter().find_map(outside)
     }

@@ -19,10 +19,6 @@ impl Effect for SensorOffset {
         Stage::Offset
     }
 
-    fn targets(&self, _: &EffectContext) -> Vec<Target> {
-        vec![Target::Whole]
-    }
-
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const PARAMETERS: &[Parameter] = &[
             Parameter::new("offset_x_m", 0.002),

@@ -19,13 +19,8 @@ impl Effect for SensorRotation {
         Stage::Rotation
     }
 
-    fn targets(&self, _: &EffectContext) -> Vec<Target> {
-        vec![Target::Whole]
-    }
-
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
-        const PARAMETERS: &[Parameter] = &[Parameter::new("yaw_rad", 0.05)];
-        PARAMETERS
+        const { &[Parameter::new("yaw_rad", 0.05)] }
     }
 
     fn phrase(&self, _: &Target, _: &str) -> String {

@@ -30,8 +30,7 @@ impl Effect for TimeDelay {
     }
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
-        const PARAMETERS: &[Parameter] = &[Parameter::new("delay_s", 0.03)];
-        PARAMETERS
+        const { &[Parameter::new("delay_s", 0.03)] }
     }
 
     fn phrase(&self, _: &Target, _: &str) -> String {
