@@ -14,6 +14,8 @@
 //! Effects are compared by name and target, value by value, in standard deviations of the
 //! difference. Directions of which a file gives no deviation are left out and counted.
 
+mod criteria;
+
 use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector};
@@ -22,11 +24,7 @@ use sesc_model::{EffectRecord, ModelFile};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, Normal};
 
 use crate::Error;
-
-/// A difference that chance makes more often than this is none.
-const CHANCE: f64 = 0.01;
-/// Parameters that are listed as the largest changes.
-const LISTED: usize = 5;
+use criteria::{CHANCE, LISTED};
 
 /// A number in both models.
 #[derive(Debug, Clone, PartialEq, Serialize)]

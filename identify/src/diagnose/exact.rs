@@ -8,15 +8,13 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::effects;
 use sesc_model::tape::{Tape, Values};
 
+use super::criteria::exact::AGREES;
 use super::hypothesis::effects_of;
 use super::nuisance::Nuisance;
 use super::problem::{Fit, Problem};
 use crate::evaluate::FASTEST;
 use crate::observations::postures::rms;
 
-/// Prediction and statement agree where they differ by no more than this part of what is
-/// left over, RMS.
-const AGREES: f64 = 2e-3;
 /// Parameters are moved by this part of the robot's reach for differences: readings are
 /// linear in them but where joints bend.
 const STEP: f64 = 1e-4;

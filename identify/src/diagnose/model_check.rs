@@ -6,6 +6,7 @@
 use sesc_model::effects::{Catalog, Instance, PostureContext};
 use sesc_model::{EffectRecord, Function, Model, ModelFile};
 
+use super::criteria::model_file::{AGREES, BENEATH_NOISE, MOST_LEFT_OUT, OTHER_SIDE};
 use super::findings::{Found, ModelOnLog};
 use super::held_out;
 use super::problem::Problem;
@@ -13,17 +14,6 @@ use super::resting::Predictions;
 use crate::Error;
 use crate::evaluate::{EffectPredictor, Evaluator};
 use crate::observations::postures::rms;
-
-/// What the diagnosis states and what the file predicts agree within this part.
-const AGREES: f64 = 0.01;
-/// Below this part of the noise a difference does not count.
-const BENEATH_NOISE: f64 = 0.01;
-
-/// A posture in which a loose joint is predicted on its other side reads this many
-/// deviations of its noise elsewhere.
-const OTHER_SIDE: f64 = 0.5;
-/// Postures of that kind, at most, as a part of all.
-const MOST_LEFT_OUT: f64 = 0.25;
 
 /// Compare `file` with what was found.
 ///

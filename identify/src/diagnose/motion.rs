@@ -18,6 +18,7 @@ use sesc_model::effects::PostureContext;
 use sesc_model::{Function, Model};
 
 use super::criteria;
+use super::criteria::motion::{DELAY_S, OFFSET};
 use super::problem::{Fit, Problem};
 use crate::evaluate::Evaluator;
 use crate::fit::prior::{Prior, Tolerances};
@@ -26,12 +27,6 @@ use crate::observations::motion_use::{Column, MotionModel, MotionUse, Share};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
 use crate::observations::zmp::{Moved, Zmp};
-
-/// How far joints may stand from where encoders say, rad or m.
-const OFFSET: f64 = 0.1;
-
-/// How late joints may be against readings, s.
-const DELAY_S: f64 = 0.1;
 
 /// Compare the readings of a log with the ZMP where it knows accelerations.
 pub(super) fn account(data: &mut Postures, model: &Model, prior: &Prior, asked: MotionModel) {

@@ -1,14 +1,12 @@
 //! Noise beside the best explanation: what it is where nothing states it, and whether what is
 //! stated is far larger.
 
+use super::criteria::noise::FALLS;
 use super::findings::{Found, Verdict};
 use super::leftover::Misfit;
 use super::problem::Problem;
 use crate::health::{Finding, Leftover, Picture};
 use crate::observations::noise::{NoiseSource, scale};
-
-/// Noise that falls by less than this part beside an explanation stays as it is.
-const FALLS: f64 = 0.03;
 
 /// What the best explanation and free masses leave, m, and how many of the readings they take
 /// up, where the noise is known from what free masses alone leave and this is less.

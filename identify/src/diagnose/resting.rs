@@ -16,6 +16,7 @@ use sesc_model::effects::{self, Instance, PostureContext};
 use sesc_model::tape::{Tape, Values};
 
 use super::backlash_sides;
+use super::criteria::resting::{FLIPPED, GAIN, MOST, SHORTEST};
 use super::exact::{Exact, masses_of};
 use super::hypothesis::effects_of;
 use super::problem::{ALL, Fit, Problem};
@@ -24,14 +25,6 @@ use crate::lsq::damped;
 
 /// Rounds, at most.
 const ROUNDS: usize = 12;
-/// χ² that one posture counts, at most: it may rest where gravity does not decide.
-const MOST: f64 = 9.0;
-/// χ² that a posture counts whose side the log knows and gravity does not.
-const FLIPPED: f64 = 4.0;
-/// Shorter steps between masses, as a part of the way to those of the fit, are not tried.
-const SHORTEST: f64 = 0.1;
-/// A fit that predicts the log better by less than this part is no better.
-const GAIN: f64 = 1e-4;
 
 /// `problem` and `fit` about masses whose own sides predict the log as stated.
 pub(super) fn settle<'m>(exact: &Exact, problem: &Problem<'m>, fit: &Fit) -> (Problem<'m>, Fit) {

@@ -6,6 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::criteria::samples::{COUNTS, LONGER};
 use super::diagnosis;
 use super::findings::{About, Found};
 use super::further_logs::FurtherLog;
@@ -17,13 +18,8 @@ use crate::observations::noise::NoiseSource;
 use crate::observations::samples::{Samples, Sum};
 use crate::watch::Watch;
 
-/// Below this factor of the noise a log is looked at once.
-const COUNTS: f64 = 1.1;
-
 /// Rounds in which the number of independent readings and the explanation settle.
 const ROUNDS: usize = 3;
-/// A number of rows per sample that grew by this is not settled.
-const LONGER: f64 = 1.3;
 
 /// The best explanation of a log, with noise counted for as long as it lasts.
 pub(super) fn explained<'m>(

@@ -12,24 +12,13 @@ use sesc_model::Model;
 use sesc_model::effects::other_sole_by_joints;
 use sesc_model::tape::{Tape, Values};
 
+use super::criteria::closure::{CLEAR, MORE, NAMED, NO_SLOPE, UNKNOWN};
 use super::found::{ClosureFound, Lies, Offset};
 use super::noise::{self, COMMON, ROWS};
 use super::other::OtherFoot;
 use crate::evaluate::FASTEST;
+use crate::observations::criteria::AS_GOOD;
 use crate::observations::postures::rms;
-
-/// χ² from which a column is more than noise: five standard deviations.
-const CLEAR: f64 = 25.0;
-/// Joints whose χ² is within this of the best explain as well: odds of 150 to 1.
-const AS_GOOD: f64 = 10.0;
-/// Joints named in a sentence.
-const NAMED: usize = 4;
-/// A slope that is none, m/rad or rad/rad.
-const NO_SLOPE: f64 = 1e-9;
-/// What an explanation leaves is more than noise from this part of it on.
-const MORE: f64 = 3.0;
-/// An offset that is known no better, rad or m, is not known.
-const UNKNOWN: f64 = 0.5;
 
 /// The equations of a log, posture by posture, and their noise.
 #[derive(Debug, Clone)]

@@ -9,6 +9,7 @@
 //! pitch (rad) of the other sole. What an encoder is off by shows in them.
 
 mod closure;
+mod criteria;
 mod found;
 mod noise;
 mod other;

@@ -8,18 +8,10 @@
 
 use sesc_model::{Function, Model};
 
+use super::criteria::whole::{ERRORS, FEWEST, GOES_WITH, MOVES_M};
 use super::other::OtherFoot;
 use crate::evaluate::Evaluator;
 use crate::observations::postures::Postures;
-
-/// CAD's CoP moves at least so much, RMS, before anything can be said, m.
-const MOVES_M: f64 = 5e-3;
-/// Readings of both feet go with it by more than this.
-const GOES_WITH: f64 = 0.4;
-/// Standard errors by which it has to be less.
-const ERRORS: f64 = 3.0;
-/// Postures that say it.
-const FEWEST: usize = 10;
 
 /// A warning where the readings are those of one foot.
 pub fn of_one_foot(model: &Model, other: &OtherFoot, data: &Postures) -> Option<String> {

@@ -15,8 +15,8 @@ use super::summary::{
 
 use crate::health;
 use crate::lsq::information::{Beyond, information, of_rows};
+use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::noise::{Leftover, Noise, NoiseSource, widening};
-use crate::observations::repeats::UNLIKELY;
 
 /// Held-out errors beyond this many times the noise are mentioned.
 const FAR: f64 = 2.0;

@@ -12,12 +12,13 @@ use statrs::distribution::{ContinuousCDF as _, FisherSnedecor};
 use crate::Error;
 use crate::logs::{Block, PostureReader};
 use crate::observations::correlation::{self, Correlation, Process};
+use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::grouping::{DOWN, Grouping};
 use crate::observations::motion::Plan;
 use crate::observations::motion_use::{Column, MotionModel, MotionUse};
 use crate::observations::noise::LEAST_STD;
 use crate::observations::postures::rms;
-use crate::observations::repeats::{Group, Repeats, UNLIKELY};
+use crate::observations::repeats::{Group, Repeats};
 use crate::observations::rows::{Measurement, Rows};
 
 /// Rows taken at once.

@@ -20,6 +20,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::options::Options;
 use super::row::Row;
+use super::summary::criteria::ROBOTS;
 use crate::Error;
 use crate::diagnose::FREE_MASSES;
 use crate::fit::population::Population;
@@ -28,8 +29,6 @@ use crate::health::Kind;
 use crate::robot::Robot;
 use crate::svd::svd;
 
-/// Fewer robots say nothing of how robots are spread.
-const ROBOTS: usize = 5;
 /// Steps; each narrows Σ, so that fewer only leave it wider.
 const STEPS: usize = 30;
 

@@ -16,6 +16,7 @@ mod assemble;
 mod block;
 mod bounds;
 mod columns;
+mod criteria;
 mod csv;
 mod guard;
 mod input;

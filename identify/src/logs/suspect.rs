@@ -8,18 +8,9 @@ use sesc_model::tree::Dof;
 
 use super::block::Block;
 use super::columns::T;
+use super::criteria::{FEW, SLACK, SOLE};
 use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
-
-/// With fewer values no unit is guessed.
-const FEW: u64 = 20;
-
-/// An encoder may stand this far beyond its limit, rad.
-const SLACK: f64 = 0.2;
-
-/// The CoP of a foot is within its sole: typically further out than this, m,
-/// and it was hardly given in metres.
-const SOLE: f64 = 0.5;
 
 /// Statistics of a log, and what was said about it.
 pub(super) struct Suspicions {

@@ -8,6 +8,7 @@
 
 pub mod again;
 pub mod correlation;
+pub(crate) mod criteria;
 pub(crate) mod grouping;
 pub mod motion;
 pub mod motion_use;

@@ -13,17 +13,9 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::correlation;
+use super::criteria::motion::{ANOTHER, CLEARLY, SURE, TOLD};
 use super::motion::LONGEST_S;
 use super::noise::LEAST_STD;
-
-/// Readings are without motion where twice the log likelihood of that is this much larger.
-const SURE: f64 = 4.0;
-/// A share this many deviations from 1 is another one,
-const ANOTHER: f64 = 4.0;
-/// if it is off by this as well: accelerations are not known better.
-const CLEARLY: f64 = 0.1;
-/// Shares that are known less well are not told.
-const TOLD: f64 = 1.0;
 
 /// Whether the motion of the joints counts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

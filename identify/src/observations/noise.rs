@@ -14,7 +14,8 @@ use statrs::distribution::{Continuous as _, ContinuousCDF as _, Normal, Students
 
 use serde::Serialize;
 
-use super::repeats::{self, LackOfFit, UNLIKELY};
+use super::criteria::repeats::UNLIKELY;
+use super::repeats::{self, LackOfFit};
 
 /// Stated deviations below this are taken for it, m: a row that weighs more would
 /// drown all others in rounding.

@@ -12,15 +12,9 @@
 //! A posture that is reached again differs by σ_v, for which SS_v takes the place of SS_pe:
 //! readings of one visit do not show it.
 
+use super::criteria::repeats::{FEWEST, SAID, UNLIKELY};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
-
-/// More than noise leaves with less than this chance is no noise.
-pub const UNLIKELY: f64 = 1e-3;
-/// Degrees of freedom of visits, or repeats, without which they are no measure of noise.
-pub const FEWEST: u64 = 10;
-/// Degrees of freedom from which visits are said to differ or not.
-const SAID: u64 = 2;
 
 /// Sums of squares about means, and their degrees of freedom.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]

@@ -21,23 +21,14 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 use super::criteria::FALSE_ALARM;
+use super::criteria::changes::{DIFFERENCES, HYPOTHESES, LEAST_FREEDOM, ONSET, UNSEEN};
 use super::history::{History, Key, Said, label, principal, said};
 use super::shared::one_in;
 use crate::diagnose::words::{Found, named};
 use crate::fleet::row::{Row, Size};
 
-/// Deviations of an effect on a day that does not show it.
-const UNSEEN: f64 = 3.0;
-/// Effects and targets that a diagnosis may name.
-const HYPOTHESES: f64 = 500.0;
-/// A day that differs from those before it by so many deviations begins a change.
-const ONSET: f64 = 4.0;
 /// Median of the square of a standard normal number.
 const MEDIAN_OF_SQUARES: f64 = 0.454_936;
-/// Fewer differences than these do not tell how days scatter.
-const DIFFERENCES: usize = 20;
-/// Fewest degrees of freedom that are taken for a row's deviations.
-const LEAST_FREEDOM: f64 = 5.0;
 
 /// What changed in a robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -3,12 +3,10 @@
 use serde::Serialize;
 
 use super::changes::Change;
+use super::criteria::CLEAR;
 use super::history::{History, Key, Said, label, said};
 use super::shared::Shared;
 use crate::fleet::row::Row;
-
-/// An effect of the last day alone counts if it is so many deviations large.
-const CLEAR: f64 = 8.0;
 
 /// Why a robot is to be looked at.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -7,7 +7,7 @@
 //! ```
 
 mod changes;
-mod criteria;
+pub(super) mod criteria;
 mod history;
 mod look_first;
 mod population;

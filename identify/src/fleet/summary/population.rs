@@ -12,11 +12,9 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
+use super::criteria::ROBOTS;
 use super::history::History;
 use crate::fleet::row::Row;
-
-/// Fewer robots say nothing of how robots are spread.
-const ROBOTS: usize = 5;
 
 /// Parameters over robots of one URDF on one support.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -28,16 +28,10 @@ use statrs::distribution::{Binomial, DiscreteCDF as _};
 use statrs::function::gamma::ln_gamma;
 
 use super::criteria::FALSE_ALARM;
+use super::criteria::shared::{ALIKE, LASTING, LEAST_WINDOW};
 use super::history::{History, Key, Said, label, pooled, principal, said};
 use crate::diagnose::words::{Found, named};
 use crate::fleet::row::Size;
-
-/// Part of the rows of a robot that an effect has to be possible in to be the robot's.
-const LASTING: f64 = 0.5;
-/// Robots of a group differ by at most this part of its size.
-const ALIKE: f64 = 0.5;
-/// A window is no narrower than this many deviations of an estimate.
-const LEAST_WINDOW: f64 = 2.0;
 
 /// An effect that robots share.
 #[derive(Debug, Clone, PartialEq, Serialize)]

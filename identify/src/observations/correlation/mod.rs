@@ -20,36 +20,13 @@ mod windows;
 
 use std::ops::Range;
 
+use super::criteria::correlation::{
+    ALIKE, BACKWARDS, ENOUGH, ENOUGH_APART, FEW, LEAP, OF_WINDOWS, ROOM, SCALED, SCATTER,
+    SIGNIFICANT, WINDOWS, WORTH_LESS,
+};
 use nalgebra::{DMatrix, DVector};
 
 pub use windows::{Cut, Independent, Process, Whitener};
-
-/// Twice the log likelihood that correlation must gain over none.
-const SIGNIFICANT: f64 = 10.0;
-/// Windows are tried on several lengths: they must gain more.
-const OF_WINDOWS: f64 = 16.0;
-/// Standard deviations by which windows must scatter more than independent rows.
-const SCATTER: f64 = 4.0;
-/// Standard deviations by which neighbours that are not alike may correlate.
-const ALIKE: f64 = 3.5;
-/// Means of so many rows are looked at that this many times the columns are left.
-const FEW: usize = 3;
-/// Windows whose means are less correlated than this are long enough.
-const ENOUGH_APART: f64 = 0.7;
-/// How often the scale of rows that hold coefficients follows what is found.
-const SCALED: usize = 3;
-/// Longer windows count where they are worth this much less than shorter ones say.
-const WORTH_LESS: f64 = 1.15;
-/// Factor by which windows twice as long may show rows to be worth less.
-const LEAP: f64 = 2.5;
-/// Unless there are this many windows for each column.
-const ROOM: usize = 4;
-/// Rows that correlation can be seen in, at least, beyond the columns of X.
-const ENOUGH: usize = 20;
-/// Windows beyond twice the columns of X.
-const WINDOWS: usize = 20;
-/// More steps than this part that do not go forward are no order.
-const BACKWARDS: f64 = 0.02;
 
 /// What a log's residuals say of its noise, on one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
