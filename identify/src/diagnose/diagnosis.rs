@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use sesc_model::effects::Unit;
 
-use super::closing;
+use super::closure;
 use super::com_spread;
 use super::criteria;
 use super::findings::{
@@ -19,11 +19,11 @@ use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem};
 use super::remedy::Remedy;
 use super::search::Search;
-use super::settle;
+use super::settled_masses;
 use super::words::{self, capital};
 use crate::Error;
-use crate::observations::again::Again;
 use crate::observations::noise::NoiseSource;
+use crate::observations::revisits::Again;
 use crate::observations::samples::Samples;
 use crate::watch::Watch;
 
@@ -65,7 +65,7 @@ pub fn find<'m>(
     let known = problem.data.noise_source != NoiseSource::Residuals
         || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
-    let soles = about.usable && closing::is_open(search.problem(), &best);
+    let soles = about.usable && closure::is_open(search.problem(), &best);
     let no_known = known && misfit.is_clear() || formula.is_some() || soles;
     let unexplained = no_known || crowd || implausible.is_some();
     let problem = search.problem();
@@ -79,7 +79,7 @@ pub fn find<'m>(
     let whole = steps.last().unwrap_or(&null);
     let held_out = |step: &Fit| {
         let apart = held_out::apart_on_the_way(problem, step, whole);
-        match settle::settle(problem, step) {
+        match settled_masses::settle(problem, step) {
             Some((own, step)) => held_out::cross_validate(&own, &step, &apart),
             None => held_out::cross_validate(problem, step, &apart),
         }
@@ -100,7 +100,7 @@ pub fn find<'m>(
     let raw = raw_misfit(problem);
     let members = members(problem, &class);
     let (mut best, mut class, mut steps) = (best, class, steps);
-    if let Some((own, settled)) = settle::settle(problem, &best) {
+    if let Some((own, settled)) = settled_masses::settle(problem, &best) {
         drop(search);
         *whole_problem = own;
         let problem = &*whole_problem;
@@ -114,7 +114,7 @@ pub fn find<'m>(
         }
     }
     let problem = &*whole_problem;
-    let closure = closing::said(problem, &null, &best);
+    let closure = closure::said(problem, &null, &best);
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         _ if !about.usable => Verdict::Unusable,
         (true, _, _) => Verdict::Unexplained,

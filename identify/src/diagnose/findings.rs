@@ -10,10 +10,10 @@ use super::hypothesis::Term;
 use super::problem::Fit;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
-use crate::observations::again::Again;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
+use crate::observations::revisits::Again;
 use crate::observations::samples::Samples;
 
 /// What a diagnosis comes to.

@@ -6,7 +6,7 @@
 //! ```
 
 mod backlash_sides;
-mod closing;
+mod closure;
 mod com_spread;
 pub mod corrected_urdf;
 mod criteria;
@@ -34,7 +34,7 @@ mod request;
 mod resting;
 mod samples;
 mod search;
-mod settle;
+mod settled_masses;
 #[cfg(test)]
 mod tests;
 mod verdict;

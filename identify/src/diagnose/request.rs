@@ -22,7 +22,7 @@ use super::next_postures::{self, Next, OnFoot};
 use super::problem::Problem;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
-use super::{closing, experiment, model_check, motion, noise, samples, verdict};
+use super::{closure, experiment, model_check, motion, noise, samples, verdict};
 use crate::feet::Feet;
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
@@ -234,7 +234,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         }
         hashes.push(own);
         let (sidecar, _) = log.sidecar()?;
-        let closure = closing::of(&Feet::default(), &sidecar, model, &postures, watch)?;
+        let closure = closure::of(&Feet::default(), &sidecar, model, &postures, watch)?;
         let problem = Problem::new(model, postures, &prior, &request.effects)?;
         further.push(FurtherLog {
             experiment: *experiment,
@@ -257,7 +257,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             usable: health.is_usable(),
             health: health.findings,
         };
-        let closure = closing::of(&request.feet, &sidecar, &model, &data, watch)?;
+        let closure = closure::of(&request.feet, &sidecar, &model, &data, watch)?;
         let problem = Problem::new(&model, data, &prior, &request.effects)?;
         samples::explained(problem.on_both_feet(closure), &further, &about, watch)
     };

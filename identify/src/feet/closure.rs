@@ -13,9 +13,9 @@ use sesc_model::effects::other_sole_by_joints;
 use sesc_model::tape::{Tape, Values};
 
 use super::criteria::closure::{CLEAR, MORE, NAMED, NO_SLOPE, UNKNOWN};
-use super::found::{ClosureFound, Lies, Offset};
 use super::noise::{self, COMMON, ROWS};
 use super::other::OtherFoot;
+use super::soles::{ClosureFound, Lies, Offset};
 use crate::evaluate::FASTEST;
 use crate::observations::criteria::AS_GOOD;
 use crate::observations::postures::rms;

@@ -16,7 +16,7 @@ pub mod closure {
 }
 
 /// Whether readings are of both feet together.
-pub mod whole {
+pub mod one_foot {
     /// CAD's CoP moves at least so much, RMS, before anything can be said, m.
     pub const MOVES_M: f64 = 5e-3;
     /// Readings of both feet go with it by more than this.

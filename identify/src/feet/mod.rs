@@ -10,15 +10,15 @@
 
 mod closure;
 mod criteria;
-mod found;
 mod noise;
+mod one_foot;
 mod other;
+mod soles;
 #[cfg(test)]
 mod tests;
-mod whole;
 
 pub use closure::Closure;
-pub use found::{ClosureFound, Lies, Offset};
 pub use noise::ROWS;
+pub use one_foot::of_one_foot;
 pub use other::{Feet, OtherFoot};
-pub use whole::of_one_foot;
+pub use soles::{ClosureFound, Lies, Offset};

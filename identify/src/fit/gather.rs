@@ -21,12 +21,12 @@ use crate::health::Finding;
 use crate::logs::Block;
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::{self, Estimate};
-use crate::observations::again::Again;
 use crate::observations::grouping::{DOWN, Grouping, Visit};
 use crate::observations::motion::{Motion, Plan};
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::{Known, LEAST_STD};
 use crate::observations::repeats::{Group, Repeats};
+use crate::observations::revisits::Again;
 use crate::observations::rows::{Measurement, Rows};
 use crate::observations::samples;
 

@@ -9,11 +9,11 @@ use super::prior::Prior;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
-use crate::observations::again::Again;
 use crate::observations::motion::Plan;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::{LackOfFit, Visits};
+use crate::observations::revisits::Again;
 use crate::observations::samples::Samples;
 
 /// How to fit.

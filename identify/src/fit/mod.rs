@@ -5,7 +5,6 @@
 //! observations → gather (factors) → lsq (with prior) → estimate → identification
 //! ```
 
-mod again;
 pub mod corrected;
 mod estimate;
 #[cfg(feature = "nalgebra")]
@@ -31,6 +30,7 @@ pub mod population;
 pub mod prior;
 mod request;
 pub mod residuals;
+mod revisits;
 mod robust;
 mod soles;
 mod stream;

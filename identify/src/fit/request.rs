@@ -11,7 +11,6 @@ use std::sync::Arc;
 
 use sesc_model::{Model, ModelFile, Snapping};
 
-use super::again;
 use super::corrected::{Corrected, correct};
 use super::estimate::identify_within;
 use super::identification::{Identification, Settings};
@@ -20,6 +19,7 @@ use super::logs::Logs;
 use super::part::{About, Part};
 use super::prior::{Prior, PriorChoice};
 use super::residuals::{self, Sample};
+use super::revisits;
 use super::robust::Loss;
 use super::soles;
 use crate::feet::Feet;
@@ -471,7 +471,7 @@ fn of_logs(request: &Request, parts: Option<&Part>, watch: &mut dyn Watch) -> Re
     let logs = logs(request, &robot, support, folds);
     let (measurement, mut gathered) = logs.gather(request.robust, &prior, watch)?;
     if request.noise.is_none() {
-        gathered.again = again::of(&logs, &gathered, watch)?;
+        gathered.again = revisits::of(&logs, &gathered, watch)?;
     }
     gathered.closure = soles::worst(&logs, &request.feet, watch)?;
     let supports = measurement.supports();

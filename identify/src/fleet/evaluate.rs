@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::content::{Log, each_once};
+use super::joined_logs::together;
 use super::options::{Only, Options};
 use super::row::Row;
-use super::together::together;
 use crate::diagnose::{Request, diagnose};
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::fit::{self, fit};

@@ -22,6 +22,8 @@ mod disk;
 mod evaluate;
 mod gathering;
 mod groups;
+mod joined_logs;
+mod known_logs;
 mod manifest;
 mod options;
 #[cfg(feature = "parquet")]
@@ -29,11 +31,9 @@ mod parquet;
 mod population;
 mod row;
 mod run;
-mod seen;
 mod store;
 pub mod summary;
 mod table;
-mod together;
 mod work;
 
 pub use content::{Log, content_hash};

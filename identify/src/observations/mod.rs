@@ -6,7 +6,6 @@
 //!    └──▶ rows (regressor, tilt, supports)      postures (a log in memory)
 //! ```
 
-pub mod again;
 pub mod correlation;
 pub(crate) mod criteria;
 pub(crate) mod grouping;
@@ -16,6 +15,7 @@ pub(crate) mod moving;
 pub mod noise;
 pub mod postures;
 pub(crate) mod repeats;
+pub mod revisits;
 pub mod rows;
 pub mod samples;
 pub mod zmp;

@@ -57,7 +57,7 @@ use crate::fit::prior::{Prior, Tolerances};
 use crate::logs::Sidecar;
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::UNSEEN;
-use crate::observations::again::spread;
+use crate::observations::revisits::spread;
 use crate::svd::singular_values;
 use crate::watch::{Progress, Watch, stopped};
 use both_feet::BothFeet;

@@ -14,9 +14,9 @@ use sesc_model::Model;
 use super::request::Request;
 use crate::Error;
 use crate::logs::{LogSource, Options, Readings};
-use crate::observations::again::COUNT;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, Taking};
+use crate::observations::revisits::COUNT;
 use crate::watch::Watch;
 
 /// Postures of a plan that should come back.

@@ -3,7 +3,7 @@
 use super::gather::Gathered;
 use super::logs::Logs;
 use crate::Error;
-use crate::observations::again::Again;
+use crate::observations::revisits::Again;
 use crate::observations::rows::CopRows;
 use crate::watch::Watch;
 

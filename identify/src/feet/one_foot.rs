@@ -8,7 +8,7 @@
 
 use sesc_model::{Function, Model};
 
-use super::criteria::whole::{ERRORS, FEWEST, GOES_WITH, MOVES_M};
+use super::criteria::one_foot::{ERRORS, FEWEST, GOES_WITH, MOVES_M};
 use super::other::OtherFoot;
 use crate::evaluate::Evaluator;
 use crate::observations::postures::Postures;
