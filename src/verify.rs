@@ -53,6 +53,9 @@ pub struct Verification {
     pub worst_error: BTreeMap<String, f64>,
     /// What rounding, snapping and springs may explain, in the same units.
     pub bound: BTreeMap<String, f64>,
+    /// Those units; m of regressor rows.
+    #[serde(skip)]
+    pub units: BTreeMap<String, &'static str>,
 }
 
 /// The independent reference of `robot` on `support`; it reads the URDF by itself.
@@ -98,6 +101,7 @@ pub fn verify(
     let mut settled = true;
     let mut worst: BTreeMap<String, f64> = BTreeMap::new();
     let mut bound: BTreeMap<String, f64> = BTreeMap::new();
+    let mut units: BTreeMap<String, &str> = BTreeMap::new();
     let joints = JointMotion::of(model);
     let mut evaluators = Vec::new();
     for given in [Given::Positions, Given::SinesCosines, Given::Direction] {
@@ -118,6 +122,9 @@ pub fn verify(
                     proven => proven + own.unwrap_or(0.0),
                 };
                 bound.insert(name.clone(), allowed);
+                // Rows are compared by the CoM that they give.
+                let unit = Some(function.error_unit()).filter(|unit| !unit.is_empty());
+                units.insert(name.clone(), unit.unwrap_or("m"));
                 evaluators.push((name, function, evaluator));
             }
         }
@@ -170,6 +177,7 @@ pub fn verify(
         springs_left_out: left_out,
         worst_error: worst,
         bound,
+        units,
     })
 }
 

@@ -8,7 +8,6 @@ use super::{Bar, Outcome, RobotArguments, print_json, show};
 use crate::Error;
 use crate::report::table::Table;
 use crate::verify::{holds, verify};
-use sesc_model::Function;
 
 /// Compare the generated functions with the independent reference
 ///
@@ -54,7 +53,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                 name.to_string(),
                 format!("{error:.2e}"),
                 format!("{bound:.2e}"),
-                unit(name).to_string(),
+                found.units[name].to_string(),
                 verdict.to_string(),
             ]);
         }
@@ -80,16 +79,4 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     } else {
         Outcome::Failed
     })
-}
-
-/// Unit of the errors of a function or its variant: rows are compared by the CoM they give.
-fn unit(name: &str) -> &'static str {
-    let of = |function: &&Function| name.starts_with(function.name());
-    let functions = Function::ALL.iter().filter(of);
-    // `com` begins the names of others.
-    let function = functions.max_by_key(|function| function.name().len());
-    match function.map_or("", |function| function.error_unit()) {
-        "" => "m",
-        unit => unit,
-    }
 }
