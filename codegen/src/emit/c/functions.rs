@@ -189,7 +189,7 @@ fn input(routine: &Exported, argument: Argument, name: &str) -> Parameter {
         meaning: format!("{}, [{entries}{many}]", meaning(argument)),
         scalar: format!("const {name}_real"),
         length: Some(match argument {
-            Argument::Reading => entries,
+            Argument::Reading if !routine.is_batch() => entries,
             _ => String::new(),
         }),
     }
