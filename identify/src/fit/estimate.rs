@@ -115,37 +115,39 @@ pub(super) fn identify_within(
     let prior = settings.prior.spread(model);
     let centre = settings.prior.centre(model);
     let mut failures = Vec::new();
-    let mut fit = |fold: &Fold| {
-        let mut estimate = fold.solve(sigma, &centre, prior.as_ref());
-        let bounded = limits.map(|limits| {
+    // Within what masses can be, where that is asked for.
+    let mut bounded = |fold: &Fold, params: DVector<f64>| {
+        let constrained = limits.map(|limits| {
             physical::constrain(
                 model,
                 &fold.weighted,
                 sigma,
                 &settings.prior,
                 limits,
-                &estimate.params,
+                &params,
             )
         });
-        match bounded {
-            None => (estimate, None),
-            Some(Ok(bounded)) => {
-                estimate.params = bounded.params;
-                (estimate, Some(bounded.masses))
-            }
+        match constrained {
+            None => (params, None),
+            Some(Ok(found)) => (found.params, Some(found.masses)),
             Some(Err(failure)) => {
                 failures.push(failure.reason);
-                (estimate, None)
+                (params, None)
             }
         }
     };
-    let (estimate, masses) = fit(&together);
+    let mut estimate = together.solve(sigma, &centre, prior.as_ref());
+    let (params, masses) = bounded(&together, estimate.params);
+    estimate.params = params;
     let rows = whole.r() / sigma;
     let information = match &prior {
         Some(prior) => information(&rows, prior, Beyond::Exact),
         None => of_rows(&rows, &estimate.unseen),
     };
-    let held_out = held_out(gathered, |others| fit(others).0);
+    let held_out = held_out(gathered, |others| {
+        let free = others.params(sigma, &centre, prior.as_ref());
+        bounded(others, free).0
+    });
     if held_out.rmse > FAR * noise.floor && !guessed {
         warnings.push(format!(
             "postures the fit did not see are off by {:.1} times the noise: too few postures, or \

@@ -52,6 +52,16 @@ impl Fold {
     pub fn solve(&self, sigma: f64, cad: &DVector<f64>, prior: Option<&DMatrix<f64>>) -> Estimate {
         solve::solve_weighted(&self.weighted, self.plain(), sigma, cad, prior)
     }
+
+    /// The parameters of [`Fold::solve`] alone.
+    pub fn params(
+        &self,
+        sigma: f64,
+        cad: &DVector<f64>,
+        prior: Option<&DMatrix<f64>>,
+    ) -> DVector<f64> {
+        solve::params_weighted(&self.weighted, self.plain(), sigma, cad, prior)
+    }
 }
 
 /// A log that was read.

@@ -231,7 +231,13 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     }
     let (request, health) = screened(request, watch)?;
     let (request, part) = (&*request, gathered(&request, health, watch)?);
-    let robot = Robot::parse(&part.urdf, &part.urdf_file)?;
+    // The robot of the logs is read already; that of parts is in them.
+    let is_it =
+        |robot: &&Arc<Robot>| robot.text() == part.urdf && robot.description.file == part.urdf_file;
+    let robot = match request.robot.as_ref().filter(is_it) {
+        Some(robot) => Arc::clone(robot),
+        None => Arc::new(Robot::parse(&part.urdf, &part.urdf_file)?),
+    };
     let snapping = match part.snapped {
         true => Snapping::default(),
         false => Snapping::Off,
@@ -277,7 +283,7 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
         residuals: Sample::default(),
         notes: model.tree.notes.clone(),
         identification: found,
-        robot: Arc::new(robot),
+        robot,
         model: Arc::new(model),
         snapping,
         prior: settings.prior,

@@ -50,7 +50,7 @@ pub(super) struct HeldOut {
 }
 
 /// k-fold cross-validation on the folds' factors.
-pub(super) fn held_out(gathered: &Gathered, mut fit: impl FnMut(&Fold) -> Estimate) -> HeldOut {
+pub(super) fn held_out(gathered: &Gathered, mut fit: impl FnMut(&Fold) -> DVector<f64>) -> HeldOut {
     let all: u64 = gathered.folds.iter().map(|fold| fold.plain().rows()).sum();
     let mut folds: Vec<(f64, f64)> = Vec::new(); // mean square, rows
     for (k, fold) in gathered.folds.iter().enumerate() {
@@ -58,8 +58,8 @@ pub(super) fn held_out(gathered: &Gathered, mut fit: impl FnMut(&Fold) -> Estima
         if rows == 0 || rows == all {
             continue;
         }
-        let estimate = fit(&gathered.together(Some(k)));
-        let sum = fold.plain().residual_sum(&estimate.params);
+        let params = fit(&gathered.together(Some(k)));
+        let sum = fold.plain().residual_sum(&params);
         folds.push((sum / rows as f64, rows as f64));
     }
     let rows: f64 = folds.iter().map(|fold| fold.1).sum();

@@ -31,8 +31,10 @@ pub(super) struct Wirings<'a> {
     /// Their joint positions as logged, and their readings.
     q: Vec<f64>,
     reading: Vec<f64>,
-    /// And of how many units of angles; wirings follow each other unit by unit.
-    wired: OnceCell<(Vec<Vec<f64>>, usize)>,
+    /// Those in each unit of angles, the log's first.
+    units: OnceCell<Vec<Vec<f64>>>,
+    /// And under each wiring; wirings follow each other unit by unit.
+    wired: OnceCell<Vec<Vec<f64>>>,
     com: OnceCell<Vec<Vec<f64>>>,
 }
 
@@ -49,59 +51,66 @@ impl<'a> Wirings<'a> {
             q: rows(&data.q, dof),
             reading: rows(&data.reading, 2),
             chosen,
+            units: OnceCell::new(),
             wired: OnceCell::new(),
             com: OnceCell::new(),
         }
     }
 
+    fn context(&self) -> EffectContext<'a> {
+        EffectContext::new(self.model, &[], false, Catalog::standard())
+    }
+
     /// Joint positions under each wiring, that of the log first.
     fn wired(&self) -> &[Vec<f64>] {
-        &self.found().0
-    }
-
-    /// Units of angles that are tried; the log's is the first.
-    fn units(&self) -> usize {
-        self.found().1
-    }
-
-    fn found(&self) -> &(Vec<Vec<f64>>, usize) {
         self.wired.get_or_init(|| {
-            let context = EffectContext::new(self.model, &[], false, Catalog::standard());
-            let all = effects::instances(&context).into_iter();
-            let wiring = |i: &Instance| i.effect.stage() == Stage::Wiring;
-            let faults: Vec<Instance> = all.filter(wiring).collect();
-            let under = |faults: &[Instance], q: &[f64]| -> Vec<f64> {
-                let tape = Tape::new(&effects::wired_joints(&context, faults));
-                let mut out = vec![0.0; q.len()];
-                let postures = self.chosen.len();
-                tape.run(&[Values::PerPosture(q)], postures, &mut out, FASTEST);
-                out
-            };
-            let of_all = faults.iter().filter(|i| i.effect.is_unit());
+            let (context, units) = (self.context(), self.units());
+            let mut wired = units.to_vec();
+            for fault in of_wiring(&context, false) {
+                wired.extend(units.iter().map(|q| self.under(&context, &fault, q)));
+            }
+            wired
+        })
+    }
+
+    /// Joint positions in each unit of angles that is tried; the log's is the first.
+    fn units(&self) -> &[Vec<f64>] {
+        self.units.get_or_init(|| {
+            let context = self.context();
             let mut units = vec![self.q.clone()];
-            for unit in of_all {
-                let q = under(std::slice::from_ref(unit), &self.q);
+            for unit in of_wiring(&context, true) {
+                let q = self.under(&context, &unit, &self.q);
                 if !units.contains(&q) {
                     units.push(q);
                 }
             }
-            let mut wired = units.clone();
-            for fault in faults.iter().filter(|i| !i.effect.is_unit()) {
-                wired.extend(units.iter().map(|q| under(std::slice::from_ref(fault), q)));
-            }
-            (wired, units.len())
+            units
         })
     }
 
-    fn com_of(&self, model: &Model) -> Vec<Vec<f64>> {
+    /// How many wirings there are.
+    fn count(&self) -> usize {
+        (1 + of_wiring(&self.context(), false).len()) * self.units().len()
+    }
+
+    fn under(&self, context: &EffectContext, fault: &Instance, q: &[f64]) -> Vec<f64> {
+        let program = effects::wired_joints(context, std::slice::from_ref(fault));
+        let mut out = vec![0.0; q.len()];
+        let positions = [Values::PerPosture(q)];
+        Tape::new(&program).run(&positions, self.chosen.len(), &mut out, FASTEST);
+        out
+    }
+
+    fn com_of(&self, model: &Model, wired: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let com = Evaluator::new(model, Function::Com).fastest();
         let of = |q: &Vec<f64>| com.run(q, self.chosen.len());
-        self.wired().iter().map(of).collect()
+        wired.iter().map(of).collect()
     }
 
     /// CoM under each wiring, on the log's support.
     fn com(&self) -> &[Vec<f64>] {
-        self.com.get_or_init(|| self.com_of(self.model))
+        self.com
+            .get_or_init(|| self.com_of(self.model, self.wired()))
     }
 
     /// Least scatter of one axis of the CoP under any wiring in the log's unit, m.
@@ -109,7 +118,7 @@ impl<'a> Wirings<'a> {
         let of = |com: &Vec<f64>| scatter(&column(com, k));
         let in_unit = self
             .com()
-            .chunks(self.units())
+            .chunks(self.units().len())
             .filter_map(|all| all.first());
         in_unit.map(of).fold(f64::INFINITY, f64::min)
     }
@@ -122,7 +131,7 @@ impl<'a> Wirings<'a> {
 
     /// The same on another support.
     pub fn left_on(&self, model: &Model) -> f64 {
-        self.least_left(&self.com_of(model), [0, 1])
+        self.least_left(&self.com_of(model, self.wired()), [0, 1])
     }
 
     fn least_left(&self, com: &[Vec<f64>], axes: [usize; 2]) -> f64 {
@@ -146,16 +155,26 @@ impl<'a> Wirings<'a> {
     /// R² of noise on 2 columns:    P(R² > x) = (1 − x)^((n − 3)/2)
     /// ```
     pub fn relates(&self, k: usize) -> bool {
-        let wirings = self.com();
-        let tests = 2.0 * wirings.len() as f64;
+        let tests = 2.0 * self.count() as f64;
         let free = (self.chosen.len() as f64 - 3.0).max(1.0);
         let kept = (-2.0 * (CHANCE * tests).ln() / free).exp();
         let read = axis(&self.reading, k);
-        wirings.iter().any(|com| {
+        let goes = |com: &Vec<f64>| {
             let left = left_by_plane(&read, [&column(com, 0), &column(com, 1)]);
             left * left < kept * scatter(&read).powi(2)
-        })
+        };
+        // Most logs are wired as they say, and hundreds of other wirings need not be made.
+        let own = self.com_of(self.model, &self.units()[..1]);
+        own.iter().any(goes) || self.com().iter().any(goes)
     }
+}
+
+/// Faults of wiring: those of the unit of angles, or the others.
+fn of_wiring(context: &EffectContext, units: bool) -> Vec<Instance> {
+    let all = effects::instances(context).into_iter();
+    let own = |i: &Instance| i.effect.is_unit() == units;
+    all.filter(|i| i.effect.stage() == Stage::Wiring && own(i))
+        .collect()
 }
 
 fn column(com: &[f64], k: usize) -> Vec<f64> {

@@ -60,22 +60,14 @@ pub fn solve_weighted(
     prior: Option<&DMatrix<f64>>,
 ) -> Estimate {
     let seen = Seen::by(plain, factor);
-    let away = factor.z() - factor.r() * cad;
     let (params, covariance) = match prior {
-        None => seen.step(factor, sigma, &away),
+        None => seen.step(factor, sigma, &away(factor, cad)),
         Some(s) => {
             let (p, m) = s.shape();
-            let mut stacked = DMatrix::zeros(p + m, m);
-            stacked.rows_mut(0, p).copy_from(&(factor.r() * s / sigma));
-            stacked.rows_mut(p, m).fill_with_identity();
-            let (q, r) = stacked.qr().unpack();
-            let right = q.rows(0, p).transpose() * (away / sigma);
-            // The identity below makes r regular, with singular values of one or more.
-            let u = r.solve_upper_triangular(&right);
-            let u = u.unwrap_or_else(|| DVector::zeros(m));
+            let (params, r) = with_prior(factor, sigma, cad, s);
             let half = r.transpose().solve_lower_triangular(&s.transpose());
             let half = half.unwrap_or_else(|| DMatrix::zeros(m, p)).transpose();
-            (s * u, &half * half.transpose())
+            (params, &half * half.transpose())
         }
     };
     Estimate {
@@ -85,6 +77,44 @@ pub fn solve_weighted(
         condition_number: seen.condition_number,
         unseen: seen.blind,
     }
+}
+
+/// The parameters of [`solve_weighted`] alone, which with a prior need no singular values.
+pub fn params_weighted(
+    factor: &Factor,
+    plain: &Factor,
+    sigma: f64,
+    cad: &DVector<f64>,
+    prior: Option<&DMatrix<f64>>,
+) -> DVector<f64> {
+    match prior {
+        None => solve_weighted(factor, plain, sigma, cad, None).params,
+        Some(s) => cad + with_prior(factor, sigma, cad, s).0,
+    }
+}
+
+/// What CAD leaves of the readings.
+fn away(factor: &Factor, cad: &DVector<f64>) -> DVector<f64> {
+    factor.z() - factor.r() * cad
+}
+
+/// The step from CAD and the triangle of (R S / σ; 1).
+fn with_prior(
+    factor: &Factor,
+    sigma: f64,
+    cad: &DVector<f64>,
+    s: &DMatrix<f64>,
+) -> (DVector<f64>, DMatrix<f64>) {
+    let (p, m) = s.shape();
+    let mut stacked = DMatrix::zeros(p + m, m);
+    stacked.rows_mut(0, p).copy_from(&(factor.r() * s / sigma));
+    stacked.rows_mut(p, m).fill_with_identity();
+    let (q, r) = stacked.qr().unpack();
+    let right = q.rows(0, p).transpose() * (away(factor, cad) / sigma);
+    // The identity below makes r regular, with singular values of one or more.
+    let u = r.solve_upper_triangular(&right);
+    let u = u.unwrap_or_else(|| DVector::zeros(m));
+    (s * u, r)
 }
 
 /// What rows see, and what they do not.
