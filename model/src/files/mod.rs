@@ -147,6 +147,22 @@ pub fn write(path: &Path, text: &str) -> Result<(), Error> {
     begun(path, text)?.finish()
 }
 
+/// Write a whole text that can be made again: nobody ever reads half of it, but it does not wait
+/// for the disk, and a power failure may leave an empty or damaged file in its place.
+///
+/// # Errors
+/// When the file cannot be written; nothing half-written stays.
+pub fn write_unsynced(path: &Path, text: &str) -> Result<(), Error> {
+    let mut file = begun(path, text)?;
+    let flushed = file.flush();
+    flushed.map_err(|source| failed(path, source))?;
+    let mut noted = noted();
+    let put = file.put(&mut noted);
+    // A file that is dropped takes the lock itself.
+    drop(noted);
+    put
+}
+
 /// A file with this text, not yet in its place.
 ///
 /// # Errors

@@ -50,6 +50,17 @@ fn a_file_appears_when_it_is_finished_and_leaves_nothing_when_dropped() {
 }
 
 #[test]
+fn a_text_that_does_not_wait_for_the_disk_is_whole_and_alone() {
+    let folder = Folder::new("unsynced");
+    let path = folder.0.join("entry");
+    for text in ["first", "second, and longer", ""] {
+        write_unsynced(&path, text).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        assert_eq!(folder.names(), ["entry"]);
+    }
+}
+
+#[test]
 fn files_that_belong_together_appear_together() {
     let folder = Folder::new("together");
     let file = |name: &str, text: &str| (folder.0.join(name), text.to_string());
