@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::diagnose::Diagnosis;
 use crate::diagnose::findings::Step;
 use crate::fit::Identification;
-use crate::health::Finding;
+use crate::health::{Finding, Kind};
 
 /// A number with its standard deviation, in the unit that its name ends in.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -103,6 +103,10 @@ pub struct Row {
 /// What the sentence of a row says that was fitted alone.
 const FITTED: &str = "Parameters alone were asked for: no diagnosis was made.";
 
+/// What the sentence of a row says beside a stuck encoder.
+const STUCK: &str = "No effect is named beside it: what explains angles that are wrong is not the \
+                     robot's. A diagnosis of the log alone says what it looks like.";
+
 impl Row {
     /// Whether the row says something of the robot.
     pub fn is_usable(&self) -> bool {
@@ -144,6 +148,13 @@ impl Row {
         self.health.clone_from(&diagnosis.health);
         // Pictures belong to a diagnosis' own page and are not kept.
         self.health.iter_mut().for_each(|f| f.picture = None);
+        let mut stuck = self.health.iter().filter(|f| f.kind == Kind::EncoderStuck);
+        if let Some(finding) = stuck.next() {
+            // One joint is not where the log says: whatever explains the rest makes up for it.
+            self.verdict = "none".to_string();
+            self.sentence = format!("{} {STUCK}", finding.sentence);
+            return;
+        }
         let mut instead: Vec<Vec<String>> = diagnosis
             .indistinguishable
             .iter()

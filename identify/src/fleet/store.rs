@@ -22,7 +22,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Grows when rows of the same logs become others without a new version.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Largest entry that is read, bytes.
 const ENTRY: u64 = 64 << 20;
 
