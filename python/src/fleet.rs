@@ -5,16 +5,19 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pyo3::exceptions::PyFileNotFoundError;
 use pyo3::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use sesc::report::fleet as report;
 use sesc_identify::Error;
 use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{
     self, Disk, Fleet, Gathering, Group, Input, Job, Local, Options, Request, Stamp, Store,
 };
+use sesc_identify::robot;
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
@@ -153,17 +156,54 @@ pub fn fleet_work(
     })
 }
 
+/// The robot of a fleet, and how every group was looked at.
+struct Asked {
+    robot: Arc<robot::Robot>,
+    /// Where its meshes may be.
+    folder: Option<PathBuf>,
+    options: Options,
+}
+
+impl Asked {
+    fn of(py: Python<'_>, robot: &Robot, options: &str) -> PyResult<Asked> {
+        let options = parsed(options).map_err(|failure| failure.raise(py))?;
+        Ok(Asked {
+            robot: robot.inner.clone(),
+            folder: robot.folder.clone(),
+            options,
+        })
+    }
+}
+
 /// All groups of a fleet, and what they say together.
 #[pyclass(frozen, module = "sesc._sesc")]
 pub struct FleetFound {
     fleet: Fleet,
     summary: Summary,
+    robot: Arc<robot::Robot>,
+    /// Where its meshes may be.
+    folder: Option<PathBuf>,
+    options: Options,
 }
 
 impl FleetFound {
-    fn of(fleet: Fleet) -> FleetFound {
-        let summary = summary(&fleet.rows, &fleet.names);
-        FleetFound { fleet, summary }
+    fn of(fleet: Fleet, asked: Asked) -> FleetFound {
+        let Asked {
+            robot,
+            folder,
+            options,
+        } = asked;
+        let known = fleet::population(&fleet.rows, &robot, &options);
+        // Why there is none is said to those who ask for it.
+        let population = known.ok().filter(|_| options.information);
+        let summary = summary(&fleet.rows, &fleet.names, population);
+        FleetFound {
+            fleet,
+            summary,
+            robot,
+            folder,
+            options,
+        }
     }
 }
 
@@ -180,10 +220,11 @@ impl FleetFound {
         store: Option<PathBuf>,
         show: Option<Py<PyAny>>,
     ) -> PyResult<FleetFound> {
+        let asked = Asked::of(py, &robot, options)?;
         let request = || -> Result<Request, Failure> {
             let groups: Result<Vec<Group>, Failure> = groups.iter().map(|g| parsed(g)).collect();
-            let mut request = Request::new(robot.inner.clone(), groups?);
-            request.options = parsed(options)?;
+            let mut request = Request::new(asked.robot.clone(), groups?);
+            request.options = asked.options.clone();
             request.store = store.map(Store::new);
             Ok(request)
         };
@@ -191,26 +232,28 @@ impl FleetFound {
         let (found, _) = watched(py, show, Stopped::Awaited, move |watch| {
             fleet::run(&request, watch).map_err(|error| Failure::of(&error, Doing::Fit))
         })?;
-        Ok(FleetFound::of(found))
+        Ok(FleetFound::of(found, asked))
     }
 
     /// Put together what groups came to, in any order.
     #[staticmethod]
-    #[pyo3(signature = (robot, done, disk=None))]
+    #[pyo3(signature = (robot, options, done, disk=None))]
     fn gathered(
         py: Python<'_>,
         robot: PyRef<'_, Robot>,
+        options: &str,
         done: Vec<String>,
         disk: Option<Py<PyAny>>,
     ) -> PyResult<FleetFound> {
-        let robot = robot.inner.clone();
+        let asked = Asked::of(py, &robot, options)?;
         let disk = disk_of(disk);
         detached(py, || {
             let mut gathering = Gathering::default();
             for group in &done {
                 gathering.add(parsed(group)?);
             }
-            Ok(FleetFound::of(gathering.finish(&robot, &*disk)))
+            let fleet = gathering.finish(&asked.robot, &*disk);
+            Ok(FleetFound::of(fleet, asked))
         })
     }
 
@@ -221,9 +264,7 @@ impl FleetFound {
 
     /// What is said besides the rows, as JSON.
     fn json(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || {
-            text(&sesc::report::fleet::answer(&self.fleet, &self.summary))
-        })
+        detached(py, || text(&report::answer(&self.fleet, &self.summary)))
     }
 
     /// Write the table, as Parquet or CSV.
@@ -239,23 +280,22 @@ impl FleetFound {
     fn pages(&self, py: Python<'_>, file: &str) -> PyResult<(String, String, Vec<NamedText>)> {
         detached(py, || {
             let made = "sesc.fleet.run(…)";
-            let pages = sesc::report::fleet::pages(&self.fleet, &self.summary, made, file);
+            let (fleet, folder) = (&self.fleet, self.folder.as_deref());
+            let drawn = report::skeleton(fleet, &self.robot, &self.options, folder);
+            let pages = report::pages(fleet, &self.summary, drawn.as_ref(), (made, file));
             let pages = pages.map_err(|error| Failure::internal(error.to_string()))?;
             Ok((pages.fleet, pages.folder, pages.robots))
         })
     }
 
     /// The file of what is known of the next robot.
-    fn population(
-        &self,
-        py: Python<'_>,
-        robot: PyRef<'_, Robot>,
-        options: &str,
-    ) -> PyResult<String> {
-        let robot = robot.inner.clone();
+    fn population(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
-            let found = fleet::population(&self.fleet.rows, &robot, &parsed(options)?);
-            let text = found.and_then(|found| found.to_toml());
+            let text = match &self.summary.population {
+                Some(known) => known.to_toml(),
+                None => fleet::population(&self.fleet.rows, &self.robot, &self.options)
+                    .and_then(|found| found.to_toml()),
+            };
             text.map_err(|error| Failure::of(&error, Doing::Fit))
         })
     }

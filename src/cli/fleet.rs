@@ -11,12 +11,13 @@ use super::{
     show,
 };
 use crate::Error;
-use crate::report::fleet::{answer, pages, text};
+use crate::report::fleet::{answer, pages, skeleton, text};
 use sesc_identify::feet::Feet;
 use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{self, Fleet, Options, Row, Store};
 use sesc_identify::logs::{self, Angles};
 use sesc_identify::robot::Robot;
+use sesc_identify::skeleton::Skeleton;
 use sesc_model::files;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -119,14 +120,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     bar.0.finish_and_clear();
     fleet::write(&arguments.out, &found.rows)?;
     message(&format!("wrote {}", arguments.out.display()));
-    let summary = summary(&found.rows, &found.names);
+    let mut population = None;
     if let Some(path) = &arguments.prior_out {
-        let population = fleet::population(&found.rows, &request.robot, &request.options)?;
-        files::write(path, &population.to_toml()?)?;
+        let known = fleet::population(&found.rows, &request.robot, &request.options)?;
+        files::write(path, &known.to_toml()?)?;
         message(&format!("wrote {}", path.display()));
+        population = Some(known);
     }
+    let summary = summary(&found.rows, &found.names, population);
     if let Some(path) = &arguments.report {
-        write_pages(path, &found, &summary)?;
+        let folder = arguments.robot.urdf.parent();
+        let drawn = skeleton(&found, &request.robot, &request.options, folder);
+        write_pages(path, &found, &summary, drawn.as_ref())?;
     }
     match arguments.json {
         true => print_json(&answer(&found, &summary))?,
@@ -137,10 +142,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 }
 
 /// The page of the fleet, and beside it a folder of its name with one for each robot.
-fn write_pages(path: &Path, found: &Fleet, summary: &Summary) -> Result<(), Error> {
+fn write_pages(
+    path: &Path,
+    found: &Fleet,
+    summary: &Summary,
+    drawn: Option<&Skeleton>,
+) -> Result<(), Error> {
     let failed = |error: minijinja::Error| Error::Report(Box::new(error));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let pages = pages(found, summary, &super::command_line(), &name).map_err(failed)?;
+    let command = super::command_line();
+    let pages = pages(found, summary, drawn, (&command, &name)).map_err(failed)?;
     let folder = path.with_file_name(&pages.folder);
     std::fs::create_dir_all(&folder).map_err(|error| files::failed(&folder, error))?;
     for (robot, text) in &pages.robots {

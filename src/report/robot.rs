@@ -42,6 +42,7 @@ pub struct Correction {
 /// The robot of a page.
 pub struct Card<'a> {
     pub skeleton: &'a Skeleton,
+    /// Where there are none the robot stands still, with all joints at zero.
     pub postures: Vec<Shown>,
     /// The figure beside the robot.
     pub beside: Option<String>,
@@ -61,7 +62,10 @@ impl Card<'_> {
         let shown = most_upright(&self.postures);
         let views = Pictured {
             skeleton: self.skeleton,
-            postures: self.postures.iter().map(|p| p.q.as_slice()).collect(),
+            postures: match self.postures.is_empty() {
+                true => vec![&[]],
+                false => self.postures.iter().map(|p| p.q.as_slice()).collect(),
+            },
             shown,
             cop: cop.collect(),
             marks: self.marks,

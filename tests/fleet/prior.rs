@@ -60,8 +60,14 @@ fn the_next_robot_is_known_better_by_the_fleet_and_as_well_as_is_said() {
         &out,
         "--prior-out",
         &prior,
+        "--json",
     ];
-    stdout(&sesc(&words));
+    let json: Value = serde_json::from_str(&stdout(&sesc(&words))).unwrap();
+    // The file and the JSON have the same numbers.
+    let file: toml::Table = std::fs::read_to_string(&prior).unwrap().parse().unwrap();
+    let file = serde_json::to_value(&file["population"]).unwrap();
+    assert_eq!(file, json["population"]);
+    assert_eq!(file["robots"], ROBOTS);
 
     for robot in ROBOTS..ROBOTS + NEXT {
         let text = std::fs::read_to_string(log(robot)).unwrap();

@@ -86,7 +86,8 @@ impl Default for Options {
 }
 
 impl Options {
-    pub(super) fn snapping(&self) -> Snapping {
+    /// Whether decimals of right angles are made exact, as models take it.
+    pub fn snapping(&self) -> Snapping {
         match self.snap {
             true => Snapping::default(),
             false => Snapping::Off,

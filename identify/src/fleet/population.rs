@@ -170,3 +170,82 @@ fn spread_of(robots: &[Said], m: usize) -> Option<(DVector<f64>, DMatrix<f64>)> 
     covariance += DMatrix::from_diagonal(&(learnt * (m as f64 / count)));
     Some((mean, covariance))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng as _;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution as _, StandardNormal};
+
+    const ROD: &str = "<robot name='rod'><link name='foot'/>\
+        <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+        <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+        <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+        </robot>";
+    /// Deviation of data in units of the prior's, and how robots differ along each axis of it.
+    const NOISE: f64 = 0.1;
+    const SPREAD: [f64; 2] = [0.5, 0.02];
+
+    /// Robots whose truth is drawn, c + S u, and what their data say of it.
+    fn rows(robot: &Arc<Robot>, robots: usize) -> (Vec<Row>, DMatrix<f64>) {
+        let model = robot
+            .model("foot", Options::default().snapping(), None)
+            .unwrap();
+        let prior = PriorChoice::from(Prior::DEFAULT).of(&model).unwrap();
+        let (centre, spread) = (prior.centre(&model), prior.spread(&model).unwrap());
+        let m = spread.ncols();
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let own = |k: usize| SPREAD[k.min(1)];
+        // Data y = u + noise before a prior u ~ N(0, 1).
+        let precision = 1.0 + NOISE.powi(-2);
+        let covariance = &spread * spread.transpose() / precision;
+        let lower = (0..centre.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let lower: Vec<f64> = lower.map(|at| covariance[at]).collect();
+        let row = |k: usize| {
+            let y = DVector::from_fn(m, |axis, _| {
+                let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+                own(axis) * normal() + NOISE * normal()
+            });
+            let params = &centre + &spread * (y * NOISE.powi(-2) / precision);
+            Row {
+                robot: format!("r{k}"),
+                urdf_hash: robot.description.hash.clone(),
+                support: "foot".into(),
+                verdict: "none".into(),
+                params: params.iter().copied().collect(),
+                covariance: lower.clone(),
+                ..Row::default()
+            }
+        };
+        let rows = (0..robots).map(row).collect();
+        let truth = DMatrix::from_diagonal(&DVector::from_fn(m, |k, _| own(k).powi(2)));
+        (rows, &spread * truth * spread.transpose())
+    }
+
+    /// Along one axis robots differ by five deviations of their data, along the others by less.
+    #[test]
+    fn the_covariance_between_robots_is_that_without_noise() {
+        let robot = Arc::new(Robot::parse(ROD, "rod.urdf").unwrap());
+        let (rows, truth) = rows(&robot, 400);
+        let found = population(&rows, &robot, &Options::default()).unwrap();
+        assert_eq!((found.robots, found.support.as_str()), (400, "foot"));
+        let n = found.mean.len();
+        let covariance = DMatrix::from_fn(n, n, |i, j| found.covariance[i][j]);
+        let (ours, theirs) = (covariance.trace().sqrt(), truth.trace().sqrt());
+        assert!((ours / theirs - 1.0).abs() < 0.15, "{ours} {theirs}");
+        // No direction is narrower than robots are.
+        let gap = covariance - 0.8 * truth;
+        assert!(gap.symmetric_eigenvalues().min() > -1e-12, "{gap}");
+    }
+
+    #[test]
+    fn rows_with_other_effects_and_without_covariance_are_left_out() {
+        let robot = Arc::new(Robot::parse(ROD, "rod.urdf").unwrap());
+        let (mut rows, _) = rows(&robot, 6);
+        rows[0].covariance.clear();
+        rows[1].urdf_hash = "other".into();
+        let said = population(&rows, &robot, &Options::default()).unwrap_err();
+        assert!(said.to_string().contains("4 robots"), "{said}");
+    }
+}

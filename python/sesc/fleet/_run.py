@@ -37,10 +37,9 @@ class Fleet:
         twice: logs that came more than once.
     """
 
-    def __init__(self, found: _sesc.FleetFound, objects: Objects, asked: tuple[Robot, str]) -> None:
+    def __init__(self, found: _sesc.FleetFound, objects: Objects) -> None:
         self._found = found
         self._objects = objects
-        self._asked = asked
         self._about: dict[str, Any] = json.loads(found.json())
         self.rows: list[dict[str, Any]] = json.loads(found.rows())
         for row in self.rows:
@@ -105,7 +104,7 @@ class Fleet:
     def save_prior(self, path: str | os.PathLike[str]) -> None:
         """Write what is known of the next robot, for ``prior=`` of :func:`sesc.fit` and
         :func:`sesc.diagnose`; :func:`run` has to be called with ``information=True``."""
-        self._put(local(path), self._found.population(*self._asked))
+        self._put(local(path), self._found.population())
 
     def _put(self, path: str, text: str) -> None:
         if is_address(path):
@@ -187,7 +186,7 @@ def run(
     show = _run.shown(progress)
     if engine is None and not is_remote:
         found = _sesc.FleetFound.run(robot, options, groups, folder, show)
-        return _ended(Fleet(found, objects, (robot, options)), progress)
+        return _ended(Fleet(found, objects), progress)
     disk = objects if is_remote else None
     jobs = [Job(robot, options, group, folder, disk) for group in groups]
     own = ThreadPoolExecutor(2 * (os.cpu_count() or 1)) if engine is None else nullcontext(engine)
@@ -197,8 +196,8 @@ def run(
             done.append(one)
             if show is not None:
                 show("diagnosing", len(done), len(jobs))
-    found = _sesc.FleetFound.gathered(robot, done, disk)
-    return _ended(Fleet(found, objects, (robot, options)), progress)
+    found = _sesc.FleetFound.gathered(robot, options, done, disk)
+    return _ended(Fleet(found, objects), progress)
 
 
 def _ended(found: Fleet, progress: _run.Progress) -> Fleet:

@@ -2,12 +2,14 @@
 
 mod line;
 mod page;
+mod picture;
 mod robot;
 #[cfg(test)]
 mod tests;
 mod text;
 
 pub use page::{Pages, pages};
+pub use picture::skeleton;
 pub use text::text;
 
 use serde::Serialize;

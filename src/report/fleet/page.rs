@@ -9,9 +9,11 @@ use minijinja::{Error, context};
 use serde::Serialize;
 use sesc_identify::fleet::summary::Summary;
 use sesc_identify::fleet::{Fleet, Row};
+use sesc_identify::skeleton::Skeleton;
 
 use super::super::html::render;
 use super::line::line;
+use super::picture::card;
 use super::robot::robot_page;
 use super::{count, headline, twice};
 
@@ -48,11 +50,16 @@ pub struct Pages {
 }
 
 /// All pages; `command` made them. That of the fleet has the name `file`, `fleet.html`, and those
-/// of robots stand in the folder `fleet` beside it.
+/// of robots stand in the folder `fleet` beside it. `drawn` is the robot on the page of the fleet.
 ///
 /// # Errors
 /// When a template cannot be filled.
-pub fn pages(fleet: &Fleet, summary: &Summary, command: &str, file: &str) -> Result<Pages, Error> {
+pub fn pages(
+    fleet: &Fleet,
+    summary: &Summary,
+    drawn: Option<&Skeleton>,
+    (command, file): (&str, &str),
+) -> Result<Pages, Error> {
     let folder = Path::new(file).file_stem().unwrap_or_default();
     let folder = folder.to_string_lossy().into_owned();
     let mut robots: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
@@ -94,6 +101,7 @@ pub fn pages(fleet: &Fleet, summary: &Summary, command: &str, file: &str) -> Res
         })
     });
     let context = context! {
+        robot => drawn.map(|drawn| card(fleet, summary, drawn)),
         headline => headline(summary.shared.len(), summary.changes.len(), fleet.failed.len()),
         robots => robots.len(),
         rows => fleet.rows.len(),

@@ -36,8 +36,8 @@ fn fleet() -> Fleet {
 #[test]
 fn the_page_says_what_robots_share_and_escapes_names() {
     let fleet = fleet();
-    let summary = summary(&fleet.rows, &Default::default());
-    let all = pages(&fleet, &summary, "sesc fleet", "my fleet.html").unwrap();
+    let summary = summary(&fleet.rows, &Default::default(), None);
+    let all = pages(&fleet, &summary, None, ("sesc fleet", "my fleet.html")).unwrap();
     let page = all.fleet;
     for text in [
         "4 robots share joint_offset:l_&lt;knee&gt;",

@@ -349,14 +349,18 @@ fn change(course: &Course, tests: f64) -> Option<(usize, f64)> {
 
 fn split(course: &Course) -> Option<Split> {
     let n = course.sizes.len();
-    let z = |k: usize| {
-        let (before, after) = (mean(&course.sizes[..k]), mean(&course.sizes[k..]));
-        (after.value - before.value) / after.std.hypot(before.std)
+    // Means of the days before each day, and of those from it on.
+    let before = means(course.sizes.iter());
+    let mut after = means(course.sizes.iter().rev());
+    after.reverse();
+    let gap = |later: Size, k: usize| {
+        let before: Size = before[k - 1];
+        (later.value - before.value) / later.std.hypot(before.std)
     };
+    let z = |k: usize| gap(after[k], k);
     let best = (1..n).max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs()))?;
     let of = |k: usize| {
-        let (before, day) = (mean(&course.sizes[..k]), course.sizes[k]);
-        let own = (day.value - before.value) / day.std.hypot(before.std);
+        let own = gap(course.sizes[k], k);
         own.abs() > ONSET && own.signum() == z(best).signum()
     };
     // A drift is split best in its middle, and begins before.
@@ -367,17 +371,17 @@ fn split(course: &Course) -> Option<Split> {
     z(best).is_finite().then_some(Split { onset, ln_p })
 }
 
-/// Mean weighted by 1/s².
-fn mean(sizes: &[Size]) -> Size {
-    let weight = |size: &Size| 1.0 / (size.std * size.std);
-    let sum: f64 = sizes.iter().map(weight).sum();
-    let value = sizes
-        .iter()
-        .map(|size| weight(size) * size.value)
-        .sum::<f64>()
-        / sum;
-    Size {
-        value,
-        std: sum.sqrt().recip(),
-    }
+/// Means weighted by 1/s² of the first number, of the first two, and so on.
+fn means<'s>(sizes: impl Iterator<Item = &'s Size>) -> Vec<Size> {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    let mean = |size: &Size| {
+        let weight = 1.0 / (size.std * size.std);
+        weights += weight;
+        sum += weight * size.value;
+        Size {
+            value: sum / weights,
+            std: weights.sqrt().recip(),
+        }
+    };
+    sizes.map(mean).collect()
 }

@@ -45,6 +45,9 @@ pub(super) fn said<'r>(row: &'r Row, (effect, target): &Key) -> Said<'r> {
     if let Some(found) = row.effects.iter().find(is_it) {
         return Said::Found(found);
     }
+    if row.effects.iter().all(|found| found.instead.is_empty()) {
+        return Said::No;
+    }
     let label = label((effect, target));
     let instead = row
         .effects

@@ -3,14 +3,12 @@
 //! ```text
 //! rows ─▶ robots (days in order) ─▶ shared effects ─┐
 //!                                └▶ changes ────────┴▶ what to look at first
-//!                                └▶ population of the parameters
 //! ```
 
 mod changes;
 pub(super) mod criteria;
 mod history;
 mod look_first;
-mod population;
 mod shared;
 #[cfg(test)]
 mod tests;
@@ -22,10 +20,10 @@ use serde::Serialize;
 pub use changes::Change;
 pub use criteria::FALSE_ALARM;
 pub use look_first::Reason;
-pub use population::Population;
 pub use shared::Shared;
 
 use super::row::Row;
+use crate::fit::population::Population;
 
 /// What the rows say together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -39,13 +37,18 @@ pub struct Summary {
     pub look_first: Vec<String>,
     /// Why, in the same order.
     pub reasons: Vec<Reason>,
-    /// How the parameters of robots are spread, of the URDF that most robots have.
+    /// What the fleet knows of the next robot, as [`population`](super::population()) has it.
     pub population: Option<Population>,
 }
 
 /// What the rows say together. `names` are those of the base parameters by the hash of the
-/// URDF and the support; without them parameters are numbered.
-pub fn summary(rows: &[Row], names: &BTreeMap<(String, String), Vec<String>>) -> Summary {
+/// URDF and the support; without them parameters are numbered. `population` is what
+/// [`population`](super::population()) made of the same rows, where they have covariances.
+pub fn summary(
+    rows: &[Row],
+    names: &BTreeMap<(String, String), Vec<String>>,
+    population: Option<Population>,
+) -> Summary {
     let histories = history::histories(rows);
     let shared = shared::shared(&histories);
     let changes = changes::changes(&histories, names);
@@ -53,7 +56,7 @@ pub fn summary(rows: &[Row], names: &BTreeMap<(String, String), Vec<String>>) ->
     Summary {
         look_first: reasons.iter().map(|reason| reason.robot.clone()).collect(),
         reasons,
-        population: population::population(&histories, names),
+        population,
         shared,
         changes,
     }

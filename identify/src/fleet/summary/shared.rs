@@ -186,6 +186,12 @@ fn group(
     let mut members: Vec<&Member> = candidate.members.iter().collect();
     members.sort_by(|a, b| a.size.value.total_cmp(&b.size.value));
     let n = members.len();
+    // Sums of the deviations of the first members.
+    let mut sums = vec![0.0];
+    sums.extend(members.iter().scan(0.0, |sum, member| {
+        *sum += member.size.std;
+        Some(*sum)
+    }));
     let mut best: Option<(f64, usize, usize)> = None;
     for i in 0..n {
         for j in i + 1..n {
@@ -195,7 +201,7 @@ fn group(
             if high - low > ALIKE * middle {
                 break;
             }
-            let std = of.iter().map(|m| m.size.std).sum::<f64>() / of.len() as f64;
+            let std = (sums[j + 1] - sums[i]) / of.len() as f64;
             let width = (high - low).max(LEAST_WINDOW * std);
             let chance = ln_chance(n, of.len(), width / range, robots, targets);
             if best.is_none_or(|(least, ..)| chance < least) {

@@ -67,11 +67,13 @@ impl Pictured<'_> {
         let bottom = top + tall.fold(LOWEST, f64::max);
         let picture = |k: usize| {
             let name = ["From the front", "From its right"][k];
+            let posture = match self.postures.as_slice() {
+                [[]] => "with all joints at zero".to_string(),
+                several => format!("in one of {} postures", several.len()),
+            };
             let label = format!(
-                "{name}: {} standing on {} in one of {} postures, with its centre of mass",
-                self.skeleton.robot,
-                self.skeleton.support,
-                self.postures.len()
+                "{name}: {} standing on {} {posture}, with its centre of mass",
+                self.skeleton.robot, self.skeleton.support
             );
             let mut figure = Figure::new([WIDTH, bottom + UNDER], &label);
             figure.title(13.0, name);
