@@ -1,5 +1,6 @@
-//! The tested fleet, small: what is wrong in it is named, and nothing else. The whole one is
-//! counted in docs/study-fleet.md.
+//! The tested fleet, small: what is wrong in it is named, and nothing else, by the page and by
+//! every row of the table. The whole one is counted in docs/study-fleet.md, by a command that fails
+//! where it is not so.
 
 use std::collections::BTreeSet;
 
@@ -112,8 +113,28 @@ fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
     );
     assert_eq!(json["twice"].as_array().unwrap().len(), 1);
 
+    // What spoils data comes first, then what changed, what is shared, the rest by name.
+    let order = [
+        "r03", "r01", "r00", "r02", "r04", "r06", "r05", "r07", "r08",
+    ];
+    assert_eq!(first, order);
+    rows_name_what_is_hidden(&hidden, &out);
+
     // The page says the same and loads nothing.
     let page = std::fs::read_to_string(report).unwrap();
+    for joint in [BATCH.0, DRIFT.0, STUCK] {
+        // Named in both views of the robot, and in the sentence under them.
+        assert!(page.matches(&format!(">{joint}<")).count() >= 3, "{joint}");
+    }
+    let listed = page.split_once("Look at these first").unwrap().1;
+    let listed = listed.split_once("</table>").unwrap().0;
+    let links = listed.split("href=\"").skip(1);
+    let links: Vec<&str> = links.map(|link| link.split_once('"').unwrap().0).collect();
+    assert_eq!(links, order.map(|robot| format!("fleet/{robot}.html")));
+    for link in links {
+        let own = std::fs::read_to_string(folder.join(link)).unwrap();
+        assert!(own.contains("href=\"../fleet.html\""), "{link}");
+    }
     for text in [
         "1 shared effect, 2 changes, 2 logs with errors",
         "4 robots share",
@@ -121,7 +142,47 @@ fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
     ] {
         assert!(page.contains(text), "{text}");
     }
+    let page = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
     for outside in ["http:", "https:", "src=", "@import", "url(", "<script src"] {
         assert!(!page.contains(outside), "{outside}");
     }
+}
+
+/// Every row: the effects, findings, errors and URDFs that were hidden in its robot on its day.
+fn rows_name_what_is_hidden(hidden: &Fleet, table: &str) {
+    let mut reader = csv::Reader::from_path(table).unwrap();
+    let header = reader.headers().unwrap().clone();
+    let mut count = 0;
+    for record in reader.records() {
+        let record = record.unwrap();
+        let field = |name: &str| &record[header.iter().position(|column| column == name).unwrap()];
+        let robot: usize = field("robot")[1..].parse().unwrap();
+        let day: usize = field("day").parse().unwrap();
+        let since = |of: Option<(usize, usize)>| of.is_some_and(|(r, d)| r == robot && day >= d);
+        let joint = match () {
+            () if hidden.batch.contains(&robot) => Some(BATCH.0),
+            () if since(hidden.drifts) => Some(DRIFT.0),
+            () => None,
+        };
+        let effects: Vec<Value> = serde_json::from_str(field("effects")).unwrap();
+        let named: Vec<&str> = effects
+            .iter()
+            .map(|e| e["target"].as_str().unwrap())
+            .collect();
+        assert_eq!(named, Vec::from_iter(joint), "{record:?}");
+        let stuck = hidden.stuck == Some(robot);
+        let health: Vec<Value> = serde_json::from_str(field("health")).unwrap();
+        let found: Vec<&str> = health
+            .iter()
+            .map(|f| f["target"].as_str().unwrap())
+            .collect();
+        assert_eq!(found, Vec::from_iter(stuck.then_some(STUCK)), "{record:?}");
+        let cut = hidden.truncated.contains(&(robot, day));
+        assert_eq!(!field("error").is_empty(), cut, "{record:?}");
+        let urdfs = hidden.urdf.is_some_and(|(own, _)| own == robot);
+        let said = field("sentence").contains("This robot has 2 URDFs");
+        assert_eq!(said, urdfs, "{record:?}");
+        count += 1;
+    }
+    assert_eq!(count, hidden.robots * hidden.days);
 }

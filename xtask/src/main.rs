@@ -10,6 +10,8 @@ use clap::Parser;
 enum Task {
     /// Print operations and instructions of one call; fail where they grew by 2 %
     Counts(xtask::counts::Counts),
+    /// Draw the rows of a large fleet, and print what putting them together costs
+    FleetParts(xtask::fleet_parts::FleetParts),
     /// Rewrite `generated/`, the figure of README and the pages of effects
     Regen,
     /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/study.md
@@ -33,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = root.ok_or("xtask stands in no folder")?;
     match Task::parse() {
         Task::Counts(counts) => counts.run(root)?,
+        Task::FleetParts(parts) => parts.run()?,
         Task::Regen => {
             let changed = xtask::regen::write(root)?;
             for path in &changed {

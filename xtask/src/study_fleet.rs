@@ -14,8 +14,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
+use sesc::report::fleet::pages;
 use sesc_identify::fleet::summary::{Summary, summary};
-use sesc_identify::fleet::{Fleet as Found, Request, groups, inputs, run};
+use sesc_identify::fleet::{Fleet as Found, Request, Row, groups, inputs, run};
 use sesc_identify::robot::Robot;
 use sesc_virtual::fleet::{BATCH, DRIFT, Fleet, STUCK};
 
@@ -67,8 +68,8 @@ impl StudyFleet {
              share an offset of {} ({} rad), one drifts in {} ({} rad a day), one has a stuck encoder ({STUCK}), one \
              another URDF from a day on, two logs are cut in the middle of a row, one is delivered twice.\n\n\
              | seed | shared: robots of the batch found, others | size, rad | drift: day told, day true | other changes \
-             | stuck encoder | URDF | cut logs | twice | robots to look at of none | s |\n\
-             |---|---|---|---|---|---|---|---|---|---|---|\n",
+             | stuck encoder | URDF | cut logs | twice | rows that name something else | robots to look at of none | page as it should be | s |\n\
+             |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
             self.faulty,
             self.sound,
             self.robots,
@@ -144,7 +145,7 @@ impl StudyFleet {
         let mut request = Request::new(Arc::new(Robot::read(&urdf)?), groups(&logs));
         request.threads = Some(self.threads);
         let found = run(&request, &mut ())?;
-        let summary = summary(&found.rows, &found.names);
+        let summary = summary(&found.rows, &found.names, None);
         Ok((found, summary, start.elapsed().as_secs_f64()))
     }
 }
@@ -202,22 +203,76 @@ fn row(seed: u64, fleet: &Fleet, found: &Found, summary: &Summary, seconds: f64)
         .map(String::as_str)
         .collect();
     let (drifts_from, stuck_robot) = (fleet.drifts.map(|(_, day)| day), fleet.stuck.map(name));
+    let strays = found.rows.iter().filter(|row| names_more(row, fleet));
+    let strays: Vec<String> = strays
+        .map(|row| format!("{} on {}", row.robot, row.day))
+        .collect();
+    let page = on_the_page(found, summary);
+    let is_page_right = page.as_ref().is_some_and(|(headline, robots)| {
+        headline == "1 shared effect, 2 changes, 2 logs with errors" && *robots == known
+    });
     let is_right = (robots, others, rest, urdfs) == (fleet.batch.len(), 0, 0, 1)
         && drifts
             .iter()
             .eq(drifts_from.map(|day| day.to_string()).iter())
         && stuck.iter().eq(stuck_robot.iter())
         && (found.failed.len(), found.twice.len()) == (fleet.truncated.len(), 1)
-        && none.is_empty();
+        && none.is_empty()
+        && strays.is_empty()
+        && is_page_right;
     let line = format!(
-        "| {seed} | {robots} of {}, {others} | {size} | {told}, {} | {rest} | {} | {urdfs} of 1 | {} of {} | {} of 1 | {} | {seconds:.0} |",
+        "| {seed} | {robots} of {}, {others} | {size} | {told}, {} | {rest} | {} | {urdfs} of 1 | {} of {} | {} of 1 | {} | {} | {} | {seconds:.0} |",
         fleet.batch.len(),
         drifts_from.unwrap_or(0),
         stuck.join(", "),
         found.failed.len(),
         fleet.truncated.len(),
         found.twice.len(),
-        none.join(", ")
+        strays.join(", "),
+        none.join(", "),
+        if is_page_right { "yes" } else { "no" }
     );
     (line, is_right)
+}
+
+/// Whether a row of the table names anything but what was hidden in its robot on that day.
+fn names_more(row: &Row, fleet: &Fleet) -> bool {
+    let is = |robot: usize| row.robot == Fleet::name(robot);
+    let from = |(robot, day): (usize, usize)| {
+        is(robot) && row.day.parse().is_ok_and(|own: usize| own >= day)
+    };
+    let is_stuck = fleet.stuck.is_some_and(is);
+    let joint = match () {
+        () if fleet.batch.iter().any(|robot| is(*robot)) => Some(BATCH.0),
+        () if fleet.drifts.is_some_and(from) => Some(DRIFT.0),
+        () => None,
+    };
+    let is_cut = fleet
+        .truncated
+        .iter()
+        .any(|(robot, day)| is(*robot) && row.day == day.to_string());
+    let has_urdfs = fleet.urdf.is_some_and(|(robot, _)| is(robot));
+    row.effects
+        .iter()
+        .any(|found| Some(found.target.as_str()) != joint)
+        || row
+            .health
+            .iter()
+            .any(|found| !is_stuck || found.target != STUCK)
+        || (row.verdict == "unexplained")
+        || row.error.is_some() != is_cut
+        || row.sentence.contains("This robot has 2 URDFs") != has_urdfs
+}
+
+/// The headline of the fleet's page, and the robots that it says to look at first.
+fn on_the_page(found: &Found, summary: &Summary) -> Option<(String, BTreeSet<String>)> {
+    let page = pages(found, summary, None, ("sesc fleet", "fleet.html")).ok()?;
+    let between = |start: &str, end: &str| {
+        let rest = page.fleet.split_once(start)?.1;
+        Some(rest.split_once(end)?.0.to_string())
+    };
+    let first = between("<h2>Look at these first</h2>", "</table>").unwrap_or_default();
+    let robots = first.split("href=\"fleet/").skip(1);
+    let robots = robots.filter_map(|link| Some(link.split_once(".html")?.0.to_string()));
+    Some((between("<h1>", "</h1>")?, robots.collect()))
 }
