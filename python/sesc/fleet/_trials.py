@@ -156,7 +156,10 @@ def _driver(words: Sequence[str]) -> None:
         found = run(robot, logs, store=store or None, engine=running, only=only or None)
         about["seconds"] = time.perf_counter() - start
     found.save(out)
-    about["memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    own, others = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
+    about["memory_mb"] = own.ru_maxrss / 1024
+    # Of workers, too, once they have ended.
+    about["cpu_seconds"] = sum(usage.ru_utime + usage.ru_stime for usage in (own, others))
     about["sha256"] = hashlib.sha256(Path(out).read_bytes()).hexdigest()
     about.update({key: found.to_dict()[key] for key in ("groups", "from_store", "logs_read")})
     about["failed"], about["twice"] = len(found.failed), len(found.twice)

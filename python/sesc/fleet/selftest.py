@@ -1,7 +1,8 @@
 """``python -m sesc.fleet.selftest --logs 10000 --postures 2000``: a fleet, tried on this machine.
 
-Virtual logs are made, a driver of its own process runs them, and runs them again: the second run
-has to read no log and to give the same bytes. ``--kill driver`` or ``--kill worker`` kills one of
+Virtual logs are made, a driver of its own process fits the parameters of each, and runs them again:
+the second run has to read no log and to give the same bytes. ``--only all`` diagnoses each log too,
+which takes some twenty times as long and tries nothing else of a fleet. ``--kill driver`` or ``--kill worker`` kills one of
 them by its process id when a third of the rows is made; the driver is then started again and has
 to make no row anew. Exit code 0 where all that holds; seconds and memory are printed.
 """
@@ -31,7 +32,9 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--engine", choices=ENGINES, default="threads")
     parser.add_argument("--workers", type=int, default=2, help="workers of the engine")
     parser.add_argument("--kill", choices=("driver", "worker"), default="")
-    parser.add_argument("--only", choices=("parameters",), default="")
+    parser.add_argument(
+        "--only", choices=("parameters", "all"), default="parameters", help="all: diagnose each log, too"
+    )
     parser.add_argument("--folder", type=Path, help="where logs, store and table go; a new folder unless given")
     given = parser.parse_args(words)
     if given.folder is not None:
@@ -49,7 +52,7 @@ def _tried(given: Any, folder: Path) -> int:
         print(f"{given.logs} logs of {given.postures} postures made in {time.perf_counter() - start:.0f} s")
         time.sleep(SETTLED)
     pattern = str(logs / "robot=*/day=*/*.parquet")
-    options = (given.engine, given.only, str(given.workers))
+    options = (given.engine, "" if given.only == "all" else given.only, str(given.workers))
 
     def run(name: str, into: Path | None, kill: str = "") -> dict[str, Any]:
         found = driven(pattern, into, folder / f"{name}.parquet", options, kill, given.logs // 3)
@@ -57,7 +60,8 @@ def _tried(given: Any, folder: Path) -> int:
             print(f"{name}: driver {found['killed']} killed, {rows_in(store)} rows in the store", flush=True)
             return found
         print(
-            f"{name}: {found['seconds']:.1f} s, driver {found['memory_mb']:.0f} MB, {found['logs_read']} logs read, "
+            f"{name}: {found['seconds']:.1f} s, {found['cpu_seconds']:.1f} s of processors, "
+            f"driver {found['memory_mb']:.0f} MB, {found['logs_read']} logs read, "
             f"{found['from_store']} of {found['groups']} rows from the store, {found['sha256']}",
             flush=True,
         )
