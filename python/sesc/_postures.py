@@ -155,7 +155,9 @@ def plan(
         support: link on the ground.
         poses: how many.
         model: parameters to balance with; CAD unless given.
-        cop_box: keep |x| and |y| of the CoP within this, m; 0.023 unless ``sole`` is given.
+        cop_box: keep |x| and |y| of the CoP within this, m; unless
+            ``sole`` is given, the inner part of the sole where the URDF has collision shapes of
+            the support, else 0.023.
         sole: keep the CoP within the hull of these points, m: an array (n, 2), or a file.
         margin: keep the CoP so far from the edge, m.
         sigmas: safety margin of the CoP in standard deviations of its prediction.

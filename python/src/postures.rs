@@ -10,7 +10,7 @@ use sesc_identify::hide::hide;
 use sesc_identify::logs::{PostureWriter, Row, Sidecar, Written};
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::limits::Limits;
-use sesc_identify::plan::{self, COP_BOX, Request};
+use sesc_identify::plan::{self, Request};
 use sesc_identify::predict::{self, predict};
 use sesc_identify::simulate::{self, simulate};
 use sesc_identify::skeleton::Skeleton;
@@ -65,9 +65,13 @@ pub fn plan_postures(
     );
     let plan = watched(py, show, Stopped::Abandoned, move |watch| {
         let build = |watch: &mut Waiting| {
-            let region = match &options.sole {
-                Some(sole) => Region::sole(sole, options.margin)?,
-                None => Region::square(options.cop_box.unwrap_or(COP_BOX), options.margin)?,
+            let region = match (&options.sole, options.cop_box) {
+                (Some(sole), _) => Region::sole(sole, options.margin)?,
+                (None, Some(half)) => Region::square(half, options.margin)?,
+                (None, None) => {
+                    let folder = folder.as_deref();
+                    Region::of_support(&model, &robot.description, folder, options.margin)?
+                }
             };
             let mut request = Request::new(robot, model, options.poses, region);
             request.candidates = options.candidates;

@@ -13,7 +13,7 @@ use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{LogSource, PostureWriter, Written};
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::limits::Limits;
-use sesc_identify::plan::{COP_BOX, Request, plan};
+use sesc_identify::plan::{Request, plan};
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::files;
 
@@ -29,7 +29,8 @@ pub(super) struct Arguments {
     /// Number of postures
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=2000))]
     poses: u64,
-    /// Keep |x| and |y| of the CoP within this, m [default: 0.023 unless --sole]
+    /// Keep |x| and |y| of the CoP within this, m [default: the inner part of the sole where the
+    /// URDF has collision shapes of the support, else 0.023]
     #[arg(long, value_name = "M", conflicts_with = "sole", value_parser = super::units::length_m)]
     cop_box: Option<f64>,
     /// Keep the CoP within the hull of these points of the sole, m
@@ -90,11 +91,13 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     check_files(arguments)?;
-    let region = match &arguments.sole {
-        Some(sole) => Region::sole(sole, arguments.margin)?,
-        None => Region::square(arguments.cop_box.unwrap_or(COP_BOX), arguments.margin)?,
-    };
     let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
+    let folder = arguments.robot.urdf.parent();
+    let region = match (&arguments.sole, arguments.cop_box) {
+        (Some(sole), _) => Region::sole(sole, arguments.margin)?,
+        (None, Some(half)) => Region::square(half, arguments.margin)?,
+        (None, None) => Region::of_support(&model, &robot.description, folder, arguments.margin)?,
+    };
     let count = |k: u64| usize::try_from(k).unwrap_or(usize::MAX);
     let mut request = Request::new(robot, model, count(arguments.poses), region);
     request.candidates = arguments.candidates.map(count);
@@ -109,7 +112,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.revisits = arguments.revisits;
     request.log = arguments.data.as_ref().map(LogSource::from);
     request.feet = Feet::from(&arguments.feet);
-    request.folder = arguments.robot.urdf.parent().map(PathBuf::from);
+    request.folder = folder.map(PathBuf::from);
     // A file that cannot be written is better known before than after.
     let dofs = &request.model.tree.dofs;
     let log = PostureWriter::create(&arguments.out, dofs, Written::default())?;

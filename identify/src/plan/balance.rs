@@ -23,6 +23,8 @@ pub struct Region {
     pub corners: Vec<[f64; 2]>,
     /// Kept from the edge, m.
     pub margin: f64,
+    /// Why it is so, where nobody said.
+    pub source: Option<&'static str>,
     edges: Vec<(Vector2<f64>, f64)>,
 }
 
@@ -122,6 +124,7 @@ impl Region {
         Some(Region {
             corners,
             margin,
+            source: None,
             edges,
         })
     }
@@ -167,11 +170,14 @@ impl Region {
             0.0 => String::new(),
             m => format!(", {:.1} mm from its edge", 1e3 * m),
         };
+        let source = self
+            .source
+            .map_or_else(String::new, |why| format!(", {why}"));
         let square = self.corners.len() == 4 && x0 == -x1 && y0 == -y1 && x1 == y1;
         match square {
-            true => format!("|x|, |y| <= {:.1} mm{margin}", 1e3 * x1),
+            true => format!("|x|, |y| <= {:.1} mm{margin}{source}", 1e3 * x1),
             false => format!(
-                "a sole of {} corners, x {:.1} to {:.1} mm, y {:.1} to {:.1} mm{margin}",
+                "a sole of {} corners, x {:.1} to {:.1} mm, y {:.1} to {:.1} mm{margin}{source}",
                 self.corners.len(),
                 1e3 * x0,
                 1e3 * x1,

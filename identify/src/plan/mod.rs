@@ -39,6 +39,7 @@ pub mod scene;
 #[cfg(not(feature = "nalgebra"))]
 pub(crate) mod scene;
 mod shortage;
+pub(crate) mod sole;
 
 use std::ops::ControlFlow;
 

@@ -10,7 +10,6 @@
 //! else from its inertia, and bones from joint to joint.
 
 mod capsules;
-mod sole;
 #[cfg(test)]
 mod tests;
 
@@ -23,6 +22,7 @@ use sesc_model::urdf::Description;
 
 use crate::plan::geometry::Geometry;
 use crate::plan::poses::{self, Pose};
+use crate::plan::sole::outline;
 
 /// A group of links that moves as one.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,7 +126,7 @@ impl Skeleton {
             support: tree.links[tree.support].name.clone(),
             dofs: tree.dofs.clone(),
             capsules: capsules::of(model, description, &geometry, &bodies),
-            sole: sole::outline(model, &geometry),
+            sole: outline(model, &geometry),
             links: links(model),
             bodies,
         }
