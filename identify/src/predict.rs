@@ -14,7 +14,7 @@ use sesc_model::{Function, Model};
 
 use crate::Error;
 use crate::evaluate::{EffectPredictor, Evaluator, MotionPredictor};
-use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings};
+use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings, Stays};
 use crate::observations::motion::Motion;
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
@@ -160,6 +160,7 @@ impl Predictor {
             angles: *angles,
             readings: Readings::Ignored,
             links,
+            stays: Stays::Apart,
             ..Options::default()
         };
         let dofs = stance.robot.description.dofs();

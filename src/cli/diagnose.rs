@@ -7,8 +7,8 @@ use clap::Args;
 
 use super::outputs::Files;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, command_line, message,
-    print_json, show,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, command_line,
+    message, print_json, show,
 };
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
@@ -16,7 +16,7 @@ use crate::servos;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
-use sesc_identify::logs::{self, Angles, LogSource};
+use sesc_identify::logs::{self, Angles, LogSource, Stays};
 use sesc_identify::robot::Robot;
 use sesc_model::files;
 
@@ -47,6 +47,8 @@ pub(super) struct Arguments {
     how: DiagnosisArguments,
     #[command(flatten)]
     feet: FeetArguments,
+    #[command(flatten)]
+    stays: StaysArguments,
     /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -155,6 +157,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.noise = arguments.how.noise;
     request.floor = arguments.how.floor;
     request.motion = arguments.how.motion.into();
+    request.stays = Stays::from(&arguments.stays);
     request.feet = Feet::from(&arguments.feet);
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();

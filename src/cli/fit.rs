@@ -8,7 +8,7 @@ use sesc_model::Snapping;
 
 use super::fit_outputs::Outputs;
 use super::outputs::Files;
-use super::{Bar, FeetArguments, Motion, Outcome, message, print_json, show};
+use super::{Bar, FeetArguments, Motion, Outcome, StaysArguments, message, print_json, show};
 use crate::Error;
 use crate::report;
 use crate::report::fit::{FitReport, Unusable};
@@ -17,7 +17,7 @@ use sesc_identify::fit::Loss;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::{self, Request};
-use sesc_identify::logs::{self, Angles, LogSource};
+use sesc_identify::logs::{self, Angles, LogSource, Stays};
 use sesc_identify::robot::Robot;
 use sesc_model::files;
 
@@ -65,6 +65,8 @@ pub(super) struct Arguments {
     /// those of standing postures
     #[arg(long, value_enum, default_value_t)]
     motion: Motion,
+    #[command(flatten)]
+    stays: StaysArguments,
     #[command(flatten)]
     feet: FeetArguments,
     /// Trust postures less that no noise explains, and name them
@@ -207,6 +209,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         RobustLoss::Tukey => Loss::Tukey,
     });
     request.motion = arguments.motion.into();
+    request.stays = Stays::from(&arguments.stays);
     request.feet = Feet::from(&arguments.feet);
     request.folds = arguments.folds.and_then(|k| usize::try_from(k).ok());
     request.range = arguments.range.map(f64::to_radians);

@@ -35,6 +35,7 @@ use sesc_model::{Model, ModelFile, Snapping};
 use crate::Error;
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::MotionModel;
+use sesc_identify::logs::Stays;
 use sesc_identify::robot::Robot;
 use sesc_identify::stance::Stance;
 use sesc_identify::{Message, Progress, Watch};
@@ -108,6 +109,22 @@ struct DiagnosisArguments {
     /// those of standing postures
     #[arg(long, value_enum, default_value_t)]
     motion: Motion,
+}
+
+/// What becomes of rows in which the robot holds still.
+#[derive(Args)]
+struct StaysArguments {
+    /// Take only rows of stays: stretches of at least so many seconds in which every joint is
+    /// slower than 0.02 rad/s; each is one posture. Recordings of ROS have 0.3 s unless given.
+    /// Else rows of a stay of a second are one posture where a log has `t` and no `pose`
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = units::stay_s)]
+    settle: Option<f64>,
+}
+
+impl From<&StaysArguments> for Stays {
+    fn from(arguments: &StaysArguments) -> Stays {
+        arguments.settle.map_or_else(Stays::default, Stays::Alone)
+    }
 }
 
 /// Which feet are on the floor.

@@ -6,9 +6,26 @@ const NOISIEST_M: f64 = 0.1;
 /// gives a metre or more.
 const LARGEST_M: f64 = 10.0;
 
+/// No robot settles sooner, and nobody waits longer, s.
+const LEAST_STAY_S: f64 = 0.01;
+const LONGEST_STAY_S: f64 = 3600.0;
+
 /// A standard deviation of a reading, m.
 pub(super) fn deviation_m(text: &str) -> Result<f64, String> {
     metres(text, NOISIEST_M)
+}
+
+/// How long a robot holds still, s.
+pub(super) fn stay_s(text: &str) -> Result<f64, String> {
+    let value: f64 = text
+        .parse()
+        .map_err(|_| "give a number of seconds".to_string())?;
+    match (LEAST_STAY_S..=LONGEST_STAY_S).contains(&value) {
+        true => Ok(value),
+        false => Err(format!(
+            "give {LEAST_STAY_S} to {LONGEST_STAY_S} seconds of holding still"
+        )),
+    }
 }
 
 /// A length on the robot's scale, m.
@@ -44,5 +61,7 @@ mod tests {
         assert!(length_m("inf").is_err() && length_m("x").is_err());
         // What is not a number passes on to the command's own check.
         assert!(length_m("nan").unwrap().is_nan());
+        assert_eq!(stay_s("0.5"), Ok(0.5));
+        assert!(stay_s("0").is_err() && stay_s("nan").is_err() && stay_s("x").is_err());
     }
 }

@@ -180,6 +180,8 @@ pub mod samples {
     pub const COUNTS: f64 = 1.1;
     /// A number of rows per sample that grew by this is not settled.
     pub const LONGER: f64 = 1.3;
+    /// Rows a posture from which a log is one of stays.
+    pub const STAYED: f64 = 2.0;
 }
 
 /// Explanations with dead bands.

@@ -27,7 +27,9 @@ use crate::feet::Feet;
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health::{self, Finding};
-use crate::logs::{Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written};
+use crate::logs::{
+    Angles, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Stays, Written,
+};
 use crate::observations::motion_use::{MotionModel, MotionUse};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
@@ -64,6 +66,8 @@ pub struct Request {
     pub floor: f64,
     /// Whether the motion of the joints counts.
     pub motion: MotionModel,
+    /// What becomes of rows in which the robot holds still.
+    pub stays: Stays,
     /// Which feet are on the floor; the sidecar's unless given.
     pub feet: Feet,
     /// Folder of the robot's meshes, for postures that touch nothing.
@@ -97,6 +101,7 @@ impl Request {
             noise: None,
             floor: FLOOR_M,
             motion: MotionModel::Auto,
+            stays: Stays::default(),
             feet: Feet::default(),
             meshes: None,
             next_file: None,
@@ -379,6 +384,7 @@ fn options(request: &Request, model: &Model) -> Options {
         links: links.map(|link| link.name.clone()).collect(),
         support: Some(model.tree.links[model.tree.support].name.clone()),
         any_unit: true,
+        stays: request.stays,
         ..Options::default()
     }
 }

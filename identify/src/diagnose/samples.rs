@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::criteria::samples::{COUNTS, LONGER};
+use super::criteria::samples::{COUNTS, LONGER, STAYED};
 use super::diagnosis;
 use super::findings::{About, Found};
 use super::further_logs::FurtherLog;
@@ -115,7 +115,19 @@ pub(super) fn said(problem: &Problem, correlation: &[Correlation; 2]) -> Samples
     let rows = data.summary.as_ref().map(|summary| summary.rows as usize);
     let rows = rows.unwrap_or(data.len());
     let timed = data.t.as_ref().is_some_and(|t| step(t).is_some());
+    // Postures count by what their stays are worth, and may be correlated themselves.
+    let rows_of = |k: usize| {
+        let (within, beside) = (data.within_stays[k], correlation[k]);
+        match within.rows_per_sample > 1.0 && data.rows_per_posture > STAYED {
+            true => Correlation {
+                rows_per_sample: within.rows_per_sample * beside.rows_per_sample,
+                time_s: within.time_s.max(beside.time_s),
+                ..beside
+            },
+            false => beside,
+        }
+    };
     let mut sum = Sum::default();
-    sum.push(rows as u64, correlation, timed);
+    sum.push(rows as u64, &[0, 1].map(rows_of), timed);
     sum.of(rows as u64)
 }

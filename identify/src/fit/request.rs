@@ -24,7 +24,7 @@ use super::robust::Loss;
 use super::soles;
 use crate::feet::Feet;
 use crate::health::{self, Finding};
-use crate::logs::{Angles, LogSource, Options, Readings};
+use crate::logs::{Angles, LogSource, Options, Readings, Stays};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
@@ -72,6 +72,8 @@ pub struct Request {
     pub residuals: bool,
     /// Whether the motion of the joints counts.
     pub motion: MotionModel,
+    /// What becomes of rows in which the robot holds still.
+    pub stays: Stays,
     /// Which feet are on the floor; each log's own unless given.
     pub feet: Feet,
 }
@@ -508,6 +510,7 @@ fn logs<'r>(
             readings: Readings::Required,
             links: links.map(|link| link.name.clone()).collect(),
             support: request.support.clone(),
+            stays: request.stays,
             ..Options::default()
         },
         support,

@@ -71,10 +71,76 @@ impl Block {
         }
     }
 
+    /// Add the rows of `other`, which has the same columns.
+    pub(super) fn append(&mut self, other: Block) {
+        if self.is_empty() {
+            *self = other;
+            return;
+        }
+        let Block {
+            line,
+            pose,
+            t,
+            support,
+            q,
+            reading,
+            std,
+            cells,
+            gravity,
+        } = other;
+        self.line.extend(line);
+        self.pose.extend(pose);
+        self.q.extend(q);
+        join(&mut self.t, t);
+        join(&mut self.support, support);
+        join(&mut self.reading, reading);
+        join(&mut self.std, std);
+        join(&mut self.gravity, gravity);
+        if let (Some(own), Some(cells)) = (&mut self.cells, cells) {
+            own.force.extend(cells.force);
+            join(&mut own.std, cells.std);
+        }
+    }
+
+    /// Take the first `count` rows away.
+    pub(super) fn split_first(&mut self, count: usize) -> Block {
+        let count = count.min(self.len());
+        let width = self.q.len() / self.len().max(1);
+        let cells = self.cells.as_mut().map(|cells| {
+            let values = count * cells.count;
+            Cells {
+                count: cells.count,
+                force: cells.force.drain(..values).collect(),
+                std: first(&mut cells.std, values),
+            }
+        });
+        Block {
+            line: self.line.drain(..count).collect(),
+            pose: self.pose.drain(..count).collect(),
+            t: first(&mut self.t, count),
+            support: first(&mut self.support, count),
+            q: self.q.drain(..count * width).collect(),
+            reading: first(&mut self.reading, count),
+            std: first(&mut self.std, count),
+            cells,
+            gravity: first(&mut self.gravity, count),
+        }
+    }
+
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.line.is_empty()
     }
+}
+
+fn join<T>(own: &mut Option<Vec<T>>, other: Option<Vec<T>>) {
+    if let (Some(own), Some(other)) = (own, other) {
+        own.extend(other);
+    }
+}
+
+fn first<T>(all: &mut Option<Vec<T>>, count: usize) -> Option<Vec<T>> {
+    Some(all.as_mut()?.drain(..count).collect())
 }
 
 /// Rows of `width` entries each for which `keep` says so.

@@ -24,6 +24,8 @@ pub struct Options {
     pub support: Option<String>,
     /// Which stretches of an MCAP recording are postures.
     pub hold: Hold,
+    /// What becomes of rows in which the robot holds still.
+    pub stays: Stays,
     /// Topic of the CoP in an MCAP recording that has several; the sidecar's
     /// unless given.
     pub topic: Option<String>,
@@ -44,6 +46,20 @@ pub enum Readings {
     Required,
 }
 
+/// What becomes of rows in which a robot holds still, in a log that has times.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub enum Stays {
+    /// They are readings of one posture where the log has no `pose`; other rows are postures
+    /// of their own.
+    #[default]
+    Pooled,
+    /// They are rows like others.
+    Apart,
+    /// They alone are read, from stays of at least so many seconds; of an MCAP recording, too.
+    Alone(f64),
+}
+
 /// When a robot that is being recorded holds still.
 ///
 /// A posture is a stretch in which every joint is slower than `speed` for at
@@ -62,5 +78,16 @@ impl Default for Hold {
             speed: 0.02,
             duration: 0.3,
         }
+    }
+}
+
+impl Hold {
+    /// What is said of a log in which nothing is held.
+    pub(super) fn nothing(self) -> String {
+        let Hold { speed, duration } = self;
+        format!(
+            "no posture is held: no stretch of {duration} s in which every joint stays below \
+             {speed} rad/s"
+        )
     }
 }

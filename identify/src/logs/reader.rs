@@ -10,8 +10,9 @@ use super::block::Block;
 use super::columns::Columns;
 use super::csv::CsvSource;
 use super::input::{Bytes, LogSource, Metered, Place};
-use super::options::Options;
+use super::options::{Hold, Options, Stays};
 use super::screen::Screening;
+use super::settle::Settling;
 use super::sidecar::{Angles, Sidecar};
 use super::source::{Raw, Source};
 use super::suspect::Suspicions;
@@ -47,6 +48,9 @@ pub struct PostureReader {
     started: bool,
     ended: bool,
     last_pose: Option<i64>,
+    settling: Option<Settling>,
+    stays: Stays,
+    file: String,
     screen: Option<Screening>,
     rows: u64,
     postures: u64,
@@ -89,6 +93,16 @@ impl PostureReader {
         let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
         let mut assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
         assembler.allow_no_load(log.screen.is_some());
+        let timed = columns.t.is_some() && !source.knows_stays() && !dofs.is_empty();
+        let settling = match options.stays {
+            Stays::Alone(duration) if timed => Some(Settling::alone(duration, dofs.len())),
+            Stays::Alone(_) if !source.knows_stays() => {
+                let message = "has no column `t`: which rows are of one stay is not known";
+                return Err(Error::log(file, Some(1), message));
+            }
+            Stays::Pooled if timed && columns.pose.is_none() => Some(Settling::new(dofs.len())),
+            _ => None,
+        };
         Ok(PostureReader {
             suspicions: Suspicions::new(&file, dofs, angles),
             source,
@@ -99,6 +113,9 @@ impl PostureReader {
             started: false,
             ended: false,
             last_pose: None,
+            settling,
+            stays: options.stays,
+            file,
             screen: log.screen.as_ref().map(|screen| screen.start()),
             rows: 0,
             postures: 0,
@@ -115,8 +132,17 @@ impl PostureReader {
     /// an error too.
     pub fn block(&mut self, count: usize) -> Result<Block, Error> {
         loop {
-            let mut block = self.rows(count)?;
+            let mut block = match self.settling {
+                Some(_) => self.settled(count)?,
+                None => self.rows(count)?,
+            };
             let ended = block.is_empty();
+            for pose in &block.pose {
+                if self.last_pose != Some(*pose) {
+                    self.postures += 1;
+                }
+                self.last_pose = Some(*pose);
+            }
             if let Some(screen) = &mut self.screen {
                 screen(&mut block);
             }
@@ -124,6 +150,51 @@ impl PostureReader {
             if ended || !block.is_empty() {
                 return Ok(block);
             }
+        }
+    }
+
+    /// The next rows of which it is known whether they are of one stay.
+    fn settled(&mut self, count: usize) -> Result<Block, Error> {
+        let count = count.max(1);
+        loop {
+            let Some(settling) = &mut self.settling else {
+                return self.rows(count);
+            };
+            let at_end = settling.is_at_end();
+            if at_end || settling.decided() >= count {
+                let block = settling.take(count);
+                if !block.is_empty() {
+                    return Ok(block);
+                }
+                if at_end && settling.decided() == 0 {
+                    return match settling.stays() {
+                        0 => self.no_stay(block),
+                        _ => Ok(block),
+                    };
+                }
+                continue;
+            }
+            let block = self.rows(count)?;
+            match (&mut self.settling, block.is_empty()) {
+                (Some(settling), true) => settling.end(),
+                (Some(settling), false) => settling.push(block),
+                _ => return Ok(block),
+            }
+        }
+    }
+
+    /// At the end of a log of which stays alone were asked for, and which has none.
+    fn no_stay(&self, block: Block) -> Result<Block, Error> {
+        match self.stays {
+            Stays::Alone(duration) => {
+                let message = Hold {
+                    duration,
+                    ..Hold::default()
+                }
+                .nothing();
+                Err(Error::log(&self.file, None, message))
+            }
+            _ => Ok(block),
         }
     }
 
@@ -138,12 +209,6 @@ impl PostureReader {
             self.assembler
                 .append(&self.raw, self.given..end, &mut block)?;
             self.given = end;
-        }
-        for pose in &block.pose {
-            if self.last_pose != Some(*pose) {
-                self.postures += 1;
-            }
-            self.last_pose = Some(*pose);
         }
         self.rows += block.len() as u64;
         self.suspicions.see(&block);
@@ -272,6 +337,11 @@ fn open_mcap(
     sidecar: &Sidecar,
 ) -> Result<Box<dyn Source>, Error> {
     let topic = options.topic.as_deref().or(sidecar.topic.as_deref());
+    let mut options = options.clone();
+    if let Stays::Alone(duration) = options.stays {
+        options.hold.duration = duration;
+    }
+    let options = &options;
     let source = super::mcap::McapSource::open(place, file, dofs, options, topic)?;
     Ok(Box::new(source))
 }

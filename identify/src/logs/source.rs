@@ -37,6 +37,11 @@ pub(super) trait Source: Send {
     /// Append up to `count` rows to `raw`; fewer only at the end of the file.
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error>;
 
+    /// Whether rows are of stretches in which the robot held still already.
+    fn knows_stays(&self) -> bool {
+        false
+    }
+
     /// How much was read, and of how much if that is known: bytes or rows.
     fn progress(&self) -> (u64, Option<u64>);
 

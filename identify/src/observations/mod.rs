@@ -18,4 +18,5 @@ pub(crate) mod repeats;
 pub mod revisits;
 pub mod rows;
 pub mod samples;
+pub mod stays;
 pub mod zmp;

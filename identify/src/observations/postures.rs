@@ -10,6 +10,7 @@ use std::rc::Rc;
 use sesc_model::Model;
 use sesc_model::effects::PostureContext;
 
+use super::correlation::Correlation;
 use super::grouping::{DOWN, moved_sentence};
 use super::motion::Motion;
 use super::motion_use::MotionUse;
@@ -64,6 +65,8 @@ pub struct Postures {
     pub visits: Option<Visits>,
     /// Foot cells, m.
     pub cells: Vec<[f64; 2]>,
+    /// How long it lasts within the stays of the log, by axis.
+    pub within_stays: [Correlation; 2],
     /// Raw loads were logged.
     pub raw_cells: bool,
     /// Postures of the log, of which these are an even choice.
@@ -229,7 +232,7 @@ impl Postures {
         taking: &Taking,
     ) -> Postures {
         let all = &gathering.kept;
-        let noise = Noise::of(gathering, stated, taking.noise);
+        let noise = Noise::of(gathering, stated, timed, taking.noise);
         let layout = PostureContext::with_joints(dof);
         let count = all.len();
         let mut data = Postures {
@@ -259,6 +262,7 @@ impl Postures {
             let q = posture.mean();
             let u = &mut data.posture_context[k * layout.len()..(k + 1) * layout.len()];
             u[layout.place()] = gathering.place(k, timed);
+            within_stays: noise.within,
             for axis in 0..2 {
                 u[layout.tilt(axis)] = posture.tilt[axis];
                 data.reading.push(posture.sum[axis] / posture.rows);

@@ -17,7 +17,6 @@
 //! one row per posture.
 
 mod cdr;
-mod hold;
 mod records;
 mod survey;
 #[cfg(test)]
@@ -30,10 +29,10 @@ use std::sync::Arc;
 use sesc_model::tree::Dof;
 
 use self::cdr::{Header, JointState};
-use self::hold::{Holds, Posture};
 use self::records::{Channel, Records};
 use self::survey::Survey;
 use super::columns::{COP, Columns, POSE, SUPPORT, T};
+use super::hold::{Holds, Posture};
 use super::input::{Bytes, Meter, Metered, Place};
 use super::names::short;
 use super::options::{Hold, Options, Readings};
@@ -248,12 +247,8 @@ impl McapSource {
 
     /// What to say at the end of the recording.
     fn conclude(&mut self) -> Result<(), String> {
-        let Hold { speed, duration } = self.hold;
         if self.postures == 0 {
-            return Err(format!(
-                "no posture is held: no stretch of {duration} s in which every joint stays \
-                 below {speed} rad/s"
-            ));
+            return Err(self.hold.nothing());
         }
         if self.airborne > 0 {
             let warning = format!(
@@ -295,6 +290,10 @@ impl Source for McapSource {
             }));
         }
         Ok(())
+    }
+
+    fn knows_stays(&self) -> bool {
+        true
     }
 
     fn progress(&self) -> (u64, Option<u64>) {

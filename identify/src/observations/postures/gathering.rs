@@ -3,6 +3,7 @@
 use super::super::grouping::Grouping;
 use super::super::motion::Motion;
 use super::super::repeats::{Group, Repeats};
+use super::super::stays::Stays;
 
 /// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
 pub const MOST: usize = 2000;
@@ -92,6 +93,7 @@ pub(super) struct Gathering {
     /// The number of each posture and its readings, for rows that come back to it.
     pub(super) known: Grouping<(Option<usize>, Group)>,
     pub(super) repeats: Repeats,
+    pub(super) stays: Stays,
     /// Postures that are whole, and the one that rows belong to now.
     pub(super) seen: usize,
     pub(super) current: Option<Posture>,
@@ -113,6 +115,7 @@ impl Gathering {
                 false => Grouping::default(),
             },
             repeats: Repeats::default(),
+            stays: Stays::default(),
             seen: 0,
             current: None,
             first: None,
@@ -131,6 +134,7 @@ impl Gathering {
         let (number, group) = &mut posture.own;
         self.repeats.push(group, visit, row.sum, std);
         let number = *number.get_or_insert(next);
+        self.stays.push((number, visit), row.t, row.sum);
         if let Some(current) = self.current.as_mut().filter(|_| number == self.seen) {
             join(current, &row);
             return;

@@ -3,8 +3,13 @@
 //! ```text
 //! std of a mean of n rows    s/√n        √(Σ s_k²)/n where rows state s_k
 //! ```
+//!
+//! Rows of one stay that are correlated tell less: s √f(n) ([`super::super::stays`]), unless
+//! what visits differ by says it all.
 
+use super::super::correlation::Correlation;
 use super::super::noise::{self, Known, NoiseSource};
+use super::super::stays::of_mean;
 use super::gathering::{Gathering, Posture};
 use super::rms;
 
@@ -17,11 +22,14 @@ pub(super) struct Noise {
     pub overall: f64,
     pub source: NoiseSource,
     pub warning: Option<String>,
+    /// Of rows within their stays, where it counts.
+    pub within: [Correlation; 2],
 }
 
 impl Noise {
     /// `given` is that of a row, m.
-    pub fn of(gathering: &Gathering, stated: bool, given: Option<f64>) -> Noise {
+    /// Rows of a log that is not `timed` are independent.
+    pub fn of(gathering: &Gathering, stated: bool, timed: bool, given: Option<f64>) -> Noise {
         let all = &gathering.kept;
         let rows: f64 = all.iter().map(|p| p.rows).sum();
         let variance = || all.iter().flat_map(|p| p.variance).sum::<f64>();
@@ -37,6 +45,7 @@ impl Noise {
                 overall: f64::NAN,
                 source: NoiseSource::Residuals,
                 warning: None,
+                within: [Correlation::NONE; 2],
             };
         };
         let mut per_entry = match stated {
@@ -46,11 +55,31 @@ impl Noise {
         for entry in per_entry.iter_mut().flatten() {
             *entry *= noise.sigma;
         }
+        let repeats = noise.source == NoiseSource::Repeats;
+        let within = match timed && !(repeats && gathering.repeats.by_visits()) {
+            true => gathering.stays.correlation(),
+            false => [Correlation::NONE; 2],
+        };
+        for axis in 0..2 {
+            let Correlation {
+                variance, process, ..
+            } = within[axis];
+            if process.is_none() {
+                continue;
+            }
+            // The scatter about the means of stays has lost the slow part of the noise.
+            let row = if repeats { variance.max(1.0) } else { 1.0 };
+            for (entry, posture) in per_entry.iter_mut().zip(all) {
+                let part = posture.rows * of_mean(&within[axis], posture.rows);
+                entry[axis] *= (row * part).sqrt();
+            }
+        }
         Noise {
             overall: rms(per_entry.iter().flatten().copied()),
             per_entry,
             source: noise.source,
             warning: noise.warning(),
+            within,
         }
     }
 

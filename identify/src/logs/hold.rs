@@ -1,11 +1,11 @@
-//! Postures in a recording: the stretches in which the robot holds still.
+//! Postures in rows or messages in time: the stretches in which the robot holds still.
 //!
 //! A joint is slow if the velocity in its message is, where there is one, and
 //! if it moved less than `speed · duration` within the last `duration`. The
 //! second is a difference over the shortest posture, not between neighbouring
 //! messages: there a single encoder tick would look like a leap.
 
-use crate::logs::options::Hold;
+use super::options::Hold;
 
 /// Readings of one posture that are given out together; a longer posture is
 /// given out in parts, each with its own mean of the joints.
@@ -89,6 +89,22 @@ impl<R> Holds<R> {
             now
         });
         ended
+    }
+
+    /// Joints and a reading of one moment; gives back the posture that ended, or a part of one
+    /// that has grown long.
+    pub fn row(&mut self, t: f64, q: &[f64], reading: R) -> Option<Posture<R>> {
+        let ended = self.state(t, q, 0.0);
+        let part = self.reading(reading);
+        if let Some(now) = &mut self.now {
+            now.confirmed = now.readings.len();
+        }
+        ended.or(part)
+    }
+
+    /// The first reading of the stretch that has not ended.
+    pub fn first(&self) -> Option<&R> {
+        self.now.as_ref()?.readings.first()
     }
 
     /// A reading; gives back a part of a posture that has grown long.
