@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use sesc_identify::diagnose::Verdict;
 use sesc_identify::robot::Robot;
 use sesc_reference::World;
 use sesc_test_support::command::ROOT;
@@ -98,4 +99,38 @@ fn a_stuck_encoder_is_named_and_a_joint_that_stands_still_is_not() {
     finds_nothing(&Log::of("r_sole", &still, large, 8), 8);
     let drift = |w: World| w.sensor_drift([0.02, 0.0]);
     finds_nothing(&Log::of("r_sole", &still, drift, 9), 9);
+}
+
+/// A log in which the encoder of a joint is stuck.
+fn stuck(joint: &str, hide: impl Fn(World) -> World, seed: u64) -> Log {
+    let mut log = Log::of("r_sole", &[], hide, seed);
+    let at = log.joints.iter().position(|name| name == joint).unwrap();
+    log.q.iter_mut().for_each(|q| q[at] = 0.1);
+    log
+}
+
+/// Whoever states the noise: each posture spends a reading on where the joint is.
+#[test]
+fn beside_a_stuck_encoder_nothing_false_is_named() {
+    for (case, joint) in (60..).zip(["r_knee", "r_ank_pitch", "r_hip_roll"]) {
+        for noise_is_given in [true, false] {
+            let mut log = stuck(joint, |w| w, case);
+            log.noise_is_given = noise_is_given;
+            let found = log.diagnose("r_sole").diagnosis;
+            println!("{joint}, {noise_is_given}: {}", found.sentence);
+            assert_eq!(found.health[0].kind.name(), "encoder_stuck");
+            assert_eq!(found.verdict, Verdict::None);
+        }
+    }
+}
+
+#[test]
+fn what_else_is_wrong_is_found_beside_a_stuck_encoder() {
+    let offset = |w: World| w.joint_offset("r_hip_roll", 0.03).unwrap();
+    let found = stuck("r_knee", offset, 70).diagnose("r_sole").diagnosis;
+    println!("{}", found.sentence);
+    assert_eq!(found.health[0].kind.name(), "encoder_stuck");
+    let members = &found.indistinguishable;
+    let is = |member: &Vec<String>| *member == ["joint_offset:r_hip_roll"];
+    assert!(members.iter().any(is), "{members:?}");
 }

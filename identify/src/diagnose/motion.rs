@@ -61,6 +61,16 @@ pub(super) fn account(data: &mut Postures, model: &Model, prior: &Prior, asked: 
     data.motion_use = std::mem::take(&mut data.motion_use).told();
 }
 
+/// What motion adds, where joints stand elsewhere than it was taken for.
+pub(super) fn again(data: &mut Postures, model: &Model) {
+    if let Some(known) = data.moved.take() {
+        let mut moved = moved(data, model);
+        tell_slopes(&mut moved, data, model);
+        moved.std.clone_from(&known.std);
+        data.tell_moved(moved);
+    }
+}
+
 fn tilts(data: &Postures, model: &Model) -> Vec<[f64; 2]> {
     let layout = PostureContext::of(model);
     let contexts = data.posture_context.chunks_exact(layout.len());

@@ -23,7 +23,9 @@ pub(super) fn beside(problem: &Problem, found: &Found) -> Option<(Vec<f64>, f64)
 
 /// A finding where it is, and where there are samples enough to know.
 pub(super) fn overstated(problem: &Problem, found: &Found) -> Option<Finding> {
-    if found.diagnosis.verdict == Verdict::Unusable {
+    // Readings from which a joint's position was taken say little of their noise.
+    let spent = !problem.data.spent.is_empty();
+    if spent || found.diagnosis.verdict == Verdict::Unusable {
         return None;
     }
     let misfit = Misfit::of(problem, &found.best);

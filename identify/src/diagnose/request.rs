@@ -253,7 +253,10 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         let mut data = data.clone();
         let health = health::examine(robot, &model, request.snapping, &data);
         let health = health.after(rows.clone());
-        data.trust_less(&health.less_known);
+        for stuck in &health.stuck {
+            data.put_joint(stuck.joint, &stuck.positions, &health.less_known);
+            motion::again(&mut data, &model);
+        }
         let about = About {
             robot: sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
             support: &support,

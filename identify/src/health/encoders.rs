@@ -29,6 +29,8 @@ pub(super) struct Stuck {
     /// Standard deviation that each reading gains without this encoder, m.
     pub less_known: Vec<f64>,
     pub joint: usize,
+    /// Where readings have the joint, posture by posture, rad or m.
+    pub positions: Vec<f64>,
 }
 
 /// A joint that does not move in the log though the CoP says that it does.
@@ -76,7 +78,8 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
         return None;
     }
     let (joint, most) = (best.joint, total - best.left);
-    let slopes = Evaluator::new(model, Function::ComJacobian).run(&data.q, n);
+    let by = Evaluator::new(model, Function::ComJacobian);
+    let slopes = by.run(&data.q, n);
     let slope = |k: usize, axis: usize, joint: usize| slopes[(3 * k + axis) * dof + joint];
     // One offset or scale for all postures is simpler than one unknown for each.
     let by_one = |joint: usize, scale: bool| {
@@ -102,9 +105,15 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
     } else {
         ANYWHERE.0
     };
-    let less_known: Vec<f64> = (0..2 * n)
-        .map(|row| anywhere * slope(row / 2, row % 2, joint).abs())
-        .collect();
+    let position = |k: usize| data.q[k * dof + joint] + best.far[k];
+    let positions: Vec<f64> = (0..n).map(position).collect();
+    let mut moved = data.q.clone();
+    let own = moved.iter_mut().skip(joint).step_by(dof);
+    own.zip(&positions).for_each(|(q, at)| *q = *at);
+    let slopes = by.run(&moved, n);
+    let slope = |row: usize| slopes[(3 * (row / 2) + row % 2) * dof + joint];
+    let less_known = (0..2 * n).map(|row| anywhere * slope(row).abs());
+    let less_known = less_known.collect();
     let finding = Finding::new(
         Kind::EncoderStuck,
         &dof_of.joint,
@@ -121,12 +130,12 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
         ("°", 1f64.to_degrees())
     };
     let title = format!("{} as the CoP has it, {}", dof_of.joint, unit.0);
-    let at = |k: usize| unit.1 * (data.q[k * dof + joint] + best.far[k]);
-    let picture = Picture::of(&title, n, at, |_| true);
+    let picture = Picture::of(&title, n, |k| unit.1 * positions[k], |_| true);
     Some(Stuck {
         finding: finding.showing(picture),
         less_known,
         joint,
+        positions,
     })
 }
 

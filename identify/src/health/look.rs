@@ -14,7 +14,7 @@ use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
 use super::rows::{self, Rows};
-use super::{Finding, Health, examine_both, standing};
+use super::{Finding, Health, Whereabouts, examine_both, standing};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, Screen, Screening};
@@ -66,7 +66,7 @@ pub fn look(
     } = examine_both(robot, model, reading.snapping, &read, &still).after(findings);
     let inner = (!left_out.is_nothing()).then(|| Arc::new(left_out) as Arc<dyn Screen>);
     let screen: Option<Arc<dyn Screen>> = match stuck.first() {
-        Some(&joint) => Some(Arc::new(LessKnown {
+        Some(&Whereabouts { joint, .. }) => Some(Arc::new(LessKnown {
             inner,
             slopes: Arc::new(Evaluator::new(model, Function::ComJacobian).fastest()),
             joint,

@@ -48,7 +48,16 @@ pub struct Health {
     /// Standard deviation of each reading beside its noise, m; empty where there is none.
     pub less_known: Vec<f64>,
     /// Joints whose positions are not known.
-    pub stuck: Vec<usize>,
+    pub stuck: Vec<Whereabouts>,
+}
+
+/// Where readings have a joint whose encoder does not follow it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Whereabouts {
+    /// Number of the joint.
+    pub joint: usize,
+    /// Posture by posture, rad or m: each is what explains one of its two readings.
+    pub positions: Vec<f64>,
 }
 
 impl Health {
@@ -190,7 +199,10 @@ fn examine_both(
         Some(stuck) => Health {
             findings: vec![stuck.finding],
             less_known: stuck.less_known,
-            stuck: vec![stuck.joint],
+            stuck: vec![Whereabouts {
+                joint: stuck.joint,
+                positions: stuck.positions,
+            }],
         },
         None => Health::default(),
     }

@@ -33,6 +33,10 @@ use known::Noise;
 const BLOCK: usize = 4096;
 /// What noise has of the variance that a fit leaves, at least.
 const LEAST_PART: f64 = 0.1;
+/// A reading of which a joint took up more tells nothing of the noise; nor does an axis where
+/// fewer than one in so many readings is left.
+const MOST_SPENT: f64 = 0.75;
+const FEW_PART: usize = 4;
 /// Rows that say how a log is differentiated.
 const HEAD: usize = 20_000;
 
@@ -51,6 +55,8 @@ pub struct Postures {
     pub std: Vec<f64>,
     /// What each entry is less known by for reasons of its own, m; empty where for none.
     pub less_known: Vec<f64>,
+    /// What each entry of `reading` tells of a joint that is not known; empty where all are.
+    pub spent: Vec<Spent>,
     /// Time of each posture, s.
     pub t: Option<Vec<f64>>,
     /// Noise of a posture's reading on one axis without the floor, m.
@@ -59,14 +65,14 @@ pub struct Postures {
     pub noise_floor: f64,
     /// What was added to the noise in quadrature, m.
     pub floor: f64,
+    /// How long it lasts within the stays of the log, by axis.
+    pub within_stays: [Correlation; 2],
     /// Where the noise is known from.
     pub noise_source: NoiseSource,
     /// What postures that were visited again differ by.
     pub visits: Option<Visits>,
     /// Foot cells, m.
     pub cells: Vec<[f64; 2]>,
-    /// How long it lasts within the stays of the log, by axis.
-    pub within_stays: [Correlation; 2],
     /// Raw loads were logged.
     pub raw_cells: bool,
     /// Postures of the log, of which these are an even choice.
@@ -83,6 +89,15 @@ pub struct Postures {
     pub moved: Option<Rc<Moved>>,
     /// How motion counts.
     pub motion_use: MotionUse,
+}
+
+/// A reading from which the position of a joint was taken.
+#[derive(Debug, Clone, Copy)]
+pub struct Spent {
+    /// By what it is less known since, m.
+    pub less_known: f64,
+    /// Part of its variance that the position took up.
+    pub part: f64,
 }
 
 /// How a log is to be taken.
@@ -242,10 +257,12 @@ impl Postures {
             reading: Vec::with_capacity(2 * count),
             std: Vec::with_capacity(2 * count),
             less_known: Vec::new(),
+            spent: Vec::new(),
             t: timed.then(|| all.iter().map(|p| p.t).collect()),
             noise: noise.overall,
             noise_floor: noise.overall.hypot(taking.floor),
             floor: taking.floor,
+            within_stays: noise.within,
             noise_source: noise.source,
             visits: gathering.repeats.visits(),
             cells: Vec::new(),
@@ -262,7 +279,6 @@ impl Postures {
             let q = posture.mean();
             let u = &mut data.posture_context[k * layout.len()..(k + 1) * layout.len()];
             u[layout.place()] = gathering.place(k, timed);
-            within_stays: noise.within,
             for axis in 0..2 {
                 u[layout.tilt(axis)] = posture.tilt[axis];
                 data.reading.push(posture.sum[axis] / posture.rows);
@@ -284,9 +300,21 @@ impl Postures {
     pub fn take_noise(&mut self, left: &[f64], taken: f64) {
         let share = (1.0 - taken / left.len() as f64).max(0.1).sqrt();
         let floor = self.floor.max(1e-6);
+        let of_axis = |axis: usize| -> Vec<f64> {
+            let own = left.iter().enumerate().skip(axis).step_by(2);
+            own.filter_map(|(row, left)| match self.spent.get(row) {
+                Some(spent) if spent.part > MOST_SPENT => None,
+                Some(spent) => Some(left / (1.0 - spent.part).sqrt()),
+                None => Some(*left),
+            })
+            .collect()
+        };
+        let own = [0, 1].map(of_axis);
+        // An axis that is spent has the noise of the other.
+        let few = |axis: usize| FEW_PART * own[axis].len() < left.len() / 2;
         let axes = [0, 1].map(|axis| {
-            let own: Vec<f64> = left.iter().skip(axis).step_by(2).copied().collect();
-            let size = noise::scale(&own) / share;
+            let of = if few(axis) { 1 - axis } else { axis };
+            let size = noise::scale(&own[of]) / share;
             // What readings are less known by is in what is left, and added below.
             let known = rms(self.less_known.iter().skip(axis).step_by(2).copied());
             (size * size - known * known)
@@ -305,6 +333,9 @@ impl Postures {
         let own = self.less_known.iter();
         for (std, own) in self.std.iter_mut().zip(own) {
             *std = std.hypot(*own);
+        }
+        for (std, own) in self.std.iter_mut().zip(&self.spent) {
+            *std = std.hypot(own.less_known);
         }
     }
 
@@ -344,6 +375,7 @@ impl Postures {
         keep_some(&mut self.reading, 2, &keep);
         keep_some(&mut self.std, 2, &keep);
         keep_some(&mut self.less_known, 2, &keep);
+        keep_some(&mut self.spent, 2, &keep);
         self.t.iter_mut().for_each(|t| keep_some(t, 1, &keep));
         for all in motion.columns() {
             keep_some(all, width, &keep);
@@ -353,6 +385,14 @@ impl Postures {
 
     /// Readings are those of a robot that is `moved`.
     pub fn move_by(&mut self, moved: Moved) {
+        let less_known = moved.std.concat();
+        self.noise_floor = self.noise_floor.hypot(rms(less_known.iter().copied()));
+        self.trust_less(&less_known);
+        self.tell_moved(moved);
+    }
+
+    /// The same where the noise of motion is counted already.
+    pub fn tell_moved(&mut self, moved: Moved) {
         let count = self.len().max(1);
         let width = self.posture_context.len() / count;
         let layout = PostureContext::with_joints(self.q.len() / count);
@@ -360,10 +400,31 @@ impl Postures {
         for (k, context) in contexts.enumerate() {
             moved.tell(k, layout, context);
         }
-        let less_known = moved.std.concat();
-        self.noise_floor = self.noise_floor.hypot(rms(less_known.iter().copied()));
-        self.trust_less(&less_known);
         self.moved = Some(Rc::new(moved));
+    }
+
+    /// A joint is at `positions`, whatever its encoder says: readings were spent on that, each
+    /// of which is `less_known` since, m.
+    pub fn put_joint(&mut self, joint: usize, positions: &[f64], less_known: &[f64]) {
+        let width = self.q.len() / self.len().max(1);
+        let own = self.q.iter_mut().skip(joint).step_by(width.max(1));
+        own.zip(positions).for_each(|(q, at)| *q = *at);
+        for (std, own) in self.std.iter_mut().zip(less_known) {
+            *std = std.hypot(*own);
+        }
+        let of_posture = |own: &[f64]| {
+            let all = own
+                .iter()
+                .map(|x| x * x)
+                .sum::<f64>()
+                .max(f64::MIN_POSITIVE);
+            let of = |x: &f64| Spent {
+                less_known: *x,
+                part: x * x / all,
+            };
+            own.iter().map(of).collect::<Vec<_>>()
+        };
+        self.spent = less_known.chunks_exact(2).flat_map(of_posture).collect();
     }
 
     /// The log with what motion adds taken from its readings.

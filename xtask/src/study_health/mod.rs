@@ -1,6 +1,7 @@
 //! The study of broken data: how often each broken device is recognised, and how often a
 //! finding is false, on healthy logs with hidden effects of every kind and on healthy
-//! recordings.
+//! recordings. Of stuck encoders it is counted, too, what a diagnosis finds beside them: nothing
+//! else is hidden.
 //!
 //! Standing logs are those of the study of hidden effects; recordings are slow sines at 10 to
 //! 100 Hz with white or lasting noise. A device breaks their rows. A device is recognised
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use sesc_identify::diagnose;
+use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fit;
 use sesc_identify::health::{self, Finding};
 use sesc_identify::logs::{LogSource, Options, Readings};
@@ -41,6 +42,9 @@ pub struct StudyHealth {
     /// Logs of each broken device on each robot, standing and moving each
     #[arg(long, default_value_t = 100)]
     broken: usize,
+    /// Of those with a stuck encoder, how many are diagnosed
+    #[arg(long, default_value_t = 20)]
+    diagnosed: usize,
     /// The first log's seed; each further one's is one more
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -59,6 +63,36 @@ const ROBOTS: [(Platform, &str); 3] = [
 ];
 const SOURCES: [(Source, &str); 2] = [(Source::Standing, "standing"), (Source::Moving, "moving")];
 
+/// Broken logs of one kind.
+#[derive(Default)]
+struct Count {
+    asked: usize,
+    found: usize,
+    /// With a finding that is wrong.
+    beside: usize,
+    diagnosed: usize,
+    /// With a verdict but none.
+    named: usize,
+}
+
+impl Count {
+    fn cell(&self) -> String {
+        match self {
+            Count { asked: 0, .. } => "–".to_string(),
+            Count { beside: 0, .. } => format!("{} of {}", self.found, self.asked),
+            _ => format!("{} of {}, {} beside", self.found, self.asked, self.beside),
+        }
+    }
+
+    fn add(&mut self, other: &Count) {
+        self.asked += other.asked;
+        self.found += other.found;
+        self.beside += other.beside;
+        self.diagnosed += other.diagnosed;
+        self.named += other.named;
+    }
+}
+
 /// Logs that are drawn for one in which a device has something to break.
 const TRIES: usize = 60;
 
@@ -72,9 +106,9 @@ impl StudyHealth {
         let mut page = format!(
             "# Broken data\n\n\
              How often each broken device is recognised, by both `fit` and `diagnose` and by its \
-             name and target, and how often healthy logs have a finding. `cargo xtask \
-             study-health --healthy {} --moving {} --broken {} --seed {}` counts the same logs \
-             again.\n\n\
+             name and target, how often another finding stands beside it, and how often healthy \
+             logs have a finding. `cargo xtask study-health --healthy {} --moving {} --broken {} \
+             --diagnosed {} --seed {}` counts the same logs again.\n\n\
              Standing: 38 to 1000 postures of the study of hidden effects, each averaged over 100 \
              readings or repeated 20 times, noise of a reading 5 mm (OP2) or 11 mm; stated in 7 of \
              10. Moving: half a minute to a minute and a half at 10 to 100 Hz (6000 rows at most), \
@@ -82,7 +116,7 @@ impl StudyHealth {
              of 0.3 to 1.5 mm (OP2) or 0.7 to 3.3 mm, white or AR(1) of 0.1 to 1 s, stated in one \
              of two; angles in all digits or in ticks of 2π/4096. A stuck encoder hides 12 \
              deviations of a reading or more of CoP motion.\n\n",
-            self.healthy, self.moving, self.broken, self.seed
+            self.healthy, self.moving, self.broken, self.diagnosed, self.seed
         );
         let _ = writeln!(page, "{}\n", self.count_healthy(folder.path())?);
         let _ = write!(page, "| broken device |");
@@ -91,7 +125,8 @@ impl StudyHealth {
                 let _ = write!(page, " {robot}, {source} |");
             }
         }
-        let _ = writeln!(page, "\n|---|---|---|---|---|---|---|");
+        let _ = writeln!(page, " all |\n|---|---|---|---|---|---|---|---|");
+        let mut stuck = Count::default();
         for device in DEVICES {
             if self
                 .only
@@ -101,18 +136,30 @@ impl StudyHealth {
                 continue;
             }
             let _ = write!(page, "| {} |", device.name());
+            let mut all = Count::default();
             for (source, how) in SOURCES {
                 for (platform, name) in ROBOTS {
-                    let (found, asked) =
-                        self.count_broken(device, (source, platform), folder.path())?;
-                    eprintln!("{} on {name}, {how}: {found} of {asked}", device.name());
-                    let _ = match asked {
-                        0 => write!(page, " – |"),
-                        _ => write!(page, " {found} of {asked} |"),
-                    };
+                    let count = self.count_broken(device, (source, platform), folder.path())?;
+                    let cell = count.cell();
+                    eprintln!("{} on {name}, {how}: {cell}", device.name());
+                    let _ = write!(page, " {cell} |");
+                    all.add(&count);
                 }
             }
+            let percent = 100.0 * all.found as f64 / all.asked.max(1) as f64;
+            let _ = write!(page, " {percent:.1} % |");
+            if device == Device::Stuck {
+                stuck = all;
+            }
             page += "\n";
+        }
+        if stuck.diagnosed > 0 {
+            let _ = write!(
+                page,
+                "\nOf {} logs with a stuck encoder that were diagnosed to the end, {} have an \
+                 effect named or suspected beside it.\n",
+                stuck.diagnosed, stuck.named
+            );
         }
         let own = root.join("docs/study-health.md");
         std::fs::write(self.out.as_ref().unwrap_or(&own), page)?;
@@ -146,16 +193,16 @@ impl StudyHealth {
         device: Device,
         (source, platform): (Source, Platform),
         folder: &Path,
-    ) -> Result<(usize, usize), Box<dyn Error>> {
-        let (mut found, mut asked, mut seed, mut tries) = (0, 0, self.seed, 0);
-        while asked < self.broken && tries < TRIES {
+    ) -> Result<Count, Box<dyn Error>> {
+        let (mut count, mut seed, mut tries) = (Count::default(), self.seed, 0);
+        while count.asked < self.broken && tries < TRIES {
             seed += 1;
             let mut sheet = Sheet::draw(source, platform, seed, folder)?;
             let Some(broken) = Broken::of(device, &mut sheet, seed) else {
                 tries += 1;
                 continue;
             };
-            (asked, tries) = (asked + 1, 0);
+            (count.asked, tries) = (count.asked + 1, 0);
             let robot = Arc::new(Robot::parse(&broken.urdf, "robot.urdf")?);
             let log = sheet.log();
             let seen = match device.needs_fit() {
@@ -164,18 +211,44 @@ impl StudyHealth {
             };
             let is = |f: &Finding| f.kind.name() == device.kind() && broken.is(&f.target);
             let both = seen.iter().take(if device.needs_fit() { 1 } else { 2 });
-            match both.clone().all(|all| all.iter().any(is)) {
-                true => found += 1,
-                false => eprintln!(
+            let found = both.clone().all(|all| all.iter().any(is));
+            let beside = both.clone().flatten().any(|f| !is(f));
+            count.found += usize::from(found);
+            count.beside += usize::from(beside);
+            if !found || beside {
+                eprintln!(
                     "{} on {platform:?}, seed {seed}: {:?} ({})",
                     device.name(),
                     both.map(|all| names(all)).collect::<Vec<_>>(),
                     sheet.about
-                ),
+                );
+            }
+            if found && device == Device::Stuck && count.diagnosed < self.diagnosed {
+                count.diagnosed += 1;
+                if let Some(named) = named(&robot, &log, &broken)? {
+                    count.named += 1;
+                    let about = &sheet.about;
+                    eprintln!(
+                        "beside a stuck encoder, {platform:?}, seed {seed}: {named} ({about})"
+                    );
+                }
             }
         }
-        Ok((found, asked))
+        Ok(count)
     }
+}
+
+/// What a diagnosis finds beside broken data; none where nothing.
+fn named(
+    robot: &Arc<Robot>,
+    log: &LogSource,
+    broken: &Broken,
+) -> Result<Option<String>, Box<dyn Error>> {
+    let mut request = diagnose::Request::new(Arc::clone(robot), log.clone());
+    request.support = Some(broken.support.clone());
+    request.noise = broken.noise;
+    let found = diagnose::diagnose(&request, &mut ())?.diagnosis;
+    Ok((found.verdict != Verdict::None).then_some(found.sentence))
 }
 
 /// How many healthy logs have a finding.
