@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use sesc_model::Model;
 
 use super::gather::{Fold, Gathered};
-use super::identification::{Identification, Settings};
+use super::identification::{Identification, ParameterFound, Settings};
 use super::limits::Limits;
 use super::physical;
 use super::prior::{Prior, Tolerances};
@@ -20,6 +20,9 @@ use crate::observations::noise::{Leftover, Noise, NoiseSource, widening};
 
 /// Held-out errors beyond this many times the noise are mentioned.
 const FAR: f64 = 2.0;
+/// A parameter is elsewhere than in CAD by this, m, and by so many deviations.
+const ELSEWHERE_M: f64 = 5e-3;
+const SURELY: f64 = 4.0;
 
 /// Fit `gathered` and say what was found.
 #[cfg(any(test, feature = "nalgebra"))]
@@ -194,7 +197,10 @@ pub(super) fn identify_within(
             .samples
             .of(gathered.readings + gathered.motion.rows_left_out)
             .by_visits(&gathered.repeats),
-        motion: gathered.motion.clone().told(),
+        motion: match parameters.iter().any(is_elsewhere) {
+            true => gathered.motion.clone().told_of_a_load(),
+            false => gathered.motion.clone().told(),
+        },
         plans: gathered.plans.clone(),
         visits: gathered.repeats.visits(),
         closure: gathered.closure.clone(),
@@ -227,4 +233,11 @@ pub(super) fn identify_within(
         information,
         masses,
     }
+}
+
+/// Whether masses are so much other than CAD's that what is linear about CAD no longer tells
+/// how they are accelerated.
+fn is_elsewhere(found: &ParameterFound) -> bool {
+    let off = (found.value - found.cad).abs();
+    off > ELSEWHERE_M && found.std.is_some_and(|std| off > SURELY * std)
 }

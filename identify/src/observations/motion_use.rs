@@ -182,6 +182,18 @@ impl MotionUse {
         self
     }
 
+    /// With its sentence, where the masses that were found are far from those of the URDF.
+    pub fn told_of_a_load(self) -> MotionUse {
+        let mut told = self.told();
+        if told.used {
+            told.sentence += " The masses found are not those of the URDF, and are accelerated \
+                              by what is linear in them, without an inertia of their own: what a \
+                              payload adds in motion is missed in part. Fit standing postures, \
+                              or diagnose the log.";
+        }
+        told
+    }
+
     fn of_motion(&self, share: Option<Share>) -> String {
         let shown = match share {
             Some(share) if share.is_another() => format!(
