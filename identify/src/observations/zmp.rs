@@ -6,7 +6,8 @@
 //! ```
 //!
 //! c and c̈ have rows in the base parameters, L̇ is that of the URDF's masses and inertias. The
-//! products of parameters that p holds are taken to first order about CAD. How well
+//! products of parameters that p holds are taken to first order about CAD. p⁰ is that of what was
+//! read, Y of [smooth](super::motion::Smooth) motion: noise that both shared would bend the fit. How well
 //! accelerations and positions are known adds to the noise:
 //! `σ² = Σ_j (∂p/∂q̈_j)² σ(q̈_j)² + (∂c/∂q_j)² σ(q_j)²`.
 
@@ -167,6 +168,12 @@ impl Zmp {
         let (n, p) = (tilts.len(), self.params.len());
         let own = rows.start * self.dof..rows.end * self.dof;
         let out = self.run(q, &motion.rates[own.clone()], &motion.gains[own.clone()]);
+        // For the rows; where nothing smooth is known, they have the noise of the readings' motion.
+        let of_rows = motion.smooth.as_ref().map(|smooth| {
+            let [q, rates, gains] = [&smooth.q, &smooth.rates, &smooth.gains];
+            self.run(&q[own.clone()], &rates[own.clone()], &gains[own.clone()])
+        });
+        let of_rows = of_rows.as_ref().unwrap_or(&out);
         let gains_std = &motion.gains_std[own.clone()];
         let positions_std = &motion.positions_std[own];
         let levers = match gains_std.iter().any(|std| *std > 0.0) {
@@ -182,22 +189,26 @@ impl Zmp {
             slopes: Vec::new(),
             in_time: Vec::new(),
         };
-        for (k, (out, tilt)) in out.chunks_exact(self.tape.outputs()).zip(tilts).enumerate() {
+        let width = self.tape.outputs();
+        let both = out.chunks_exact(width).zip(of_rows.chunks_exact(width));
+        for (k, ((out, of_rows), tilt)) in both.zip(tilts).enumerate() {
             let parts = self.parts(out, &self.params);
             let load = parts.load();
-            let row = |row: usize, column: usize| out[row * p + column];
+            let smooth = self.parts(of_rows, &self.params);
+            let row = |row: usize, column: usize| of_rows[row * p + column];
             let mut correction = [0.0; 2];
             for axis in 0..2 {
-                let push = parts.gain[axis] - GRAVITY * tilt[axis];
-                let pushed = parts.pushed(axis, *tilt);
+                let push = smooth.gain[axis] - GRAVITY * tilt[axis];
+                let pushed = smooth.pushed(axis, *tilt);
                 let mut sum = 0.0;
                 for column in 0..p {
-                    let moments = push * row(2, column) + parts.com[2] * row(3 + axis, column);
-                    let entry = row(axis, column) - (moments - pushed * row(5, column)) / load;
+                    let moments = push * row(2, column) + smooth.com[2] * row(3 + axis, column);
+                    let moments = moments - pushed * row(5, column);
+                    let entry = row(axis, column) - moments / smooth.load();
                     moved.rows[(2 * k + axis, column)] = entry;
                     sum += entry * self.params[column];
                 }
-                correction[axis] = parts.com[axis] - pushed - sum;
+                correction[axis] = parts.com[axis] - parts.pushed(axis, *tilt) - sum;
             }
             moved.shift.push(parts.shift(*tilt));
             moved.lift.push(load / GRAVITY - 1.0);

@@ -23,9 +23,14 @@
 //! not know its motion, unless nothing moves in what there is. What rows of whole windows leave of
 //! the polynomials is the noise of positions: encoders that turn in ticks have some. How
 //! accelerations change from row to row is known, too, for joints that are late.
+//!
+//! Rows of a regressor that hold this noise would pull the parameters to zero, the more the less
+//! the joints move: for them the motion is also known [`Smooth`], by order 4 through windows of
+//! 2 h, which have a hundredth of the noise's square.
 
 mod changes;
 mod polynomials;
+mod smooth;
 #[cfg(test)]
 mod tests;
 mod windows;
@@ -35,6 +40,7 @@ use std::ops::Range;
 use super::correlation;
 use crate::logs::Block;
 use polynomials::{HIGH, Polynomials};
+pub use smooth::Smooth;
 use windows::{FEWEST, Nodes, Window};
 
 /// Longest interval between rows, s,
@@ -99,6 +105,8 @@ pub struct Motion {
     pub snaps: Vec<f64>,
     /// Whether the row has a window.
     pub known: Vec<bool>,
+    /// The same with little noise, row by row and joint by joint; none where it is not asked for.
+    pub smooth: Option<Smooth>,
 }
 
 impl Plan {
@@ -138,7 +146,7 @@ impl Plan {
 
     /// How far what is known of a row reaches to either side, s.
     pub fn reach_s(&self) -> f64 {
-        windows::reach(self.half) + changes::reach(self.step_s)
+        windows::reach(smooth::LONGER * self.half) + changes::reach(self.step_s)
     }
 
     /// The motion in some `rows` of a log, of whose neighbours `t` and `q` hold what
@@ -154,6 +162,7 @@ impl Plan {
         let after = (rows.end..t.len()).take_while(|row| near(rows.end - 1, *row));
         let around = rows.start - before.count()..rows.end + after.count();
         let mut motion = self.motion_in(t, q, dof, around.clone())?;
+        motion.smooth = Some(Smooth::of(self, (t, q), &motion, around.clone()));
         changes::find(&mut motion, &t[around.clone()], self.step_s);
         motion.narrow(rows.start - around.start..rows.end - around.start, dof);
         Some(motion)
@@ -294,7 +303,7 @@ impl Motion {
 
     fn retain(&mut self, keep: &[bool]) {
         let dof = self.dof();
-        for all in self.columns() {
+        for all in self.all_columns() {
             let mut at = 0;
             all.retain(|_| {
                 at += 1;
@@ -306,7 +315,7 @@ impl Motion {
 
     /// Keep some rows in line.
     fn narrow(&mut self, rows: Range<usize>, dof: usize) {
-        for all in self.columns() {
+        for all in self.all_columns() {
             all.truncate(rows.end * dof);
             all.drain(..rows.start * dof);
         }
@@ -314,8 +323,9 @@ impl Motion {
         self.known.drain(..rows.start);
     }
 
-    /// Add rows; those of a log that stands where there is none.
+    /// Add rows; those of a log that stands where there is none. What is smooth is not kept.
     pub fn extend(&mut self, other: Option<Motion>, rows: usize, dof: usize) {
+        self.smooth = None;
         match other {
             Some(other) => {
                 self.rates.extend(other.rates);
@@ -345,8 +355,25 @@ impl Motion {
             jerks,
             snaps,
             known: _,
+            smooth: _,
         } = self;
         [rates, gains, gains_std, positions_std, jerks, snaps]
+    }
+
+    /// The same with what is smooth.
+    fn all_columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let Motion {
+            rates,
+            gains,
+            gains_std,
+            positions_std,
+            jerks,
+            snaps,
+            known: _,
+            smooth,
+        } = self;
+        let own = [rates, gains, gains_std, positions_std, jerks, snaps].into_iter();
+        own.chain(smooth.iter_mut().flat_map(Smooth::columns))
     }
 
     fn dof(&self) -> usize {

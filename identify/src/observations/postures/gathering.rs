@@ -202,6 +202,7 @@ impl Gathering {
                 jerks: of(4).collect(),
                 snaps: of(5).collect(),
                 known: vec![!own.unknown],
+                smooth: None,
             });
             motion.extend(one, 1, dof);
         }

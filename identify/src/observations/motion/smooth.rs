@@ -1,0 +1,80 @@
+//! Motion for the rows of a regressor: with as little noise as can be.
+//!
+//! ```text
+//! E[Xᵀ e] = −E[ε_Xᵀ ε_X] r        where the noise of q, q̇ and q̈ is in rows and readings alike
+//! ```
+//!
+//! Of a window of 2 h the noise of an acceleration has a thirtieth of the square that one of h
+//! has, and what both share is no more than that (it is the better estimate of the two).
+
+use std::ops::Range;
+
+use super::polynomials::{HIGH, Polynomials};
+use super::windows::{Nodes, Window};
+use super::{Motion, Plan};
+
+/// Windows are so many times as long.
+pub(super) const LONGER: f64 = 2.0;
+
+/// Motion by windows of twice the length: with little noise, and bent where it is fast.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Smooth {
+    /// rad or m
+    pub q: Vec<f64>,
+    /// rad/s or m/s
+    pub rates: Vec<f64>,
+    /// rad/s² or m/s²
+    pub gains: Vec<f64>,
+}
+
+impl Smooth {
+    /// The motion of `rows` by longer windows; that which is known where those are not whole.
+    pub(super) fn of(
+        plan: &Plan,
+        (t, q): (&[f64], &[f64]),
+        known: &Motion,
+        rows: Range<usize>,
+    ) -> Smooth {
+        let (dof, half) = (known.dof(), LONGER * plan.half);
+        let nodes = Nodes::of(t, q, dof, plan.step_s, half);
+        let window = Window::new(&nodes, plan.step_s, half);
+        let mut smooth = Smooth::default();
+        let mut at: Option<(usize, Option<Polynomials>)> = None;
+        for (k, row) in rows.enumerate() {
+            let node = nodes.of_row[row];
+            if at.as_ref().is_none_or(|(of, _)| *of != node) {
+                let around = window.around(node);
+                let whole = window.is_whole(node, &around) && !nodes.are_still(&around);
+                let fit = whole.then(|| Polynomials::fit(&nodes, node, around, half, HIGH));
+                at = Some((node, fit.flatten()));
+            }
+            let (_, fit) = at.as_ref().expect("set above");
+            let (after, own) = (t[row] - nodes.t[node], k * dof);
+            for joint in 0..dof {
+                // Joints that stand have accelerations without deviation.
+                let moves = known.gains_std[own + joint] > 0.0;
+                let [q, rate, gain] = match fit.as_ref().filter(|_| moves) {
+                    Some(fit) => {
+                        let [rate, gain, _] = fit.at(joint, after, 0.0);
+                        let origin = nodes.q[node * dof + joint];
+                        [origin + fit.position(joint, after), rate, gain]
+                    }
+                    None => [
+                        q[row * dof + joint],
+                        known.rates[own + joint],
+                        known.gains[own + joint],
+                    ],
+                };
+                smooth.q.push(q);
+                smooth.rates.push(rate);
+                smooth.gains.push(gain);
+            }
+        }
+        smooth
+    }
+
+    pub(super) fn columns(&mut self) -> [&mut Vec<f64>; 3] {
+        let Smooth { q, rates, gains } = self;
+        [q, rates, gains]
+    }
+}
