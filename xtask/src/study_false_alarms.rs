@@ -46,6 +46,12 @@ pub struct StudyFalseAlarms {
     /// The first log's seed; each further one's is one more
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Fit, and diagnose nothing
+    #[arg(long)]
+    fits: bool,
+    /// Logs in whose groups this stands alone
+    #[arg(long, value_name = "WORD")]
+    only: Option<String>,
     /// Where the tables go, instead of docs/study-false-alarms.md
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -66,7 +72,8 @@ struct Said {
     groups: [String; 3],
     /// Rate, motion and noise, and what the rows are found to be worth.
     drawn: String,
-    verdict: Verdict,
+    /// Of those that were diagnosed.
+    verdict: Option<Verdict>,
     sentence: String,
     /// Parameters, and those whose interval holds the truth; none where free masses have fewer
     /// independent rows than unknowns.
@@ -182,7 +189,7 @@ impl Drawn {
         }
     }
 
-    fn ask(mut self) -> Result<Said, Box<dyn Error>> {
+    fn ask(mut self, fits: bool) -> Result<Said, Box<dyn Error>> {
         let stage = Stage::new(self.platform);
         let robot = Arc::new(Robot::read(&stage.urdf)?);
         let model = robot.model(stage.support, Snapping::default(), None)?;
@@ -198,7 +205,8 @@ impl Drawn {
         request.support = Some(stage.support.into());
         request.noise = noise;
         request.prior = "tight".into();
-        let diagnosis = diagnose(&request, &mut ())?.diagnosis;
+        let diagnosis = (!fits).then(|| diagnose(&request, &mut ())).transpose()?;
+        let diagnosis = diagnosis.map(|report| report.diagnosis);
         let mut request = fit::Request::default();
         request.robot = Some(robot);
         request.logs = vec![log().into()];
@@ -225,14 +233,41 @@ impl Drawn {
         Ok(Said {
             groups: self.groups(),
             drawn,
-            verdict: diagnosis.verdict,
-            sentence: diagnosis.sentence,
+            verdict: diagnosis.as_ref().map(|found| found.verdict),
+            sentence: diagnosis.map_or_else(String::new, |found| found.sentence),
             intervals: enough.then_some((known.len(), holding)),
         })
     }
 }
 
+impl Said {
+    fn alarms(&self) -> bool {
+        self.verdict.is_some_and(|verdict| verdict != Verdict::None)
+    }
+}
+
 impl StudyFalseAlarms {
+    /// Whether this log is counted.
+    fn asks(&self, drawn: &Drawn) -> bool {
+        let only = self.only.as_deref();
+        only.is_none_or(|word| drawn.groups().iter().any(|group| group.contains(word)))
+    }
+
+    /// What gives the same tables again.
+    fn command(&self) -> String {
+        let mut command = format!(
+            "cargo xtask study-false-alarms --logs {} --seed {}",
+            self.logs, self.seed
+        );
+        if self.fits {
+            command += " --fits";
+        }
+        if let Some(word) = &self.only {
+            let _ = write!(command, " --only \"{word}\"");
+        }
+        command
+    }
+
     /// Draws, diagnoses and fits every log; writes the tables.
     ///
     /// # Errors
@@ -248,10 +283,14 @@ impl StudyFalseAlarms {
                         if k >= self.logs {
                             return;
                         }
-                        let said = Drawn::of(self.seed + k).ask();
+                        let drawn = Drawn::of(self.seed + k);
+                        if !self.asks(&drawn) {
+                            continue;
+                        }
+                        let said = drawn.ask(self.fits);
                         let said = said.map_err(|error| error.to_string());
                         if let Ok(said) = &said
-                            && said.verdict != Verdict::None
+                            && said.alarms()
                         {
                             let [noise, moves, known] = &said.groups;
                             eprintln!(
@@ -293,9 +332,9 @@ impl StudyFalseAlarms {
              0.2 to 5 mm that is white or lasts 0.05 to 1 s. Counted are verdicts of `diagnose \
              --prior tight` that are not `none`, and 95 % intervals of `fit --prior free` that hold \
              the truth, where a log is worth 1.5 times as many readings as there are parameters. \
-             `cargo xtask study-false-alarms --logs {} --seed {}` counts the same logs again.\n\n\
+             `{}` counts the same logs again.\n\n\
              | logs | a verdict but none | intervals hold |\n|---|---|---|\n",
-            self.logs, self.seed
+            self.command()
         );
         let mut rows: Vec<(&str, Vec<&Said>)> = vec![("all", all.iter().collect())];
         for group in 0..3 {
@@ -306,14 +345,15 @@ impl StudyFalseAlarms {
             rows.extend(own);
         }
         for (name, said) in rows {
-            let alarms = said.iter().filter(|said| said.verdict != Verdict::None);
+            let alarms = said.iter().filter(|said| said.alarms());
+            let asked = said.iter().filter(|said| said.verdict.is_some());
             let intervals = said.iter().filter_map(|said| said.intervals);
             let (all, hold) = intervals.fold((0, 0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
             let _ = writeln!(
                 text,
                 "| {name} | {} of {} | {:.1} % of {all} |",
                 alarms.count(),
-                said.len(),
+                asked.count(),
                 100.0 * hold as f64 / all.max(1) as f64
             );
         }
