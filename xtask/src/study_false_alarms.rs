@@ -72,7 +72,7 @@ struct Said {
     groups: [String; 3],
     /// Rate, motion and noise, and what the rows are found to be worth.
     drawn: String,
-    /// Of those that were diagnosed.
+    /// What the diagnosis said; none where it was not asked.
     verdict: Option<Verdict>,
     sentence: String,
     /// Parameters, and those whose interval holds the truth; none where free masses have fewer

@@ -38,7 +38,7 @@ pub(super) struct Settling {
 }
 
 impl Settling {
-    /// Of a log of `dof` joints.
+    /// Stays where nobody says what one is, in a log of `dof` joints.
     pub fn new(dof: usize) -> Settling {
         Settling::by(STAYED, false, dof)
     }

@@ -94,7 +94,7 @@ pub struct Postures {
 /// A reading from which the position of a joint was taken.
 #[derive(Debug, Clone, Copy)]
 pub struct Spent {
-    /// By what it is less known since, m.
+    /// What its deviation gained by that, m.
     pub less_known: f64,
     /// Part of its variance that the position took up.
     pub part: f64,

@@ -42,7 +42,7 @@ pub struct StudyHealth {
     /// Logs of each broken device on each robot, standing and moving each
     #[arg(long, default_value_t = 100)]
     broken: usize,
-    /// Of those with a stuck encoder, how many are diagnosed
+    /// How many of those with a stuck encoder are diagnosed
     #[arg(long, default_value_t = 20)]
     diagnosed: usize,
     /// The first log's seed; each further one's is one more

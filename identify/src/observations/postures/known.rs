@@ -22,7 +22,7 @@ pub(super) struct Noise {
     pub overall: f64,
     pub source: NoiseSource,
     pub warning: Option<String>,
-    /// Of rows within their stays, where it counts.
+    /// How rows are correlated within their stays, where it counts.
     pub within: [Correlation; 2],
 }
 
