@@ -16,11 +16,14 @@ use super::correlation::{Correlation, step};
 const STAYS: usize = 40;
 const ROWS: usize = 8000;
 
+/// A row: its time and its reading.
+type Row = (f64, [f64; 2]);
+
 /// Rows of the first stays.
 #[derive(Debug, Clone, Default)]
 pub struct Stays {
-    /// What each is of, and its rows: times and readings.
-    all: Vec<((usize, u32), Vec<(f64, [f64; 2])>)>,
+    /// The posture and the visit of each, and its rows.
+    all: Vec<((usize, u32), Vec<Row>)>,
     rows: usize,
 }
 
@@ -66,7 +69,7 @@ impl Stays {
             }
         }
         [0, 1].map(|axis| {
-            let about_mean = |rows: &Vec<(f64, [f64; 2])>| -> Vec<f64> {
+            let about_mean = |rows: &Vec<Row>| -> Vec<f64> {
                 let mean = rows.iter().map(|r| r.1[axis]).sum::<f64>() / rows.len() as f64;
                 rows.iter().map(|r| r.1[axis] - mean).collect()
             };
