@@ -91,8 +91,8 @@ fn every_size_is_told_in_the_unit_that_people_read() {
     ];
     let mut fleet = Fleet::default();
     fleet.rows.push(row("r1", "1", &all.join(",")));
-    let summary = summary(&fleet.rows, &Default::default());
-    let pages = pages(&fleet, &summary, "sesc fleet", "fleet.html").unwrap();
+    let summary = summary(&fleet.rows, &Default::default(), None);
+    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html")).unwrap();
     let page = &pages.robots[0].1;
     for text in [
         "mass, g",
