@@ -27,7 +27,7 @@ fn has_example(text: &str, entry: &str) -> bool {
         Some(name) => line.starts_with(&format!("pub struct {name} ")),
         None => line.starts_with(&format!("pub fn {entry}(")),
     };
-    let Some(at) = lines.iter().position(|line| is_entry(&line)) else {
+    let Some(at) = lines.iter().position(is_entry) else {
         return false;
     };
     let above = lines[..at].iter().rev();
