@@ -99,7 +99,8 @@ fn an_ellipsis_is_seen_where_a_comment_begins() {
 
 #[test]
 fn words_are_those_of_the_field() {
-    let own = ["tests/layers/words.rs"];
+    // The changelog names what was called otherwise.
+    let own = ["tests/layers/words.rs", "CHANGELOG.md"];
     let mut complaints = String::new();
     for (name, text) in texts(&["rs", "md", "html", "py", "pyi", "js", "c", "h"]) {
         for (k, line) in text.lines().enumerate() {

@@ -15,7 +15,7 @@ use sesc_identify::fleet::{EffectFound, Fleet, Row, assembled, write};
 /// Parameters of the OP2, and their deviation, m.
 const PARAMS: usize = 43;
 const STD: f64 = 1e-4;
-/// As long as that of a diagnosis in which nothing is found.
+/// A text as long as that of a diagnosis in which nothing is found.
 const SENTENCE: usize = 600;
 
 /// How many rows.

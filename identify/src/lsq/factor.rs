@@ -277,7 +277,7 @@ mod tests {
         assert_eq!(back, merged_triangle(&merged));
     }
 
-    /// Of two rows forty columns are rounding, of rounding, of rounding.
+    /// In two rows of sixty columns all but two columns are rounding, of rounding, of rounding.
     #[test]
     fn fewer_rows_than_columns_stay_numbers() {
         let entry = |i: usize, j: usize| ((i * 7 + j * 13 + i * j) as f64 * 0.7).sin();
