@@ -4,11 +4,12 @@ use std::fs;
 use std::path::Path;
 
 /// Files and the calls in them.
-const ENTRIES: [(&str, &[&str]); 13] = [
+const ENTRIES: [(&str, &[&str]); 14] = [
     ("compare.rs", &["compare"]),
     ("diagnose/request.rs", &["diagnose"]),
     ("evaluate.rs", &["struct Evaluator"]),
-    ("fit/request.rs", &["fit", "gather", "residuals"]),
+    ("fit/joined.rs", &["gather"]),
+    ("fit/report.rs", &["fit", "residuals"]),
     ("fleet/groups.rs", &["groups"]),
     ("fleet/run.rs", &["run"]),
     ("health/mod.rs", &["of_log"]),

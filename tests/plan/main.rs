@@ -2,13 +2,14 @@
 //! what is refused.
 
 mod efficiency;
+mod revisits;
+mod sole;
 
 use std::path::Path;
 use std::sync::Arc;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc::OP2_URDF;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::plan::balance::Region;
@@ -361,159 +362,4 @@ fn bad_input_is_refused_with_a_remedy() {
         &["cannot write"],
     );
     assert!(!Path::new(&out).exists());
-}
-
-/// Without a log that has visits five postures are to come back at the end; a log whose visits
-/// differ by 2 mm says what a posture is known to, and nothing needs to be asked for.
-#[test]
-fn a_plan_asks_for_revisits_until_a_log_knows_what_they_differ_by() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    let [out, data, second] = ["poses.csv", "log.csv", "second.csv"].map(at);
-    let op2 = op2();
-    let plan = |out: &str, more: &[&str]| -> serde_json::Value {
-        let words = [
-            "plan",
-            &op2,
-            "--support",
-            "r_sole",
-            "--poses",
-            "12",
-            "--candidates",
-            "100",
-        ];
-        let all = [&words[..], &["--json", "--out", out], more].concat();
-        serde_json::from_str(&stdout(&sesc(&all))).unwrap()
-    };
-    // Named, and written where that is asked for.
-    let found = plan(&out, &[]);
-    assert_eq!(found["revisits"]["written"], false);
-    assert_eq!(found["revisits"]["poses"].as_array().unwrap().len(), 5);
-    assert_eq!(std::fs::read_to_string(&out).unwrap().lines().count(), 13);
-    let found = plan(&out, &["--revisits", "5"]);
-    assert_eq!(found["revisits"]["written"], true);
-    let again: Vec<usize> = found["revisits"]["poses"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|pose| pose.as_u64().unwrap() as usize)
-        .collect();
-    let mut different = again.clone();
-    different.sort_unstable();
-    different.dedup();
-    assert_eq!(different.len(), 5, "{again:?}");
-    let text = std::fs::read_to_string(&out).unwrap();
-    let rows: Vec<&str> = text.lines().skip(1).collect();
-    assert_eq!(rows.len(), 17);
-    for (row, pose) in rows[12..].iter().zip(&again) {
-        assert_eq!(*row, rows[pose - 1]);
-    }
-    // Each posture four times in turn, 2 mm apart.
-    let stage = sesc_virtual::stage::Stage::new(sesc_virtual::stage::Platform::Op2);
-    let world = stage.world();
-    let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let mut gauss = || -> f64 { StandardNormal.sample(&mut rng) };
-    let mut log = format!("{},cop_x,cop_y\n", text.lines().next().unwrap());
-    for _ in 0..4 {
-        for row in &rows[..12] {
-            let q: Vec<f64> = row.split(',').skip(1).map(|x| x.parse().unwrap()).collect();
-            let cop = world.cop(&q).map(|x| x + 2e-3 * gauss());
-            log += &format!("{row},{:.6},{:.6}\n", cop[0], cop[1]);
-        }
-    }
-    std::fs::write(&data, log).unwrap();
-    let known = plan(&second, &["--data", &data]);
-    assert_eq!(
-        known["revisits"]["poses"].as_array().unwrap().len(),
-        0,
-        "{}",
-        known["revisits"]
-    );
-    let said = known["revisits"]["sentence"].as_str().unwrap();
-    assert!(said.contains("visits of one posture differ by"), "{said}");
-    // 72 degrees of freedom: to 8 %.
-    let noise = known["noise"].as_f64().unwrap();
-    assert!((noise / 2e-3 - 1.0).abs() < 0.3, "{noise}");
-    let rows = std::fs::read_to_string(&second).unwrap().lines().count();
-    assert_eq!(rows, 13);
-    assert_eq!(
-        plan(&second, &["--revisits", "0"])["revisits"]["poses"]
-            .as_array()
-            .unwrap()
-            .len(),
-        0
-    );
-}
-
-/// A pole on a foot of 0.2 m by 0.1 m; `collision` is the shape of the foot.
-fn pole(collision: &str) -> String {
-    let inertial =
-        |z: f64| format!("<inertial><origin xyz='0 0 {z}'/><mass value='1'/></inertial>");
-    let joint = |name: &str, parent: &str, child: &str, axis: &str| {
-        format!(
-            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/>\
-             <origin xyz='0 0 0.1'/><axis xyz='{axis}'/><limit lower='-1' upper='1'/></joint>"
-        )
-    };
-    format!(
-        "<robot name='pole'><link name='foot'>{}{collision}</link><link name='shin'>{}</link>\
-         <link name='top'>{}</link>{}{}</robot>",
-        inertial(0.02),
-        inertial(0.1),
-        inertial(0.2),
-        joint("roll", "foot", "shin", "1 0 0"),
-        joint("pitch", "shin", "top", "0 1 0")
-    )
-}
-
-/// Unless somebody says, the CoP stays in the inner part of the sole that the URDF has.
-#[test]
-fn the_sole_of_the_urdf_is_where_the_cop_stays() {
-    let folder = folder();
-    let plan = |collision: &str, more: &[&str]| -> serde_json::Value {
-        let urdf = write(folder.path(), "pole.urdf", pole(collision));
-        let out = folder.path().join("poses.csv").display().to_string();
-        let usual = [
-            "plan",
-            &urdf,
-            "--support",
-            "foot",
-            "--poses",
-            "5",
-            "--candidates",
-            "60",
-        ];
-        let rest = ["--sigmas", "0", "--out", &out, "--json"];
-        serde_json::from_str(&stdout(&sesc(&[&usual[..], &rest, more].concat()))).unwrap()
-    };
-    let shape = "<collision><origin xyz='0.03 0 0.01'/><geometry><box size='0.2 0.1 0.02'/>\
-                 </geometry></collision>";
-    let of_shape = plan(shape, &[]);
-    let corners = of_shape["corners"].as_array().unwrap();
-    let mut x: Vec<f64> = corners.iter().map(|c| c[0].as_f64().unwrap()).collect();
-    x.sort_by(f64::total_cmp);
-    assert!(
-        (x[0] + 0.07).abs() < 1e-12 && (x[3] - 0.13).abs() < 1e-12,
-        "{x:?}"
-    );
-    // 0.7 of the way from its middle to the edge of its narrower side.
-    assert!((of_shape["margin"].as_f64().unwrap() - 0.015).abs() < 1e-12);
-    for cop in of_shape["cop"].as_array().unwrap() {
-        let [x, y] = [0, 1].map(|axis| cop[axis].as_f64().unwrap());
-        assert!(
-            (x - 0.03).abs() < 0.085 + 1e-9 && y.abs() < 0.035 + 1e-9,
-            "{x} {y}"
-        );
-    }
-    let said = |plan: &serde_json::Value| plan["cop_region"].as_str().unwrap().to_string();
-    assert!(said(&of_shape).ends_with("by the collision shapes of the support"));
-    let without = plan("", &[]);
-    assert_eq!(
-        said(&without),
-        "|x|, |y| <= 23.0 mm, for the URDF has no shape of the sole"
-    );
-    assert_eq!(
-        said(&plan(shape, &["--cop-box", "0.02"])),
-        "|x|, |y| <= 20.0 mm"
-    );
 }

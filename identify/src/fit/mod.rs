@@ -13,6 +13,7 @@ pub mod gather;
 #[cfg(not(feature = "nalgebra"))]
 mod gather;
 pub mod identification;
+mod joined;
 mod limits;
 #[cfg(feature = "nalgebra")]
 #[doc(hidden)]
@@ -28,6 +29,7 @@ pub mod part;
 mod physical;
 pub mod population;
 pub mod prior;
+mod report;
 mod request;
 pub mod residuals;
 mod revisits;
@@ -44,6 +46,8 @@ pub use estimate::identify;
 use estimate::identify_within;
 pub use gather::LogUsed;
 pub use identification::{Identification, Settings};
-pub(crate) use request::check_result;
-pub use request::{FOLDS, Report, Request, fit, gather, residuals};
+pub use joined::gather;
+pub(crate) use report::check_result;
+pub use report::{Report, fit, residuals};
+pub use request::{FOLDS, Request};
 pub use robust::Loss;
