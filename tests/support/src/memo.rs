@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::fs;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, OnceLock};
 
@@ -34,6 +34,47 @@ pub fn said(
     made: &[&Path],
     ask: impl FnOnce() -> String,
 ) -> String {
+    let answers = std::env::var_os("SESC_ANSWERS").map(PathBuf::from);
+    let again = std::env::var_os("SESC_ASK_AGAIN").is_some();
+    Memory { answers, again }.said(folder, tools, texts, made, ask)
+}
+
+/// Where answers are kept, and whether tools are asked in spite of them.
+struct Memory {
+    /// The folder of all checkouts; beside what was asked if none.
+    answers: Option<PathBuf>,
+    again: bool,
+}
+
+impl Memory {
+    fn said(
+        &self,
+        folder: &Path,
+        tools: &[&str],
+        texts: &[&str],
+        made: &[&Path],
+        ask: impl FnOnce() -> String,
+    ) -> String {
+        let asked = key(folder, tools, texts);
+        let stamp = match &self.answers {
+            Some(answers) => answers.join(&asked),
+            None => folder.join("said"),
+        };
+        let before = fs::read_to_string(&stamp).unwrap_or_default();
+        let known = before.split_once('\n').filter(|(key, _)| *key == asked);
+        let there = !self.again && made.iter().all(|path| path.exists());
+        if let Some((_, said)) = known.filter(|_| there) {
+            return said.to_string();
+        }
+        let _ = fs::remove_file(&stamp);
+        let said = ask();
+        fs::write(&stamp, format!("{asked}\n{said}")).unwrap();
+        said
+    }
+}
+
+/// What stands for `tools`, in the versions that are installed, and `texts`.
+fn key(folder: &Path, tools: &[&str], texts: &[&str]) -> String {
     let mut hasher = DefaultHasher::new();
     for tool in tools {
         version(tool).hash(&mut hasher);
@@ -43,46 +84,47 @@ pub fn said(
     for text in texts {
         text.replace(&place, "").hash(&mut hasher);
     }
-    let asked = format!("{:016x}", hasher.finish());
-    let stamp = match std::env::var_os("SESC_ANSWERS") {
-        Some(answers) => Path::new(&answers).join(&asked),
-        None => folder.join("said"),
-    };
-    let again = std::env::var_os("SESC_ASK_AGAIN").is_some();
-    let before = fs::read_to_string(&stamp).unwrap_or_default();
-    let known = before.split_once('\n').filter(|(key, _)| *key == asked);
-    if let Some((_, said)) = known.filter(|_| !again && made.iter().all(|path| path.exists())) {
-        return said.to_string();
-    }
-    let _ = fs::remove_file(&stamp);
-    let said = ask();
-    fs::write(&stamp, format!("{asked}\n{said}")).unwrap();
-    said
+    format!("{:016x}", hasher.finish())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn other_texts_arguments_and_missing_files_are_asked_again() {
-        let folder = std::env::temp_dir().join(format!("sesc_memo_{}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
+    /// How often the tool is asked when five questions are put, two of them the same.
+    fn asked(memory: &Memory, folder: &Path) -> usize {
         let asked = std::cell::Cell::new(0);
         let ask = |arguments: &str, text: &str, made: &[&Path]| {
-            said(&folder, &["rustc"], &[arguments, text], made, || {
+            memory.said(folder, &["rustc"], &[arguments, text], made, || {
                 asked.set(asked.get() + 1);
                 format!("{text}\nsaid")
             })
         };
         assert_eq!(ask("-O", "a", &[]), "a\nsaid");
         assert_eq!(ask("-O", "a", &[]), "a\nsaid");
-        let again = usize::from(std::env::var_os("SESC_ASK_AGAIN").is_some());
-        assert_eq!(asked.get(), 1 + again);
         ask("-O", "b", &[]);
         ask("-g", "b", &[]);
         ask("-g", "b", &[&folder.join("program")]);
-        assert_eq!(asked.get(), 4 + again);
+        asked.get()
+    }
+
+    #[test]
+    fn other_texts_arguments_and_missing_files_are_asked_again() {
+        let folder = std::env::temp_dir().join(format!("sesc_memo_{}", std::process::id()));
+        let answers = folder.join("answers");
+        fs::create_dir_all(&answers).unwrap();
+        let memory = |answers: Option<&Path>, again| Memory {
+            answers: answers.map(Path::to_path_buf),
+            again,
+        };
+        assert_eq!(asked(&memory(None, false), &folder), 4);
+        assert_eq!(asked(&memory(None, true), &folder), 5);
+        assert_eq!(asked(&memory(Some(&answers), false), &folder), 4);
+        // All that a checkout knows, another one knows.
+        let other = folder.join("other");
+        fs::create_dir_all(&other).unwrap();
+        assert_eq!(asked(&memory(Some(&answers), false), &other), 1);
+        assert_eq!(asked(&memory(Some(&answers), true), &other), 5);
         fs::remove_dir_all(&folder).unwrap();
     }
 }
