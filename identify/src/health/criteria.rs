@@ -100,5 +100,7 @@ pub(super) const FINE: f64 = 1e-3;
 /// Noise is overstated if it is so many times what is left …
 pub(super) const OVERSTATED: f64 = 2.0;
 /// … and there are so many independent samples for each unknown that was fitted: fewer, and
-/// the fit has eaten the rest.
+/// the fit has eaten the rest …
 pub(super) const SAMPLES_PER_UNKNOWN: f64 = 4.0;
+/// … or, where rows are independent, chance leaves as little this seldom.
+pub(super) const OVERSTATED_BY_CHANCE: f64 = 1e-6;

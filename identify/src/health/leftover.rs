@@ -4,7 +4,9 @@
 //! s = σ √(χ² / ν)          ν: rows less what was fitted, χ² in units of σ
 //! ```
 
-use super::criteria::{OVERSTATED, SAMPLES_PER_UNKNOWN};
+use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+
+use super::criteria::{OVERSTATED, OVERSTATED_BY_CHANCE, SAMPLES_PER_UNKNOWN};
 use super::{Finding, Kind};
 use crate::observations::noise::NoiseSource;
 
@@ -31,9 +33,8 @@ impl Leftover {
     /// A finding where the noise is stated and several times what is left.
     pub fn overstated_noise(&self) -> Option<Finding> {
         let told = matches!(self.source, NoiseSource::Given | NoiseSource::Stated);
-        let enough = self.samples > SAMPLES_PER_UNKNOWN * self.taken.max(5.0);
         let left = self.floor_m * (self.chi2 / self.expected.max(1.0)).sqrt();
-        (told && enough && OVERSTATED * left < self.noise_m).then(|| {
+        (told && self.is_known() && OVERSTATED * left < self.noise_m).then(|| {
             Finding::new(
                 Kind::NoiseOverstated,
                 "-",
@@ -47,5 +48,51 @@ impl Leftover {
                 ),
             )
         })
+    }
+
+    /// Whether as little as is left says that noise is less than it should be, and not that
+    /// the fit took it.
+    fn is_known(&self) -> bool {
+        if self.samples > SAMPLES_PER_UNKNOWN * self.taken.max(5.0) {
+            return true;
+        }
+        // How many samples correlated rows are worth is an estimate; too many, and what the
+        // fit took of them is counted too low.
+        let independent = self.samples >= 0.99 * (self.expected + self.taken);
+        let law = ChiSquared::new(self.expected).ok();
+        independent && law.is_some_and(|law| law.cdf(self.chi2) < OVERSTATED_BY_CHANCE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Noise of 1 mm stated as 4 mm, with `expected` rows beside 80 unknowns.
+    fn four_times(expected: f64, rows_per_sample: f64) -> Leftover {
+        Leftover {
+            chi2: expected / 16.0,
+            expected,
+            taken: 80.0,
+            samples: (expected + 80.0) / rows_per_sample,
+            noise_m: 4e-3,
+            floor_m: 4e-3,
+            source: NoiseSource::Stated,
+        }
+    }
+
+    #[test]
+    fn few_rows_tell_what_chance_does_not() {
+        // A χ² of 1/16 of its mean: once in 10⁴ with six rows, once in 10¹⁰ with fifteen.
+        assert!(four_times(3.0, 1.0).overstated_noise().is_none());
+        assert!(four_times(15.0, 1.0).overstated_noise().is_some());
+        assert!(four_times(120.0, 1.0).overstated_noise().is_some());
+        // 200 rows of correlated noise may be worth no more than what was fitted.
+        assert!(four_times(120.0, 2.0).overstated_noise().is_none());
+        assert!(four_times(1000.0, 2.0).overstated_noise().is_some());
+        // A fifth less than stated is no finding, however well it is known.
+        let mut known = four_times(1e5, 1.0);
+        known.chi2 = 0.64 * known.expected;
+        assert!(known.overstated_noise().is_none());
     }
 }
