@@ -29,6 +29,11 @@ pub mod correlation {
     pub const LEAP: f64 = 2.5;
     /// Unless there are this many windows for each column.
     pub const ROOM: usize = 4;
+    /// What white noise over an AR(1) process must gain beyond that: about the logarithm of
+    /// some hundred rows (Schwarz 1978).
+    pub const UNDER_WHITE: f64 = 6.0;
+    /// More windows are not filtered: longer ones say the same of slow noise in less time.
+    pub const FILTERED: usize = 1600;
     /// Rows that correlation can be seen in, at least, beyond the columns of X.
     pub const ENOUGH: usize = 20;
     /// Windows beyond twice the columns of X.

@@ -14,15 +14,19 @@
 //! autocorrelation would count two to three times too many samples. Columns whose coefficients
 //! a prior holds take less of it: they stand beside rows `0 = b_k + N(0, 1)` of their own.
 //! Stamps may be uneven.
+//!
+//! Where an AR(1) process under white noise is likelier than one alone, and leaves nothing that
+//! neighbours say of each other, it is used.
 
+mod mixture;
 mod restricted;
 mod windows;
 
 use std::ops::Range;
 
 use super::criteria::correlation::{
-    ALIKE, BACKWARDS, ENOUGH, ENOUGH_APART, FEW, LEAP, OF_WINDOWS, ROOM, SCALED, SCATTER,
-    SIGNIFICANT, WINDOWS, WORTH_LESS,
+    ALIKE, BACKWARDS, ENOUGH, ENOUGH_APART, FEW, FILTERED, LEAP, OF_WINDOWS, ROOM, SCALED, SCATTER,
+    SIGNIFICANT, UNDER_WHITE, WINDOWS, WORTH_LESS,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -81,8 +85,10 @@ impl Correlation {
         while let Some(scale) = Scale::cut(t, y, &columns, Cut::new(rows, step), most) {
             // A slow part under a fast one shows about twice as much in windows twice as long.
             // Where more shows, few windows beside the columns are what the fit has left; many
-            // that an AR(1) process describes are right, and the shorter ones were not.
-            let known = scale.consistent && scale.windows >= ROOM * columns.taken;
+            // that a process describes are right, and the shorter ones were not. Which process
+            // it is, is not asked of more than can be filtered.
+            let described = scale.consistent || scale.windows > FILTERED;
+            let known = described && scale.windows >= ROOM * columns.taken;
             if scale.rows_per_sample > LEAP * before && !known {
                 break;
             }
@@ -96,7 +102,7 @@ impl Correlation {
             };
             // An AR(1) process of rows that are close to each other needs no windows.
             let of_rows = rows == 1 && (scale.rho >= ENOUGH_APART || !scale.significant);
-            let done = scale.consistent && of_rows;
+            let done = scale.consistent && (of_rows || scale.process.share < 1.0);
             if done || chosen.as_ref().is_none_or(better) {
                 chosen = Some(scale);
             }
@@ -222,21 +228,13 @@ impl Scale {
         }
         let joined: Vec<bool> = (0..n).map(|k| k > 0 && middle[k] > middle[k - 1]).collect();
         let mut found = restricted::estimate(&middle, &joined, &of_x, &of_y, (held, 0.0))?;
+        let mut deviation = 0.0;
         if held > 0 {
             for _ in 0..SCALED {
-                let deviation = found.variance.sqrt();
+                deviation = found.variance.sqrt();
                 found = restricted::estimate(&middle, &joined, &of_x, &of_y, (held, deviation))?;
             }
         }
-        let rows = windows.iter().map(Range::len).sum::<usize>() as f64 / n as f64;
-        // What varies within windows is what averaging took from the variance of a row.
-        let within = match cut.rows {
-            1 => 0.0,
-            _ => within(&(y - x * &found.params), windows),
-        };
-        let row = found.variance + within;
-        let share = found.variance / row;
-        let step = middle_step(&middle, &joined);
         let left = &of_y - &of_x * &found.params;
         let innovations: Vec<f64> = (0..n)
             .map(|k| {
@@ -247,6 +245,27 @@ impl Scale {
                 (left[k] - rho * left[k - 1]) / (1.0 - rho * rho).max(1e-12).sqrt()
             })
             .collect();
+        let mut consistent = is_white(&innovations, columns.taken);
+        let mut share = 1.0;
+        if found.gain > SIGNIFICANT && n <= FILTERED {
+            let known = (held, deviation);
+            let all = restricted::with_coefficients(&middle, &joined, &of_x, &of_y, known);
+            let mixture = mixture::estimate(&all.t, &all.joined, &all.x, &all.y)
+                .filter(|it| it.found.gain > found.gain + UNDER_WHITE)
+                .filter(|it| is_white(&it.innovations[..n], columns.taken));
+            if let Some(mixture) = mixture {
+                (found, share, consistent) = (mixture.found, mixture.share, true);
+            }
+        }
+        let rows = windows.iter().map(Range::len).sum::<usize>() as f64 / n as f64;
+        // What varies within windows is what averaging took from the variance of a row.
+        let within = match cut.rows {
+            1 => 0.0,
+            _ => within(&(y - x * &found.params), windows),
+        };
+        let row = found.variance + within;
+        let left = found.variance / row;
+        let step = middle_step(&middle, &joined);
         let correlated = match cut.rows {
             1 => found.gain > SIGNIFICANT,
             _ => found.gain > OF_WINDOWS,
@@ -255,11 +274,15 @@ impl Scale {
             true => (-step / found.tau).exp(),
             false => 0.0,
         };
-        let lasting_long = lasts(rho, rows);
-        let rows_per_sample = rows * share * lasting_long;
-        let excess = (rows * share - 1.0) / (2.0 / found.freedom).sqrt();
+        // Beside white noise, whose share is found with it, ρ is that of the lasting part itself.
+        let lasting_long = match share < 1.0 {
+            true => (1.0 + rho) / (1.0 - rho),
+            false => lasts(rho, rows),
+        };
+        let rows_per_sample = rows * left * (1.0 - share + share * lasting_long);
+        let excess = (rows * left - 1.0) / (2.0 / found.freedom).sqrt();
         let lasting = match rows > 1.0 {
-            true => ((rows * share - 1.0) / (rows - 1.0)).clamp(0.0, 1.0),
+            true => ((rows * left - 1.0) / (rows - 1.0)).clamp(0.0, 1.0),
             false => 1.0,
         };
         Some(Scale {
@@ -271,13 +294,14 @@ impl Scale {
                     same if same > 0.0 => -step / same.ln(),
                     _ => 0.0,
                 },
+                share,
                 lasting,
             },
             rho,
             rows_per_sample,
             variance: row,
             significant: correlated || excess > SCATTER,
-            consistent: is_white(&innovations, columns.taken),
+            consistent,
         })
     }
 }

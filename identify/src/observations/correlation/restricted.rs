@@ -74,14 +74,8 @@ pub(super) fn estimate(
     (held, deviation): (usize, f64),
 ) -> Option<Found> {
     if held > 0 && deviation > 0.0 {
-        let (n, p) = x.shape();
-        let last = t.last().copied().unwrap_or_default();
-        let t = [t, &vec![last; held]].concat();
-        let joined = [joined, &vec![false; held]].concat();
-        let mut own = x.clone().insert_rows(n, held, 0.0);
-        (0..held).for_each(|k| own[(n + k, p - held + k)] = deviation);
-        let y = y.clone().insert_rows(n, held, 0.0);
-        return estimate(&t, &joined, &own, &y, (0, 0.0));
+        let all = with_coefficients(t, joined, x, y, (held, deviation));
+        return estimate(&all.t, &all.joined, &all.x, &all.y, (0, 0.0));
     }
     let turn = basis(x);
     let q = x * &turn;
@@ -101,14 +95,10 @@ pub(super) fn estimate(
         freedom,
         params: &turn * &white.params,
     };
-    let mut steps: Vec<f64> = (1..n)
-        .filter(|&k| joined[k])
-        .map(|k| t[k] - t[k - 1])
-        .collect();
+    let steps = steps(t, joined);
     if steps.is_empty() {
         return Some(none);
     }
-    steps.sort_by(f64::total_cmp);
     let (low, high) = (
         SHORTEST * steps[steps.len() / 2],
         LONGEST * (t[n - 1] - t[0]),
@@ -148,6 +138,45 @@ pub(super) fn estimate(
         }),
         false => Some(none),
     }
+}
+
+/// Rows of the log, and behind them one for each coefficient that is known.
+pub(super) struct WithCoefficients {
+    pub t: Vec<f64>,
+    pub joined: Vec<bool>,
+    pub x: DMatrix<f64>,
+    pub y: DVector<f64>,
+}
+
+/// Rows that say that the coefficients of the last `held` columns are zero, within one where
+/// a row is known within `deviation`.
+pub(super) fn with_coefficients(
+    t: &[f64],
+    joined: &[bool],
+    x: &DMatrix<f64>,
+    y: &DVector<f64>,
+    (held, deviation): (usize, f64),
+) -> WithCoefficients {
+    let (n, p) = x.shape();
+    let last = t.last().copied().unwrap_or_default();
+    let mut own = x.clone().insert_rows(n, held, 0.0);
+    (0..held).for_each(|k| own[(n + k, p - held + k)] = deviation);
+    WithCoefficients {
+        t: [t, &vec![last; held]].concat(),
+        joined: [joined, &vec![false; held]].concat(),
+        x: own,
+        y: y.clone().insert_rows(n, held, 0.0),
+    }
+}
+
+/// Distances of neighbouring rows of a stretch, s, the shortest first.
+pub(super) fn steps(t: &[f64], joined: &[bool]) -> Vec<f64> {
+    let mut steps: Vec<f64> = (1..t.len())
+        .filter(|&k| joined[k])
+        .map(|k| t[k] - t[k - 1])
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    steps
 }
 
 /// At one correlation time.
@@ -243,7 +272,7 @@ impl Sums {
 
 /// T with X T an orthonormal basis of the columns of X that are not tiny or copies of
 /// others.
-fn basis(x: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn basis(x: &DMatrix<f64>) -> DMatrix<f64> {
     let sizes: Vec<f64> = x.column_iter().map(|column| column.norm()).collect();
     let unit = |size: f64| if size > 0.0 { 1.0 / size } else { 0.0 };
     let mut r = match x.nrows() > x.ncols() {

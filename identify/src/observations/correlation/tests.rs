@@ -116,6 +116,51 @@ fn samples_are_counted_by_the_correlation_of_the_process() {
     }
 }
 
+/// A minute of a sway of half a second under the white noise of a sensor at 200 Hz:
+/// single rows look nearly independent, and the fit takes much of the sway.
+#[test]
+fn a_sway_under_the_white_noise_of_a_fast_sensor_is_counted() {
+    let (kind, step) = (Kind::Under(0.45), 0.005);
+    let mut ratios: Vec<f64> = (0..9)
+        .map(|seed| {
+            let (t, y, x) = log(12_000, step, kind, 200 + seed);
+            Correlation::of(&t, &y, &x).rows_per_sample / kind.rows_per_sample(step)
+        })
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    println!("{ratios:.2?}");
+    assert!((0.7..1.4).contains(&ratios[4]), "{ratios:?}");
+    assert!(ratios[0] > 0.4 && ratios[8] < 2.5, "{ratios:?}");
+}
+
+/// A reading less what those before it say of it, over its deviation, is the row of L⁻¹ y where
+/// L Lᵀ is the covariance of all.
+#[test]
+fn innovations_are_those_of_the_covariance() {
+    let t = [0.0_f64, 0.1, 0.2, 0.35, 0.36, 0.9, 1.0, 2.5];
+    let y = [0.3, -1.0, 0.7, 0.2, 0.1, 2.0, -0.4, 0.6];
+    for (tau, share) in [(0.3_f64, 0.4_f64), (1.0, 0.95), (0.1, 1.0), (0.5, 0.01)] {
+        let covariance = DMatrix::from_fn(t.len(), t.len(), |i, j| {
+            let lasting = share * (-(t[i] - t[j]).abs() / tau).exp();
+            if i == j { 1.0 } else { lasting }
+        });
+        let factor = covariance.cholesky().unwrap().l();
+        let expected = factor.solve_lower_triangular(&DVector::from_column_slice(&y));
+        let expected = expected.unwrap();
+        let mut filter = mixture::Filter::new(1, share);
+        for k in 0..t.len() {
+            let rho = match k {
+                0 => 0.0,
+                _ => (-(t[k] - t[k - 1]) / tau).exp(),
+            };
+            let mut row = [y[k]];
+            let variance = filter.whiten(rho, share, &mut row);
+            assert!((row[0] - expected[k]).abs() < 1e-12, "{tau} {share}: {k}");
+            assert!((variance.sqrt() - factor[(k, k)]).abs() < 1e-12);
+        }
+    }
+}
+
 #[test]
 fn times_that_run_backwards_say_nothing() {
     let (mut t, y, x) = log(200, 0.1, Kind::Ar1(0.5), 3);

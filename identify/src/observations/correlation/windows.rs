@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! ȳ_w = X̄_w r + ē_w        means over the rows of a window: as linear as the rows
-//! (z_w − ρ z_{w−1})/√(1 − ρ²)        ρ = exp(−Δ/τ), Δ between the middles of windows
+//! (z_w − ρ z_{w−1})/√(1 − ρ²)        ρ = exp(−Δ/τ), Δ between the middles of windows, where
+//!                                    all of their noise lasts; by a filter where a part does
 //! ```
 //!
 //! Rows at 100 Hz of noise that lasts half a second say little more than their means
@@ -10,6 +11,8 @@
 //! noise lies on the slow part.
 
 use std::ops::Range;
+
+use super::mixture::Filter;
 
 /// Rows further apart than this many ordinary steps are not neighbours.
 const GAP: f64 = 4.0;
@@ -65,6 +68,8 @@ pub struct Process {
     pub cut: Cut,
     /// Correlation time of the windows' means, s; zero where they are independent.
     pub tau_s: f64,
+    /// Part of the means' variance that has this correlation; the others are independent.
+    pub share: f64,
     /// Part of a row's variance that averaging does not lower.
     pub lasting: f64,
 }
@@ -78,6 +83,7 @@ impl Default for Process {
                 gap_s: f64::INFINITY,
             },
             tau_s: 0.0,
+            share: 1.0,
             lasting: 0.0,
         }
     }
@@ -89,7 +95,7 @@ impl Process {
         self.lasting + (1.0 - self.lasting) / rows
     }
 
-    /// Correlation of two means whose middles are `apart` seconds apart.
+    /// Correlation of what lasts in two means whose middles are `apart` seconds apart.
     pub fn correlation(&self, apart: f64) -> f64 {
         match self.tau_s > 0.0 && apart > 0.0 {
             true => (-apart / self.tau_s).exp(),
@@ -116,8 +122,8 @@ struct Open {
 pub struct Whitener {
     process: Process,
     open: Option<Open>,
-    /// Time and row of the window before.
-    before: Option<(f64, Vec<f64>)>,
+    /// Middle of the window before, s, and what is known of the noise that lasts.
+    before: Option<(f64, Filter)>,
 }
 
 /// An independent row.
@@ -173,24 +179,17 @@ impl Whitener {
         let open = self.open.take()?;
         let (count, trust) = (open.count as f64, open.trust.max(f64::MIN_POSITIVE));
         let size = 1.0 / (trust * self.process.variance(count).sqrt());
-        let row: Vec<f64> = open.sum.iter().map(|x| x * size).collect();
-        let t = open.t / count;
-        let rho = match &self.before {
-            Some((before, _)) => self.process.correlation(t - before),
-            None => 0.0,
+        let mut row: Vec<f64> = open.sum.iter().map(|x| x * size).collect();
+        let (t, share) = (open.t / count, self.process.share);
+        let (rho, mut filter) = match self.before.take() {
+            Some((before, filter)) => (self.process.correlation(t - before), filter),
+            None => (0.0, Filter::new(row.len(), share)),
         };
-        let scale = 1.0 / (1.0 - rho * rho).max(1e-12).sqrt();
-        let free = match &self.before {
-            Some((_, before)) => {
-                let pairs = row.iter().zip(before);
-                pairs.map(|(x, b)| (x - rho * b) * scale).collect()
-            }
-            None => row.clone(),
-        };
-        self.before = Some((t, row));
+        filter.whiten(rho, share, &mut row);
+        self.before = Some((t, filter));
         Some(Independent {
             key: open.key,
-            row: free,
+            row,
             trust: open.trust / count,
         })
     }

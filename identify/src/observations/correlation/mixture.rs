@@ -1,0 +1,200 @@
+//! Noise that lasts under white noise: a body that sways under the noise of a sensor.
+//!
+//! ```text
+//! e_k = s_k + w_k      s_k = ρ_k s_{k−1} + N(0, a (1 − ρ_k²))      w_k ~ N(0, 1 − a)
+//! P⁻ = ρ² P + a (1 − ρ²)      F = P⁻ + 1 − a      s⁺ = ρ s + P⁻/F (z − ρ s)      P = P⁻ (1 − a)/F
+//! ```
+//!
+//! The Kalman filter (Kalman 1960) gives innovations (z − ρ s)/√F that are independent, of
+//! readings and columns alike: with a = 1 those of an AR(1) process. Their restricted
+//! likelihood finds τ and a.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::restricted::{Found, basis, steps};
+
+/// Parts of the longest time and shares of lasting noise that are tried at first.
+const TIMES: usize = 10;
+const SHARES: [f64; 5] = [0.05, 0.15, 0.35, 0.6, 0.85];
+/// How often the best is refined.
+const REFINED: usize = 8;
+/// Shares that are told from none and all.
+const LEAST_SHARE: f64 = 0.01;
+/// The shortest time that is tried, in steps; the longest, as a part of the length.
+const SHORTEST: f64 = 0.5;
+const LONGEST: f64 = 0.25;
+
+/// What is known of the noise that lasts, from the rows so far.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Filter {
+    /// Estimate of the lasting part in each column.
+    state: Vec<f64>,
+    /// Its variance, in units of a row's.
+    variance: f64,
+}
+
+impl Filter {
+    /// Nothing is known of `columns` columns, whose part `share` lasts.
+    pub fn new(columns: usize, share: f64) -> Filter {
+        Filter {
+            state: vec![0.0; columns],
+            variance: share,
+        }
+    }
+
+    /// Turn a row into its innovation, where the part `share` of its variance has the
+    /// correlation `rho` with that of the row before; gives the variance that it had.
+    pub fn whiten(&mut self, rho: f64, share: f64, row: &mut [f64]) -> f64 {
+        let before = rho * rho * self.variance + share * (1.0 - rho * rho);
+        let whole = (before + 1.0 - share).max(1e-12);
+        let (gain, scale) = (before / whole, 1.0 / whole.sqrt());
+        self.variance = before * (1.0 - share) / whole;
+        for (state, x) in self.state.iter_mut().zip(row) {
+            let told = rho * *state;
+            let new = *x - told;
+            *state = told + gain * new;
+            *x = new * scale;
+        }
+        whole
+    }
+}
+
+/// Rows of one axis, one a column, the reading last.
+struct Rows<'a> {
+    z: DMatrix<f64>,
+    t: &'a [f64],
+    joined: &'a [bool],
+}
+
+/// A lasting time and share, and what the rows say of them.
+struct Tried {
+    tau: f64,
+    share: f64,
+    value: f64,
+    variance: f64,
+    params: DVector<f64>,
+}
+
+impl Rows<'_> {
+    /// Correlation of the lasting parts of row k and the one before.
+    fn rho(&self, k: usize, tau: f64) -> f64 {
+        match self.joined[k] && tau > 0.0 {
+            true => (-(self.t[k] - self.t[k - 1]) / tau).exp(),
+            false => 0.0,
+        }
+    }
+
+    /// Innovations, and the sum of the logarithms of their variances.
+    fn whitened(&self, tau: f64, share: f64) -> (DMatrix<f64>, f64) {
+        let mut z = self.z.clone();
+        let mut filter = Filter::new(z.nrows(), share);
+        let mut log_det = 0.0;
+        for (k, mut row) in z.column_iter_mut().enumerate() {
+            let rho = self.rho(k, tau);
+            log_det += filter.whiten(rho, share, row.as_mut_slice()).ln();
+        }
+        (z, log_det)
+    }
+
+    fn at(&self, tau: f64, share: f64) -> Option<Tried> {
+        let (z, log_det) = self.whitened(tau, share);
+        let p = z.nrows() - 1;
+        let all = &z * z.transpose();
+        let of_xy = all.view((0, p), (p, 1)).column(0).into_owned();
+        let factor = all.view((0, 0), (p, p)).into_owned().cholesky()?;
+        let params = factor.solve(&of_xy);
+        let rest = (all[(p, p)] - of_xy.dot(&params)).max(f64::EPSILON * all[(p, p)]);
+        let diagonal = factor.l_dirty().diagonal();
+        let log_det_x: f64 = diagonal.iter().map(|d| 2.0 * d.ln()).sum();
+        let freedom = (z.ncols() - p) as f64;
+        let variance = (rest / freedom).max(f64::MIN_POSITIVE);
+        Some(Tried {
+            tau,
+            share,
+            value: -0.5 * (freedom * variance.ln() + log_det + log_det_x),
+            variance,
+            params,
+        })
+    }
+}
+
+/// Noise that lasts under white noise, and the share of it that lasts.
+pub(super) struct Mixture {
+    pub found: Found,
+    pub share: f64,
+    /// What neither time nor columns explain, in units of its deviation.
+    pub innovations: Vec<f64>,
+}
+
+/// Estimate it from rows (x, y) at times `t`; `joined[k]` says whether row k follows row
+/// k − 1 within a stretch.
+pub(super) fn estimate(
+    t: &[f64],
+    joined: &[bool],
+    x: &DMatrix<f64>,
+    y: &DVector<f64>,
+) -> Option<Mixture> {
+    let turn = basis(x);
+    let q = x * &turn;
+    let (n, p) = q.shape();
+    let steps = steps(t, joined);
+    if n < p + 3 || steps.is_empty() {
+        return None;
+    }
+    let mut z = q.insert_column(p, 0.0);
+    z.set_column(p, y);
+    let rows = Rows {
+        z: z.transpose(),
+        t,
+        joined,
+    };
+    let low = SHORTEST * steps[steps.len() / 2];
+    let high = LONGEST * (t[n - 1] - t[0]);
+    if high <= low {
+        return None;
+    }
+    let time = |part: f64| low * (high / low).powf(part.clamp(0.0, 1.0));
+    let white = rows.at(0.0, 1.0)?;
+    let grid = (0..=TIMES).flat_map(|k| SHARES.map(|share| (k as f64 / TIMES as f64, share)));
+    let mut best = ((0.0, 0.0), white.value);
+    let mut steps = [0.5 / TIMES as f64, 0.1];
+    for (part, share) in grid {
+        if let Some(tried) = rows.at(time(part), share).filter(|it| it.value > best.1) {
+            best = ((part, share), tried.value);
+        }
+    }
+    if best.0.1 == 0.0 {
+        return None;
+    }
+    for _ in 0..REFINED {
+        let (part, share) = best.0;
+        for (part, share) in [
+            (part - steps[0], share),
+            (part + steps[0], share),
+            (part, share - steps[1]),
+            (part, share + steps[1]),
+        ] {
+            let share = share.clamp(LEAST_SHARE, 1.0);
+            if let Some(tried) = rows.at(time(part), share).filter(|it| it.value > best.1) {
+                best = ((part, share), tried.value);
+            }
+        }
+        steps = steps.map(|step| 0.6 * step);
+    }
+    let (part, share) = best.0;
+    let best = rows.at(time(part), share)?;
+    let (whitened, _) = rows.whitened(best.tau, best.share);
+    let explained = whitened.rows(0, p).tr_mul(&best.params);
+    let left = whitened.row(p).transpose() - explained;
+    Some(Mixture {
+        share: best.share,
+        found: Found {
+            tau: best.tau,
+            variance: best.variance,
+            gain: 2.0 * (best.value - white.value),
+            freedom: (n - p) as f64,
+            params: turn * best.params,
+        },
+        innovations: left.iter().copied().collect(),
+    })
+}
