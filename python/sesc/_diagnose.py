@@ -199,6 +199,8 @@ def diagnose(
     prior: str | os.PathLike[str] = "tight",
     noise: float | None = None,
     floor: float = 1e-4,
+    motion: str = "auto",
+    settle: float | None = None,
     servos: str | os.PathLike[str] | None = None,
     progress: Progress = False,
 ) -> Diagnosis:
@@ -214,6 +216,10 @@ def diagnose(
             ``"free"``, or a TOML file.
         noise: standard deviation of a single reading on one axis, m; from the log unless given.
         floor: added to the noise in quadrature, m: what encoder ticks do.
+        motion: ``"auto"`` compares readings with the ZMP where a log with times knows
+            accelerations; ``"off"`` takes all as those of standing postures.
+        settle: take only rows of stays: stretches of at least so many seconds in which every
+            joint is slower than 0.02 rad/s; each is one posture.
         servos: TOML file of the servos: remedies are in its ticks.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 
@@ -236,6 +242,8 @@ def diagnose(
         "prior": os.fspath(prior),
         "noise": noise,
         "floor": floor,
+        "motion": _run.motion(motion),
+        "settle": settle,
         "servos": None if servos is None else os.fspath(servos),
     }
     try:

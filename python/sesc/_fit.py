@@ -308,6 +308,8 @@ def fit(
     folds: int | None = None,
     range: float | None = None,
     physical: bool = False,
+    motion: str = "auto",
+    settle: float | None = None,
     progress: Progress = False,
 ) -> Fit:
     """Identify the parameters of a robot from posture logs.
@@ -324,6 +326,10 @@ def fit(
         folds: folds of the cross-validation, 10 unless given.
         range: errors are expected for joints within ± this, rad; else for their limits.
         physical: fit physical masses only.
+        motion: ``"auto"`` compares readings with the ZMP where a log with times knows
+            accelerations; ``"off"`` takes all as those of standing postures.
+        settle: take only rows of stays: stretches of at least so many seconds in which every
+            joint is slower than 0.02 rad/s; each is one posture.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 
     Raises:
@@ -343,7 +349,7 @@ def fit(
     logs = _run.logs([one for one in given if not isinstance(one, Part)])
     if isinstance(robot, Part):
         parts.insert(0, robot)
-    options = _options(support, angles, prior, noise, robust, folds, range, physical)
+    options = _options(support, angles, prior, noise, robust, folds, range, physical, motion, settle)
     try:
         report = _sesc.fit_logs(
             robot if isinstance(robot, Robot) else None,
@@ -389,6 +395,8 @@ def gather(
     noise: float | None = None,
     robust: str | None = None,
     folds: int | None = None,
+    motion: str = "auto",
+    settle: float | None = None,
     progress: Progress = False,
 ) -> Part:
     """What logs contribute to a fit, to be fitted later, with others, or elsewhere.
@@ -405,7 +413,7 @@ def gather(
     """
     if not isinstance(robot, Robot):
         raise TypeError(f"a robot comes first, not {type(robot).__name__}")
-    options = _options(support, angles, prior, noise, robust, folds, None, False)
+    options = _options(support, angles, prior, noise, robust, folds, None, False, motion, settle)
     logs = _run.logs(log)
     if not logs:
         raise PartError("no logs to gather; give one or more")
@@ -425,6 +433,8 @@ def _options(
     folds: int | None,
     range: float | None,
     physical: bool,
+    motion: str,
+    settle: float | None,
 ) -> dict[str, Any]:
     return {
         "support": support,
@@ -435,6 +445,8 @@ def _options(
         "folds": folds,
         "range": range,
         "physical": physical,
+        "motion": _run.motion(motion),
+        "settle": settle,
     }
 
 

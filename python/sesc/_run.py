@@ -47,6 +47,13 @@ def degrees(angles: str | None) -> bool | None:
     return None if angles is None else angles == "deg"
 
 
+def motion(motion: str) -> bool:
+    """Whether the motion of the joints counts where a log knows it."""
+    if motion not in ("auto", "off"):
+        raise ValueError(f"motion {motion!r}: give 'auto' or 'off'")
+    return motion == "auto"
+
+
 def written(path: str | os.PathLike[str], text: str) -> None:
     """Write ``text`` to ``path``, whole or not at all."""
     from . import _sesc

@@ -14,7 +14,7 @@ use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
 use crate::log::Log;
 use crate::model::json;
-use crate::options::angles;
+use crate::options::{angles, motion, stays};
 use crate::robot::Robot;
 
 /// Keywords of a diagnosis, all of them given.
@@ -26,6 +26,8 @@ pub struct DiagnoseOptions {
     prior: String,
     noise: Option<f64>,
     floor: f64,
+    motion: bool,
+    settle: Option<f64>,
     servos: Option<PathBuf>,
 }
 
@@ -55,6 +57,8 @@ pub fn diagnose_log(
     request.prior = PriorChoice::from(options.prior.as_str());
     request.noise = options.noise;
     request.floor = options.floor;
+    request.motion = motion(options.motion);
+    request.stays = stays(options.settle).map_err(|failure| failure.raise(py))?;
     request.meshes.clone_from(&robot.folder);
     request.view = true;
     let (report, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {

@@ -5,7 +5,8 @@ use sesc_identify::fit::Loss;
 use sesc_identify::fit::Request;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::PriorChoice;
-use sesc_identify::logs::Angles;
+use sesc_identify::logs::{Angles, Stays};
+use sesc_identify::observations::motion_use::MotionModel;
 
 use crate::errors::{Doing, Failure};
 use crate::log::Log;
@@ -23,6 +24,8 @@ pub struct FitOptions {
     folds: Option<usize>,
     range: Option<f64>,
     physical: bool,
+    motion: bool,
+    settle: Option<f64>,
 }
 
 impl FitOptions {
@@ -58,6 +61,8 @@ impl FitOptions {
         request.folds = self.folds;
         request.range = self.range;
         request.physical = self.physical;
+        request.motion = motion(self.motion);
+        request.stays = stays(self.settle)?;
         Ok(request)
     }
 }
@@ -68,4 +73,20 @@ pub fn angles(degrees: bool) -> Angles {
         true => Angles::Deg,
         false => Angles::Rad,
     }
+}
+
+/// Whether the motion of the joints counts where a log knows it.
+pub fn motion(counts: bool) -> MotionModel {
+    match counts {
+        true => MotionModel::Auto,
+        false => MotionModel::Off,
+    }
+}
+
+/// Stays of at least so many seconds alone, where that is asked for.
+pub fn stays(settle: Option<f64>) -> Result<Stays, Failure> {
+    let Some(seconds) = settle else {
+        return Ok(Stays::default());
+    };
+    Stays::alone(seconds).map_err(|what| Failure::plain(Doing::Fit, format!("`settle`: {what}")))
 }

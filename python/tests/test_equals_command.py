@@ -74,6 +74,43 @@ def test_diagnoses_are_equal(small: sesc.Robot, robots: Path, log: Path, command
     assert (tmp_path / "b.html").stat().st_size > 10_000
 
 
+@pytest.fixture(scope="module")
+def stays(log: Path) -> Path:
+    """The log held still for 0.6 s in each posture, with times and moves of 0.4 s between."""
+    header, *rows = [line.split(",") for line in log.read_text().splitlines()]
+    kept = [k for k, name in enumerate(header) if name != "pose"]
+    lines = [["t", *(header[k] for k in kept)]]
+    for row, values in enumerate(rows):
+        for k in range(7):
+            lines.append([f"{row + 0.1 * k:.1f}", *(values[k] for k in kept)])
+    path = log.parent / "stays.csv"
+    path.write_text("\n".join(",".join(line) for line in lines) + "\n")
+    path.with_name("stays.csv.toml").write_text(log.with_name("log.csv.toml").read_text())
+    return path
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [({"settle": 0.5}, ["--settle", 0.5]), ({"motion": "off"}, ["--motion", "off"])],
+)
+def test_stays_and_motion_are_equal(
+    small: sesc.Robot, robots: Path, stays: Path, command_json: Any, options: Any, words: Any
+) -> None:
+    for ask, name in [(sesc.fit, "fit"), (sesc.diagnose, "diagnose")]:
+        want = command_json(name, robots / LEGS[0], "--data", stays, *words)
+        assert json.dumps(ask(small, stays, **options).to_dict()) == json.dumps(want)
+    part = sesc.gather(small, stays, **options)
+    assert part.postures == sesc.fit(small, stays, **options).to_dict()["postures"]
+
+
+def test_stays_of_no_length_and_unknown_motion_are_refused(small: sesc.Robot, stays: Path) -> None:
+    for ask in (sesc.fit, sesc.diagnose, sesc.gather):
+        with pytest.raises(sesc.FitError, match="`settle`: give 0.01 to 3600 seconds"):
+            ask(small, stays, settle=0.0)
+        with pytest.raises(ValueError, match="motion 'slow': give 'auto' or 'off'"):
+            ask(small, stays, motion="slow")
+
+
 def test_predictions_are_equal(small: sesc.Robot, robots: Path, log: Path, command: Any, tmp_path: Path) -> None:
     found = sesc.diagnose(small, log)
     found.save(tmp_path / "model.toml")

@@ -117,13 +117,13 @@ struct StaysArguments {
     /// Take only rows of stays: stretches of at least so many seconds in which every joint is
     /// slower than 0.02 rad/s; each is one posture. Recordings of ROS have 0.3 s unless given.
     /// Else rows of a stay of a second are one posture where a log has `t` and no `pose`
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = units::stay_s)]
-    settle: Option<f64>,
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = units::stays)]
+    settle: Option<Stays>,
 }
 
 impl From<&StaysArguments> for Stays {
     fn from(arguments: &StaysArguments) -> Stays {
-        arguments.settle.map_or_else(Stays::default, Stays::Alone)
+        arguments.settle.unwrap_or_default()
     }
 }
 

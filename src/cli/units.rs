@@ -1,14 +1,12 @@
 //! Units of options: a length that can only have been meant in millimetres is refused.
 
+use sesc_identify::logs::Stays;
+
 /// No sensor of a robot that stands is noisier, m.
 const NOISIEST_M: f64 = 0.1;
 /// No sole, and no height above it that a plan keeps clear, is larger, m; who wants no bound
 /// gives a metre or more.
 const LARGEST_M: f64 = 10.0;
-
-/// No robot settles sooner, and nobody waits longer, s.
-const LEAST_STAY_S: f64 = 0.01;
-const LONGEST_STAY_S: f64 = 3600.0;
 
 /// A standard deviation of a reading, m.
 pub(super) fn deviation_m(text: &str) -> Result<f64, String> {
@@ -16,16 +14,9 @@ pub(super) fn deviation_m(text: &str) -> Result<f64, String> {
 }
 
 /// How long a robot holds still, s.
-pub(super) fn stay_s(text: &str) -> Result<f64, String> {
-    let value: f64 = text
-        .parse()
-        .map_err(|_| "give a number of seconds".to_string())?;
-    match (LEAST_STAY_S..=LONGEST_STAY_S).contains(&value) {
-        true => Ok(value),
-        false => Err(format!(
-            "give {LEAST_STAY_S} to {LONGEST_STAY_S} seconds of holding still"
-        )),
-    }
+pub(super) fn stays(text: &str) -> Result<Stays, String> {
+    let seconds = text.parse();
+    Stays::alone(seconds.map_err(|_| "give a number of seconds".to_string())?)
 }
 
 /// A length on the robot's scale, m.
@@ -61,7 +52,7 @@ mod tests {
         assert!(length_m("inf").is_err() && length_m("x").is_err());
         // What is not a number passes on to the command's own check.
         assert!(length_m("nan").unwrap().is_nan());
-        assert_eq!(stay_s("0.5"), Ok(0.5));
-        assert!(stay_s("0").is_err() && stay_s("nan").is_err() && stay_s("x").is_err());
+        assert_eq!(stays("0.5"), Ok(Stays::Alone(0.5)));
+        assert!(stays("0").is_err() && stays("nan").is_err() && stays("x").is_err());
     }
 }

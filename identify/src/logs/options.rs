@@ -60,6 +60,32 @@ pub enum Stays {
     Alone(f64),
 }
 
+/// No robot settles sooner, and nobody waits longer, s.
+const STAYS_S: [f64; 2] = [0.01, 3600.0];
+
+impl Stays {
+    /// Stays of at least so many seconds alone.
+    ///
+    /// # Errors
+    /// What is no length of a stay.
+    ///
+    /// # Examples
+    /// ```
+    /// # use sesc_identify::logs::Stays;
+    /// assert_eq!(Stays::alone(0.5), Ok(Stays::Alone(0.5)));
+    /// assert!(Stays::alone(-1.0).unwrap_err().starts_with("give 0.01 to 3600 seconds"));
+    /// ```
+    pub fn alone(seconds: f64) -> Result<Stays, String> {
+        let [least, longest] = STAYS_S;
+        match (least..=longest).contains(&seconds) {
+            true => Ok(Stays::Alone(seconds)),
+            false => Err(format!(
+                "give {least} to {longest} seconds of holding still"
+            )),
+        }
+    }
+}
+
 /// When a robot that is being recorded holds still.
 ///
 /// A posture is a stretch in which every joint is slower than `speed` for at
