@@ -119,6 +119,22 @@ fn a_clipped_channel_is_named_by_its_column() {
     assert_eq!(found_beside(&log), only("channel_saturated", "cop_x"));
 }
 
+/// An end is an end by the side on which values stop, not by its sign.
+#[test]
+fn a_channel_that_is_clipped_from_below_at_a_positive_value_keeps_the_rest() {
+    let mut log = Log::of("r_sole", &[], hidden, 64);
+    let mut x: Vec<f64> = log.cop.iter().map(|y| y[0]).collect();
+    x.sort_by(f64::total_cmp);
+    let positive = x.iter().position(|x| *x > 0.0).unwrap();
+    let least = positive.max(10);
+    assert!(least < POSTURES / 2, "{least}");
+    let end = x[least];
+    log.cop.iter_mut().for_each(|y| y[0] = y[0].max(end));
+    assert_eq!(found_beside(&log), only("channel_saturated", "cop_x"));
+    let found = log.diagnose("r_sole").diagnosis;
+    assert_eq!(found.postures, POSTURES - least - 1);
+}
+
 #[test]
 fn coarse_steps_of_a_channel_are_said_and_fine_ones_are_not() {
     let mut log = Log::of("r_sole", &[], hidden, 65);

@@ -205,13 +205,14 @@ impl StudyHealth {
             (count.asked, tries) = (count.asked + 1, 0);
             let robot = Arc::new(Robot::parse(&broken.urdf, "robot.urdf")?);
             let log = sheet.log();
+            let (on, noise) = (&broken.support, broken.noise);
             let seen = match device.needs_fit() {
-                true => [
-                    fitted(&robot, &log, &broken.support, broken.noise)?,
-                    Vec::new(),
-                ],
-                false => looks(&robot, &log, &broken.support, broken.noise)?,
+                true => fitted(&robot, &log, on, noise).map(|found| [found, Vec::new()]),
+                false => looks(&robot, &log, on, noise),
             };
+            let seen = seen.map_err(|error| {
+                format!("{} on {platform:?}, seed {seed}: {error}", device.name())
+            })?;
             let is = |f: &Finding| f.kind.name() == device.kind() && broken.is(&f.target);
             let both = seen.iter().take(if device.needs_fit() { 1 } else { 2 });
             let found = both.clone().all(|all| all.iter().any(is));

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::Rows;
 use super::key::key;
-use super::screen::LeftOut;
+use super::screen::{End, LeftOut};
 use super::steps::step;
 use crate::health::criteria::{CLIPPED_MORE, CLIPPED_SHARE, COARSE_LEVELS, COARSE_NOISE, FEW_ROWS};
 use crate::health::statistics::scatter;
@@ -26,13 +26,14 @@ pub(super) fn saturated(rows: &Rows, left_out: &mut LeftOut) -> Vec<Finding> {
     for channel in 0..2 {
         let name = ["cop_x", "cop_y"][channel];
         let values: Vec<f64> = kept.iter().map(|&k| rows.reading[k][channel]).collect();
-        for sign in [1.0, -1.0] {
+        for upper in [true, false] {
+            let sign = if upper { 1.0 } else { -1.0 };
             let signed: Vec<f64> = values.iter().map(|x| sign * x).collect();
             let Some(count) = end(rows, &kept, &signed) else {
                 continue;
             };
             let at = sign * largest(&signed);
-            left_out.ends.push((channel, at));
+            left_out.ends.push(End { channel, upper, at });
             let title = format!("{name}, mm");
             let value = |k: usize| 1e3 * values[k];
             let picture = Picture::of(&title, values.len(), value, |k| values[k] == at);

@@ -15,6 +15,17 @@ impl Screen for Everything {
     }
 }
 
+/// An end of a channel of the CoP.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::health) struct End {
+    /// 0 or 1.
+    pub channel: usize,
+    /// Whether values end above, or below.
+    pub upper: bool,
+    /// m
+    pub at: f64,
+}
+
 /// Rules for single rows.
 #[derive(Debug, Clone, Default)]
 pub(in crate::health) struct LeftOut {
@@ -24,8 +35,8 @@ pub(in crate::health) struct LeftOut {
     pub zero: bool,
     /// A CoP beyond these corners is no CoP, m.
     pub sole: Option<[[f64; 2]; 2]>,
-    /// A channel of the CoP (0, 1) at or beyond its end, m.
-    pub ends: Vec<(usize, f64)>,
+    /// Channels of the CoP that are at or beyond their end.
+    pub ends: Vec<End>,
     /// Values at which a channel of the CoP (0, 1), or all cells (0), froze.
     pub frozen: HashSet<(usize, u64)>,
     /// Rows that came before, once more.
@@ -55,9 +66,9 @@ impl LeftOut {
         let inside = self
             .sole
             .is_none_or(|[low, high]| (0..2).all(|k| (low[k]..=high[k]).contains(&reading[k])));
-        let beyond = |&(channel, end): &(usize, f64)| match end > 0.0 {
-            true => reading[channel] >= end,
-            false => reading[channel] <= end,
+        let beyond = |end: &End| match end.upper {
+            true => reading[end.channel] >= end.at,
+            false => reading[end.channel] <= end.at,
         };
         let stale = || match force {
             [] => (0..2).any(|k| self.frozen.contains(&(k, reading[k].to_bits()))),
