@@ -151,6 +151,11 @@ fn coarse_steps_of_a_channel_are_said_and_fine_ones_are_not() {
         .collect();
     assert_eq!(health, [("channel_saturated", "cop_y")]);
     assert_ne!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
+    // Where nobody states the noise, it is what masses leave less what steps are of that.
+    log.stated = None;
+    let health = log.diagnose("r_sole").diagnosis.health;
+    let health: Vec<(&str, &str)> = health.iter().map(|h| (h.kind.name(), &*h.target)).collect();
+    assert_eq!(health, [("channel_saturated", "cop_y")]);
     let mut log = fine;
     log.cop
         .iter_mut()

@@ -52,7 +52,7 @@ pub fn look(
         return Ok((log.clone(), Vec::new()));
     }
     let rows = Rows::read(log, (robot, model), reading.options, reading.noise, watch)?;
-    let (left_out, findings) = rows::judge(&rows);
+    let (left_out, findings) = rows::judge(&rows, model);
     let stride = rows.len().div_ceil(POSTURES).max(1);
     let kept = |k: &usize| left_out.keeps(rows.reading[*k], rows.force(*k));
     let chosen: Vec<usize> = (0..rows.len()).filter(kept).step_by(stride).collect();

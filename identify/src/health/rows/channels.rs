@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use sesc_model::Model;
+
 use super::Rows;
 use super::key::key;
 use super::screen::{End, LeftOut};
@@ -10,8 +12,13 @@ use crate::health::criteria::{CLIPPED_MORE, CLIPPED_SHARE, COARSE_LEVELS, COARSE
 use crate::health::statistics::scatter;
 use crate::health::{Finding, Kind, Picture};
 
-/// Channels of the CoP, or of the cells, that are clipped or quantised.
-pub(super) fn saturated(rows: &Rows, left_out: &mut LeftOut) -> Vec<Finding> {
+/// Channels of the CoP, or of the cells, that are clipped or quantised; `model` says what free
+/// masses leave of a channel whose noise nobody states.
+pub(super) fn saturated(
+    rows: &Rows,
+    model: Option<&Model>,
+    left_out: &mut LeftOut,
+) -> Vec<Finding> {
     let mut found = Vec::new();
     let kept: Vec<usize> = (0..rows.len())
         .filter(|&k| left_out.keeps(rows.reading[k], rows.force(k)))
@@ -49,7 +56,8 @@ pub(super) fn saturated(rows: &Rows, left_out: &mut LeftOut) -> Vec<Finding> {
             );
             found.push(finding.showing(picture));
         }
-        if let Some(step) = coarse_step(&values, rows.noise) {
+        let left = || rows.left_by_masses(model?, &kept, channel);
+        if let Some(step) = coarse_step(&values, rows.noise, left) {
             left_out.steps[channel] = step / f64::sqrt(12.0);
             let title = format!("{name}, mm");
             let picture = Picture::of(&title, values.len(), |k| 1e3 * values[k], |_| true);
@@ -104,13 +112,27 @@ fn end(rows: &Rows, kept: &[usize], values: &[f64]) -> Option<usize> {
     (ends && next.is_finite() && most != 0.0).then_some(at.len())
 }
 
-/// The step of a channel that is coarse: far above the noise, or with few levels.
-fn coarse_step(values: &[f64], noise: Option<f64>) -> Option<f64> {
+/// The step of a channel that is coarse: far above the noise, or with few levels. Where the
+/// noise is not known, it is what masses leave less what steps are of that:
+///
+/// ```text
+/// σ² = s² − step²/12
+/// ```
+fn coarse_step(
+    values: &[f64],
+    noise: Option<f64>,
+    left: impl FnOnce() -> Option<f64>,
+) -> Option<f64> {
     let step = step(values)?;
     let levels = scatter(values) / step;
+    let above = |noise: f64| step > COARSE_NOISE * noise;
     let coarse = match noise {
-        Some(noise) => step > COARSE_NOISE * noise,
-        None => levels < COARSE_LEVELS,
+        Some(noise) => above(noise),
+        None if levels < COARSE_LEVELS => true,
+        None => left().is_some_and(|left| {
+            let of_steps = step * step / 12.0;
+            above((left * left - of_steps).max(0.0).sqrt())
+        }),
     };
     let moves = levels > 0.1;
     (coarse && moves).then_some(step)

@@ -24,6 +24,7 @@ mod steps;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use nalgebra::{DMatrix, DVector};
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
@@ -32,6 +33,8 @@ use super::criteria::FEW_ROWS;
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader, Screen};
+use crate::observations::correlation;
+use crate::observations::rows::CopRows;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
 use screen::Everything;
@@ -40,6 +43,10 @@ pub(super) use screen::LeftOut;
 /// Rows that are looked at, at most.
 pub(super) const ROWS: usize = 50_000;
 const BLOCK: usize = 4096;
+/// Half the time over which an acceleration is looked at, s.
+const SWING_S: f64 = 0.15;
+/// Rows that masses are fitted to, at most.
+const FITTED: usize = 1000;
 
 /// Rows of a log on one support.
 pub(super) struct Rows {
@@ -155,6 +162,41 @@ impl Rows {
         }
     }
 
+    /// What free masses, and what CAD's CoM does to the CoP where it is accelerated, leave of
+    /// one channel, m, in some of the rows; none where these are too few to tell.
+    fn left_by_masses(&self, model: &Model, rows: &[usize], channel: usize) -> Option<f64> {
+        let stride = rows.len().div_ceil(FITTED).max(1);
+        let rows: Vec<usize> = rows.iter().copied().step_by(stride).collect();
+        let q: Vec<f64> = rows.iter().flat_map(|row| self.q(*row)).copied().collect();
+        let all = CopRows::new(model).fastest().of(&q, rows.len(), None);
+        let swings = self.t.len() == self.len();
+        let reach = match correlation::step(&self.t).filter(|_| swings) {
+            Some(step) => (SWING_S / step).round().max(1.0) as usize,
+            None => self.len(),
+        };
+        let columns = all.ncols();
+        let x = DMatrix::from_fn(rows.len(), columns + 1, |k, column| {
+            match column < columns {
+                true => all[(2 * k + channel, column)],
+                false => self.bend(rows[k], reach, channel),
+            }
+        });
+        let y = DVector::from_fn(rows.len(), |k, _| self.reading[rows[k]][channel]);
+        let (square, df) = correlation::left(&x, &y);
+        (df >= FEW_ROWS as f64).then(|| square.sqrt())
+    }
+
+    /// How CAD's CoP bends over `reach` rows either way, m: as its acceleration does.
+    fn bend(&self, row: usize, reach: usize, channel: usize) -> f64 {
+        match row >= reach && row + reach < self.len() {
+            true => {
+                let at = |row: usize| self.cad[row][channel];
+                at(row - reach) - 2.0 * at(row) + at(row + reach)
+            }
+            false => 0.0,
+        }
+    }
+
     fn predict(&mut self, model: &Model) {
         let cop = Evaluator::new(model, Function::Cop).fastest();
         let pairs = |q: &[f64]| -> Vec<[f64; 2]> {
@@ -198,13 +240,13 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
         findings.extend(contact::lost(&rows, &mut left_out));
     }
     findings.extend(contact::unplugged(&rows));
-    findings.extend(channels::saturated(&rows, &mut left_out));
+    findings.extend(channels::saturated(&rows, None, &mut left_out));
     findings.extend(copies::of(&rows, &mut left_out));
     Ok(findings)
 }
 
 /// What is wrong with rows, and what to leave out.
-pub(super) fn judge(rows: &Rows) -> (LeftOut, Vec<Finding>) {
+pub(super) fn judge(rows: &Rows, model: &Model) -> (LeftOut, Vec<Finding>) {
     let mut left_out = LeftOut::default();
     let mut findings = Vec::new();
     if rows.len() < FEW_ROWS {
@@ -214,7 +256,7 @@ pub(super) fn judge(rows: &Rows) -> (LeftOut, Vec<Finding>) {
     findings.extend(contact::unplugged(rows));
     findings.extend(outside::sole(rows, &mut left_out));
     findings.extend(frozen::stretches(rows, &mut left_out));
-    findings.extend(channels::saturated(rows, &mut left_out));
+    findings.extend(channels::saturated(rows, Some(model), &mut left_out));
     findings.extend(copies::of(rows, &mut left_out));
     (left_out, findings)
 }
@@ -231,7 +273,7 @@ pub(super) fn screened(
         return Ok((log.clone(), Vec::new()));
     }
     let rows = Rows::read(log, (robot, model), options, noise, watch)?;
-    let (left_out, findings) = judge(&rows);
+    let (left_out, findings) = judge(&rows, model);
     let log = match left_out.is_nothing() {
         true => log.clone(),
         false => log.clone().screened(Arc::new(left_out) as Arc<dyn Screen>),
