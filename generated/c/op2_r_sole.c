@@ -6782,8 +6782,39 @@ static int op2_r_sole_is_rounding(
     return is_rounding;
 }
 
-/* Rotate a row over its deviation, and its value, into the triangle. */
-static void op2_r_sole_take_row(op2_r_sole_estimator *e, float row[], float value)
+/*
+ * The error of a prediction over its deviation. Sums of two, four, ... of them over the root of
+ * their number scatter as one does where noise is independent, and more where it lasts
+ * (Flyvbjerg and Petersen, Journal of Chemical Physics 91, 1989).
+ */
+static void op2_r_sole_take_error(op2_r_sole_estimator *e, uint32_t axis, float error)
+{
+    const uint32_t first = axis * 12u;
+    uint32_t waits = e->predicted[axis];
+    float sum = error;
+    int is_whole = 1;
+    e->predicted[axis] = waits + 1u;
+    for (uint32_t k = 0u; k < 12u; k += 1u) {
+        const uint32_t level = first + k;
+        if (is_whole != 0) {
+            e->squares[level] = e->squares[level] + (sum * sum);
+            e->sums[level] = e->sums[level] + 1.0f;
+            if ((waits & 1u) == 0u) {
+                e->waiting[level] = sum;
+                is_whole = 0;
+            } else {
+                sum = (e->waiting[level] + sum) * 0.70710677f;
+                waits >>= 1u;
+            }
+        }
+    }
+}
+
+/*
+ * Rotate a row over its deviation, and its value, into the triangle. Gives the error of the
+ * prediction by the rows before, over its deviation; zero where they predicted nothing.
+ */
+static float op2_r_sole_take_row(op2_r_sole_estimator *e, float row[], float value)
 {
     float y = value;
     float weight = 1.0f;
@@ -6840,6 +6871,12 @@ static void op2_r_sole_take_row(op2_r_sole_estimator *e, float row[], float valu
         }
     }
     e->residual = e->residual + ((weight * y) * y);
+    if (weight > 0.0f) {
+        y = op2_r_sole_root(weight) * y;
+    } else {
+        y = 0.0f;
+    }
+    return y;
 }
 
 /* 0 and e empty about r, or 1 and e as it was. */
@@ -6873,6 +6910,14 @@ static int op2_r_sole_begin(
         e->weights[1] = 1.0f / cop_std[1];
         e->residual = 0.0f;
         e->postures = 0u;
+        for (uint32_t axis = 0u; axis < 2u; axis += 1u) {
+            e->predicted[axis] = 0u;
+        }
+        for (uint32_t k = 0u; k < 24u; k += 1u) {
+            e->waiting[k] = 0.0f;
+            e->squares[k] = 0.0f;
+            e->sums[k] = 0.0f;
+        }
     }
     return refused;
 }
@@ -6934,8 +6979,15 @@ int op2_r_sole_estimator_add(
         }
     }
     if (refused == 0) {
-        op2_r_sole_take_row(e, &rows[0], cop[0]);
-        op2_r_sole_take_row(e, &rows[43], cop[1]);
+        for (uint32_t axis = 0u; axis < 2u; axis += 1u) {
+            cop[axis] = op2_r_sole_take_row(e, &rows[axis * 43u], cop[axis]);
+        }
+        for (uint32_t axis = 0u; axis < 2u; axis += 1u) {
+            /* No number is less or more than another where nothing was predicted. */
+            if ((cop[axis] < 0.0f) || (cop[axis] > 0.0f)) {
+                op2_r_sole_take_error(e, axis, cop[axis]);
+            }
+        }
         if (e->postures < UINT32_MAX) {
             e->postures += 1u;
         }
@@ -7006,6 +7058,38 @@ void op2_r_sole_estimator_solve(
             r_std[parameter] = (float)INFINITY;
         }
     }
+}
+
+/* Postures of one axis per independent one. */
+static float op2_r_sole_postures_per_sample(const op2_r_sole_estimator *e, uint32_t axis)
+{
+    const uint32_t first = axis * 12u;
+    float most = 1.0f;
+    int is_known = 1;
+    for (uint32_t k = 1u; k < 12u; k += 1u) {
+        const uint32_t level = first + k;
+        if (!(e->sums[level] >= 24.0f)) {
+            is_known = 0;
+        }
+        if (is_known != 0) {
+            const float one = e->squares[first] / e->sums[first];
+            const float ratio = (e->squares[level] / e->sums[level]) / one;
+            /* A mean of n squares of normal numbers has the variance 2/n. */
+            const float off = ratio - 1.0f;
+            const float variance = 2.0f / e->sums[level];
+            if ((ratio > most) && ((off * off) > (16.0f * variance))) {
+                most = ratio;
+            }
+        }
+    }
+    return most;
+}
+
+op2_r_sole_real op2_r_sole_estimator_independent_postures(const op2_r_sole_estimator *e)
+{
+    const float of_x = op2_r_sole_postures_per_sample(e, 0u);
+    const float of_y = op2_r_sole_postures_per_sample(e, 1u);
+    return ((float)e->postures) / ((of_x > of_y) ? of_x : of_y);
 }
 
 static int op2_r_sole_differs(

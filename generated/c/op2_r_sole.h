@@ -509,6 +509,13 @@ typedef struct {
     op2_r_sole_real residual;
     /** Postures taken. */
     uint32_t postures;
+    /** Predictions in x and y that a reading was compared with. */
+    uint32_t predicted[2];
+    /** Their errors over their deviations, summed over 1, 2, 4, ... postures: a sum that waits
+     * for its neighbour, the squares of all and their number, in x and y. */
+    op2_r_sole_real waiting[24];
+    op2_r_sole_real squares[24];
+    op2_r_sole_real sums[24];
 } op2_r_sole_estimator;
 
 /**
@@ -558,6 +565,15 @@ void op2_r_sole_estimator_solve(
     const op2_r_sole_estimator *e,
     op2_r_sole_real r[],
     op2_r_sole_real r_std[]);
+
+/**
+ * @brief How many independent postures those taken are worth, seen in how errors of predictions
+ * last; postures are to come in the order of time. Deviations of op2_r_sole_estimator_solve
+ * take all as independent: multiply them by the root of postures over this number.
+ * @param[in] e the estimator
+ * @return at most the postures taken
+ */
+op2_r_sole_real op2_r_sole_estimator_independent_postures(const op2_r_sole_estimator *e);
 
 /**
  * @brief Check the compiled functions against what the generator computed by another way.

@@ -45,10 +45,15 @@ fn log(case: &Case, cop_std: [f64; 2]) -> Log {
     let all: Vec<f64> = q.concat();
     let r: Vec<f64> = case.model.cad_params().iter().map(|r| r + 0.003).collect();
     let cop = case.tape(Function::Cop, &all, &r.repeat(POSTURES), &Draw::default());
-    let readings = cop
-        .chunks_exact(2)
-        .map(|cop| [cop[0] + rng.random_range(-1e-3..1e-3), cop[1] - 2e-4])
-        .collect();
+    let mut error = 0.0;
+    let readings = cop.chunks_exact(2).enumerate().map(|(k, cop)| {
+        // Errors that last: five postures share one.
+        if k % 5 == 0 {
+            error = rng.random_range(-1e-3..1e-3);
+        }
+        [cop[0] + error, cop[1] - 2e-4]
+    });
+    let readings = readings.collect();
     Log {
         q,
         readings,
@@ -70,7 +75,7 @@ fn driver(name: &str, start: Start) -> String {
 static {name}_estimator e, before;
 static {name}_real r[{name}_BASE_PARAMS], r_std[{name}_BASE_PARAMS], cop_std[2];
 static {name}_real found[{name}_BASE_PARAMS], alone[{name}_BASE_PARAMS];
-static {name}_real q[{name}_DOF], reading[2], zero[2];
+static {name}_real q[{name}_DOF], reading[2], zero[2], worth;
 
 int main(void)
 {{
@@ -94,6 +99,8 @@ int main(void)
             (void)fwrite(found, sizeof found, 1u, stdout);
             (void)fwrite(r_std, sizeof r_std, 1u, stdout);
             (void)fwrite(&e.residual, sizeof e.residual, 1u, stdout);
+            worth = {name}_estimator_independent_postures(&e);
+            (void)fwrite(&worth, sizeof worth, 1u, stdout);
         }}
     }}
     (void)memcpy(&before, &e, sizeof e);
@@ -121,7 +128,8 @@ int main(void)
     )
 }
 
-/// What the C finds: parameters, deviations and residual after every tenth posture, as bits.
+/// What the C finds: parameters, deviations, residual and independent postures after every
+/// tenth posture, as bits.
 fn c(
     folder: &Path,
     case: &Case,
@@ -215,6 +223,7 @@ where
             found.extend(estimator.params().map(bits));
             found.extend(estimator.deviations().map(bits));
             found.push(bits(estimator.residual_sum_of_squares()));
+            found.push(bits(T::from_f64(estimator.independent_postures())));
         }
     }
     found
@@ -269,13 +278,24 @@ fn estimators_give_the_bits_of_the_runtime() {
             double_bits,
             "{name}"
         );
+        let worth = f64::from_bits(*double_bits.last().unwrap());
+        assert!(k != 1 || worth < 0.6 * POSTURES as f64, "{name}: {worth}");
         // The runtime's reading is corrected in f64 here.
         if k != 2 {
-            assert_eq!(
-                c(&folder, case, Scalar::F32, &log, single, build),
-                single_bits,
-                "{name}"
-            );
+            let found = c(&folder, case, Scalar::F32, &log, single, build);
+            let each = 2 * case.model.base.params.len() + 2;
+            let pairs = found.chunks(each).zip(single_bits.chunks(each));
+            for pair in pairs {
+                let ([found @ .., worth], [expected @ .., rounded]) = pair else {
+                    panic!("{name}: no record");
+                };
+                assert_eq!(found, expected, "{name}");
+                // The runtime counts in f64.
+                let number = |bits: &u64| f64::from(f32::from_bits(*bits as u32));
+                let off = number(worth) / number(rounded) - 1.0;
+                assert!(off.abs() < 1e-5, "{name}: {off:e}");
+            }
+            assert_eq!(found.len(), single_bits.len(), "{name}");
         }
     });
 }

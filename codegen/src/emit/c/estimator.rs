@@ -27,6 +27,13 @@ struct Texts {
     zero: String,
     half: String,
     one: String,
+    two: String,
+    /// 1/√2.
+    half_root: String,
+    /// Levels of sums of errors, and the runtime's `FEWEST` and `CLEAR`² of them.
+    levels: usize,
+    fewest: String,
+    clear: String,
     /// The runtime's `Scalar::LIMIT`, `LEAST`, `LIGHT` and `INDEPENDENT`.
     limit: String,
     least: String,
@@ -62,6 +69,11 @@ pub(super) fn texts(facts: &Facts, scalar: Scalar, corrects: bool) -> Result<Val
         zero: float::literal(0.0, scalar),
         half: float::literal(0.5, scalar),
         one: float::literal(1.0, scalar),
+        two: float::literal(2.0, scalar),
+        half_root: float::literal(core::f64::consts::FRAC_1_SQRT_2, scalar),
+        levels: 12,
+        fewest: float::literal(24.0, scalar),
+        clear: float::literal(16.0, scalar),
         limit: String::new(),
         least: String::new(),
         light: String::new(),

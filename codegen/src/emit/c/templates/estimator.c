@@ -77,8 +77,39 @@ static int {{ name }}_is_rounding(
     return is_rounding;
 }
 
-/* Rotate a row over its deviation, and its value, into the triangle. */
-static void {{ name }}_take_row({{ name }}_estimator *e, {{ real }} row[], {{ real }} value)
+/*
+ * The error of a prediction over its deviation. Sums of two, four, ... of them over the root of
+ * their number scatter as one does where noise is independent, and more where it lasts
+ * (Flyvbjerg and Petersen, Journal of Chemical Physics 91, 1989).
+ */
+static void {{ name }}_take_error({{ name }}_estimator *e, uint32_t axis, {{ real }} error)
+{
+    const uint32_t first = axis * {{ estimator.levels }}u;
+    uint32_t waits = e->predicted[axis];
+    {{ real }} sum = error;
+    int is_whole = 1;
+    e->predicted[axis] = waits + 1u;
+    for (uint32_t k = 0u; k < {{ estimator.levels }}u; k += 1u) {
+        const uint32_t level = first + k;
+        if (is_whole != 0) {
+            e->squares[level] = e->squares[level] + (sum * sum);
+            e->sums[level] = e->sums[level] + {{ estimator.one }};
+            if ((waits & 1u) == 0u) {
+                e->waiting[level] = sum;
+                is_whole = 0;
+            } else {
+                sum = (e->waiting[level] + sum) * {{ estimator.half_root }};
+                waits >>= 1u;
+            }
+        }
+    }
+}
+
+/*
+ * Rotate a row over its deviation, and its value, into the triangle. Gives the error of the
+ * prediction by the rows before, over its deviation; zero where they predicted nothing.
+ */
+static {{ real }} {{ name }}_take_row({{ name }}_estimator *e, {{ real }} row[], {{ real }} value)
 {
     {{ real }} y = value;
     {{ real }} weight = {{ estimator.one }};
@@ -135,6 +166,12 @@ static void {{ name }}_take_row({{ name }}_estimator *e, {{ real }} row[], {{ re
         }
     }
     e->residual = e->residual + ((weight * y) * y);
+    if (weight > {{ estimator.zero }}) {
+        y = {{ name }}_root(weight) * y;
+    } else {
+        y = {{ estimator.zero }};
+    }
+    return y;
 }
 
 /* 0 and e empty about r, or 1 and e as it was. */
@@ -168,6 +205,14 @@ static int {{ name }}_begin(
         e->weights[1] = {{ estimator.one }} / cop_std[1];
         e->residual = {{ estimator.zero }};
         e->postures = 0u;
+        for (uint32_t axis = 0u; axis < 2u; axis += 1u) {
+            e->predicted[axis] = 0u;
+        }
+        for (uint32_t k = 0u; k < {{ 2 * estimator.levels }}u; k += 1u) {
+            e->waiting[k] = {{ estimator.zero }};
+            e->squares[k] = {{ estimator.zero }};
+            e->sums[k] = {{ estimator.zero }};
+        }
     }
     return refused;
 }
@@ -253,8 +298,15 @@ int {{ name }}_estimator_add(
         }
     }
     if (refused == 0) {
-        {{ name }}_take_row(e, &rows[0], cop[0]);
-        {{ name }}_take_row(e, &rows[{{ base_params }}], cop[1]);
+        for (uint32_t axis = 0u; axis < 2u; axis += 1u) {
+            cop[axis] = {{ name }}_take_row(e, &rows[axis * {{ base_params }}u], cop[axis]);
+        }
+        for (uint32_t axis = 0u; axis < 2u; axis += 1u) {
+            /* No number is less or more than another where nothing was predicted. */
+            if ((cop[axis] < {{ estimator.zero }}) || (cop[axis] > {{ estimator.zero }})) {
+                {{ name }}_take_error(e, axis, cop[axis]);
+            }
+        }
         if (e->postures < UINT32_MAX) {
             e->postures += 1u;
         }
@@ -325,4 +377,36 @@ void {{ name }}_estimator_solve(
             r_std[parameter] = ({{ real }})INFINITY;
         }
     }
+}
+
+/* Postures of one axis per independent one. */
+static {{ real }} {{ name }}_postures_per_sample(const {{ name }}_estimator *e, uint32_t axis)
+{
+    const uint32_t first = axis * {{ estimator.levels }}u;
+    {{ real }} most = {{ estimator.one }};
+    int is_known = 1;
+    for (uint32_t k = 1u; k < {{ estimator.levels }}u; k += 1u) {
+        const uint32_t level = first + k;
+        if (!(e->sums[level] >= {{ estimator.fewest }})) {
+            is_known = 0;
+        }
+        if (is_known != 0) {
+            const {{ real }} one = e->squares[first] / e->sums[first];
+            const {{ real }} ratio = (e->squares[level] / e->sums[level]) / one;
+            /* A mean of n squares of normal numbers has the variance 2/n. */
+            const {{ real }} off = ratio - {{ estimator.one }};
+            const {{ real }} variance = {{ estimator.two }} / e->sums[level];
+            if ((ratio > most) && ((off * off) > ({{ estimator.clear }} * variance))) {
+                most = ratio;
+            }
+        }
+    }
+    return most;
+}
+
+{{ name }}_real {{ name }}_estimator_independent_postures(const {{ name }}_estimator *e)
+{
+    const {{ real }} of_x = {{ name }}_postures_per_sample(e, 0u);
+    const {{ real }} of_y = {{ name }}_postures_per_sample(e, 1u);
+    return (({{ real }})e->postures) / ((of_x > of_y) ? of_x : of_y);
 }

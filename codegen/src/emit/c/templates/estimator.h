@@ -26,6 +26,13 @@ typedef struct {
     {{ name }}_real residual;
     /** Postures taken. */
     uint32_t postures;
+    /** Predictions in x and y that a reading was compared with. */
+    uint32_t predicted[2];
+    /** Their errors over their deviations, summed over 1, 2, 4, ... postures: a sum that waits
+     * for its neighbour, the squares of all and their number, in x and y. */
+    {{ name }}_real waiting[{{ 2 * estimator.levels }}];
+    {{ name }}_real squares[{{ 2 * estimator.levels }}];
+    {{ name }}_real sums[{{ 2 * estimator.levels }}];
 } {{ name }}_estimator;
 
 /**
@@ -86,4 +93,13 @@ void {{ name }}_estimator_solve(
     const {{ name }}_estimator *e,
     {{ name }}_real r[],
     {{ name }}_real r_std[]);
+
+/**
+ * @brief How many independent postures those taken are worth, seen in how errors of predictions
+ * last; postures are to come in the order of time. Deviations of {{ name }}_estimator_solve
+ * take all as independent: multiply them by the root of postures over this number.
+ * @param[in] e the estimator
+ * @return at most the postures taken
+ */
+{{ name }}_real {{ name }}_estimator_independent_postures(const {{ name }}_estimator *e);
 {%- endif %}
