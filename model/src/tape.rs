@@ -284,12 +284,16 @@ fn widest(
             run(s, registers, u, k);
         }
         use std::arch::is_x86_feature_detected as has;
-        if has!("avx512f") && has!("avx512vl") && has!("avx512dq") {
-            // SAFETY: the processor has what the function is compiled for.
+        // The compiler takes AVX2, FMA and F16C as parts of AVX-512; a virtual machine may hide
+        // them one by one.
+        let narrower = has!("avx2") && has!("fma") && has!("f16c");
+        if narrower && has!("avx512f") && has!("avx512vl") && has!("avx512dq") {
+            // SAFETY: the processor and the system have the sets that the function is compiled
+            // for, and those that these imply.
             return unsafe { avx512(steps, registers, uniform, kernels) };
         }
         if has!("avx2") {
-            // SAFETY: likewise.
+            // SAFETY: the processor and the system have AVX2, and AVX with it.
             return unsafe { avx2(steps, registers, uniform, kernels) };
         }
     }

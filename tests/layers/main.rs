@@ -8,6 +8,7 @@
 mod circles;
 mod faces;
 mod imports;
+mod instructions;
 mod options;
 mod words;
 

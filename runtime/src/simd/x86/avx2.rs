@@ -13,7 +13,7 @@ pub struct Avx2;
 /// Run a task on doubles.
 ///
 /// # Safety
-/// The processor must have AVX2 and FMA.
+/// The processor and the system must have AVX2 and FMA.
 #[target_feature(enable = "avx2,fma")]
 pub unsafe fn double(task: impl Task<f64>) {
     align_stack();
@@ -23,7 +23,7 @@ pub unsafe fn double(task: impl Task<f64>) {
 /// Run a task on singles.
 ///
 /// # Safety
-/// The processor must have AVX2 and FMA.
+/// The processor and the system must have AVX2 and FMA.
 #[target_feature(enable = "avx2,fma")]
 pub unsafe fn single(task: impl Task<f32>) {
     align_stack();

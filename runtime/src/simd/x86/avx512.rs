@@ -25,7 +25,8 @@ pub struct Avx512;
 /// Run a task on doubles.
 ///
 /// # Safety
-/// The processor must have AVX-512 F, DQ and VL, and FMA.
+/// The processor and the system must have AVX-512 F, DQ and VL, and what the compiler takes as
+/// part of them: AVX2, FMA and F16C.
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
 pub unsafe fn double(task: impl Task<f64>) {
     align_stack();
@@ -35,7 +36,8 @@ pub unsafe fn double(task: impl Task<f64>) {
 /// Run a task on singles.
 ///
 /// # Safety
-/// The processor must have AVX-512 F, DQ and VL, and FMA.
+/// The processor and the system must have AVX-512 F, DQ and VL, and what the compiler takes as
+/// part of them: AVX2, FMA and F16C.
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
 pub unsafe fn single(task: impl Task<f32>) {
     align_stack();
@@ -88,7 +90,8 @@ macro_rules! each {
                 // stored under a mask cannot be loaded again at once.
                 let start = (step * $lanes).min(N.saturating_sub($lanes));
                 // SAFETY: see the head of `super`; `$lanes` numbers from `start`, or all
-                // N under the mask, are in the arrays.
+                // N under the mask, are in the arrays, and a lane outside the mask is neither
+                // read nor written. Without angles there is no step.
                 unsafe {
                     let (s, c) = $sin_cos($load(mask, angles.as_ptr().add(start)));
                     $store(sin.as_mut_ptr().add(start), mask, s);
@@ -129,7 +132,8 @@ fn columns_f64<const N: usize>(rows: &[[f64; N]; 8], _: usize) -> [F64x8; N] {
     let mut columns = [F64x8::splat(0.0); N];
     for start in (0..N).step_by(8) {
         let mask = __mmask8::MAX >> (8 - (N - start).min(8));
-        // SAFETY: see the head of `super`; the mask ends with the row.
+        // SAFETY: see the head of `super`; the mask ends with the row, and a lane outside it is
+        // not read.
         let square = unsafe {
             transposed(core::array::from_fn(|k| {
                 _mm512_maskz_loadu_pd(mask, rows[k].as_ptr().add(start))
@@ -218,7 +222,8 @@ const COS: [f64; 4] = [
 /// The processor must have AVX-512 F and DQ.
 #[inline(always)]
 unsafe fn sin_cos_f64(x: __m512d) -> (__m512d, __m512d) {
-    // SAFETY: the caller has seen that the processor has AVX-512 F and DQ.
+    // SAFETY: the caller has seen that the processor has AVX-512 F and DQ; rows of eight end
+    // within the table of 20.
     unsafe {
         let all = |value: f64| _mm512_set1_pd(value);
         let known = _mm512_cmp_pd_mask::<_CMP_LE_OQ>(_mm512_abs_pd(x), all(trig::LIMIT_RAD));
@@ -295,7 +300,8 @@ const COS_F32: [f32; 2] = [f32::from_bits(0xBEFF_FFFE), f32::from_bits(0x3D2A_97
 /// The processor must have AVX-512 F and DQ.
 #[inline(always)]
 unsafe fn sin_cos_f32(x: __m512) -> (__m512, __m512) {
-    // SAFETY: the caller has seen that the processor has AVX-512 F and DQ.
+    // SAFETY: the caller has seen that the processor has AVX-512 F and DQ; rows of sixteen end
+    // within the table of 40.
     unsafe {
         let all = |value: f32| _mm512_set1_ps(value);
         let known = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(_mm512_abs_ps(x), all(trig::LIMIT_RAD_F32));

@@ -1,7 +1,22 @@
 //! Registers of x86-64, and the operations that a [`Real`](crate::Real) takes.
 //!
 //! Every operation is `inline(always)` around one instruction, and ends up inside one of
-//! the entry functions that are compiled for the set: nothing else calls it.
+//! the entry functions that are compiled for the set.
+//!
+//! # Safety
+//!
+//! What an instruction needs is a processor that has it, and a system that saves its
+//! registers. A [`Simd`](crate::Simd) of a set comes from `Simd::available` alone, which asks
+//! for both; a register comes from a task alone, which [`Dispatch`](crate::scalar::sealed)
+//! runs on a `Simd`, and both traits are sealed. So whoever holds a register may use it, also
+//! in code of a robot that the compiler did not put into the entry function: there an
+//! instruction is a call, registers go through memory as Rust's own calling convention passes
+//! them, and only time is lost. No function of C takes or returns a register.
+//!
+//! There is no stack of our own: `align_stack` is a local variable with an alignment, for
+//! which the compiler moves the stack pointer within the caller's stack and describes that
+//! to debuggers and unwinding as for any other function. Panics unwind through it, signals
+//! interrupt it, guard pages and probes see it as usual.
 
 #![allow(unsafe_code)]
 
@@ -15,10 +30,12 @@ pub(super) fn has_avx2() -> bool {
     std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
 }
 
-/// True where the processor, and the system, have all that the entry of AVX-512 is compiled for.
+/// True where the processor, and the system, have all that the entry of AVX-512 is compiled for;
+/// F16C is part of AVX-512 F for the compiler, though no instruction of it is used here.
 #[cfg(feature = "std")]
 pub(super) fn has_avx512() -> bool {
     has_avx2()
+        && std::arch::is_x86_feature_detected!("f16c")
         && std::arch::is_x86_feature_detected!("avx512f")
         && std::arch::is_x86_feature_detected!("avx512dq")
         && std::arch::is_x86_feature_detected!("avx512vl")
@@ -200,8 +217,10 @@ macro_rules! machine {
             ) {
                 let len = vectors.len().min(blocks.len());
                 if $lanes == $count {
-                    // SAFETY: a register and a block have the same size, and `len` of
-                    // both are there. One copy, which the compiler can dissolve.
+                    // SAFETY: a register and a block have the same size and alignment and
+                    // hold numbers of any bits, `len` of both are there, and what is borrowed
+                    // for writing does not overlap what is borrowed for reading. One copy,
+                    // which the compiler can dissolve.
                     unsafe {
                         let from = vectors.as_ptr().cast::<crate::Lanes<$scalar, $count>>();
                         core::ptr::copy_nonoverlapping(from, blocks.as_mut_ptr(), len);
@@ -219,8 +238,8 @@ macro_rules! machine {
                 room: &'a mut [[$vector; N]; M],
             ) -> &'a mut [[$vector; N]; M] {
                 match $lanes == $count {
-                    // SAFETY: a register and a block have the same size and alignment,
-                    // and any bits are numbers in both.
+                    // SAFETY: a register and a block have the same size and alignment, any
+                    // bits are numbers in both, and the borrow goes on in the result.
                     true => unsafe { &mut *core::ptr::from_mut(blocks).cast() },
                     false => room,
                 }
@@ -234,7 +253,7 @@ macro_rules! machine {
 
             #[inline(always)]
             fn scalars(ones: &[$one]) -> &[$scalar] {
-                // SAFETY: the one is a transparent wrapper of the other.
+                // SAFETY: the one is a transparent wrapper of the other, and there are as many.
                 unsafe { core::slice::from_raw_parts(ones.as_ptr().cast(), ones.len()) }
             }
 
