@@ -60,6 +60,9 @@ extern "C" {
 /** Scalar of every quantity. */
 typedef float op2_r_sole_real;
 
+/** Present in the header of one run of sesc alone; the source refuses any other header. */
+#define op2_r_sole_PAIR_0c92a8816e3a25d2
+
 /** Number of independent joints. */
 #define op2_r_sole_DOF 20
 /** Number of base parameters: columns that data can tell apart. */
@@ -580,6 +583,14 @@ op2_r_sole_real op2_r_sole_estimator_independent_postures(const op2_r_sole_estim
  * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments), 8 (com_ticks).
  */
 int op2_r_sole_selftest(void);
+
+/*
+ * A call of the self-test by its name takes this symbol, which only the source that was written
+ * with this header defines: a program that was compiled with the header of another run of sesc
+ * does not link.
+ */
+int op2_r_sole_selftest_0c92a8816e3a25d2(void);
+#define op2_r_sole_selftest() op2_r_sole_selftest_0c92a8816e3a25d2()
 
 #ifdef __cplusplus
 }

@@ -55,6 +55,9 @@ extern "C" {
 /** Scalar of every quantity: an integer, its binary point by quantity as below. */
 typedef int32_t op2_r_sole_fixed_real;
 
+/** Present in the header of one run of sesc alone; the source refuses any other header. */
+#define op2_r_sole_fixed_PAIR_18c24c020e2ae2b9
+
 /** Number of independent joints. */
 #define op2_r_sole_fixed_DOF 20
 /** Number of base parameters: columns that data can tell apart. */
@@ -483,6 +486,14 @@ void op2_r_sole_fixed_cop_ticks(
  * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments), 8 (com_ticks).
  */
 int op2_r_sole_fixed_selftest(void);
+
+/*
+ * A call of the self-test by its name takes this symbol, which only the source that was written
+ * with this header defines: a program that was compiled with the header of another run of sesc
+ * does not link.
+ */
+int op2_r_sole_fixed_selftest_18c24c020e2ae2b9(void);
+#define op2_r_sole_fixed_selftest() op2_r_sole_fixed_selftest_18c24c020e2ae2b9()
 
 #ifdef __cplusplus
 }

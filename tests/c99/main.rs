@@ -10,5 +10,6 @@ mod entry;
 mod estimator;
 mod fixed;
 mod lanes;
+mod machines;
 mod model;
 mod quality;

@@ -4,5 +4,6 @@ mod boards;
 mod cmake;
 mod header;
 mod output;
+mod pairs;
 mod symbols;
 mod user;

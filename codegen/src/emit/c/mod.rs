@@ -34,8 +34,8 @@ use crate::facts::Facts;
 use helpers::Calls;
 pub use prefix::{is_prefix, suggest};
 pub use servos::{Scale, Servo, Servos, Setting};
-use sesc_model::Function;
 use sesc_model::bounds::Precision;
+use sesc_model::{Function, hash};
 use spelling::{number, pair, quoted, spelled};
 
 /// Arithmetic of the generated C.
@@ -149,6 +149,7 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
         .transpose()?;
     let texts = context! {
         name,
+        pair => PAIR,
         guard => format!("{}_H", name.to_uppercase()),
         about => about::about(facts, &routines, options.scalar),
         includes_stdint => options.scalar == Scalar::Fixed32
@@ -179,11 +180,25 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
         selftest_results => listed(results),
         ..calls.texts(options.scalar)
     };
+    let [header, source] = paired([render("package.h", &texts)?, render("package.c", &texts)?]);
     Ok(Package {
-        header: render("package.h", &texts)?,
-        source: render("package.c", &texts)?,
+        header,
+        source,
         notes,
     })
+}
+
+/// Stands for the hash of both files until they are there, and is as long; no name of a robot
+/// brings a control character so far.
+const PAIR: &str =
+    "\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}\u{1}";
+
+/// Header and source with the hash of both in their symbols, so that those of two runs do not
+/// go together.
+fn paired(texts: [String; 2]) -> [String; 2] {
+    let begin = hash::START;
+    let both = (texts.iter()).fold(begin, |hash, text| hash::fnv1a(hash, text.as_bytes()));
+    texts.map(|text| text.replace(PAIR, &format!("{both:016x}")))
 }
 
 /// A template of this crate, filled in.

@@ -46,6 +46,9 @@ extern "C" {
 /** Scalar of every quantity. */
 typedef float lift_real;
 
+/** Present in the header of one run of sesc alone; the source refuses any other header. */
+#define lift_PAIR_bcfdd90b998be7fd
+
 /** Number of independent joints. */
 #define lift_DOF 2
 /** Number of base parameters: columns that data can tell apart. */
@@ -314,6 +317,14 @@ void lift_zmp_sc(
  * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments).
  */
 int lift_selftest(void);
+
+/*
+ * A call of the self-test by its name takes this symbol, which only the source that was written
+ * with this header defines: a program that was compiled with the header of another run of sesc
+ * does not link.
+ */
+int lift_selftest_bcfdd90b998be7fd(void);
+#define lift_selftest() lift_selftest_bcfdd90b998be7fd()
 
 #ifdef __cplusplus
 }

@@ -44,6 +44,9 @@ extern "C" {
 /** Scalar of every quantity: an integer, its binary point by quantity as below. */
 typedef int32_t lift_real;
 
+/** Present in the header of one run of sesc alone; the source refuses any other header. */
+#define lift_PAIR_fece342d9d6bde47
+
 /** Number of independent joints. */
 #define lift_DOF 2
 /** Number of base parameters: columns that data can tell apart. */
@@ -314,6 +317,14 @@ void lift_cop_sc(
  * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments).
  */
 int lift_selftest(void);
+
+/*
+ * A call of the self-test by its name takes this symbol, which only the source that was written
+ * with this header defines: a program that was compiled with the header of another run of sesc
+ * does not link.
+ */
+int lift_selftest_fece342d9d6bde47(void);
+#define lift_selftest() lift_selftest_fece342d9d6bde47()
 
 #ifdef __cplusplus
 }

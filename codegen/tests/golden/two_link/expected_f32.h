@@ -58,6 +58,9 @@ extern "C" {
 /** Scalar of every quantity. */
 typedef float two_link_real;
 
+/** Present in the header of one run of sesc alone; the source refuses any other header. */
+#define two_link_PAIR_90f0c3d5a81bedb7
+
 /** Number of independent joints. */
 #define two_link_DOF 2
 /** Number of base parameters: columns that data can tell apart. */
@@ -444,6 +447,14 @@ void two_link_zmp_ticks(
  * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments), 8 (com_ticks).
  */
 int two_link_selftest(void);
+
+/*
+ * A call of the self-test by its name takes this symbol, which only the source that was written
+ * with this header defines: a program that was compiled with the header of another run of sesc
+ * does not link.
+ */
+int two_link_selftest_90f0c3d5a81bedb7(void);
+#define two_link_selftest() two_link_selftest_90f0c3d5a81bedb7()
 
 #ifdef __cplusplus
 }

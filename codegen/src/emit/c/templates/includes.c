@@ -1,4 +1,7 @@
 #include "{{ name }}.h"
+#ifndef {{ name }}_PAIR_{{ pair }}
+#error "{{ name }}.h is not the header that was written with this source: generate both again"
+#endif
 
 {% if has_infinity -%}
 #include <math.h>
@@ -12,8 +15,16 @@
 #include <math.h>
 #else
 {{- "" if estimator else "\n#include <string.h>" }}
-#ifdef __FAST_MATH__
+#include <float.h>
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math breaks {{ "sines" if has_kernel else "powers" }}: omit it or define {{ name }}_USE_LIBM"
+#endif
+#if (FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 2)
+#error "x87 breaks {{ "sines" if has_kernel else "powers" }}: add -msse2 -mfpmath=sse, or define {{ name }}_USE_LIBM"
+{%- if real == "float" %}
+#elif FLT_EVAL_METHOD == 1
+#error "float in double has other bits: add -fexcess-precision=fast, or define {{ name }}_USE_LIBM"
+{%- endif %}
 #endif
 #endif
 {%- endif %}

@@ -21,6 +21,9 @@ extern "C" {
 /** Scalar of every quantity{{ scalar_note }}. */
 typedef {{ real }} {{ name }}_real;
 
+/** Present in the header of one run of sesc alone; the source refuses any other header. */
+#define {{ name }}_PAIR_{{ pair }}
+
 /** Number of independent joints. */
 #define {{ name }}_DOF {{ dof }}
 /** Number of base parameters: columns that data can tell apart. */
@@ -97,6 +100,14 @@ void {{ name }}_{{ function.name }}({{ function.declaration }});
  * @return 0 on agreement; else the sum of {{ selftest_weights }}.
  */
 int {{ name }}_selftest(void);
+
+/*
+ * A call of the self-test by its name takes this symbol, which only the source that was written
+ * with this header defines: a program that was compiled with the header of another run of sesc
+ * does not link.
+ */
+int {{ name }}_selftest_{{ pair }}(void);
+#define {{ name }}_selftest() {{ name }}_selftest_{{ pair }}()
 
 #ifdef __cplusplus
 }

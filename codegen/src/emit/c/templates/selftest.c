@@ -20,7 +20,7 @@ static int {{ name }}_differs(
     return differs;
 }
 
-int {{ name }}_selftest(void)
+int {{ name }}_selftest_{{ pair }}(void)
 {
 {%- for check in selftest %}
 {%- for array in check.arrays %}
@@ -43,4 +43,10 @@ int {{ name }}_selftest(void)
     }
 {%- endfor %}
     return failed;
+}
+
+/* In parentheses, since the header has a macro of this name. */
+int ({{ name }}_selftest)(void)
+{
+    return {{ name }}_selftest_{{ pair }}();
 }
