@@ -1,5 +1,6 @@
 //! Files and names that were made to do harm: nothing that is read is trusted.
 
+mod cells;
 mod kills;
 mod names;
 mod overwrites;

@@ -23,7 +23,7 @@ use std::sync::Arc;
 use sesc_model::tree::Dof;
 
 use super::block::{Block, Cells};
-use super::bounds::{self, check, check_gravity, check_joint};
+use super::bounds::{self, LEAST_LOAD_N, check, check_gravity, check_joint};
 use super::columns::Columns;
 use super::names::{nearest, short};
 use super::options::Options;
@@ -372,12 +372,12 @@ fn centre(places: &[[f64; 2]], f: &[f64]) -> Result<[f64; 2], String> {
     let total: f64 = f.iter().sum();
     let moment = |axis: usize| f.iter().zip(places).map(|(f, p)| f * p[axis]).sum::<f64>();
     let cop = [moment(0) / total, moment(1) / total];
-    if total > 0.0 && total.is_finite() && cop.iter().all(|x| x.is_finite()) {
+    if total >= LEAST_LOAD_N && total.is_finite() && cop.iter().all(|x| x.is_finite()) {
         Ok(cop)
     } else {
         Err(format!(
-            "columns `fsr_1` … `fsr_{}`: {total} N in total, so nothing stands on the cells; \
-             remove the row or mend the sign",
+            "columns `fsr_1` … `fsr_{}`: {total:?} N in total, less than {LEAST_LOAD_N} N, so \
+             nothing stands on the cells; remove the row, or mend the sign or the unit",
             f.len()
         ))
     }

@@ -13,6 +13,8 @@ pub(super) const STROKE_M: f64 = 1e6;
 pub(super) const COP: f64 = 1e6;
 /// Largest force of a cell, and deviation of one, N.
 pub(super) const FORCE_N: f64 = 1e9;
+/// Least force on a sole, N: with less, nothing stands on it, whoever measured it.
+pub(crate) const LEAST_LOAD_N: f64 = 1.0;
 /// Largest time, s; in nanoseconds a clock of today is beyond it.
 pub(super) const TIME_S: f64 = 1e15;
 /// Largest entry of gravity, m/s².

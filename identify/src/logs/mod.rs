@@ -44,6 +44,7 @@ mod writer;
 
 pub(crate) use block::keep_some;
 pub use block::{Block, Cells};
+pub(crate) use bounds::LEAST_LOAD_N;
 pub use columns::{COLUMNS, Column, Need, columns_text};
 pub use guard::panic_becomes_error;
 pub use input::LogSource;

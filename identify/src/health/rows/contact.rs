@@ -4,6 +4,7 @@ use super::Rows;
 use super::screen::LeftOut;
 use crate::health::criteria::{CAD_ELSEWHERE_M, FEW_ROWS, LOADED, MOST_LOST};
 use crate::health::{Finding, Kind, Picture};
+use crate::logs::LEAST_LOAD_N;
 
 /// Rows without load, or with a CoP of exactly zero where CAD has it elsewhere.
 pub(super) fn lost(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
@@ -14,7 +15,7 @@ pub(super) fn lost(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
             .collect();
         totals.sort_by(f64::total_cmp);
         let typical = totals[totals.len() / 2];
-        rules.least_load = (typical > 0.0).then_some(LOADED * typical);
+        rules.least_load = Some((LOADED * typical).max(LEAST_LOAD_N));
     } else {
         let elsewhere = |k: usize| rows.cad[k][0].hypot(rows.cad[k][1]) > CAD_ELSEWHERE_M;
         let zero = |k: &usize| rows.reading[*k] == [0.0; 2] && elsewhere(*k);

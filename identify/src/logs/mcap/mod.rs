@@ -31,6 +31,7 @@ use sesc_model::tree::Dof;
 use self::cdr::{Header, JointState};
 use self::records::{Channel, Records};
 use self::survey::Survey;
+use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, POSE, SUPPORT, T};
 use super::hold::{Holds, Posture};
 use super::input::{Bytes, Meter, Metered, Place};
@@ -42,9 +43,6 @@ use crate::{Error, Message};
 const STATE: &str = "sensor_msgs/msg/JointState";
 const WRENCH: &str = "geometry_msgs/msg/WrenchStamped";
 const POINT: &str = "geometry_msgs/msg/PointStamped";
-
-/// Less than this, N, and nothing stands on the sensor.
-const WEIGHT: f64 = 1.0;
 
 /// Columns before the joints; a recording without readings has three of them.
 const FIRST: [&str; 5] = [POSE, T, SUPPORT, COP[0], COP[1]];
@@ -252,7 +250,7 @@ impl McapSource {
         }
         if self.airborne > 0 {
             let warning = format!(
-                "{}: {} of {} readings had less than {WEIGHT} N on the sole and are left out",
+                "{}: {} of {} readings had less than {LEAST_LOAD_N} N on the sole and are left out",
                 self.file, self.airborne, self.readings
             );
             self.warnings.push(warning.into());
@@ -331,5 +329,5 @@ fn several(one: &str, other: &str) -> String {
 /// CoP of a wrench in the support frame; nothing if nothing stands on it.
 fn centre(force: [f64; 3], torque: [f64; 3]) -> Option<[f64; 2]> {
     let f = force[2];
-    (f.abs() >= WEIGHT).then(|| [-torque[1] / f, torque[0] / f])
+    (f.abs() >= LEAST_LOAD_N).then(|| [-torque[1] / f, torque[0] / f])
 }
