@@ -41,6 +41,7 @@ pub mod numeric;
 pub mod program;
 mod robot;
 pub mod snap;
+mod stamp;
 pub mod standard;
 pub mod tape;
 #[doc(hidden)]

@@ -1,6 +1,7 @@
 //! Files and names that were made to do harm: nothing that is read is trusted.
 
 mod cells;
+mod changes;
 mod kills;
 mod names;
 mod overwrites;

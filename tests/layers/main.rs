@@ -27,6 +27,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
         &[
             "text",
             "hash",
+            "stamp",
             "urdf",
             "error",
             "files",

@@ -83,13 +83,12 @@ pub(super) fn screened<'r>(
     };
     let (mut usable, mut findings) = (Vec::new(), Vec::new());
     for log in &request.logs {
-        let (log, found) = health::look(log, &robot, &model, reading, watch)?;
+        let log = log.clone().unchanged()?;
+        let (log, found) = health::look(&log, &robot, &model, reading, watch)?;
         usable.push(log);
         findings.extend(found);
     }
-    if findings.is_empty() {
-        return Ok((Cow::Borrowed(request), findings));
-    }
+    // Also where nothing is wrong: the logs that were looked at are those that are fitted.
     let request = Request {
         logs: usable,
         ..request.clone()

@@ -74,7 +74,11 @@ impl Disk for Local {
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let file = std::fs::File::open(path)?;
-        file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+        let stamp = files::Stamp::of(&file);
+        (&file)
+            .take(most.saturating_add(1))
+            .read_to_end(&mut bytes)?;
+        stamp.map_or(Ok(()), |stamp| stamp.check(&file))?;
         match bytes.len() as u64 > most {
             true => Err(io::Error::other(format!(
                 "it has more than {most} bytes, more than such a file can need"

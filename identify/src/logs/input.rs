@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use sesc_model::files::Stamp;
 use sesc_model::hash;
 
 use super::screen::Screen;
@@ -41,6 +42,8 @@ pub struct LogSource {
     pub(super) place: Place,
     sidecar: Option<Arc<Sidecar>>,
     pub(super) screen: Option<Arc<dyn Screen>>,
+    /// What its file has to be, where it was read already.
+    was: Option<Stamp>,
 }
 
 /// Where the rows are.
@@ -62,6 +65,7 @@ impl LogSource {
             place: Place::Bytes(Shared::new(bytes)),
             sidecar: None,
             screen: None,
+            was: None,
         }
     }
 
@@ -79,6 +83,32 @@ impl LogSource {
             screen: Some(screen),
             ..self
         }
+    }
+
+    /// The same log, which is refused from now on if its file is not what it is now: what
+    /// several readings say together is about one file.
+    ///
+    /// # Errors
+    /// When the file cannot be opened.
+    pub fn unchanged(self) -> Result<LogSource, Error> {
+        let was = self.watched()?.map(|(_, stamp)| stamp);
+        Ok(LogSource { was, ..self })
+    }
+
+    /// The file, where the log is a regular one, and its stamp before it is read.
+    pub(super) fn watched(&self) -> Result<Option<(File, Stamp)>, Error> {
+        let Place::File(path) = &self.place else {
+            return Ok(None);
+        };
+        if !self.can_be_read_again() {
+            return Ok(None);
+        }
+        let failed = |source| Error::read(self.name.clone(), source);
+        let file = File::open(path).map_err(failed)?;
+        if let Some(was) = &self.was {
+            was.check(&file).map_err(failed)?;
+        }
+        Ok(Stamp::of(&file).map(|stamp| (file, stamp)))
     }
 
     /// Whether it can be read more than once: a pipe cannot.
@@ -150,6 +180,7 @@ impl<P: AsRef<Path>> From<P> for LogSource {
             place: Place::File(path.to_path_buf()),
             sidecar: None,
             screen: None,
+            was: None,
         }
     }
 }
@@ -161,6 +192,7 @@ impl From<Table> for LogSource {
             place: Place::Table(Arc::new(table)),
             sidecar: None,
             screen: None,
+            was: None,
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use sesc_model::files::Stamp;
 use sesc_model::tree::Dof;
 
 use super::assemble::Assembler;
@@ -51,6 +52,8 @@ pub struct PostureReader {
     settling: Option<Settling>,
     stays: Stays,
     file: String,
+    /// The file, where it is a regular one, and its stamp before anything was read.
+    watched: Option<(std::fs::File, Stamp)>,
     screen: Option<Screening>,
     rows: u64,
     postures: u64,
@@ -76,6 +79,7 @@ impl PostureReader {
         let log = log.into();
         let (sidecar, mut warnings) = log.sidecar()?;
         let file = log.name().to_string();
+        let watched = log.watched()?;
         let mut source = open_source(&log, dofs, options, &sidecar)?;
         let bad = |message: String| Error::log(&file, Some(1), message);
         let header = sidecar.renamed(source.header()).map_err(bad)?;
@@ -116,6 +120,7 @@ impl PostureReader {
             settling,
             stays: options.stays,
             file,
+            watched,
             screen: log.screen.as_ref().map(|screen| screen.start()),
             rows: 0,
             postures: 0,
@@ -128,9 +133,21 @@ impl PostureReader {
     ///
     /// # Errors
     ///
-    /// The first faulty row, by its place in the file. A log without rows is
-    /// an error too.
+    /// The first faulty row, by its place in the file; a file that changed since it was
+    /// opened. A log without rows is an error too.
     pub fn block(&mut self, count: usize) -> Result<Block, Error> {
+        let read = self.next_block(count);
+        // What is wrong with a file that is being written is not its fault.
+        if read.as_ref().map_or(true, Block::is_empty)
+            && let Some((file, stamp)) = &self.watched
+        {
+            let unchanged = stamp.check(file);
+            unchanged.map_err(|source| Error::read(&self.file, source))?;
+        }
+        read
+    }
+
+    fn next_block(&mut self, count: usize) -> Result<Block, Error> {
         loop {
             let mut block = match self.settling {
                 Some(_) => self.settled(count)?,

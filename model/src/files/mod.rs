@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::Error;
+pub use crate::stamp::Stamp;
 pub use places::Access;
 pub use read::{SETTINGS, SIDECAR, SUMS, read_text};
 

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
+use crate::stamp::Stamp;
+
 /// Largest file of a log's sidecar, MiB: it is a page.
 pub const SIDECAR: u64 = 1;
 /// Largest file of settings, MiB: tolerances, joint limits, servos, soles have a line per
@@ -17,11 +19,14 @@ pub const SUMS: u64 = 1024;
 /// without an end.
 ///
 /// # Errors
-/// When it cannot be read, is longer, or is no UTF-8.
+/// When it cannot be read, is longer, is no UTF-8, or changes while it is read.
 pub fn read_text(path: &Path, mebibytes: u64) -> io::Result<String> {
     let most = mebibytes << 20;
     let mut text = Vec::new();
-    File::open(path)?.take(most + 1).read_to_end(&mut text)?;
+    let file = File::open(path)?;
+    let stamp = Stamp::of(&file);
+    (&file).take(most + 1).read_to_end(&mut text)?;
+    stamp.map_or(Ok(()), |stamp| stamp.check(&file))?;
     if text.len() as u64 > most {
         return Err(io::Error::other(format!(
             "it is longer than {mebibytes} MiB, more than such a file can need"

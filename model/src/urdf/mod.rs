@@ -49,6 +49,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use crate::hash;
+use crate::stamp::Stamp;
 pub use collision::{Collision, Shape, collisions};
 pub use description::{Description, Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
 pub use edit_joints::{Load, Shift, add_loads, edit_joints};
@@ -77,11 +78,22 @@ pub fn read(path: &Path) -> Result<Description, Error> {
     if path.is_dir() {
         return Err(Error::Directory { file });
     }
-    let opened = std::fs::File::open(path).map_err(|source| unreadable(&file, source))?;
-    read_from(opened, &file)
+    let unreadable = |source| unreadable(&file, source);
+    let opened = std::fs::File::open(path).map_err(unreadable)?;
+    let stamp = Stamp::of(&opened);
+    let read = bytes_of(&opened, &file);
+    // What is wrong with a file that is being written is not its fault.
+    stamp
+        .map_or(Ok(()), |stamp| stamp.check(&opened))
+        .map_err(unreadable)?;
+    decoded(&read?, &file)
 }
 
 fn read_from(source: impl std::io::Read, file: &str) -> Result<Description, Error> {
+    decoded(&bytes_of(source, file)?, file)
+}
+
+fn bytes_of(source: impl std::io::Read, file: &str) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     source
         .take(limits::FILE_BYTES + 1)
@@ -90,7 +102,11 @@ fn read_from(source: impl std::io::Read, file: &str) -> Result<Description, Erro
     if bytes.len() as u64 > limits::FILE_BYTES {
         return Err(too_large(file));
     }
-    let text = text::decode(&bytes).map_err(|fault| fault.into_complaint(file, &bytes))?;
+    Ok(bytes)
+}
+
+fn decoded(bytes: &[u8], file: &str) -> Result<Description, Error> {
+    let text = text::decode(bytes).map_err(|fault| fault.into_complaint(file, bytes))?;
     parse(text, file)
 }
 

@@ -272,6 +272,7 @@ pub(super) fn screened(
     if !log.can_be_read_again() {
         return Ok((log.clone(), Vec::new()));
     }
+    let log = &log.clone().unchanged()?;
     let rows = Rows::read(log, (robot, model), options, noise, watch)?;
     let (left_out, findings) = judge(&rows, model);
     let log = match left_out.is_nothing() {
