@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::outputs::Files;
+use super::outputs::{Files, Together};
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, command_line,
     message, print_json, show,
@@ -18,7 +18,6 @@ use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::logs::{self, Angles, LogSource, Stays};
 use sesc_identify::robot::Robot;
-use sesc_model::files;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
@@ -172,11 +171,10 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
 }
 
 fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
-    let wrote = |path: &Path| message(&format!("wrote {}", path.display()));
     match (&arguments.next, &report.next) {
         (Some(path), Some(next)) => {
             next.write(path)?;
-            wrote(path);
+            message(&format!("wrote {}", path.display()));
         }
         (Some(path), None) => message(&format!(
             "{} is not written: nothing is left to tell apart",
@@ -184,6 +182,7 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
         )),
         (None, _) => {}
     }
+    let mut files = Together::default();
     let on_log = &report.diagnosis.model_on_log;
     if let Some(path) = arguments.out.as_ref().filter(|_| !on_log.agrees) {
         message(&format!(
@@ -194,21 +193,18 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
             1e3 * on_log.stated_rmse
         ));
     } else if let Some(path) = &arguments.out {
-        files::write(path, &report.model_file.to_toml()?)?;
-        wrote(path);
+        files.add(path, &report.model_file.to_toml()?)?;
     }
     if let (Some(path), Some(corrected)) = (&arguments.corrected, &report.corrected_urdf) {
         corrected
             .left_out
             .iter()
             .for_each(|sentence| message(sentence));
-        files::write(path, &corrected.text)?;
-        wrote(path);
+        files.add(path, &corrected.text)?;
     }
     if let (Some(path), Some(view)) = (&arguments.report, &report.view) {
         let text = page(&report.diagnosis, view, &report.model_file, &command_line());
-        files::write(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
-        wrote(path);
+        files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
     }
-    Ok(())
+    files.finish()
 }

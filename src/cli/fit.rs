@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use sesc_model::Snapping;
 
 use super::fit_outputs::Outputs;
-use super::outputs::Files;
+use super::outputs::{Files, Together};
 use super::{Bar, FeetArguments, Motion, Outcome, StaysArguments, message, print_json, show};
 use crate::Error;
 use crate::report;
@@ -19,7 +19,6 @@ use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::{self, Request};
 use sesc_identify::logs::{self, Angles, LogSource, Stays};
 use sesc_identify::robot::Robot;
-use sesc_model::files;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc fit robots/op2/op2.urdf --data log.csv --out model.toml\n  \
@@ -140,9 +139,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
         return Ok(Outcome::Failed);
     }
+    let mut files = Together::default();
     if let Some(path) = &arguments.out {
-        files::write(path, &found.model_file.to_toml()?)?;
-        message(&format!("wrote {}", path.display()));
+        files.add(path, &found.model_file.to_toml()?)?;
     }
     let urdf = request.robot.as_ref().and(arguments.inputs.first());
     let folder = urdf.and_then(|path| path.parent());
@@ -152,7 +151,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         corrected: found.corrected.as_ref(),
         shown: shown.as_ref(),
     };
-    arguments.outputs.write(&report)?;
+    arguments.outputs.write(&report, &mut files)?;
+    files.finish()?;
     if arguments.json {
         print_json(&report)?;
     } else {

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{command_line, message};
+use super::command_line;
+use super::outputs::Together;
 use crate::Error;
 use crate::report::fit::{FitReport, Shown, page};
 use sesc_identify::fit::{Report, Request};
-use sesc_model::files;
 
 #[derive(Args)]
 pub(super) struct Outputs {
@@ -55,15 +55,13 @@ impl Outputs {
     }
 
     /// Write what is asked for.
-    pub(super) fn write(&self, report: &FitReport<'_>) -> Result<(), Error> {
+    pub(super) fn write(&self, report: &FitReport<'_>, files: &mut Together) -> Result<(), Error> {
         if let (Some(path), Some(corrected)) = (&self.urdf, report.corrected) {
-            files::write(path, &corrected.text)?;
-            message(&format!("wrote {}", path.display()));
+            files.add(path, &corrected.text)?;
         }
         if let Some(path) = &self.report {
             let text = page(report).map_err(|error| Error::Report(Box::new(error)))?;
-            files::write(path, &text)?;
-            message(&format!("wrote {}", path.display()));
+            files.add(path, &text)?;
         }
         Ok(())
     }

@@ -4,8 +4,9 @@
 use std::path::{Path, PathBuf};
 
 use sesc_identify::logs::Sidecar;
-use sesc_model::files::{Access, NewFile};
+use sesc_model::files::{self, Access, NewFile};
 
+use super::message;
 use crate::Error;
 
 /// The files of a command. Every command that writes names here all that it reads and
@@ -68,6 +69,35 @@ impl Files {
         for path in written.iter().map(Path::new) {
             // A file that is dropped leaves nothing behind.
             drop(NewFile::create(path)?);
+        }
+        Ok(())
+    }
+}
+
+/// Files of one result: all of them are on the disk before the first takes its place, so that
+/// a command that ends in between leaves those of an earlier run together.
+#[derive(Default)]
+pub(super) struct Together(Vec<(PathBuf, NewFile)>);
+
+impl Together {
+    /// A file with this text, not yet in its place.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub(super) fn add(&mut self, path: &Path, text: &str) -> Result<(), Error> {
+        self.0.push((path.to_path_buf(), files::begun(path, text)?));
+        Ok(())
+    }
+
+    /// Move them to their places, and say so.
+    ///
+    /// # Errors
+    /// When one cannot be written to its end.
+    pub(super) fn finish(self) -> Result<(), Error> {
+        let (paths, new): (Vec<PathBuf>, Vec<NewFile>) = self.0.into_iter().unzip();
+        files::finish_together(new)?;
+        for path in paths {
+            message(&format!("wrote {}", path.display()));
         }
         Ok(())
     }

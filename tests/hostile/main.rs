@@ -2,6 +2,7 @@
 
 mod cells;
 mod changes;
+mod faults;
 mod kills;
 mod names;
 mod overwrites;

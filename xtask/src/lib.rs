@@ -3,6 +3,7 @@
 pub mod corrected;
 pub mod counts;
 pub mod fleet_parts;
+pub mod kills;
 pub mod regen;
 pub mod study;
 pub mod study_com;

@@ -12,6 +12,8 @@ enum Task {
     Counts(xtask::counts::Counts),
     /// Draw the rows of a large fleet, and print what putting them together costs
     FleetParts(xtask::fleet_parts::FleetParts),
+    /// Kill commands while they write, and fail where a file is neither the old nor the new one
+    Kills(xtask::kills::Kills),
     /// Rewrite `generated/`, the figure of README and the pages of effects
     Regen,
     /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/study.md
@@ -36,6 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match Task::parse() {
         Task::Counts(counts) => counts.run(root)?,
         Task::FleetParts(parts) => parts.run()?,
+        Task::Kills(kills) => kills.run()?,
         Task::Regen => {
             let changed = xtask::regen::write(root)?;
             for path in &changed {

@@ -32,6 +32,15 @@ struct Noted {
     swept: BTreeSet<PathBuf>,
 }
 
+impl Noted {
+    /// Remove what killed processes left in a folder, once.
+    fn sweep(&mut self, folder: &Path) {
+        if self.swept.insert(folder.to_path_buf()) {
+            sweep::sweep(folder);
+        }
+    }
+}
+
 /// Nobody is interrupted while holding the lock.
 static NOTED: Mutex<Noted> = Mutex::new(Noted {
     temporary: Vec::new(),
@@ -66,9 +75,7 @@ impl NewFile {
         let old = fs::metadata(&place).ok().map(|about| about.permissions());
         let folder = folder_of(&place);
         let mut noted = noted();
-        if noted.swept.insert(folder.to_path_buf()) {
-            sweep::sweep(folder);
-        }
+        noted.sweep(folder);
         let (temporary, file) = loop {
             noted.made += 1;
             let temporary = folder.join(sweep::name(noted.made));
@@ -211,6 +218,8 @@ pub fn write_all_if_changed(files: &[(PathBuf, String)]) -> Result<Vec<bool>, Er
     for (path, _) in files {
         let place = places::to_write(path)?;
         fs::create_dir_all(folder_of(&place)).map_err(|source| failed(path, source))?;
+        // Also where no file will change.
+        noted().sweep(folder_of(&place));
         places.push(place);
     }
     let locked = lock(places.iter().map(|place| folder_of(place).to_path_buf()));
@@ -226,6 +235,17 @@ pub fn write_all_if_changed(files: &[(PathBuf, String)]) -> Result<Vec<bool>, Er
     }
     put_together(new, &locked)?;
     Ok(changed)
+}
+
+/// Remove what killed processes left in a folder and in the folders in it, so many deep: for
+/// folders of which a run may find every file as it should be, and so write none.
+pub fn sweep_below(folder: &Path, deep: u32) {
+    noted().sweep(folder);
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let folders = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+    for inner in folders.filter(|_| deep > 0) {
+        sweep_below(&inner.path(), deep - 1);
+    }
 }
 
 /// Folders that no other process holds while they are held; those that cannot be locked

@@ -3,6 +3,7 @@
 
 pub mod command;
 pub mod exact;
+pub mod kills;
 pub mod machine;
 pub mod memo;
 pub mod source;
