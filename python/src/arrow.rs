@@ -174,7 +174,10 @@ unsafe fn read(stream: *mut Stream) -> PyResult<Vec<(String, Values)>> {
     };
     // SAFETY: the stream is valid, and its functions are called as the interface says.
     unsafe {
-        let (Some(get_schema), Some(get_next)) = ((*stream).get_schema, (*stream).get_next) else {
+        // Of a stream that was released its producer clears `release` alone.
+        let (Some(_), Some(get_schema), Some(get_next)) =
+            ((*stream).release, (*stream).get_schema, (*stream).get_next)
+        else {
             return Err(PyValueError::new_err("the Arrow stream was released"));
         };
         let mut schema = OwnedSchema::empty();
@@ -212,6 +215,11 @@ unsafe fn read(stream: *mut Stream) -> PyResult<Vec<(String, Values)>> {
             }
             if batch.0.release.is_none() {
                 break;
+            }
+            if batch.0.n_children as usize != columns.len() {
+                return Err(PyValueError::new_err(
+                    "a batch of the Arrow stream has other columns than its schema",
+                ));
             }
             for (k, (name, kind, index, values)) in columns.iter_mut().enumerate() {
                 let child = &**batch.0.children.add(k);
