@@ -61,7 +61,7 @@ fn a_program_does_not_link_with_the_library_of_another_run() {
     let main = "#include \"leg.h\"\n\nint main(void)\n{\n    int (*again)(void) = leg_selftest;\n    \
                 return leg_selftest() + again();\n}\n";
     for folder in [&old, &new] {
-        write(folder, "main.c", main.to_string());
+        write(folder, "main.c", main);
         accepted(&cc(&["-c", "leg.c", "-o", "leg.o"], folder));
         accepted(&cc(&["-c", "main.c", "-o", "main.o"], folder));
         accepted(&cc(&["main.o", "leg.o", "-lm", "-o", "main"], folder));
