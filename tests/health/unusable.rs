@@ -89,12 +89,19 @@ fn a_stuck_encoder_is_named_and_a_joint_that_stands_still_is_not() {
         log.q.iter_mut().for_each(|q| q[at] = 0.1);
         finds(&log, "r_sole", "encoder_stuck", joint, true);
     }
+    // It says a place far from most where the joint is.
+    let mut log = Log::of("r_sole", &[], |w| w, 5);
+    let at = log.joints.iter().position(|name| name == "r_knee").unwrap();
+    log.q.iter_mut().for_each(|q| q[at] = 0.8);
+    finds(&log, "r_sole", "encoder_stuck", "r_knee", true);
     // It really stands still; nothing, or another joint's offset, is to be found.
     let still = ["r_knee", "r_hip_pitch", "head_pan", "l_knee"];
     let log = Log::of("r_sole", &still, |w| w, 6);
     finds_nothing(&log, 6);
     let offset = |w: World| w.joint_offset("r_ank_pitch", 0.05).unwrap();
     finds_nothing(&Log::of("r_sole", &still, offset, 7), 7);
+    let own = |w: World| w.joint_offset("r_knee", 0.2).unwrap();
+    finds_nothing(&Log::of("r_sole", &still, own, 9), 9);
     let large = |w: World| w.joint_offset("r_ank_pitch", 0.2).unwrap();
     finds_nothing(&Log::of("r_sole", &still, large, 8), 8);
     let drift = |w: World| w.sensor_drift([0.02, 0.0]);

@@ -48,7 +48,10 @@ pub(super) const LEAST_MOTION: (f64, f64) = (0.04, 0.008);
 /// Part of χ² that may be left then, for masses are not known exactly; or this a posture.
 pub(super) const STUCK_LEFT: f64 = 0.02;
 pub(super) const STUCK_NOISE: f64 = 4.0;
-/// Part of χ² from which one offset or one scale is the simpler explanation.
+/// One offset of the joint itself explains the readings as well as its motion does if it leaves
+/// no more than so many times as much.
+pub(super) const ONE_AS_WELL: f64 = 8.0;
+/// Part of χ² from which one offset or one scale of another joint is the simpler explanation.
 pub(super) const SIMPLE_SHARE: f64 = 0.95;
 /// A wiring explains the readings as well if it leaves no more than so many times as much, the
 /// sensor's zero and gain free.

@@ -10,8 +10,8 @@
 use sesc_model::Function;
 
 use super::criteria::{
-    ANYWHERE, AS_WELL, LEAST_MOTION, SIMPLE_SHARE, STILL, STUCK_CHI2, STUCK_LEFT, STUCK_NOISE,
-    STUCK_SHARE,
+    ANYWHERE, AS_WELL, LEAST_MOTION, ONE_AS_WELL, SIMPLE_SHARE, STILL, STUCK_CHI2, STUCK_LEFT,
+    STUCK_NOISE, STUCK_SHARE,
 };
 use super::statistics::scatter;
 use super::wirings::Wirings;
@@ -81,7 +81,12 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
     let by = Evaluator::new(model, Function::ComJacobian);
     let slopes = by.run(&data.q, n);
     let slope = |k: usize, axis: usize, joint: usize| slopes[(3 * k + axis) * dof + joint];
-    // One offset or scale for all postures is simpler than one unknown for each.
+    // One offset or scale for all postures is simpler than one unknown for each. What is true of
+    // the joint itself is told by how far it would be off: where it moves, an offset leaves that.
+    let one = Moved::together(look, joint).left;
+    if one < ONE_AS_WELL * best.left.max(n as f64) {
+        return None;
+    }
     let by_one = |joint: usize, scale: bool| {
         let column = |row: usize| {
             let by = if scale {
@@ -95,7 +100,8 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
         let size: f64 = (0..2 * n).map(|row| column(row).powi(2)).sum();
         along * along / size.max(1e-30)
     };
-    let simple = (0..dof).flat_map(|joint| [by_one(joint, false), by_one(joint, true)]);
+    let others = (0..dof).filter(|other| *other != joint);
+    let simple = others.flat_map(|joint| [by_one(joint, false), by_one(joint, true)]);
     if simple.fold(0.0, f64::max) > SIMPLE_SHARE * total {
         return None;
     }
@@ -159,6 +165,25 @@ struct Moved {
 impl Moved {
     /// One unknown a posture, by Gauss and Newton.
     fn of(look: &Look, joint: usize) -> Moved {
+        Moved::by(look, joint, |along, size, far| {
+            for ((along, size), far) in along.iter().zip(size).zip(far) {
+                *far += (along / size.max(1e-30)).clamp(-LARGEST_STEP, LARGEST_STEP);
+            }
+        })
+    }
+
+    /// One unknown for all postures.
+    fn together(look: &Look, joint: usize) -> Moved {
+        Moved::by(look, joint, |along, size, far| {
+            let step = along.iter().sum::<f64>() / size.iter().sum::<f64>().max(1e-30);
+            let step = step.clamp(-LARGEST_STEP, LARGEST_STEP);
+            far.iter_mut().for_each(|far| *far += step);
+        })
+    }
+
+    /// Steps of Gauss and Newton: `step` adds to where the joint is in each posture what
+    /// gradients along it over their squares say.
+    fn by(look: &Look, joint: usize, step: impl Fn(&[f64], &[f64], &mut [f64])) -> Moved {
         let (model, data) = (look.model, look.data);
         let (n, dof) = (data.len(), model.dof());
         let (cop, slopes) = (
@@ -175,12 +200,14 @@ impl Moved {
             if round == ROUNDS {
                 break;
             }
+            let slope = |row: usize| by[(3 * (row / 2) + row % 2) * dof + joint] / look.std[row];
+            let pair = |of: &dyn Fn(usize) -> f64, k: usize| of(2 * k) + of(2 * k + 1);
+            let along = |k| pair(&|row| slope(row) * gap(row), k);
+            let size = |k| pair(&|row| slope(row) * slope(row), k);
+            let along: Vec<f64> = (0..n).map(along).collect();
+            let size: Vec<f64> = (0..n).map(size).collect();
+            step(&along, &size, &mut far);
             for k in 0..n {
-                let s =
-                    [0, 1].map(|axis| by[(3 * k + axis) * dof + joint] / look.std[2 * k + axis]);
-                let along = s[0] * gap(2 * k) + s[1] * gap(2 * k + 1);
-                let step = along / (s[0] * s[0] + s[1] * s[1]).max(1e-30);
-                far[k] += step.clamp(-LARGEST_STEP, LARGEST_STEP);
                 q[k * dof + joint] = data.q[k * dof + joint] + far[k];
             }
         }

@@ -14,7 +14,7 @@ use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
 use super::rows::{self, Rows};
-use super::{Finding, Health, Whereabouts, examine_both, standing};
+use super::{Finding, Health, Views, Whereabouts, examine_views, standing};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, Screen, Screening};
@@ -60,10 +60,11 @@ pub fn look(
         return Ok((log.clone(), findings));
     }
     let noise = rows.noise.unwrap_or(UNKNOWN_NOISE_M);
-    let [read, still] = standing::postures(&rows, &chosen, model);
+    let (read, still) = standing::postures(&rows, &chosen, model);
+    let views = Views::of(robot, model, &read, still.as_ref());
     let Health {
         findings, stuck, ..
-    } = examine_both(robot, model, reading.snapping, &read, &still).after(findings);
+    } = examine_views(robot, model, reading.snapping, &views).after(findings);
     let inner = (!left_out.is_nothing()).then(|| Arc::new(left_out) as Arc<dyn Screen>);
     let screen: Option<Arc<dyn Screen>> = match stuck.first() {
         Some(&Whereabouts { joint, .. }) => Some(Arc::new(LessKnown {

@@ -165,23 +165,51 @@ pub fn of_log(
 
 /// Examine the postures of a log of `model`.
 pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures) -> Health {
-    let still = data.standing();
-    let of = |data| Look::of(robot, model, snapping, data).gap();
-    match data.moved.is_some() && of(&still) < of(data) {
-        true => examine_both(robot, model, snapping, data, &still),
-        false => examine_both(robot, model, snapping, data, data),
+    let still = data.moved.is_some().then(|| data.standing());
+    examine_views(
+        robot,
+        model,
+        snapping,
+        &Views::of(robot, model, data, still.as_ref()),
+    )
+}
+
+/// Postures as their readings may be meant.
+struct Views<'a> {
+    /// Postures as they were read.
+    read: &'a Postures,
+    /// These, or postures without what motion adds to readings, whichever are nearer to CAD.
+    nearer: &'a Postures,
+    /// The other of these two, where motion is known.
+    farther: Option<&'a Postures>,
+}
+
+impl<'a> Views<'a> {
+    /// Postures as `read`, and `still` without what motion adds to their readings.
+    fn of(
+        robot: &Robot,
+        model: &Model,
+        read: &'a Postures,
+        still: Option<&'a Postures>,
+    ) -> Views<'a> {
+        let gap = |data| Look::of(robot, model, Snapping::default(), data).gap();
+        let (nearer, farther) = match still {
+            Some(still) if gap(still) < gap(read) => (still, Some(read)),
+            still => (read, still),
+        };
+        Views {
+            read,
+            nearer,
+            farther,
+        }
     }
 }
 
-/// Examine postures as they were `read`, and without what motion adds to their readings: a
-/// dead sensor does not move, and would with what is taken from it.
-fn examine_both(
-    robot: &Robot,
-    model: &Model,
-    snapping: Snapping,
-    read: &Postures,
-    standing: &Postures,
-) -> Health {
+/// Examine postures as they were read, and without what motion adds to their readings: a
+/// dead sensor does not move, and would with what is taken from it; a stuck encoder may hide
+/// more than motion does, so that the farther view is the right one.
+fn examine_views(robot: &Robot, model: &Model, snapping: Snapping, views: &Views) -> Health {
+    let (read, standing) = (views.read, views.nearer);
     let of = |data| Look::of(robot, model, snapping, data);
     let dead = || columns::dead_axes(&of(read), &Wirings::new(model, read));
     let (look, wirings) = (of(standing), Wirings::new(model, standing));
@@ -195,7 +223,11 @@ fn examine_both(
     if let Some(finding) = broken {
         return Health::only(finding);
     }
-    match encoders::stuck(&look, &wirings) {
+    let otherwise = || {
+        let data = views.farther?;
+        encoders::stuck(&of(data), &Wirings::new(model, data))
+    };
+    match encoders::stuck(&look, &wirings).or_else(otherwise) {
         Some(stuck) => Health {
             findings: vec![stuck.finding],
             less_known: stuck.less_known,

@@ -1,7 +1,7 @@
 //! Rows of a log as postures of a robot that stands.
 //!
 //! ```text
-//! y − (ZMP − CoP)        by CAD, where readings are nearer to the ZMP than to the CoP
+//! y − (ZMP − CoP)        by CAD
 //! ```
 
 use sesc_model::Model;
@@ -15,7 +15,11 @@ use crate::observations::zmp::Zmp;
 
 /// The `chosen` rows as postures: as they were read, and without what motion adds to their
 /// readings.
-pub(super) fn postures(rows: &Rows, chosen: &[usize], model: &Model) -> [Postures; 2] {
+pub(super) fn postures(
+    rows: &Rows,
+    chosen: &[usize],
+    model: &Model,
+) -> (Postures, Option<Postures>) {
     let read: Vec<(usize, [f64; 2])> = chosen.iter().map(|&k| (k, rows.reading[k])).collect();
     let still = still(rows, chosen, model);
     let of = |rows_read: &[(usize, [f64; 2])]| {
@@ -25,13 +29,11 @@ pub(super) fn postures(rows: &Rows, chosen: &[usize], model: &Model) -> [Posture
         let cop: Vec<f64> = rows_read.iter().flat_map(|(_, y)| *y).collect();
         Postures::of_rows(rows.dof, (&pose, &q, &cop), rows.noise, 0.0)
     };
-    let read_postures = of(&read);
-    let standing = still.map_or_else(|| read_postures.clone(), |still| of(&still));
-    [read_postures, standing]
+    (of(&read), still.map(|still| of(&still)))
 }
 
-/// Rows whose motion is known, and their readings without it; none where that brings them no
-/// nearer to CAD, or they are near enough.
+/// Rows whose motion is known, and their readings without it; none where they are near enough
+/// to CAD as they were read.
 fn still(rows: &Rows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
     let gap = |k: usize, y: [f64; 2]| [0, 1].map(|axis| y[axis] - rows.cad[k][axis]);
     let as_read = rms_of_gaps(chosen.iter().map(|&k| gap(k, rows.reading[k])));
@@ -60,6 +62,5 @@ fn still(rows: &Rows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f6
         (k, [0, 1].map(|axis| y[axis] - shift[axis]))
     };
     let still: Vec<(usize, [f64; 2])> = known.iter().zip(shifts).map(without).collect();
-    let nearer = rms_of_gaps(still.iter().map(|(k, y)| gap(*k, *y)));
-    (!still.is_empty() && nearer < as_read).then_some(still)
+    (!still.is_empty()).then_some(still)
 }
