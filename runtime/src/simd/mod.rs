@@ -14,7 +14,9 @@
 //! the generated file states. The portable one gives the same bits on every machine.
 
 mod batch;
+mod moments;
 pub(crate) mod normal;
+mod reflect;
 mod single;
 #[cfg(test)]
 mod tests;

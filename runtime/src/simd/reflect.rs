@@ -1,0 +1,202 @@
+//! Rows of a least-squares problem folded into its triangle.
+//!
+//! ```text
+//! [T; B] ← H_p … H_1 [T; B]        H_j = 1 − v vᵀ / (‖x‖ (‖x‖ + |x_1|))
+//! x = (T_jj, B_·j)                 v = x ± ‖x‖ e_1
+//! ```
+//!
+//! Householder reflections: nothing is squared, so that the condition number enters once. Below
+//! T_jj the triangle has no entry, and a reflection leaves its other rows alone.
+
+use crate::lanes::F64x8;
+use crate::real::Real;
+use crate::scalar::sealed::{Dispatch, Machine, Task};
+use crate::scalar::{Scalar, Simd};
+
+/// Blocks of eight rows that are worked through together.
+const STRIDE: usize = 4;
+/// Squares below this are of no reading; one over them is still a number.
+const NOTHING: f64 = 1e-300;
+
+impl Simd {
+    /// Fold rows into an upper triangle, so that both have the same least-squares solution.
+    ///
+    /// `triangle` is a square matrix column by column, what is below its diagonal is not looked
+    /// at; the last of its columns may be that of the readings. `rows` has as many columns, each
+    /// of the same number of blocks of eight rows, rows of zeros where there are fewer; it is
+    /// left without a meaning. Some 64 rows at a time stay in the first cache.
+    ///
+    /// ```
+    /// use sesc_runtime::{F64x8, Simd};
+    ///
+    /// // x = 1, 2, …, 8 seen eight times: their mean is 4.5, and 42 is left of their squares.
+    /// let mut triangle = [0.0; 4];
+    /// let readings = F64x8::from([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    /// Simd::best().fold_rows(&mut triangle, &mut [F64x8::splat(1.0), readings]);
+    /// assert!((triangle[2] / triangle[0] - 4.5).abs() < 1e-14);
+    /// assert!((triangle[3] * triangle[3] - 42.0).abs() < 1e-13);
+    /// ```
+    pub fn fold_rows(self, triangle: &mut [f64], rows: &mut [F64x8]) {
+        f64::run(self, FoldRows { triangle, rows });
+    }
+}
+
+struct FoldRows<'a> {
+    triangle: &'a mut [f64],
+    rows: &'a mut [F64x8],
+}
+
+impl Task<f64> for FoldRows<'_> {
+    #[inline(always)]
+    fn run<X: Machine<f64>>(self) {
+        let order = root_of(self.triangle.len());
+        let blocks = self.rows.len() / order.max(1);
+        if blocks == 0 {
+            return;
+        }
+        let mut rest = self.rows;
+        for j in 0..order {
+            let Some((v, columns)) = rest.split_at_mut_checked(blocks) else {
+                return;
+            };
+            rest = columns;
+            let Some(first) = self.triangle.get(j * order + j).copied() else {
+                return;
+            };
+            let square = first * first + along::<X>(v, v);
+            // Nothing is left in this column: of fewer rows than columns each reflection leaves
+            // the rounding of the one before, until a float cannot hold it.
+            if square < NOTHING {
+                continue;
+            }
+            let size = square.root();
+            // Away from the first entry, so that no digits cancel.
+            let diagonal = if first > 0.0 { -size } else { size };
+            let v_first = first - diagonal;
+            let scale = 1.0 / (size * (size + first.abs()));
+            // Each row has a sign of its choice: the diagonal is not negative.
+            let sign = if diagonal < 0.0 { -1.0 } else { 1.0 };
+            let mut tops = self.triangle.iter_mut().skip(j * order + j).step_by(order);
+            if let Some(top) = tops.next() {
+                *top = sign * diagonal;
+            }
+            for (top, column) in tops.zip(rest.chunks_exact_mut(blocks)) {
+                let share = scale * (v_first * *top + along::<X>(v, column));
+                *top = sign * (*top - share * v_first);
+                reflect::<X>(v, share, column);
+            }
+        }
+    }
+}
+
+/// Σ a_i b_i.
+#[inline(always)]
+fn along<X: Machine<f64>>(a: &[F64x8], b: &[F64x8]) -> f64 {
+    let mut sums = [F64x8::splat(0.0); STRIDE];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<STRIDE>(), b.as_chunks::<STRIDE>());
+    for part in 0..X::PARTS {
+        let mut own = [X::splat(0.0); STRIDE];
+        for (a, b) in a.iter().zip(b) {
+            let (a, b) = (X::load(a, part), X::load(b, part));
+            for (sum, (a, b)) in own.iter_mut().zip(a.iter().zip(&b)) {
+                *sum = a.mul_plus(*b, *sum);
+            }
+        }
+        for (a, b) in a_rest.iter().zip(b_rest) {
+            let [a, b] = X::load(&[*a, *b], part);
+            own[0] = a.mul_plus(b, own[0]);
+        }
+        let [a, b, c, d] = own;
+        X::store(&[(a + b) + (c + d)], &mut sums, part);
+    }
+    let [a, b, c, d, e, f, g, h] = sums[0].0;
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
+}
+
+/// column −= share · v
+#[inline(always)]
+fn reflect<X: Machine<f64>>(v: &[F64x8], share: f64, column: &mut [F64x8]) {
+    let less = X::splat(-share);
+    let (v, v_rest) = v.as_chunks::<STRIDE>();
+    let (column, column_rest) = column.as_chunks_mut::<STRIDE>();
+    for part in 0..X::PARTS {
+        for (v, x) in v.iter().zip(column.iter_mut()) {
+            let (v, mut own) = (X::load(v, part), X::load(x, part));
+            for (x, v) in own.iter_mut().zip(&v) {
+                *x = v.mul_plus(less, *x);
+            }
+            X::store(&own, x, part);
+        }
+        for (v, x) in v_rest.iter().zip(column_rest.iter_mut()) {
+            let [v, own] = X::load(&[*v, *x], part);
+            X::store(&[v.mul_plus(less, own)], core::slice::from_mut(x), part);
+        }
+    }
+}
+
+/// The order of a square matrix of so many numbers.
+fn root_of(numbers: usize) -> usize {
+    let mut order = 0;
+    while (order + 1) * (order + 1) <= numbers {
+        order += 1;
+    }
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::trig::exact::Random;
+
+    /// Products of columns are what reflections leave alone.
+    #[test]
+    fn the_triangle_has_the_products_of_all_rows() {
+        for simd in Simd::available() {
+            for (order, panels) in [
+                (1, vec![1]),
+                (3, vec![1, 5]),
+                (7, vec![4, 1, 9]),
+                (44, vec![8; 3]),
+            ] {
+                let mut random = Random::new(order as u64);
+                let mut triangle = vec![0.0; order * order];
+                let mut products = vec![0.0; order * order];
+                for blocks in panels {
+                    let mut column = || F64x8::from(core::array::from_fn(|_| random.within(1.0)));
+                    let mut rows: Vec<F64x8> = (0..order * blocks).map(|_| column()).collect();
+                    // A column that no row sees.
+                    rows[(order / 2) * blocks..(order / 2 + 1) * blocks].fill(F64x8::splat(0.0));
+                    let flat: Vec<&[F64x8]> = rows.chunks_exact(blocks).collect();
+                    for (at, product) in products.iter_mut().enumerate() {
+                        let (a, b) = (flat[at / order], flat[at % order]);
+                        let pairs = a.iter().flat_map(|a| a.0).zip(b.iter().flat_map(|b| b.0));
+                        *product += pairs.map(|(a, b)| a * b).sum::<f64>();
+                    }
+                    simd.fold_rows(&mut triangle, &mut rows);
+                }
+                for (at, product) in products.iter().enumerate() {
+                    let column = |k: usize| &triangle[k * order..k * order + k + 1];
+                    let (a, b) = (column(at / order), column(at % order));
+                    let found: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                    assert!(
+                        (found - product).abs() < 1e-11,
+                        "{} {order}: {found} {product}",
+                        simd.name()
+                    );
+                }
+                assert!((0..order).all(|k| triangle[k * order + k] >= 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn rows_that_are_no_numbers_leave_none() {
+        let mut triangle = [1.0, 0.0, 2.0, 3.0];
+        let mut rows = [F64x8::splat(f64::NAN), F64x8::splat(1.0)];
+        Simd::PORTABLE.fold_rows(&mut triangle, &mut rows);
+        assert!(triangle[0].is_nan() && triangle[3].is_nan());
+    }
+}
