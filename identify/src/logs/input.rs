@@ -1,13 +1,14 @@
 //! Where a log is: a file, the bytes of one, or a table in memory.
 
 use std::fs::File;
+use std::hash::Hasher as _;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use sesc_model::files::Stamp;
-use sesc_model::hash;
+use twox_hash::XxHash64;
 
 use super::screen::Screen;
 use super::shared::Shared;
@@ -253,7 +254,7 @@ impl Read for Bytes {
 #[derive(Debug)]
 pub(super) struct Meter {
     done: AtomicU64,
-    hash: AtomicU64,
+    hash: Mutex<XxHash64>,
     total: Option<u64>,
 }
 
@@ -263,7 +264,8 @@ impl Meter {
     }
 
     pub fn hash(&self) -> u64 {
-        self.hash.load(Ordering::Relaxed)
+        let hash = self.hash.lock().unwrap_or_else(PoisonError::into_inner);
+        hash.finish()
     }
 }
 
@@ -278,7 +280,7 @@ impl Metered {
         let total = file.count();
         let meter = Arc::new(Meter {
             done: AtomicU64::new(0),
-            hash: AtomicU64::new(hash::START),
+            hash: Mutex::new(XxHash64::with_seed(0)),
             total,
         });
         Metered { file, meter }
@@ -295,9 +297,8 @@ impl Read for Metered {
         // One thread reads; others may look.
         let meter = &self.meter;
         meter.done.fetch_add(n as u64, Ordering::Relaxed);
-        let before = meter.hash.load(Ordering::Relaxed);
-        let hash = hash::fnv1a(before, &buffer[..n]);
-        meter.hash.store(hash, Ordering::Relaxed);
+        let mut hash = meter.hash.lock().unwrap_or_else(PoisonError::into_inner);
+        hash.write(&buffer[..n]);
         Ok(n)
     }
 }

@@ -26,7 +26,7 @@ const CHUNK: usize = 4096;
 /// What was read, for the record.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Summary {
-    /// 16 hex digits: FNV-1a (64 bits) over the bytes of the file.
+    /// 16 hex digits: XXH64 (seed 0) over the bytes of the file.
     pub hash: String,
     /// Rows of the log.
     pub rows: u64,

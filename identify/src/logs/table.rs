@@ -1,8 +1,9 @@
 //! Logs that are in memory already: one slice per column.
 
+use std::hash::Hasher as _;
 use std::sync::{Arc, OnceLock};
 
-use sesc_model::hash::{START, fnv1a};
+use twox_hash::XxHash64;
 
 use super::columns::{Columns, SUPPORT};
 use super::shared::Shared;
@@ -88,14 +89,17 @@ impl Table {
         names.zip(self.columns.iter().map(Column::values))
     }
 
-    /// FNV-1a over names and values, column by column: the same columns have the
+    /// XXH64 over names and values, column by column: the same columns have the
     /// same hash wherever they are.
     fn hash(&self) -> u64 {
         *self.hash.get_or_init(|| {
-            let columns = self.header.iter().zip(&self.columns);
-            columns.fold(START, |hash, (name, column)| {
-                column.hash(fnv1a(fnv1a(hash, name.as_bytes()), &[0]))
-            })
+            let mut hash = XxHash64::with_seed(0);
+            for (name, column) in self.header.iter().zip(&self.columns) {
+                hash.write(name.as_bytes());
+                hash.write(&[0]);
+                column.hash(&mut hash);
+            }
+            hash.finish()
         })
     }
 }
@@ -125,19 +129,21 @@ impl Column {
         }
     }
 
-    fn hash(&self, start: u64) -> u64 {
+    fn hash(&self, hash: &mut XxHash64) {
         match self {
             Column::Numbers(values) => {
                 let values = values.as_ref().iter();
-                values.fold(start, |hash, x| fnv1a(hash, &x.to_le_bytes()))
+                values.for_each(|x| hash.write(&x.to_le_bytes()));
             }
             Column::Integers(values) => {
                 let values = values.as_ref().iter();
-                values.fold(start, |hash, x| fnv1a(hash, &x.to_le_bytes()))
+                values.for_each(|x| hash.write(&x.to_le_bytes()));
             }
             Column::Texts(values) => {
-                let values = values.as_ref().iter();
-                values.fold(start, |hash, x| fnv1a(fnv1a(hash, x.as_bytes()), &[0]))
+                for text in values.as_ref() {
+                    hash.write(text.as_bytes());
+                    hash.write(&[0]);
+                }
             }
         }
     }

@@ -9,6 +9,7 @@ mod kinds;
 mod sink;
 mod thrift;
 
+use std::hash::Hasher as _;
 use std::io::Read as _;
 use std::panic::{self, AssertUnwindSafe};
 
@@ -19,6 +20,7 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::FileReader;
 use parquet::file::serialized_reader::SerializedFileReader;
 use parquet::schema::types::ColumnDescriptor;
+use twox_hash::XxHash64;
 
 use self::budget::Footer;
 pub(super) use self::sink::ParquetSink;
@@ -27,7 +29,6 @@ use super::guard::Guard;
 use super::input::{Bytes, Place};
 use super::source::{Interner, Raw, Source, whole};
 use crate::{Error, Setting, message};
-use sesc_model::hash::{self, fnv1a};
 
 /// A Parquet file being read.
 pub(super) struct ParquetSource {
@@ -44,7 +45,8 @@ pub(super) struct ParquetSource {
     left: u64,
     done: u64,
     total: u64,
-    hash: u64,
+    /// Hash of all bytes, once the last row was read.
+    hash: Option<u64>,
     links: Interner,
 }
 
@@ -53,7 +55,6 @@ impl ParquetSource {
     pub fn open(place: &Place, file: &str) -> Result<ParquetSource, Error> {
         let failed = |source| Error::read(file.to_string(), source);
         let mut input = Bytes::open(place).map_err(failed)?;
-        let hash = hash(&mut input).map_err(failed)?;
         let budget = |message: String| -> Error {
             let message = format!("the Parquet file is damaged or was made to do harm: {message}");
             Error::log(file.to_string(), None, message)
@@ -95,7 +96,7 @@ impl ParquetSource {
             left: 0,
             done: 0,
             total,
-            hash,
+            hash: None,
             links: Interner::default(),
         })
     }
@@ -185,10 +186,11 @@ impl ParquetSource {
                     })?);
                 }
             } else if let ColumnReader::ByteArrayColumnReader(reader) = reader {
-                let values = read(reader, n).map_err(|e| self.broken(&e))?;
-                self.complete(values.len(), n)?;
-                for value in &values {
-                    let text = value.as_ref().map_or(Ok(""), ByteArray::as_utf8);
+                let (values, levels) = read(reader, n).map_err(|e| self.broken(&e))?;
+                let all = levels.unwrap_or_else(|| vec![1; values.len()]);
+                self.complete(all.len(), n)?;
+                for value in spread(values.iter(), &all) {
+                    let text = value.map_or(Ok(""), ByteArray::as_utf8);
                     let text = text.map_err(|e| self.broken(&e))?.trim();
                     raw.support.push(self.links.get(text));
                 }
@@ -198,7 +200,8 @@ impl ParquetSource {
             // Rows that the pages have and the group does not count would be lost.
             for reader in &mut open {
                 let more = match reader {
-                    ColumnReader::ByteArrayColumnReader(reader) => read(reader, 1).map(|v| v.len()),
+                    ColumnReader::ByteArrayColumnReader(reader) => read(reader, 1)
+                        .map(|(values, levels)| levels.map_or(values.len(), |l| l.len())),
                     numbers => read_numbers(numbers, 1).map(|v| v.len()),
                 };
                 if more.map_err(|e| self.broken(&e))? > 0 {
@@ -248,6 +251,10 @@ impl Source for ParquetSource {
             self.rows(columns, n, raw)?;
             missing -= n;
         }
+        if missing > 0 && self.hash.is_none() {
+            let hash = Bytes::open(&self.place).and_then(hash);
+            self.hash = Some(hash.map_err(|source| Error::read(self.file.clone(), source))?);
+        }
         Ok(())
     }
 
@@ -256,17 +263,17 @@ impl Source for ParquetSource {
     }
 
     fn hash(&self) -> u64 {
-        self.hash
+        self.hash.unwrap_or_default()
     }
 }
 
-fn hash(file: &mut Bytes) -> std::io::Result<u64> {
-    let mut buffer = vec![0; 1 << 16];
-    let mut hash = hash::START;
+fn hash(mut file: Bytes) -> std::io::Result<u64> {
+    let mut buffer = vec![0; 1 << 18];
+    let mut hash = XxHash64::with_seed(0);
     loop {
         match file.read(&mut buffer)? {
-            0 => return Ok(hash),
-            n => hash = fnv1a(hash, &buffer[..n]),
+            0 => return Ok(hash.finish()),
+            n => hash.write(&buffer[..n]),
         }
     }
 }
@@ -318,33 +325,49 @@ fn is_number(column: &ColumnDescriptor) -> bool {
 
 /// Up to `n` values, fewer at the end of the column; NaN for none.
 fn read_numbers(reader: &mut ColumnReader, n: usize) -> Result<Vec<f64>, ParquetError> {
-    fn all<T: Copy>(values: &[Option<T>], number: impl Fn(T) -> f64) -> Vec<f64> {
-        let number = |value: &Option<T>| value.map_or(f64::NAN, &number);
-        values.iter().map(number).collect()
+    fn all<T: DataType>(
+        reader: &mut ColumnReaderImpl<T>,
+        n: usize,
+        number: impl Fn(T::T) -> f64,
+    ) -> Result<Vec<f64>, ParquetError> {
+        let (values, levels) = read(reader, n)?;
+        let values = values.into_iter().map(number);
+        Ok(match levels {
+            None => values.collect(),
+            Some(levels) => spread(values, &levels)
+                .map(|value| value.unwrap_or(f64::NAN))
+                .collect(),
+        })
     }
     Ok(match reader {
-        ColumnReader::Int32ColumnReader(reader) => all(&read(reader, n)?, f64::from),
-        ColumnReader::Int64ColumnReader(reader) => all(&read(reader, n)?, |x| x as f64),
-        ColumnReader::FloatColumnReader(reader) => all(&read(reader, n)?, f64::from),
-        ColumnReader::DoubleColumnReader(reader) => all(&read(reader, n)?, |x| x),
+        ColumnReader::Int32ColumnReader(reader) => all(reader, n, f64::from)?,
+        ColumnReader::Int64ColumnReader(reader) => all(reader, n, |x| x as f64)?,
+        ColumnReader::FloatColumnReader(reader) => all(reader, n, f64::from)?,
+        ColumnReader::DoubleColumnReader(reader) => all(reader, n, |x| x)?,
         _ => Vec::new(),
     })
 }
+
+/// Values of a flat column, and where some are missing, which are there.
+type Column<T> = (Vec<<T as DataType>::T>, Option<Vec<i16>>);
 
 /// Up to `n` values of a flat column.
 fn read<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
     n: usize,
-) -> Result<Vec<Option<T::T>>, ParquetError> {
-    let (mut levels, mut values) = (Vec::new(), Vec::new());
+) -> Result<Column<T>, ParquetError> {
+    let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(n.min(1 << 16)));
     let (records, found, _) =
         guarded(|| reader.read_records(n, Some(&mut levels), None, &mut values))?;
-    if found == records {
-        return Ok(values.into_iter().map(Some).collect());
-    }
-    let mut values = values.into_iter();
-    let given = levels.iter().take(records);
-    Ok(given
-        .map(|level| if *level > 0 { values.next() } else { None })
-        .collect())
+    levels.truncate(records);
+    Ok((values, (found < records).then_some(levels)))
+}
+
+/// Values where `levels` say that there is one.
+fn spread<'a, T>(
+    mut values: impl Iterator<Item = T> + 'a,
+    levels: &'a [i16],
+) -> impl Iterator<Item = Option<T>> + 'a {
+    let of = move |level: &i16| if *level > 0 { values.next() } else { None };
+    levels.iter().map(of)
 }
