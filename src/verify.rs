@@ -13,7 +13,6 @@ mod world;
 
 use std::collections::BTreeMap;
 
-use nalgebra::DVector;
 use serde::Serialize;
 use sesc_codegen::emit::header::function_name;
 use sesc_model::bounds::Precision;
@@ -33,8 +32,8 @@ use world::{Bent, beyond_rounding};
 const DIFFERENCES: f64 = 2e-10;
 /// One posture in so many is also differentiated, which costs 6 evaluations a joint.
 const DIFFERENTIATED: usize = 50;
-/// Postures evaluated together.
-const BLOCK: usize = 512;
+/// Postures evaluated together: their rows stay in the second cache.
+const BLOCK: usize = 128;
 
 /// What the comparison found.
 #[derive(Debug, Clone, Serialize)]
@@ -125,10 +124,11 @@ pub fn verify(
                 // Rows are compared by the CoM that they give.
                 let unit = Some(function.error_unit()).filter(|unit| !unit.is_empty());
                 units.insert(name.clone(), unit.unwrap_or("m"));
-                evaluators.push((name, function, evaluator));
+                evaluators.push((name, function, explained_by(model, function), evaluator));
             }
         }
     }
+    let mut room = Vec::new();
     for start in (0..count).step_by(BLOCK) {
         let n = BLOCK.min(count - start);
         let q = &postures[start * dof..(start + n) * dof];
@@ -142,11 +142,12 @@ pub fn verify(
                 }
             })
             .collect();
-        for (name, function, evaluator) in &evaluators {
-            let values = evaluator.run(q, n);
-            for (values, truth) in values.chunks(evaluator.width().max(1)).zip(&truths) {
-                let error = truth.difference(model, *function, values);
-                let entry = worst.entry(name.clone()).or_default();
+        for (name, function, params, evaluator) in &evaluators {
+            room.resize(n * evaluator.width(), 0.0);
+            evaluator.run_into(q, n, &mut room);
+            let entry = worst.entry(name.clone()).or_default();
+            for (values, truth) in room.chunks(evaluator.width().max(1)).zip(&truths) {
+                let error = truth.difference(*function, params, values);
                 // A NaN must not slip through a maximum.
                 *entry = if error.is_nan() {
                     f64::INFINITY
@@ -240,8 +241,9 @@ impl Truth {
     fn new(reference: &Reference, q: &[f64], joints: &JointMotion, differentiate: bool) -> Truth {
         let com = reference.com(q);
         let derivatives = differentiate.then(|| {
-            let jacobian = reference.com_jacobian(q).transpose().as_slice().to_vec();
-            (jacobian, reference.gravity_moments(q).as_slice().to_vec())
+            let (jacobian, moments) = reference.derivatives(q);
+            let jacobian = jacobian.transpose().as_slice().to_vec();
+            (jacobian, moments.as_slice().to_vec())
         });
         Truth {
             com: [com.x, com.y, com.z],
@@ -256,35 +258,36 @@ impl Truth {
         }
     }
 
-    /// Largest difference between `values` of `function` and the truth, m.
-    fn difference(&self, model: &Model, function: Function, values: &[f64]) -> f64 {
-        let explained = |params: Vec<f64>| -> Vec<f64> {
-            let params = DVector::from_vec(params);
-            values
-                .chunks(params.len())
-                .map(|row| DVector::from_column_slice(row).dot(&params))
-                .collect()
-        };
+    /// Largest difference between `values` of `function` and the truth, m; of rows by what
+    /// they give times `params`, of a velocity by that of joints that move at `params`.
+    fn difference(&self, function: Function, params: &[f64], values: &[f64]) -> f64 {
+        let times = |row: &[f64]| -> f64 { row.iter().zip(params).map(|(a, b)| a * b).sum() };
+        let explained =
+            |rows: &[f64]| -> Vec<f64> { rows.chunks(params.len().max(1)).map(times).collect() };
         match (function, &self.derivatives) {
             (Function::Com, _) => largest(values, &self.com),
             (Function::Cop, _) => largest(values, &self.cop),
             (Function::Zmp, _) => self.zmp.map_or(0.0, |zmp| largest(values, &zmp)),
             // Not of a posture: nothing to compare.
             (Function::CorrectCop, _) => 0.0,
-            (Function::Regressor | Function::RegressorCop, _) => {
-                largest(&explained(model.cad_params()), &self.rows)
+            (Function::Regressor | Function::RegressorCop | Function::RegressorFull, _) => {
+                largest(&explained(values), &self.rows)
             }
-            (Function::RegressorFull, _) => largest(&explained(model.chain.full_cad()), &self.rows),
             (Function::ComJacobian, Some((jacobian, _))) => largest(values, jacobian),
             (Function::GravityMoments, Some((_, moments))) => largest(values, moments),
-            (Function::ComVelocity, Some((jacobian, _))) => {
-                let rates = DVector::from_vec(velocities(model.dof()));
-                let rows = jacobian.chunks(model.dof().max(1));
-                let moved = rows.map(|row| DVector::from_column_slice(row).dot(&rates));
-                largest(values, &moved.collect::<Vec<f64>>())
-            }
+            (Function::ComVelocity, Some((jacobian, _))) => largest(values, &explained(jacobian)),
             (Function::ComJacobian | Function::ComVelocity | Function::GravityMoments, None) => 0.0,
         }
+    }
+}
+
+/// What rows of a function are multiplied with to be compared, if it has any.
+fn explained_by(model: &Model, function: Function) -> Vec<f64> {
+    match function {
+        Function::Regressor | Function::RegressorCop => model.cad_params(),
+        Function::RegressorFull => model.chain.full_cad(),
+        Function::ComVelocity => velocities(model.dof()),
+        _ => Vec::new(),
     }
 }
 

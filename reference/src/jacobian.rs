@@ -14,6 +14,7 @@
 use nalgebra::{DVector, Matrix3xX, SVector, Vector1};
 
 use crate::com::Reference;
+use crate::nearby::Nearby;
 
 /// The largest rotation of any link during a difference, rad (or m).
 const STEP: f64 = 0.05;
@@ -24,8 +25,9 @@ impl Reference {
     /// 1e-10 of the robot's size.
     pub fn com_jacobian(&self, q: &[f64]) -> Matrix3xX<f64> {
         let mut jacobian = Matrix3xX::zeros(self.dof());
+        let mut nearby = Nearby::new(&self.robot, q);
         for (j, mut column) in jacobian.column_iter_mut().enumerate() {
-            column.copy_from(&self.differentiate(q, j, |q| self.com(q)));
+            column.copy_from(&self.differentiate(q, j, |x| self.com_at(nearby.with(j, x))));
         }
         jacobian
     }
@@ -35,28 +37,42 @@ impl Reference {
     /// unit for prismatic ones). Moment `j` is what gravity does to joint `j`,
     /// `-∂U/∂q_j` with the potential energy `U(q) = Σ m_l z_l(q) / M`.
     pub fn gravity_moments(&self, q: &[f64]) -> DVector<f64> {
+        let mut nearby = Nearby::new(&self.robot, q);
         let moments = (0..self.dof()).map(|j| {
-            let slope = self.differentiate(q, j, |q| Vector1::new(self.potential_energy(q)));
-            -slope.x
+            let energy = |x| Vector1::new(self.potential_energy_at(nearby.with(j, x)));
+            -self.differentiate(q, j, energy).x
         });
         DVector::from_iterator(self.dof(), moments)
+    }
+
+    /// [`Reference::com_jacobian`] and [`Reference::gravity_moments`] from the same postures.
+    pub fn derivatives(&self, q: &[f64]) -> (Matrix3xX<f64>, DVector<f64>) {
+        let mut jacobian = Matrix3xX::zeros(self.dof());
+        let mut moments = DVector::zeros(self.dof());
+        let mut nearby = Nearby::new(&self.robot, q);
+        for (j, mut column) in jacobian.column_iter_mut().enumerate() {
+            let slopes = self.differentiate(q, j, |x| {
+                let poses = nearby.with(j, x);
+                self.com_at(poses).push(self.potential_energy_at(poses))
+            });
+            column.copy_from(&slopes.xyz());
+            moments[j] = -slopes.w;
+        }
+        (jacobian, moments)
     }
 
     /// Potential energy per unit of weight: the sum over links of their mass
     /// fraction times the height of their centre of mass, m.
     pub fn potential_energy(&self, q: &[f64]) -> f64 {
-        let links = self.robot.links().iter().zip(self.link_poses(q));
-        links
-            .map(|(link, pose)| link.mass_kg / self.total_mass() * (pose * link.com_m).z)
-            .sum()
+        self.potential_energy_at(&self.robot.poses_in_root(q))
     }
 
-    /// `∂f/∂q_j` by central differences, extrapolated twice.
+    /// `∂f/∂q_j` by central differences, extrapolated twice; `f` of the entry `q_j`.
     fn differentiate<const N: usize>(
         &self,
         q: &[f64],
         j: usize,
-        f: impl Fn(&[f64]) -> SVector<f64, N>,
+        mut f: impl FnMut(f64) -> SVector<f64, N>,
     ) -> SVector<f64, N> {
         let followers = self.robot.coordinates().iter();
         let rate: f64 = followers
@@ -65,14 +81,10 @@ impl Reference {
             .sum();
         // At least one: joint j itself is among them.
         let h = STEP / rate;
-        let mut at = q.to_vec();
         let mut central = |h: f64| {
-            at[j] = q[j] + h;
-            let above = f(&at);
+            let (upper, lower) = (q[j] + h, q[j] - h);
             // The step that was taken, after rounding.
-            let upper = at[j];
-            at[j] = q[j] - h;
-            (above - f(&at)) / (upper - at[j])
+            (f(upper) - f(lower)) / (upper - lower)
         };
         let (d1, d2, d4) = (central(h), central(h / 2.0), central(h / 4.0));
         let (e1, e2) = ((d2 * 4.0 - d1) / 3.0, (d4 * 4.0 - d2) / 3.0);

@@ -46,6 +46,7 @@ mod dynamics;
 mod error;
 mod jacobian;
 mod joint;
+mod nearby;
 mod regressor;
 mod robot;
 mod tree;

@@ -131,15 +131,26 @@ impl Robot {
         let mut poses = vec![Pose::identity(); self.links.len()];
         for &j in &self.order {
             let joint = &self.joints[j];
-            let Coordinate {
-                dof,
-                factor,
-                offset,
-            } = self.coordinates[j];
-            let position = dof.map_or(offset, |dof| factor * q[dof] + offset);
-            poses[joint.child] = poses[joint.parent] * joint.origin * joint.motion(position);
+            poses[joint.child] = poses[joint.parent] * self.local(j, q);
         }
         poses
+    }
+
+    /// The pose of the link beyond joint `j` in the frame of the one before it.
+    pub(crate) fn local(&self, j: usize, q: &[f64]) -> Pose {
+        let joint = &self.joints[j];
+        let Coordinate {
+            dof,
+            factor,
+            offset,
+        } = self.coordinates[j];
+        let position = dof.map_or(offset, |dof| factor * q[dof] + offset);
+        joint.origin * joint.motion(position)
+    }
+
+    /// Joints in an order in which each follows the one before its parent link.
+    pub(crate) fn order(&self) -> &[usize] {
+        &self.order
     }
 
     /// The same robot with a point mass fixed to a link at `at_m` of its
