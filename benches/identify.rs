@@ -126,12 +126,12 @@ fn stacked(robot: &Robot, log: &[Block]) -> (DMatrix<f64>, DVector<f64>) {
         .map(|block| measurement.rows(block).unwrap())
         .collect();
     let n: usize = blocks.iter().map(|rows| rows.reading.len()).sum();
-    let mut matrix = DMatrix::zeros(n, blocks[0].matrix.ncols());
+    let mut matrix = DMatrix::zeros(n, blocks[0].matrix.columns);
     let mut reading = DVector::zeros(n);
     let mut at = 0;
     for rows in blocks {
         let len = rows.reading.len();
-        matrix.rows_mut(at, len).copy_from(&rows.matrix);
+        matrix.rows_mut(at, len).copy_from(&rows.matrix.dense());
         reading.rows_mut(at, len).copy_from(&rows.reading);
         at += len;
     }
@@ -149,10 +149,10 @@ fn rows(c: &mut Criterion) {
     });
     group.bench_function("rows and factor", |b| {
         let mut factor = Factor::new(43);
-        let ones = vec![1.0; 2 * BLOCK];
         b.iter(|| {
             let rows = measurement.rows(black_box(block)).unwrap();
-            factor.push(&rows.matrix, &rows.reading, &ones);
+            let ones = (0..2 * BLOCK).map(|k| (k, 1.0));
+            factor.push_rows(&rows.matrix, &rows.reading, ones);
         });
     });
     group.finish();

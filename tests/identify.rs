@@ -144,7 +144,7 @@ impl Op2 {
         };
         let mut measurement = Measurement::new(&self.robot, "r_sole", Snapping::default()).unwrap();
         let rows = measurement.rows(&block).unwrap();
-        let error = rows.matrix * &found.estimate.params - rows.reading;
+        let error = rows.residual(&found.estimate.params);
         (error.norm_squared() / error.len() as f64).sqrt()
     }
 }
@@ -226,7 +226,11 @@ fn deviations_are_honest() {
             );
             let rows = measurement.rows(&block).unwrap();
             let mut data = Factor::new(43);
-            data.push(&rows.matrix, &rows.reading, &[1.0 / NOISE_OF_MEAN; 120]);
+            data.push(
+                &rows.matrix.dense(),
+                &rows.reading,
+                &[1.0 / NOISE_OF_MEAN; 120],
+            );
             let found = solve(&data, 1.0, &cad, factor.as_ref());
             let truth = &map * &theta;
             for k in 0..43 {

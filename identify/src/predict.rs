@@ -15,7 +15,7 @@ use sesc_model::{Function, Model};
 use crate::Error;
 use crate::evaluate::{EffectPredictor, Evaluator, MotionPredictor};
 use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings, Stays};
-use crate::observations::motion::Motion;
+use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
 use crate::observations::rows;
@@ -166,8 +166,8 @@ impl Predictor {
         let dofs = stance.robot.description.dofs();
         let reader = PostureReader::open(log, &dofs, &options)?;
         let reader = match motion {
-            MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD)?,
-            MotionModel::Off => Moving::new(reader, dofs.len(), None),
+            MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?,
+            MotionModel::Off => Moving::new(reader, dofs.len(), None, Wanted::Alone),
         };
         let mut predictor = Predictor {
             stance: stance.clone(),

@@ -104,7 +104,7 @@ fn share_of_readings(
 ) -> Option<Share> {
     let cad = DVector::from_vec(model.cad_params());
     let n = 2 * data.len();
-    let predicted = &moved.rows * &cad;
+    let predicted = moved.rows.times(&cad);
     let corrections = moved.correction.iter().flatten();
     let gaps = data.reading.iter().zip(corrections).enumerate();
     let gaps = gaps.map(|(row, (y, by))| y - by - predicted[row]);
@@ -174,7 +174,7 @@ fn explains_more_than_motion(data: &Postures, model: &Model, prior: &Prior, move
         return false;
     };
     let (n, cad) = (2 * data.len(), DVector::from_vec(model.cad_params()));
-    let predicted = &moved.rows * &cad;
+    let predicted = moved.rows.times(&cad);
     // As `Moved` corrects readings of motion; those of a robot that stands lack the shift.
     let left = |share: f64| -> Option<(f64, f64)> {
         let weight = |row: usize| {

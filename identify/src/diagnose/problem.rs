@@ -153,8 +153,8 @@ impl<'m> Problem<'m> {
         let tilts: Vec<[f64; 2]> = (0..n).map(tilt).collect();
         let mut flat = CopRows::new(model).of(&data.q, n, Some(&tilts));
         let motion_rows = data.moved.as_ref().map(|moved| {
-            let standing = std::mem::replace(&mut flat, moved.rows.clone());
-            Rc::new(&moved.rows - standing)
+            let standing = std::mem::replace(&mut flat, moved.rows.dense());
+            Rc::new(&flat - standing)
         });
         let factor = match prior {
             Prior::Free => free(&flat),

@@ -27,6 +27,7 @@ use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::{Known, LEAST_STD};
 use crate::observations::repeats::{Group, Repeats};
 use crate::observations::revisits::Again;
+use crate::observations::row_matrix::RowMatrix;
 use crate::observations::rows::{Measurement, Rows};
 use crate::observations::samples;
 
@@ -349,10 +350,15 @@ impl Gathered {
             if own.is_empty() {
                 continue;
             }
-            let matrix = DMatrix::from_fn(own.len(), params, |row, k| own[row].row[k]);
+            let rows = own.iter().flat_map(|row| &row.row[..params]);
+            let matrix = RowMatrix {
+                entries: rows.copied().collect(),
+                columns: params,
+            };
             let reading = DVector::from_fn(own.len(), |row, _| own[row].row[params]);
-            let weights: Vec<f64> = own.iter().map(|row| row.trust.sqrt()).collect();
-            fold.weighted.push(&matrix, &reading, &weights);
+            let weights = own.iter().map(|row| row.trust.sqrt());
+            fold.weighted
+                .push_rows(&matrix, &reading, weights.enumerate());
         }
         // Rows of one axis.
         self.trusted += 0.5 * independent.iter().map(|row| row.trust).sum::<f64>();
@@ -367,11 +373,9 @@ impl Gathered {
                 (first + k).is_multiple_of(every)
                     && self.stream.fold(dealt.keys[*k], folds) == index
             });
-            let both: Vec<usize> = own.flat_map(|k| [2 * k, 2 * k + 1]).collect();
-            if let Some(plain) = fold.plain.as_mut().filter(|_| !both.is_empty()) {
-                let matrix = rows.matrix.select_rows(&both);
-                let reading = rows.reading.select_rows(&both);
-                plain.push(&matrix, &reading, &vec![1.0; both.len()]);
+            let both = own.flat_map(|k| [(2 * k, 1.0), (2 * k + 1, 1.0)]);
+            if let Some(plain) = &mut fold.plain {
+                plain.push_rows(&rows.matrix, &rows.reading, both);
             }
         }
     }
@@ -429,21 +433,19 @@ impl Gathered {
             if own.is_empty() {
                 continue;
             }
-            let both: Vec<usize> = own.iter().flat_map(|&k| [2 * k, 2 * k + 1]).collect();
-            let matrix = rows.matrix.select_rows(&both);
-            let reading = rows.reading.select_rows(&both);
             let weight = |k: usize, axis: usize| trust[k].sqrt() / std[k][axis];
-            let weights: Vec<f64> = own
-                .iter()
-                .flat_map(|&k| [weight(k, 0), weight(k, 1)])
-                .collect();
+            let both = |weight: &dyn Fn(usize, usize) -> f64| {
+                let of = |&k: &usize| [0, 1].map(|axis| (2 * k + axis, weight(k, axis)));
+                own.iter().flat_map(of).collect::<Vec<_>>()
+            };
             if (differs || trust.iter().any(|w| *w < 1.0)) && fold.plain.is_none() {
                 // Rows so far counted one each: both factors agree on them.
                 fold.plain = Some(fold.weighted.clone());
             }
-            fold.weighted.push(&matrix, &reading, &weights);
+            let (matrix, reading) = (&rows.matrix, &rows.reading);
+            fold.weighted.push_rows(matrix, reading, both(&weight));
             if let Some(plain) = &mut fold.plain {
-                plain.push(&matrix, &reading, &vec![1.0; both.len()]);
+                plain.push_rows(matrix, reading, both(&|_, _| 1.0));
             }
         }
     }
@@ -456,7 +458,7 @@ impl Gathered {
         params: &DVector<f64>,
         file: &str,
     ) {
-        let residual = &rows.reading - &rows.matrix * params;
+        let residual = rows.residual(params);
         for (k, &weight) in weights.iter().enumerate() {
             if weight < 0.5 && self.down_weighted.len() < LISTED {
                 self.down_weighted.push(DownWeighted {

@@ -9,7 +9,7 @@ use super::prior::{Prior, Tolerances};
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
 use super::timing::Timing;
 use crate::logs::{LogSource, Options, PostureReader};
-use crate::observations::motion::Plan;
+use crate::observations::motion::{Plan, Wanted};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
 use crate::observations::postures::{Postures, Taking};
@@ -185,7 +185,7 @@ impl<'r> Logs<'r> {
     /// Open one of the logs, whose motion is known by `plan`.
     pub(super) fn moving(&self, file: &LogSource, plan: Option<Plan>) -> Result<Moving, Error> {
         let dof = self.robot.description.dofs().len();
-        Ok(Moving::new(self.open(file)?, dof, plan))
+        Ok(Moving::new(self.open(file)?, dof, plan, Wanted::Smooth))
     }
 
     /// One pass over all logs.

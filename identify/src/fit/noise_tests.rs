@@ -63,7 +63,7 @@ impl Skew {
             ..Block::default()
         };
         let rows = self.measurement().rows(&block).unwrap();
-        let cop = rows.matrix * &self.truth;
+        let cop = rows.matrix.times(&self.truth);
         let normal = Normal::new(0.0, 1.0).unwrap();
         let mut noisy = |k: usize, axis: usize| cop[2 * k + axis] + std[k] * normal.sample(rng);
         let reading = (0..poses.len()).map(|k| [noisy(k, 0), noisy(k, 1)]);
@@ -142,7 +142,7 @@ fn poses_that_come_back_are_repeats() {
         line: vec![1; POSES],
         ..Block::default()
     };
-    let rows = skew.measurement().rows(&first).unwrap().matrix;
+    let rows = skew.measurement().rows(&first).unwrap().matrix.dense();
     let means = DVector::from_iterator(2 * POSES, means.iter().flat_map(|m| [m.x, m.y]));
     let fit = rows.clone().svd(true, true).solve(&means, 1e-9).unwrap();
     let lack = ROUNDS as f64 * (rows * fit - means).norm_squared();

@@ -89,8 +89,8 @@ pub(crate) fn sample(
                 (*low, *high) = (low.min(*q), high.max(*q));
             }
             let rows = measurement.moving_rows(&block, motion.as_ref())?;
-            let by_cad = &rows.reading - &rows.matrix * &cad;
-            let by_fit = &rows.reading - &rows.matrix * params;
+            let by_cad = rows.residual(&cad);
+            let by_fit = rows.residual(params);
             for (k, &measured) in readings.iter().enumerate() {
                 let place = match kept.len() < MOST {
                     true => kept.len(),

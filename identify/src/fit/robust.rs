@@ -70,7 +70,7 @@ pub fn lengths<'a>(
     std: &'a [[f64; 2]],
     params: &DVector<f64>,
 ) -> impl Iterator<Item = f64> + 'a {
-    let residual = &rows.reading - &rows.matrix * params;
+    let residual = rows.residual(params);
     (0..std.len()).map(move |k| {
         let [x, y] = [0, 1].map(|axis| residual[2 * k + axis] / std[k][axis]);
         x.hypot(y)

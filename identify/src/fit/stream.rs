@@ -87,12 +87,12 @@ impl Stream {
         let Some(whiteners) = &mut self.whiteners else {
             return;
         };
-        let params = rows.matrix.ncols();
+        let params = rows.matrix.columns;
         let mut row = vec![0.0; params + 1];
         for (k, &t) in t.iter().enumerate() {
             for (axis, whitener) in whiteners.iter_mut().enumerate() {
                 let weight = 1.0 / dealt.std[k][axis];
-                for (to, from) in row.iter_mut().zip(rows.matrix.row(2 * k + axis).iter()) {
+                for (to, from) in row.iter_mut().zip(rows.matrix.row(2 * k + axis)) {
                     *to = from * weight;
                 }
                 row[params] = rows.reading[2 * k + axis] * weight;

@@ -14,11 +14,12 @@ use crate::logs::{Block, PostureReader};
 use crate::observations::correlation::{self, Correlation, Process};
 use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::grouping::{DOWN, Grouping};
-use crate::observations::motion::Plan;
+use crate::observations::motion::{Plan, Wanted};
 use crate::observations::motion_use::{Column, MotionModel, MotionUse};
 use crate::observations::noise::LEAST_STD;
 use crate::observations::postures::rms;
 use crate::observations::repeats::{Group, Repeats};
+use crate::observations::row_matrix::RowMatrix;
 use crate::observations::rows::{Measurement, Rows};
 
 /// Rows taken at once.
@@ -158,7 +159,7 @@ impl Joints {
 struct Head {
     rows: usize,
     t: Vec<f64>,
-    matrices: Vec<DMatrix<f64>>,
+    matrices: Vec<RowMatrix>,
     readings: Vec<f64>,
     /// Deviations, 1 where none are stated.
     std: Vec<[f64; 2]>,
@@ -186,7 +187,8 @@ impl Head {
         for block in blocks {
             let own = first..first + block.len();
             first = own.end;
-            let motion = plan.and_then(|(plan, all)| plan.motion(&all.t, &all.q, dof, own));
+            let motion = plan
+                .and_then(|(plan, all)| plan.motion((&all.t, &all.q, dof), own, Wanted::Smooth));
             match motion {
                 None => {
                     let rows = measurement.rows(block)?;
@@ -317,13 +319,17 @@ impl Head {
 
     /// Rows of one axis over their deviations.
     fn axis(&self, axis: usize) -> (DMatrix<f64>, DVector<f64>) {
-        let params = self.matrices.first().map_or(0, DMatrix::ncols);
+        let params = self.matrices.first().map_or(0, |rows| rows.columns);
         let mut x = DMatrix::zeros(self.rows, params);
         let mut at = 0;
         for matrix in &self.matrices {
-            for k in 0..matrix.nrows() / 2 {
+            for k in 0..matrix.rows() / 2 {
                 let weight = 1.0 / self.std[at][axis];
-                x.set_row(at, &(matrix.row(2 * k + axis) * weight));
+                let row = matrix.row(2 * k + axis).iter().map(|x| x * weight);
+                x.row_mut(at)
+                    .iter_mut()
+                    .zip(row)
+                    .for_each(|(to, x)| *to = x);
                 at += 1;
             }
         }

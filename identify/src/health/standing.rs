@@ -9,7 +9,7 @@ use sesc_model::Model;
 use super::criteria::{MOVED, UNKNOWN_NOISE_M};
 use super::rows::Rows;
 use super::statistics::rms_of_gaps;
-use crate::observations::motion::{Motion, Plan};
+use crate::observations::motion::{Motion, Plan, Wanted};
 use crate::observations::postures::Postures;
 use crate::observations::zmp::Zmp;
 
@@ -41,7 +41,7 @@ fn still(rows: &Rows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f6
         return None;
     }
     let plan = Plan::of(&rows.t, &rows.q, rows.dof)?;
-    let motion = plan.motion(&rows.t, &rows.q, rows.dof, 0..rows.len())?;
+    let motion = plan.motion((&rows.t, &rows.q, rows.dof), 0..rows.len(), Wanted::Alone)?;
     let known: Vec<usize> = (chosen.iter().copied())
         .filter(|&k| motion.known[k])
         .collect();

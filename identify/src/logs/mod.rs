@@ -12,6 +12,7 @@
 //! A fault is an error that names file, row, column and remedy. What is only
 //! odd is a warning, see [`PostureReader::warnings`].
 
+mod ahead;
 mod assemble;
 mod block;
 mod bounds;
@@ -42,6 +43,7 @@ mod table;
 mod tests;
 mod writer;
 
+pub(crate) use ahead::Ahead;
 pub(crate) use block::keep_some;
 pub use block::{Block, Cells};
 pub(crate) use bounds::LEAST_LOAD_N;

@@ -16,6 +16,7 @@ pub mod noise;
 pub mod postures;
 pub(crate) mod repeats;
 pub mod revisits;
+pub mod row_matrix;
 pub mod rows;
 pub mod samples;
 pub mod stays;

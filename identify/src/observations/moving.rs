@@ -4,21 +4,22 @@
 //! before │ block │ ahead      what is known of a row reaches into the blocks beside its own
 //! ```
 //!
-//! One block is read ahead and the end of the last one is kept: memory does not grow with the
-//! log.
+//! One block more is taken and the end of the last one is kept, and the log is read
+//! ahead on a thread: memory does not grow with the log.
 
 use std::ops::{Deref, DerefMut};
 
 use super::correlation;
-use super::motion::{Motion, Plan};
+use super::motion::{Motion, Plan, Wanted};
 use crate::Error;
-use crate::logs::{Block, PostureReader};
+use crate::logs::{Ahead, Block, PostureReader};
 
-/// A reader of postures that knows their motion where it has a plan for it.
+/// A reader of postures, on a thread of its own, that knows their motion where it has a plan for it.
 pub struct Moving {
-    reader: PostureReader,
+    reader: Ahead,
     dof: usize,
     plan: Option<Plan>,
+    wanted: Wanted,
     step_s: Option<f64>,
     ahead: Option<Block>,
     /// Rows before the block ahead: times and joints.
@@ -28,26 +29,27 @@ pub struct Moving {
 }
 
 impl Deref for Moving {
-    type Target = PostureReader;
+    type Target = Ahead;
 
-    fn deref(&self) -> &PostureReader {
+    fn deref(&self) -> &Ahead {
         &self.reader
     }
 }
 
 impl DerefMut for Moving {
-    fn deref_mut(&mut self) -> &mut PostureReader {
+    fn deref_mut(&mut self) -> &mut Ahead {
         &mut self.reader
     }
 }
 
 impl Moving {
     /// Read postures of a robot with `dof` joints; plain rows without a plan.
-    pub fn new(reader: PostureReader, dof: usize, plan: Option<Plan>) -> Moving {
+    pub fn new(reader: PostureReader, dof: usize, plan: Option<Plan>, wanted: Wanted) -> Moving {
         Moving {
-            reader,
+            reader: Ahead::new(reader),
             dof,
             plan,
+            wanted,
             step_s: plan.map(|plan| plan.step_s),
             ahead: None,
             before: (Vec::new(), Vec::new()),
@@ -59,14 +61,19 @@ impl Moving {
     ///
     /// # Errors
     /// As [`PostureReader::block`].
-    pub fn planned(mut reader: PostureReader, dof: usize, rows: usize) -> Result<Moving, Error> {
+    pub fn planned(
+        mut reader: PostureReader,
+        dof: usize,
+        rows: usize,
+        wanted: Wanted,
+    ) -> Result<Moving, Error> {
         let first = reader.block(rows)?;
         let t = first.t.as_ref();
         let plan = t.and_then(|t| Plan::of(t, &first.q, dof));
         Ok(Moving {
             step_s: t.and_then(|t| correlation::step(t)),
             ahead: Some(first),
-            ..Moving::new(reader, dof, plan)
+            ..Moving::new(reader, dof, plan, wanted)
         })
     }
 
@@ -133,7 +140,7 @@ impl Moving {
         following.truncate(near.count());
         q.extend(&next.q[..following.len() * dof]);
         t.extend(following);
-        let motion = plan.motion(&t, &q, dof, first..last);
+        let motion = plan.motion((&t, &q, dof), first..last, self.wanted);
         let kept = t[..last].iter().rev().take_while(|t| end - **t <= reach);
         let kept = last - kept.count();
         self.before = (t[kept..last].to_vec(), q[kept * dof..last * dof].to_vec());

@@ -12,7 +12,7 @@ use sesc_model::effects::PostureContext;
 
 use super::correlation::Correlation;
 use super::grouping::{DOWN, moved_sentence};
-use super::motion::Motion;
+use super::motion::{Motion, Wanted};
 use super::motion_use::MotionUse;
 use super::moving::Moving;
 use super::noise::{self, LEAST_STD, NoiseSource};
@@ -125,7 +125,7 @@ impl Postures {
         let log = log.into();
         let dofs = &model.tree.dofs;
         let reader = PostureReader::open(&log, dofs, &taking.options)?;
-        let mut reader = Moving::planned(reader, dofs.len(), HEAD)?;
+        let mut reader = Moving::planned(reader, dofs.len(), HEAD, Wanted::Changes)?;
         let support = &model.tree.links[model.tree.support].name;
         let mut gathering = Gathering::new(taking.options.any_unit);
         let (mut stated, mut timed, mut raw) = (false, false, false);

@@ -15,6 +15,7 @@ use sesc_model::standard::Shift;
 use sesc_model::{Function, Model, Snapping};
 
 use super::motion::Motion;
+use super::row_matrix::RowMatrix;
 use super::zmp::Zmp;
 use crate::Error;
 use crate::evaluate::Evaluator;
@@ -56,16 +57,27 @@ impl CopRows {
     /// x and y rows of `n` postures `q` by base parameters of this support, 2n × p;
     /// `tilt` of each posture ([`tilt`]), level where not given.
     pub fn of(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>) -> DMatrix<f64> {
-        let p = self.params;
+        let mut rows = RowMatrix::zeros(2 * n, self.params);
+        self.write(q, n, tilt, &mut rows.entries);
+        rows.dense()
+    }
+
+    /// The same into the caller's memory, row after row.
+    fn write(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>, out: &mut [f64]) {
         let Some(tilt) = tilt.filter(|all| all.iter().flatten().any(|t| *t != 0.0)) else {
-            return DMatrix::from_row_slice(2 * n, p, &self.flat.run(q, n));
+            return self.flat.run_into(q, n, out);
         };
-        let rows = self.space.run(q, n);
-        let of = |k: usize, axis: usize, column: usize| rows[(3 * k + axis) * p + column];
-        DMatrix::from_fn(2 * n, p, |row, column| {
-            let (k, axis) = (row / 2, row % 2);
-            of(k, axis, column) + tilt[k][axis] * of(k, 2, column)
-        })
+        let p = self.params;
+        let space = self.space.run(q, n);
+        let postures = out.chunks_exact_mut(2 * p).zip(space.chunks_exact(3 * p));
+        for ((out, space), tilt) in postures.zip(tilt) {
+            let (flat, height) = space.split_at(2 * p);
+            for (axis, out) in out.chunks_exact_mut(p).enumerate() {
+                let own = flat[axis * p..(axis + 1) * p].iter().zip(height);
+                let own = own.map(|(x, z)| x + tilt[axis] * z);
+                out.iter_mut().zip(own).for_each(|(to, x)| *to = x);
+            }
+        }
     }
 }
 
@@ -83,12 +95,19 @@ struct Standing {
 /// Rows of the measurement equation: `matrix · r = reading`.
 pub struct Rows {
     /// 2 per posture (x, y) × base parameters of the first support.
-    pub matrix: DMatrix<f64>,
+    pub matrix: RowMatrix,
     /// x, y, x, y, …, m; less what of the motion is no matter of parameters.
     pub reading: DVector<f64>,
     /// What motion adds to readings by CAD, and how well that is known, m; empty where joints
     /// stand.
     pub motion: Vec<([f64; 2], [f64; 2])>,
+}
+
+impl Rows {
+    /// What `params` leave of the readings, m.
+    pub fn residual(&self, params: &DVector<f64>) -> DVector<f64> {
+        &self.reading - self.matrix.times(params)
+    }
 }
 
 /// Builds rows of the regressor of one support from postures.
@@ -130,7 +149,7 @@ impl<'r> Measurement<'r> {
         let (n, p) = (block.len(), self.model().base.params.len());
         let dof = self.model().dof();
         let mut rows = Rows {
-            matrix: DMatrix::zeros(2 * n, p),
+            matrix: RowMatrix::zeros(2 * n, p),
             reading: DVector::zeros(2 * n),
             motion: Vec::new(),
         };
@@ -152,11 +171,8 @@ impl<'r> Measurement<'r> {
                     .get_or_insert_with(|| Zmp::new(&standing.model));
                 zmp.moved(q, motion, start..start + count, tilts)
             });
-            let matrix = match &moved {
-                Some(moved) => &moved.rows,
-                None => &standing.rows.of(q, count, tilts.as_deref()),
-            };
-            let mut reading = DVector::zeros(2 * count);
+            let own = 2 * start..2 * (start + count);
+            let reading = &mut rows.reading.as_mut_slice()[own.clone()];
             if let Some(all) = &block.reading {
                 let flat = all[start..start + count].iter().flatten();
                 reading.iter_mut().zip(flat).for_each(|(y, cop)| *y = *cop);
@@ -167,17 +183,21 @@ impl<'r> Measurement<'r> {
                 let pairs = moved.shift.iter().zip(&moved.std);
                 rows.motion.extend(pairs.map(|(shift, std)| (*shift, *std)));
             }
-            let (at, len) = (2 * start, 2 * count);
-            match &standing.shift {
-                None => rows.matrix.rows_mut(at, len).copy_from(matrix),
-                Some(shift) => {
-                    rows.matrix
-                        .rows_mut(at, len)
-                        .copy_from(&(matrix * &shift.matrix));
-                    reading -= matrix * &shift.offset;
+            let entries = &mut rows.matrix.entries[own.start * p..own.end * p];
+            match (&standing.shift, moved) {
+                (None, None) => standing.rows.write(q, count, tilts.as_deref(), entries),
+                (None, Some(moved)) => entries.copy_from_slice(&moved.rows.entries),
+                (Some(shift), moved) => {
+                    let matrix = match moved {
+                        Some(moved) => moved.rows.dense(),
+                        None => standing.rows.of(q, count, tilts.as_deref()),
+                    };
+                    let there = &matrix * &shift.offset;
+                    reading.iter_mut().zip(&there).for_each(|(y, by)| *y -= by);
+                    let here = shift.matrix.tr_mul(&matrix.transpose());
+                    entries.copy_from_slice(here.as_slice());
                 }
             }
-            rows.reading.rows_mut(at, len).copy_from(&reading);
             start += count;
         }
         Ok(rows)

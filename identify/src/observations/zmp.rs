@@ -11,13 +11,13 @@
 //! accelerations and positions are known adds to the noise:
 //! `σ² = Σ_j (∂p/∂q̈_j)² σ(q̈_j)² + (∂c/∂q_j)² σ(q_j)²`.
 
-use nalgebra::DMatrix;
 use sesc_model::effects::PostureContext;
 use sesc_model::inertia::GRAVITY;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Model, motion_rows};
 
 use super::motion::Motion;
+use super::row_matrix::RowMatrix;
 use crate::evaluate::FASTEST;
 
 /// Where the ground carries less of the weight, a row is no reading of a CoP.
@@ -41,7 +41,7 @@ pub struct Zmp {
 #[derive(Debug, Clone)]
 pub struct Moved {
     /// `∂p/∂r`, 2 per posture.
-    pub rows: DMatrix<f64>,
+    pub rows: RowMatrix,
     /// The ZMP less the static CoP, by CAD, m.
     pub shift: Vec<[f64; 2]>,
     /// How the CoM is accelerated upwards by CAD, over gravity.
@@ -181,7 +181,7 @@ impl Zmp {
             false => vec![Lever::default(); self.dof],
         };
         let mut moved = Moved {
-            rows: DMatrix::zeros(2 * n, p),
+            rows: RowMatrix::zeros(2 * n, p),
             shift: Vec::with_capacity(n),
             lift: Vec::with_capacity(n),
             correction: Vec::with_capacity(n),
@@ -201,11 +201,13 @@ impl Zmp {
                 let push = smooth.gain[axis] - GRAVITY * tilt[axis];
                 let pushed = smooth.pushed(axis, *tilt);
                 let mut sum = 0.0;
-                for column in 0..p {
+                let at = (2 * k + axis) * p;
+                let entries = moved.rows.entries[at..at + p].iter_mut();
+                for (column, to) in entries.enumerate() {
                     let moments = push * row(2, column) + smooth.com[2] * row(3 + axis, column);
                     let moments = moments - pushed * row(5, column);
                     let entry = row(axis, column) - moments / smooth.load();
-                    moved.rows[(2 * k + axis, column)] = entry;
+                    *to = entry;
                     sum += entry * self.params[column];
                 }
                 correction[axis] = parts.com[axis] - parts.pushed(axis, *tilt) - sum;

@@ -28,7 +28,9 @@ fn fit(robot: &Robot) -> Identification {
         ..Block::default()
     };
     let rows = measurement.rows(&block).unwrap();
-    let cop = rows.matrix * nalgebra::DVector::from_vec(model.cad_params());
+    let cop = rows
+        .matrix
+        .times(&nalgebra::DVector::from_vec(model.cad_params()));
     let off = |k: usize| 0.003 * (k as f64).sin();
     let reading = (0..60).map(|k| [cop[2 * k] + off(k), cop[2 * k + 1] + off(3 * k)]);
     block.reading = Some(reading.collect());

@@ -23,13 +23,11 @@ pub(super) fn reach(step_s: f64) -> f64 {
     }
 }
 
-/// Find the changes of the accelerations in rows at times `t`; zero where a row has a neighbour
+/// Find the changes of the accelerations in rows at times `t`; left zero where a row has a neighbour
 /// of known motion on one side alone, and where rows are too far apart.
 pub(super) fn find(motion: &mut Motion, t: &[f64], step_s: f64) {
     let dof = motion.dof();
     let reach = reach(step_s);
-    motion.jerks = vec![0.0; motion.gains.len()];
-    motion.snaps = motion.jerks.clone();
     let joins = |a: usize, b: usize| t[b] > t[a] && t[b] - t[a] <= GAP * step_s;
     for k in 0..t.len() {
         let near = |row: usize| motion.known[row] && (t[row] - t[k]).abs() <= reach;

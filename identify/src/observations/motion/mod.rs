@@ -88,6 +88,29 @@ struct Survey {
     of_low: f64,
 }
 
+/// What is to be known of a motion beside its velocities and accelerations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    /// Nothing: for predictions.
+    Alone,
+    /// How accelerations change, [`Motion::jerks`] and [`Motion::snaps`]: for joints that are late.
+    Changes,
+    /// [`Motion::smooth`]: for rows of a regressor.
+    Smooth,
+    /// Both.
+    All,
+}
+
+impl Wanted {
+    fn changes(self) -> bool {
+        matches!(self, Wanted::Changes | Wanted::All)
+    }
+
+    fn smooth(self) -> bool {
+        matches!(self, Wanted::Smooth | Wanted::All)
+    }
+}
+
 /// How the joints move in rows of a log, row by row and joint by joint.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Motion {
@@ -99,7 +122,7 @@ pub struct Motion {
     pub gains_std: Vec<f64>,
     /// Standard deviation of the positions that were read, rad or m; 0 of joints that stand.
     pub positions_std: Vec<f64>,
-    /// First derivative of `gains` in time; 0 where it is not known,
+    /// First derivative of `gains` in time; 0 where it is not known or not [`Wanted`],
     pub jerks: Vec<f64>,
     /// and second.
     pub snaps: Vec<f64>,
@@ -151,7 +174,12 @@ impl Plan {
 
     /// The motion in some `rows` of a log, of whose neighbours `t` and `q` hold what
     /// [`Plan::reach_s`] says; none where no joint moves by more than noise shows.
-    pub fn motion(&self, t: &[f64], q: &[f64], dof: usize, rows: Range<usize>) -> Option<Motion> {
+    pub fn motion(
+        &self,
+        (t, q, dof): (&[f64], &[f64], usize),
+        rows: Range<usize>,
+        wanted: Wanted,
+    ) -> Option<Motion> {
         if is_still(q, dof) || rows.is_empty() {
             return None;
         }
@@ -162,9 +190,15 @@ impl Plan {
         let after = (rows.end..t.len()).take_while(|row| near(rows.end - 1, *row));
         let around = rows.start - before.count()..rows.end + after.count();
         let mut motion = self.motion_in(t, q, dof, around.clone())?;
-        motion.smooth = Some(Smooth::of(self, (t, q), &motion, around.clone()));
-        changes::find(&mut motion, &t[around.clone()], self.step_s);
+        motion.jerks = vec![0.0; motion.gains.len()];
+        motion.snaps = motion.jerks.clone();
+        if wanted.changes() {
+            changes::find(&mut motion, &t[around.clone()], self.step_s);
+        }
         motion.narrow(rows.start - around.start..rows.end - around.start, dof);
+        if wanted.smooth() {
+            motion.smooth = Some(Smooth::of(self, (t, q), &motion, rows));
+        }
         Some(motion)
     }
 
@@ -185,8 +219,8 @@ impl Plan {
             let after = t[row] - nodes.t[node];
             local.push(after, &moving, &mut motion);
             if let Local::Moving(fit, true) = local {
-                let origin = &nodes.q[node * dof..(node + 1) * dof];
-                positions.add(fit, after, &q[row * dof..(row + 1) * dof], origin);
+                let own = &q[row * dof..(row + 1) * dof];
+                positions.add(fit, after, own, |joint| nodes.position(node, joint));
             }
         }
         motion.positions_std = positions.of_rows(&motion.gains_std);
@@ -405,10 +439,10 @@ impl PositionNoise {
     }
 
     /// Row `q`, `after` seconds from a node at `origin`.
-    fn add(&mut self, fit: &Polynomials, after: f64, q: &[f64], origin: &[f64]) {
+    fn add(&mut self, fit: &Polynomials, after: f64, q: &[f64], origin: impl Fn(usize) -> f64) {
         let left = (1.0 - fit.own / self.rows).max(LEAST_LEFT);
         for (joint, square) in self.squares.iter_mut().enumerate() {
-            let off = q[joint] - origin[joint] - fit.position(joint, after);
+            let off = q[joint] - origin(joint) - fit.position(joint, after);
             *square += off * off / left;
         }
         self.count += 1.0;
@@ -439,14 +473,21 @@ enum Local {
 impl Local {
     /// The row `after` seconds from the node; joints that are not `moving` stand.
     fn push(&self, after: f64, moving: &[Option<f64>], motion: &mut Motion) {
-        for (joint, variance) in moving.iter().enumerate() {
-            let [rate, gain, std] = match (self, variance) {
-                (Local::Moving(fit, _), Some(variance)) => fit.at(joint, after, *variance),
-                _ => [0.0; 3],
-            };
-            motion.rates.push(rate);
-            motion.gains.push(gain);
-            motion.gains_std.push(std);
+        let (first, all) = (motion.rates.len(), motion.rates.len() + moving.len());
+        for column in [&mut motion.rates, &mut motion.gains, &mut motion.gains_std] {
+            column.resize(all, 0.0);
+        }
+        if let Local::Moving(fit, _) = self {
+            let own = first..all;
+            fit.rates(after, &mut motion.rates[own.clone()]);
+            fit.gains(after, &mut motion.gains[own.clone()]);
+            fit.gains_std(moving, &mut motion.gains_std[own]);
+            for (joint, variance) in moving.iter().enumerate() {
+                if variance.is_none() {
+                    motion.rates[first + joint] = 0.0;
+                    motion.gains[first + joint] = 0.0;
+                }
+            }
         }
         motion.known.push(match self {
             Local::Still => true,

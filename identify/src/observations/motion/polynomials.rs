@@ -1,8 +1,9 @@
 //! One polynomial through the nodes of a window for each joint, by least squares.
 
+use std::array;
 use std::ops::Range;
 
-use nalgebra::Matrix5;
+use sesc_runtime::{F64x8, Simd};
 
 use super::windows::Nodes;
 
@@ -16,8 +17,7 @@ const SHARED: f64 = 10.0;
 
 /// The polynomials of all joints about a node.
 pub(super) struct Polynomials {
-    pub terms: usize,
-    /// Joint by joint within each power.
+    /// Joint by joint within each power; zero of powers that it does not have.
     pub coefficients: Vec<f64>,
     /// What they leave of each joint: Σ e².
     pub left: Vec<f64>,
@@ -42,59 +42,51 @@ impl Polynomials {
         if count < terms {
             return None;
         }
-        let about = &nodes.q[node * dof..(node + 1) * dof];
-        let mut normal = Matrix5::zeros();
-        let mut sums = vec![0.0; terms * dof];
-        let mut left = vec![0.0; dof];
-        for i in around {
-            let s = (nodes.t[i] - nodes.t[node]) / half;
-            let powers = [1.0, s, s * s, s * s * s, s * s * s * s];
-            for a in 0..terms {
-                for b in 0..terms {
-                    normal[(a, b)] += powers[a] * powers[b];
-                }
+        let mut powers = Vec::with_capacity(count);
+        let mut moments = [0.0; 2 * HIGH - 1];
+        for t in &nodes.t[around.clone()] {
+            let s = (t - nodes.t[node]) / half;
+            let [square, cube] = [s * s, s * s * s];
+            let own = [1.0, s, square, cube, square * square];
+            let beyond = own.iter().skip(1).map(|x| x * own[HIGH - 1]);
+            for (sum, x) in moments.iter_mut().zip(own.into_iter().chain(beyond)) {
+                *sum += x;
             }
-            let own = &nodes.q[i * dof..(i + 1) * dof];
-            for (m, sums) in sums.chunks_exact_mut(dof).enumerate() {
-                for ((sum, x), origin) in sums.iter_mut().zip(own).zip(about) {
-                    *sum += powers[m] * (x - origin);
-                }
-            }
-            for ((sum, x), origin) in left.iter_mut().zip(own).zip(about) {
-                *sum += (x - origin) * (x - origin);
-            }
+            powers.push(own);
         }
-        let inverse = inverse(normal, terms)?;
-        let mut coefficients = vec![0.0; terms * dof];
-        for (m, row) in coefficients.chunks_exact_mut(dof).enumerate() {
-            for (k, sums) in sums.chunks_exact(dof).enumerate() {
-                for (c, sum) in row.iter_mut().zip(sums) {
-                    *c += inverse[(m, k)] * sum;
+        let inverse = inverse(&moments, terms)?;
+        let zero = F64x8::splat(0.0);
+        let mut sums = vec![zero; HIGH * nodes.width];
+        let mut left = vec![zero; nodes.width];
+        let about = nodes.blocks(node..node + 1);
+        let rows = nodes.blocks(around);
+        Simd::best().moments(&powers, rows, about, &mut sums, &mut left);
+        let mut coefficients = vec![0.0; HIGH * dof];
+        for (block, left) in left.iter_mut().enumerate() {
+            let sums: [&F64x8; HIGH] = array::from_fn(|m| &sums[m * nodes.width + block]);
+            for m in 0..terms {
+                let mut own = zero;
+                for (k, sums) in sums.iter().enumerate().take(terms) {
+                    own = own + F64x8::splat(inverse[m][k]) * **sums;
                 }
-            }
-        }
-        for (c, sum) in coefficients.chunks_exact(dof).zip(sums.chunks_exact(dof)) {
-            for ((left, c), sum) in left.iter_mut().zip(c).zip(sum) {
-                *left -= c * sum;
+                *left = *left - own * *sums[m];
+                let first = m * dof + 8 * block;
+                let places = &mut coefficients[first..first + 8.min(dof - 8 * block)];
+                places.iter_mut().zip(own.0).for_each(|(to, x)| *to = x);
             }
         }
         Some(Polynomials {
-            terms,
             coefficients,
-            left,
+            left: left.iter().flat_map(|block| block.0).take(dof).collect(),
             spare: (count - terms).max(1) as f64,
             half,
-            weight: 2.0 / (half * half) * inverse[(2, 2)].max(0.0).sqrt(),
-            own: inverse[(0, 0)],
+            weight: 2.0 / (half * half) * inverse[2][2].max(0.0).sqrt(),
+            own: inverse[0][0],
         })
     }
 
     pub fn coefficient(&self, power: usize, joint: usize) -> f64 {
-        let dof = self.left.len();
-        match power < self.terms {
-            true => self.coefficients[power * dof + joint],
-            false => 0.0,
-        }
+        self.coefficients[power * self.left.len() + joint]
     }
 
     /// Acceleration at the node.
@@ -113,28 +105,111 @@ impl Polynomials {
         self.left[joint].max(0.0) / self.spare
     }
 
-    /// Velocity, acceleration and the deviation of that, `after` seconds from the node, of a
-    /// joint whose nodes have `variance` in all of the log: few nodes alone say little of it.
-    pub fn at(&self, joint: usize, after: f64, variance: f64) -> [f64; 3] {
+    /// Coefficients of a power, joint by joint.
+    fn power(&self, power: usize) -> &[f64] {
+        let dof = self.left.len();
+        &self.coefficients[power * dof..(power + 1) * dof]
+    }
+
+    /// Velocities `after` seconds from the node.
+    pub fn rates(&self, after: f64, rates: &mut [f64]) {
         let (s, h) = (after / self.half, self.half);
-        let c = |power| self.coefficient(power, joint);
-        let rate = c(1) + s * (2.0 * c(2) + s * (3.0 * c(3) + s * 4.0 * c(4)));
-        let gain = 2.0 * c(2) + s * (6.0 * c(3) + s * 12.0 * c(4));
-        let left = self.left[joint].max(0.0) + SHARED * variance;
-        let std = (left / (self.spare + SHARED)).sqrt() * self.weight;
-        [rate / h, gain / (h * h), std]
+        let [_, c1, c2, c3, c4]: [&[f64]; HIGH] = array::from_fn(|k| self.power(k));
+        for (joint, rate) in rates.iter_mut().enumerate() {
+            let bent = s * (3.0 * c3[joint] + s * 4.0 * c4[joint]);
+            *rate = (c1[joint] + s * (2.0 * c2[joint] + bent)) / h;
+        }
+    }
+
+    /// Accelerations `after` seconds from the node.
+    pub fn gains(&self, after: f64, gains: &mut [f64]) {
+        let (s, square) = (after / self.half, self.half * self.half);
+        let [_, _, c2, c3, c4]: [&[f64]; HIGH] = array::from_fn(|k| self.power(k));
+        for (joint, gain) in gains.iter_mut().enumerate() {
+            let bent = s * (6.0 * c3[joint] + s * 12.0 * c4[joint]);
+            *gain = (2.0 * c2[joint] + bent) / square;
+        }
+    }
+
+    /// Deviations of the accelerations of joints that move, whose nodes have `variances` in all
+    /// of the log: few nodes alone say little of it.
+    pub fn gains_std(&self, variances: &[Option<f64>], std: &mut [f64]) {
+        for ((std, left), variance) in std.iter_mut().zip(&self.left).zip(variances) {
+            if let Some(variance) = variance {
+                let left = left.max(0.0) + SHARED * variance;
+                *std = (left / (self.spare + SHARED)).sqrt() * self.weight;
+            }
+        }
     }
 }
 
-/// The inverse of the leading block of a positive definite matrix; none of another.
-fn inverse(normal: Matrix5<f64>, terms: usize) -> Option<Matrix5<f64>> {
-    let padded = Matrix5::from_fn(|r, c| match r < terms && c < terms {
-        true => normal[(r, c)],
-        false => f64::from(u8::from(r == c)),
-    });
-    let factor = padded.cholesky()?;
+/// The inverse of the leading block of a positive definite matrix of `moments`, by L D Lᵀ; none
+/// of another.
+fn inverse(moments: &[f64; 2 * HIGH - 1], terms: usize) -> Option<[[f64; HIGH]; HIGH]> {
     let least = SINGULAR * terms as f64;
-    let pivots = factor.l_dirty().diagonal();
-    let regular = pivots.iter().all(|pivot| pivot * pivot > least);
-    regular.then(|| factor.inverse())
+    let (mut lower, mut pivots) = ([[0.0; HIGH]; HIGH], [1.0; HIGH]);
+    for column in 0..terms {
+        let own: [f64; HIGH] = array::from_fn(|k| lower[column][k] * pivots[k]);
+        let rest = |row: &[f64; HIGH], moment: f64| {
+            let done = row.iter().zip(&own).take(column);
+            moment - done.map(|(x, own)| x * own).sum::<f64>()
+        };
+        let pivot = rest(&lower[column], moments[2 * column]);
+        if pivot.is_nan() || pivot <= least {
+            return None;
+        }
+        pivots[column] = pivot;
+        for row in column + 1..terms {
+            lower[row][column] = rest(&lower[row], moments[row + column]) / pivot;
+        }
+    }
+    // L⁻¹ column by column; its diagonal is one.
+    let over: [[f64; HIGH]; HIGH] = array::from_fn(|column| {
+        let mut own = [0.0; HIGH];
+        own[column] = 1.0;
+        for row in column + 1..terms {
+            let between = column..row;
+            own[row] = -between.map(|k| lower[row][k] * own[k]).sum::<f64>();
+        }
+        own
+    });
+    let entry = |a: usize, b: usize| -> f64 {
+        let common = a.max(b)..terms;
+        common.map(|k| over[a][k] * over[b][k] / pivots[k]).sum()
+    };
+    Some(array::from_fn(|a| array::from_fn(|b| entry(a, b))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Moments of nodes that lie unevenly.
+    fn moments() -> [f64; 2 * HIGH - 1] {
+        let nodes = (0..12).map(|k| -0.95 + 0.17 * f64::from(k) + 0.01 * f64::from(k * k % 5));
+        let nodes: Vec<f64> = nodes.collect();
+        array::from_fn(|power| nodes.iter().map(|s| s.powi(power as i32)).sum())
+    }
+
+    #[test]
+    fn the_inverse_times_the_moments_is_one() {
+        let moments = moments();
+        for terms in 1..=HIGH {
+            let inverse = inverse(&moments, terms).unwrap();
+            for a in 0..terms {
+                for b in 0..terms {
+                    let product: f64 = (0..terms).map(|k| inverse[a][k] * moments[k + b]).sum();
+                    let one = f64::from(u8::from(a == b));
+                    assert!((product - one).abs() < 1e-12, "{terms}: {a} {b} {product}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_at_two_places_settle_no_parabola() {
+        let moments = array::from_fn(|power| if power % 2 == 0 { 8.0 } else { 0.0 });
+        assert!(inverse(&moments, 2).is_some() && inverse(&moments, 3).is_none());
+        assert!(inverse(&[f64::NAN; 2 * HIGH - 1], 3).is_none());
+    }
 }

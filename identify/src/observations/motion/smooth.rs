@@ -49,25 +49,24 @@ impl Smooth {
                 at = Some((node, fit.flatten()));
             }
             let (_, fit) = at.as_ref().expect("set above");
-            let (after, own) = (t[row] - nodes.t[node], k * dof);
-            for joint in 0..dof {
-                // Joints that stand have accelerations without deviation.
-                let moves = known.gains_std[own + joint] > 0.0;
-                let [q, rate, gain] = match fit.as_ref().filter(|_| moves) {
-                    Some(fit) => {
-                        let [rate, gain, _] = fit.at(joint, after, 0.0);
-                        let origin = nodes.q[node * dof + joint];
-                        [origin + fit.position(joint, after), rate, gain]
-                    }
-                    None => [
-                        q[row * dof + joint],
-                        known.rates[own + joint],
-                        known.gains[own + joint],
-                    ],
-                };
-                smooth.q.push(q);
-                smooth.rates.push(rate);
-                smooth.gains.push(gain);
+            let (after, own) = (t[row] - nodes.t[node], k * dof..(k + 1) * dof);
+            smooth.q.extend(&q[row * dof..(row + 1) * dof]);
+            smooth.rates.extend(&known.rates[own.clone()]);
+            smooth.gains.extend(&known.gains[own.clone()]);
+            let Some(fit) = fit else { continue };
+            // Joints that stand have accelerations without deviation.
+            let stands = |joint: usize| known.gains_std[own.start + joint] <= 0.0;
+            let standing: Vec<usize> = (0..dof).filter(|joint| stands(*joint)).collect();
+            fit.rates(after, &mut smooth.rates[own.clone()]);
+            fit.gains(after, &mut smooth.gains[own.clone()]);
+            for (joint, q) in smooth.q[own.clone()].iter_mut().enumerate() {
+                *q = nodes.position(node, joint) + fit.position(joint, after);
+            }
+            for joint in standing {
+                let at = own.start + joint;
+                smooth.q[at] = q[row * dof + joint];
+                smooth.rates[at] = known.rates[at];
+                smooth.gains[at] = known.gains[at];
             }
         }
         smooth

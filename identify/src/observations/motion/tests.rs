@@ -45,7 +45,7 @@ fn a_swing_is_differentiated_on_jittering_stamps() {
     ] {
         let (t, q) = swing(step, 200.0 * step + 4.0 / hertz, hertz);
         let plan = Plan::of(&t, &q, 1).unwrap();
-        let motion = plan.motion(&t, &q, 1, 0..t.len()).unwrap();
+        let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
         let known = motion.known.iter().filter(|known| **known).count();
         assert!(known as f64 > 0.85 * t.len() as f64, "{known} of {step}");
         let w = std::f64::consts::TAU * hertz;
@@ -69,7 +69,7 @@ fn logs_with_long_intervals_know_no_accelerations() {
     let (t, _) = swing(0.1, 60.0, 0.2);
     let q = noise(t.len(), 0.3);
     let plan = Plan::of(&t, &q, 1).unwrap();
-    assert_eq!(plan.motion(&t, &q, 1, 0..t.len()), None);
+    assert_eq!(plan.motion((&t, &q, 1), 0..t.len(), Wanted::All), None);
 }
 
 /// Rows at the ends and beside a pause have no window, unless the robot stands there.
@@ -83,14 +83,14 @@ fn edges_have_no_window_unless_the_robot_stands() {
         .map(|(k, t)| if k < 100 { (3.0 * t).sin() } else { 0.1 })
         .collect();
     let plan = Plan::of(&t, &q, 1).unwrap();
-    let motion = plan.motion(&t, &q, 1, 0..t.len()).unwrap();
+    let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
     for (row, known) in motion.known.iter().enumerate() {
         let whole = row >= 100 || row.min(99 - row) >= 9;
         assert_eq!(*known, whole, "row {row}");
     }
     assert!(motion.gains[100..].iter().all(|gain| *gain == 0.0));
     let still = vec![0.1; t.len()];
-    assert_eq!(plan.motion(&t, &still, 1, 0..t.len()), None);
+    assert_eq!(plan.motion((&t, &still, 1), 0..t.len(), Wanted::All), None);
 }
 
 /// The stated deviation of an acceleration is what noise of the encoders makes of it, and a
@@ -103,7 +103,9 @@ fn deviations_are_those_of_the_noise() {
     let q: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
     let plan = Plan::of(&t, &q, 1).unwrap();
     assert!(plan.half > 0.5, "{plan:?}");
-    let motion = plan.motion(&t, &q, 1, 100..t.len() - 100).unwrap();
+    let motion = plan
+        .motion((&t, &q, 1), 100..t.len() - 100, Wanted::All)
+        .unwrap();
     let w = std::f64::consts::TAU * 0.25;
     let off: Vec<f64> = motion
         .gains
@@ -114,7 +116,7 @@ fn deviations_are_those_of_the_noise() {
     let ratio = rms(&off) / rms(&motion.gains_std);
     assert!((0.85..1.15).contains(&ratio), "{ratio}");
     // Noise alone moves no joint.
-    assert_eq!(plan.motion(&t, &noise, 1, 0..t.len()), None);
+    assert_eq!(plan.motion((&t, &noise, 1), 0..t.len(), Wanted::All), None);
 }
 
 /// Encoders that write ticks bend no acceleration: what is left is noise that averages out.
@@ -131,7 +133,7 @@ fn ticks_leave_accelerations_as_large_as_they_are() {
         let (t, q) = swing(step, 120.0, hertz);
         let q: Vec<f64> = q.iter().map(|q| (q / tick).round() * tick).collect();
         let plan = Plan::of(&t, &q, 1).unwrap();
-        let motion = plan.motion(&t, &q, 1, 0..t.len()).unwrap();
+        let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
         let w = std::f64::consts::TAU * hertz;
         let (mut product, mut square) = (0.0, 0.0);
         for (k, t) in t.iter().enumerate().filter(|(k, _)| motion.known[*k]) {
@@ -156,7 +158,7 @@ fn positions_are_known_as_well_as_encoders_read_them() {
         let ticks: Vec<f64> = truth.iter().map(|q| (q / tick).round() * tick).collect();
         for (q, expected) in [(white, 1e-3), (ticks, tick / 12_f64.sqrt())] {
             let plan = Plan::of(&t, &q, 1).unwrap();
-            let motion = plan.motion(&t, &q, 1, 0..t.len()).unwrap();
+            let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
             let ratio = rms(&motion.positions_std) / expected;
             assert!((0.9..1.15).contains(&ratio), "{step} s: {ratio}");
         }
@@ -173,7 +175,7 @@ fn accelerations_change_as_those_of_a_swing_do() {
         let (mut t, q) = swing(step, 600.0 * step, if within > 0.0 { hertz } else { 0.1 });
         t.iter_mut().skip(400).for_each(|t| *t += 100.0 / hertz);
         let plan = Plan::of(&t, &q, 1).unwrap();
-        let motion = plan.motion(&t, &q, 1, 0..t.len()).unwrap();
+        let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
         let mut told = 0;
         for (k, t) in t.iter().enumerate() {
             let (jerk, snap) = (motion.jerks[k], motion.snaps[k]);
@@ -196,7 +198,7 @@ fn accelerations_change_as_those_of_a_swing_do() {
         }
         assert!(within == 0.0 || told > 500, "{told}");
         // In some rows alone, whose neighbours are seen.
-        let some = plan.motion(&t, &q, 1, 100..150).unwrap();
+        let some = plan.motion((&t, &q, 1), 100..150, Wanted::All).unwrap();
         assert_eq!(some.jerks.len(), 50);
         for (k, jerk) in some.jerks.iter().enumerate() {
             let whole = motion.jerks[100 + k];

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use sesc_runtime::F64x8;
+
 /// Halves of windows, s.
 const HALVES_S: [f64; 4] = [0.15, 0.3, 0.6, 1.2];
 /// Rows of a window on either side where they are far apart.
@@ -21,7 +23,10 @@ pub(super) struct Nodes {
     /// Rows that are averaged to a node where they are dense.
     pub rows: usize,
     pub t: Vec<f64>,
-    pub q: Vec<f64>,
+    /// Joints of each node in blocks of eight, zero beyond the last.
+    pub q: Vec<F64x8>,
+    /// Blocks of a node.
+    pub width: usize,
     /// The node of each row.
     pub of_row: Vec<usize>,
     /// How often the rows had moved when a node began, and when it ended.
@@ -36,7 +41,8 @@ impl Nodes {
             dof,
             rows,
             t: Vec::with_capacity(t.len() / rows + 1),
-            q: Vec::with_capacity(q.len() / rows + dof),
+            q: Vec::with_capacity(q.len() / rows / 8 + dof),
+            width: dof.div_ceil(8),
             of_row: Vec::with_capacity(t.len()),
             moved: Vec::with_capacity(t.len() / rows + 1),
         };
@@ -53,7 +59,8 @@ impl Nodes {
             if !joins {
                 count = 0.0;
                 nodes.t.push(0.0);
-                nodes.q.resize(nodes.q.len() + dof, 0.0);
+                let zero = F64x8::splat(0.0);
+                nodes.q.resize(nodes.q.len() + nodes.width, zero);
                 nodes.moved.push([moved; 2]);
             }
             count += 1.0;
@@ -61,8 +68,8 @@ impl Nodes {
             nodes.of_row.push(node);
             nodes.moved[node][1] = moved;
             nodes.t[node] += (now - nodes.t[node]) / count;
-            let mean = &mut nodes.q[node * dof..];
-            for (mean, x) in mean.iter_mut().zip(own) {
+            let mean = nodes.q[node * nodes.width..].iter_mut();
+            for (mean, x) in mean.flat_map(|block| &mut block.0).zip(own) {
                 *mean += (x - *mean) / count;
             }
         }
@@ -71,6 +78,16 @@ impl Nodes {
 
     pub fn len(&self) -> usize {
         self.t.len()
+    }
+
+    /// Positions of a node, in blocks.
+    pub fn blocks(&self, nodes: Range<usize>) -> &[F64x8] {
+        &self.q[nodes.start * self.width..nodes.end * self.width]
+    }
+
+    /// Position of a joint in a node.
+    pub fn position(&self, node: usize, joint: usize) -> f64 {
+        self.q[node * self.width + joint / 8].0[joint % 8]
     }
 
     /// Whether nothing moves in all of some nodes.
