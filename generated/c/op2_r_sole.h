@@ -61,7 +61,7 @@ extern "C" {
 typedef float op2_r_sole_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define op2_r_sole_PAIR_0c92a8816e3a25d2
+#define op2_r_sole_PAIR_8b98ff2195b3eaf8
 
 /** Number of independent joints. */
 #define op2_r_sole_DOF 20
@@ -589,8 +589,11 @@ int op2_r_sole_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int op2_r_sole_selftest_0c92a8816e3a25d2(void);
-#define op2_r_sole_selftest() op2_r_sole_selftest_0c92a8816e3a25d2()
+int op2_r_sole_selftest_8b98ff2195b3eaf8(void);
+#ifndef op2_r_sole_SOURCE
+#define op2_r_sole_selftest() \
+    op2_r_sole_selftest_8b98ff2195b3eaf8()
+#endif
 
 #ifdef __cplusplus
 }

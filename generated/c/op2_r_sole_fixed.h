@@ -56,7 +56,7 @@ extern "C" {
 typedef int32_t op2_r_sole_fixed_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define op2_r_sole_fixed_PAIR_18c24c020e2ae2b9
+#define op2_r_sole_fixed_PAIR_4c896e2d68495547
 
 /** Number of independent joints. */
 #define op2_r_sole_fixed_DOF 20
@@ -492,8 +492,11 @@ int op2_r_sole_fixed_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int op2_r_sole_fixed_selftest_18c24c020e2ae2b9(void);
-#define op2_r_sole_fixed_selftest() op2_r_sole_fixed_selftest_18c24c020e2ae2b9()
+int op2_r_sole_fixed_selftest_4c896e2d68495547(void);
+#ifndef op2_r_sole_fixed_SOURCE
+#define op2_r_sole_fixed_selftest() \
+    op2_r_sole_fixed_selftest_4c896e2d68495547()
+#endif
 
 #ifdef __cplusplus
 }

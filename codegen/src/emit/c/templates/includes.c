@@ -1,3 +1,5 @@
+/* The self-test is defined here, by its own name, too. */
+#define {{ name }}_SOURCE
 #include "{{ name }}.h"
 #ifndef {{ name }}_PAIR_{{ pair }}
 #error "{{ name }}.h is not the header that was written with this source: generate both again"

@@ -107,7 +107,10 @@ int {{ name }}_selftest(void);
  * does not link.
  */
 int {{ name }}_selftest_{{ pair }}(void);
-#define {{ name }}_selftest() {{ name }}_selftest_{{ pair }}()
+#ifndef {{ name }}_SOURCE
+#define {{ name }}_selftest() \
+    {{ name }}_selftest_{{ pair }}()
+#endif
 
 #ifdef __cplusplus
 }

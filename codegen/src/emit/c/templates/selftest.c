@@ -45,8 +45,7 @@ int {{ name }}_selftest_{{ pair }}(void)
     return failed;
 }
 
-/* In parentheses, since the header has a macro of this name. */
-int ({{ name }}_selftest)(void)
+int {{ name }}_selftest(void)
 {
     return {{ name }}_selftest_{{ pair }}();
 }
