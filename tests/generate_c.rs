@@ -47,7 +47,7 @@ fn every_scalar_becomes_a_header_and_a_source() {
         let header = fs::read_to_string(out.join(format!("{scalar}.h"))).unwrap();
         let source = fs::read_to_string(out.join(format!("{scalar}.c"))).unwrap();
         assert!(header.contains(&format!("typedef {real} {scalar}_real;")));
-        assert!(source.contains(&format!("int ({scalar}_selftest)(void)")));
+        assert!(source.contains(&format!("\nint {scalar}_selftest(void)")));
         assert_eq!(
             header.contains(&format!("{scalar}_com_ticks(")),
             ticks,

@@ -47,7 +47,7 @@ extern "C" {
 typedef float lift_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define lift_PAIR_bcfdd90b998be7fd
+#define lift_PAIR_c6ae5c221bf87357
 
 /** Number of independent joints. */
 #define lift_DOF 2
@@ -323,8 +323,11 @@ int lift_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int lift_selftest_bcfdd90b998be7fd(void);
-#define lift_selftest() lift_selftest_bcfdd90b998be7fd()
+int lift_selftest_c6ae5c221bf87357(void);
+#ifndef lift_SOURCE
+#define lift_selftest() \
+    lift_selftest_c6ae5c221bf87357()
+#endif
 
 #ifdef __cplusplus
 }

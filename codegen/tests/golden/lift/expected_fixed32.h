@@ -45,7 +45,7 @@ extern "C" {
 typedef int32_t lift_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define lift_PAIR_fece342d9d6bde47
+#define lift_PAIR_6a45439e524ec9fb
 
 /** Number of independent joints. */
 #define lift_DOF 2
@@ -323,8 +323,11 @@ int lift_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int lift_selftest_fece342d9d6bde47(void);
-#define lift_selftest() lift_selftest_fece342d9d6bde47()
+int lift_selftest_6a45439e524ec9fb(void);
+#ifndef lift_SOURCE
+#define lift_selftest() \
+    lift_selftest_6a45439e524ec9fb()
+#endif
 
 #ifdef __cplusplus
 }

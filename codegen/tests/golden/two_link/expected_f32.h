@@ -59,7 +59,7 @@ extern "C" {
 typedef float two_link_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define two_link_PAIR_90f0c3d5a81bedb7
+#define two_link_PAIR_1ad39b4437782419
 
 /** Number of independent joints. */
 #define two_link_DOF 2
@@ -453,8 +453,11 @@ int two_link_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int two_link_selftest_90f0c3d5a81bedb7(void);
-#define two_link_selftest() two_link_selftest_90f0c3d5a81bedb7()
+int two_link_selftest_1ad39b4437782419(void);
+#ifndef two_link_SOURCE
+#define two_link_selftest() \
+    two_link_selftest_1ad39b4437782419()
+#endif
 
 #ifdef __cplusplus
 }

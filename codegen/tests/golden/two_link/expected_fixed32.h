@@ -54,7 +54,7 @@ extern "C" {
 typedef int32_t two_link_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define two_link_PAIR_25ef1f270f79bb58
+#define two_link_PAIR_37ad428feeb4b956
 
 /** Number of independent joints. */
 #define two_link_DOF 2
@@ -434,8 +434,11 @@ int two_link_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int two_link_selftest_25ef1f270f79bb58(void);
-#define two_link_selftest() two_link_selftest_25ef1f270f79bb58()
+int two_link_selftest_37ad428feeb4b956(void);
+#ifndef two_link_SOURCE
+#define two_link_selftest() \
+    two_link_selftest_37ad428feeb4b956()
+#endif
 
 #ifdef __cplusplus
 }
