@@ -96,7 +96,8 @@ def stays(log: Path) -> Path:
 def test_stays_and_motion_are_equal(
     small: sesc.Robot, robots: Path, stays: Path, command_json: Any, options: Any, words: Any
 ) -> None:
-    for ask, name in [(sesc.fit, "fit"), (sesc.diagnose, "diagnose")]:
+    asks: list[tuple[Any, str]] = [(sesc.fit, "fit"), (sesc.diagnose, "diagnose")]
+    for ask, name in asks:
         want = command_json(name, robots / LEGS[0], "--data", stays, *words)
         assert json.dumps(ask(small, stays, **options).to_dict()) == json.dumps(want)
     part = sesc.gather(small, stays, **options)
@@ -104,7 +105,8 @@ def test_stays_and_motion_are_equal(
 
 
 def test_stays_of_no_length_and_unknown_motion_are_refused(small: sesc.Robot, stays: Path) -> None:
-    for ask in (sesc.fit, sesc.diagnose, sesc.gather):
+    asks: list[Any] = [sesc.fit, sesc.diagnose, sesc.gather]
+    for ask in asks:
         with pytest.raises(sesc.FitError, match="`settle`: give 0.01 to 3600 seconds"):
             ask(small, stays, settle=0.0)
         with pytest.raises(ValueError, match="motion 'slow': give 'auto' or 'off'"):
