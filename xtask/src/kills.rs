@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::Args;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_test_support::kills::{Tally, Victim, WRITERS};
+use sesc_test_support::kills::{Tally, Victim, WRITERS, Writer};
 
 /// What `cargo xtask kills` is asked.
 #[derive(Args)]
@@ -43,11 +43,7 @@ impl Kills {
         for writer in WRITERS {
             let tally = killed(&program, writer, each, &mut rng)?;
             row(writer.name, &tally);
-            all.hit += tally.hit;
-            all.late += tally.late;
-            all.old += tally.old;
-            all.mixed += tally.mixed;
-            all.left += tally.left;
+            all += &tally;
         }
         row("all", &all);
         Ok(())
@@ -57,7 +53,7 @@ impl Kills {
 /// Kill a command until so many kills came before its end.
 fn killed(
     program: &Path,
-    writer: sesc_test_support::kills::Writer,
+    writer: Writer,
     times: u32,
     rng: &mut ChaCha8Rng,
 ) -> Result<Tally, String> {
@@ -65,11 +61,7 @@ fn killed(
     let mut all = Tally::default();
     while all.hit < times {
         let tally = victim.kill(times - all.hit, rng)?;
-        all.hit += tally.hit;
-        all.late += tally.late;
-        all.old += tally.old;
-        all.mixed += tally.mixed;
-        all.left += tally.left;
+        all += &tally;
         if all.late > 50 * times {
             return Err(format!("{} ends before it is killed", writer.name));
         }

@@ -165,3 +165,88 @@ impl Thread {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::Options;
+    use super::super::tests::{dofs, log};
+    use super::*;
+
+    /// So many rows in radians, of which row `odd` holds an angle that is no number.
+    fn rows(count: usize, odd: Option<usize>) -> String {
+        let mut text = String::from("pose,hip,knee,cop_x,cop_y\n");
+        for k in 0..count {
+            let knee = match odd == Some(k) {
+                true => "bent".to_string(),
+                false => format!("0.{k:03}"),
+            };
+            text += &format!("{k},0.5,{knee},0.01,0.02\n");
+        }
+        text
+    }
+
+    fn reader(path: &Path) -> PostureReader {
+        PostureReader::open(path, &dofs(&["hip", "knee"]), &Options::default()).unwrap()
+    }
+
+    /// What a reader says until its log ends or fails, the empty block of the end included.
+    fn told(mut next: impl FnMut() -> Result<Block, Error>) -> (Vec<Block>, Option<String>) {
+        let mut blocks = Vec::new();
+        loop {
+            match next() {
+                Ok(block) if block.is_empty() => return (blocks, None),
+                Ok(block) => blocks.push(block),
+                Err(error) => return (blocks, Some(error.to_string())),
+            }
+        }
+    }
+
+    #[test]
+    fn a_reader_ahead_gives_what_the_reader_gives() {
+        let (_folder, path) = log("log.csv", rows(2500, None).as_bytes(), "");
+        let (mut plain, mut ahead) = (reader(&path), Ahead::new(reader(&path)));
+        let expected = told(|| plain.block(100));
+        assert_eq!((expected.0.len(), &expected.1), (25, &None));
+        assert_eq!(told(|| ahead.block(100)), expected);
+        // The end is told as often as it is asked for.
+        assert!(ahead.block(100).unwrap().is_empty());
+        assert_eq!(
+            format!("{:?}", ahead.warnings),
+            format!("{:?}", plain.warnings)
+        );
+        assert_eq!(ahead.progress(), plain.progress());
+        assert_eq!(ahead.averaged(), plain.averaged());
+        assert_eq!(ahead.summary(), plain.summary());
+        assert_eq!(ahead.summary().unwrap().rows, 2500);
+    }
+
+    #[test]
+    fn an_error_comes_after_the_same_blocks_and_ends_the_log() {
+        let (_folder, path) = log("log.csv", rows(20_000, Some(15_000)).as_bytes(), "");
+        let (mut plain, mut ahead) = (reader(&path), Ahead::new(reader(&path)));
+        let expected = told(|| plain.block(100));
+        assert!(!expected.0.is_empty());
+        assert!(
+            expected.1.as_ref().unwrap().contains("15002"),
+            "{expected:?}"
+        );
+        assert_eq!(told(|| ahead.block(100)), expected);
+        assert!(ahead.block(100).unwrap().is_empty());
+    }
+
+    #[test]
+    fn a_log_that_is_left_in_the_middle_is_closed() {
+        let (_folder, path) = log("log.csv", rows(20_000, None).as_bytes(), "");
+        let mut ahead = Ahead::new(reader(&path));
+        assert_eq!(ahead.block(10).unwrap().len(), 10);
+        let Source::Thread(mut thread) = std::mem::replace(&mut ahead.source, Source::Ended) else {
+            panic!("no thread reads");
+        };
+        let handle = thread.handle.take().unwrap();
+        drop(thread);
+        // The thread waits with its next block; nobody takes it, so that it ends.
+        handle.join().unwrap();
+    }
+}

@@ -9,6 +9,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::ops::AddAssign;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -139,6 +140,16 @@ pub struct Tally {
     pub mixed: u32,
     /// Hits that left a temporary file.
     pub left: u32,
+}
+
+impl AddAssign<&Tally> for Tally {
+    fn add_assign(&mut self, other: &Tally) {
+        self.hit += other.hit;
+        self.late += other.late;
+        self.old += other.old;
+        self.mixed += other.mixed;
+        self.left += other.left;
+    }
 }
 
 /// A folder in which one command is killed.

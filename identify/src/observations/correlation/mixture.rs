@@ -11,7 +11,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::restricted::{Found, basis, steps};
+use super::restricted::{Found, Likelihood, basis, steps};
 
 /// Parts of the longest time and shares of lasting noise that are tried at first.
 const TIMES: usize = 10;
@@ -66,15 +66,6 @@ struct Rows<'a> {
     joined: &'a [bool],
 }
 
-/// A lasting time and share, and what the rows say of them.
-struct Tried {
-    tau: f64,
-    share: f64,
-    value: f64,
-    variance: f64,
-    params: DVector<f64>,
-}
-
 impl Rows<'_> {
     /// Correlation of the lasting parts of row k and the one before.
     fn rho(&self, k: usize, tau: f64) -> f64 {
@@ -96,25 +87,9 @@ impl Rows<'_> {
         (z, log_det)
     }
 
-    fn at(&self, tau: f64, share: f64) -> Option<Tried> {
+    fn at(&self, tau: f64, share: f64) -> Option<Likelihood> {
         let (z, log_det) = self.whitened(tau, share);
-        let p = z.nrows() - 1;
-        let all = &z * z.transpose();
-        let of_xy = all.view((0, p), (p, 1)).column(0).into_owned();
-        let factor = all.view((0, 0), (p, p)).into_owned().cholesky()?;
-        let params = factor.solve(&of_xy);
-        let rest = (all[(p, p)] - of_xy.dot(&params)).max(f64::EPSILON * all[(p, p)]);
-        let diagonal = factor.l_dirty().diagonal();
-        let log_det_x: f64 = diagonal.iter().map(|d| 2.0 * d.ln()).sum();
-        let freedom = (z.ncols() - p) as f64;
-        let variance = (rest / freedom).max(f64::MIN_POSITIVE);
-        Some(Tried {
-            tau,
-            share,
-            value: -0.5 * (freedom * variance.ln() + log_det + log_det_x),
-            variance,
-            params,
-        })
+        Likelihood::of(&(&z * z.transpose()), z.ncols(), log_det)
     }
 }
 
@@ -182,14 +157,15 @@ pub(super) fn estimate(
         steps = steps.map(|step| 0.6 * step);
     }
     let (part, share) = best.0;
-    let best = rows.at(time(part), share)?;
-    let (whitened, _) = rows.whitened(best.tau, best.share);
+    let tau = time(part);
+    let best = rows.at(tau, share)?;
+    let (whitened, _) = rows.whitened(tau, share);
     let explained = whitened.rows(0, p).tr_mul(&best.params);
     let left = whitened.row(p).transpose() - explained;
     Some(Mixture {
-        share: best.share,
+        share,
         found: Found {
-            tau: best.tau,
+            tau,
             variance: best.variance,
             gain: 2.0 * (best.value - white.value),
             freedom: (n - p) as f64,

@@ -236,13 +236,16 @@ impl Scale {
             }
         }
         let left = &of_y - &of_x * &found.params;
+        let mut filter = mixture::Filter::new(1, 1.0);
         let innovations: Vec<f64> = (0..n)
             .map(|k| {
-                if found.tau == 0.0 || !joined[k] {
-                    return left[k];
-                }
-                let rho = (-(middle[k] - middle[k - 1]) / found.tau).exp();
-                (left[k] - rho * left[k - 1]) / (1.0 - rho * rho).max(1e-12).sqrt()
+                let rho = match found.tau > 0.0 && joined[k] {
+                    true => (-(middle[k] - middle[k - 1]) / found.tau).exp(),
+                    false => 0.0,
+                };
+                let mut row = [left[k]];
+                filter.whiten(rho, 1.0, &mut row);
+                row[0]
             })
             .collect();
         let mut consistent = is_white(&innovations, columns.taken);

@@ -57,7 +57,6 @@ struct Lag {
 /// Rows of one axis as sums.
 struct Sums {
     rows: usize,
-    columns: usize,
     /// Rows that begin a stretch.
     first: DMatrix<f64>,
     lags: Vec<Lag>,
@@ -179,14 +178,14 @@ pub(super) fn steps(t: &[f64], joined: &[bool]) -> Vec<f64> {
     steps
 }
 
-/// At one correlation time.
-struct Likelihood {
+/// What rows say of one process.
+pub(super) struct Likelihood {
     /// Restricted log likelihood less a constant.
-    value: f64,
+    pub value: f64,
     /// Variance of one row.
-    variance: f64,
+    pub variance: f64,
     /// Estimates of the basis columns' coefficients.
-    params: DVector<f64>,
+    pub params: DVector<f64>,
 }
 
 /// Mean square of what a fit leaves, and its degrees of freedom, of independent rows.
@@ -200,7 +199,7 @@ pub(super) fn white(x: &DMatrix<f64>, y: &DVector<f64>) -> Option<(f64, f64)> {
 
 impl Sums {
     fn of(t: &[f64], joined: &[bool], z: &DMatrix<f64>) -> Sums {
-        let (n, columns) = z.shape();
+        let n = z.nrows();
         let mut classes: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
         let mut first = Vec::new();
         for k in 0..n {
@@ -229,14 +228,12 @@ impl Sums {
         let alone = z.select_rows(&first);
         Sums {
             rows: n,
-            columns: columns - 1,
             first: product(&alone, &alone),
             lags: lags.collect(),
         }
     }
 
     fn likelihood(&self, tau: f64) -> Option<Likelihood> {
-        let p = self.columns;
         let mut all = self.first.clone();
         let mut log_det = 0.0;
         for lag in &self.lags {
@@ -248,19 +245,24 @@ impl Sums {
             log_det += lag.count * left.ln();
             all += (&lag.here - &lag.cross * rho + &lag.before * (rho * rho)) / left;
         }
-        let of_x = all.view((0, 0), (p, p)).into_owned();
-        let of_xy = all.view((0, p), (p, 1)).column(0).into_owned();
+        Likelihood::of(&all, self.rows, log_det)
+    }
+}
+
+impl Likelihood {
+    /// The likelihood of so many rows (x, y), whose products M they have once their correlation
+    /// is taken from them; `log_det` is that of their covariance, in units of a row's variance.
+    pub fn of(products: &DMatrix<f64>, rows: usize, log_det: f64) -> Option<Likelihood> {
+        let p = products.ncols() - 1;
+        let of_x = products.view((0, 0), (p, p)).into_owned();
+        let of_xy = products.view((0, p), (p, 1)).column(0).into_owned();
+        let of_y = products[(p, p)];
         let factor = of_x.cholesky()?;
         let params = factor.solve(&of_xy);
-        let rest = all[(p, p)] - of_xy.dot(&params);
-        let rest = rest.max(f64::EPSILON * all[(p, p)]);
-        let log_det_x: f64 = factor
-            .l_dirty()
-            .diagonal()
-            .iter()
-            .map(|d| 2.0 * d.ln())
-            .sum();
-        let freedom = (self.rows - p) as f64;
+        let rest = (of_y - of_xy.dot(&params)).max(f64::EPSILON * of_y);
+        let diagonal = factor.l_dirty().diagonal();
+        let log_det_x: f64 = diagonal.iter().map(|d| 2.0 * d.ln()).sum();
+        let freedom = (rows - p) as f64;
         let variance = (rest / freedom).max(f64::MIN_POSITIVE);
         Some(Likelihood {
             value: -0.5 * (freedom * variance.ln() + log_det + log_det_x),
