@@ -116,16 +116,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .check_writable()?;
     let bar = &mut Bar::new("diagnosing");
     let request = request(arguments, &inputs)?;
+    if arguments.prior_out.is_some() {
+        fleet::check_population(&request.groups)?;
+    }
     let found = fleet::run(&request, bar)?;
     bar.0.finish_and_clear();
+    // What cannot be known is said before anything is written.
+    let mut population = None;
+    if arguments.prior_out.is_some() {
+        let known = fleet::population(&found.rows, &request.robot, &request.options)?;
+        population = Some(known);
+    }
     fleet::write(&arguments.out, &found.rows)?;
     message(&format!("wrote {}", arguments.out.display()));
-    let mut population = None;
-    if let Some(path) = &arguments.prior_out {
-        let known = fleet::population(&found.rows, &request.robot, &request.options)?;
+    if let (Some(path), Some(known)) = (&arguments.prior_out, &population) {
         files::write(path, &known.to_toml()?)?;
         message(&format!("wrote {}", path.display()));
-        population = Some(known);
     }
     let summary = summary(&found.rows, &found.names, population);
     if let Some(path) = &arguments.report {

@@ -134,24 +134,43 @@ fn the_next_robot_is_known_better_by_the_fleet_and_as_well_as_is_said() {
     refused(&physical, &["--physical", "--prior cad"]);
 }
 
+/// A prior of too few robots is refused, and neither table nor prior is written: four robots
+/// before their logs are read, five of which one has no postures when that is known.
 #[test]
-fn few_robots_make_no_prior() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    Fleet::sound(2, 1, 22).write(folder.path()).unwrap();
-    let (urdf, logs, out, prior) = (op2(), at("logs"), at("fleet.csv"), at("population.toml"));
-    let words = [
-        "fleet",
-        &urdf,
-        "--data",
-        &logs,
-        "--only",
-        "parameters",
-        "--out",
-        &out,
-        "--prior-out",
-        &prior,
-    ];
-    refused(&sesc(&words), &["2 robots", "needs 5"]);
-    assert!(Path::new(&out).exists() && !Path::new(&prior).exists());
+fn few_robots_make_no_prior_and_no_table() {
+    for (robots, words) in [(4, "logs are of 4 robots"), (5, "4 robots")] {
+        let folder = folder();
+        let at = |name: &str| folder.path().join(name).display().to_string();
+        Fleet::sound(robots, 1, 22).write(folder.path()).unwrap();
+        if robots == 5 {
+            let log = folder.path().join(Fleet::folder(0, 1)).join("log.csv");
+            std::fs::write(log, "cop_x,cop_y\n").unwrap();
+        }
+        let (urdf, logs, out, prior) = (op2(), at("logs"), at("fleet.csv"), at("population.toml"));
+        let (store, page) = (at("store"), at("fleet.html"));
+        let command = [
+            "fleet",
+            &urdf,
+            "--data",
+            &logs,
+            "--only",
+            "parameters",
+            "--store",
+            &store,
+            "--out",
+            &out,
+            "--report",
+            &page,
+            "--prior-out",
+            &prior,
+        ];
+        refused(&sesc(&command), &[words, "needs 5"]);
+        assert!(
+            [&out, &prior, &page]
+                .iter()
+                .all(|file| !Path::new(file).exists())
+        );
+        // Rows that were made are kept: the next run need not make them.
+        assert_eq!(Path::new(&store).exists(), robots == 5);
+    }
 }

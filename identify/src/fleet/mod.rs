@@ -43,7 +43,7 @@ pub use gathering::{Fleet, Gathering, Twice};
 pub use groups::{Group, groups};
 pub use manifest::{Input, inputs, is_address};
 pub use options::{Only, Options};
-pub use population::population;
+pub use population::{check_population, population};
 pub use row::{EffectFound, Row, Size};
 pub use run::{Request, run};
 pub use store::Store;

@@ -13,11 +13,12 @@
 //! n/N of what was learnt, since n parameters of N robots have axes along which these happen to
 //! be alike.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::groups::Group;
 use super::options::Options;
 use super::row::Row;
 use super::summary::criteria::ROBOTS;
@@ -36,6 +37,21 @@ const STEPS: usize = 30;
 struct Said {
     information: DMatrix<f64>,
     vector: DVector<f64>,
+}
+
+/// Whether these groups are of enough robots for [`population`], before they are worked on.
+///
+/// # Errors
+/// When they are of fewer than five robots.
+pub fn check_population(groups: &[Group]) -> Result<(), Error> {
+    let robots: BTreeSet<&str> = groups.iter().map(|group| group.robot.as_str()).collect();
+    match robots.len() < ROBOTS {
+        true => Err(Error::request(format!(
+            "the logs are of {} robots; a population needs {ROBOTS}",
+            robots.len()
+        ))),
+        false => Ok(()),
+    }
 }
 
 /// The population of all rows of `robot`'s URDF that were made with these options, which have
