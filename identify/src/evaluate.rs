@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 use sesc_model::effects::PostureContext;
 use sesc_model::expr::Argument;
 use sesc_model::program::Program;
-use sesc_model::tape::{Kernels, Tape, Values};
+use sesc_model::tape::{BLOCK, Kernels, SHORT, Tape, Values};
+use sesc_model::wide::{Loops, widest};
 use sesc_model::{Function, Given, Model};
 use sesc_runtime::{Simd, power, trig};
 
@@ -200,20 +201,59 @@ impl Evaluator {
     }
 }
 
-/// The runtime's portable kernels: what generated code computes from scalars, the tape
-/// computes to the bit, on any machine.
+/// The runtime's portable arithmetic, in the widest registers of this machine: what generated
+/// code computes from scalars, the tape computes to the bit, on any machine.
 pub const PORTABLE: Kernels = Kernels {
-    sin_cos: |angle, sin, cos| Simd::PORTABLE.sin_cos(angle, sin, cos),
-    power: |base, exponent, out| power::power_block(base, exponent, out),
+    sin_cos: |angles, sin, cos| widest(Sines { angles, sin, cos }),
+    power: |bases, exponents, out| {
+        let exponents = exponents.as_chunks::<SHORT>().0;
+        let out = out.as_chunks_mut::<SHORT>().0;
+        for ((x, y), out) in bases.as_chunks().0.iter().zip(exponents).zip(out) {
+            power::power_block(x, y, out);
+        }
+    },
 };
 
 /// The runtime's kernels on the widest registers of this machine: within the same bounds.
 pub const FASTEST: Kernels = Kernels {
-    sin_cos: |angle, sin, cos| BEST.sin_cos(angle, sin, cos),
+    sin_cos: |angles, sin, cos| sines(*BEST, angles, sin, cos),
     power: PORTABLE.power,
 };
 
 static BEST: LazyLock<Simd> = LazyLock::new(Simd::best);
+
+/// Portable sines and cosines of a block.
+struct Sines<'a> {
+    angles: &'a [f64],
+    sin: &'a mut [f64],
+    cos: &'a mut [f64],
+}
+
+impl Loops for Sines<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let places = self.sin.iter_mut().zip(self.cos);
+        for (angle, (sin, cos)) in self.angles.iter().zip(places) {
+            (*sin, *cos) = trig::sin_cos(*angle);
+        }
+    }
+}
+
+/// Sines and cosines of a block by the runtime's kernels, by one call where it is long.
+fn sines(simd: Simd, angles: &[f64], sin: &mut [f64], cos: &mut [f64]) {
+    match angles.len() {
+        SHORT => chunks::<SHORT>(simd, angles, sin, cos),
+        _ => chunks::<BLOCK>(simd, angles, sin, cos),
+    }
+}
+
+fn chunks<const N: usize>(simd: Simd, angles: &[f64], sin: &mut [f64], cos: &mut [f64]) {
+    let sin = sin.as_chunks_mut::<N>().0;
+    let cos = cos.as_chunks_mut::<N>().0;
+    for ((angles, sin), cos) in angles.as_chunks().0.iter().zip(sin).zip(cos) {
+        simd.sin_cos(angles, sin, cos);
+    }
+}
 
 /// Predicts what motion adds to the CoP: the ZMP less the static one, on level ground.
 ///
@@ -340,5 +380,51 @@ impl EffectPredictor {
         self.com.run(&arguments, postures, &mut com, PORTABLE);
         self.cop.run(&arguments, postures, &mut cop, PORTABLE);
         (com, cop)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::robot::Robot;
+    use crate::stance::Stance;
+
+    #[test]
+    fn a_posture_alone_has_the_bits_of_its_batch() {
+        let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/op2/op2.urdf");
+        let robot = Robot::read(Path::new(urdf)).unwrap();
+        let model = Stance::new(robot).on("r_sole").model().unwrap();
+        let (all, dof) = (200, model.dof());
+        let q: Vec<f64> = (0..all * dof).map(|k| f64::sin(k as f64)).collect();
+        for function in [Function::Com, Function::ComJacobian, Function::RegressorCop] {
+            let portable = Evaluator::new(&model, function);
+            let fastest = Evaluator::new(&model, function).fastest();
+            for evaluator in [portable, fastest] {
+                let batch = evaluator.run(&q, all);
+                // Around the ends of short and of long blocks.
+                for n in [1, 7, 8, 9, 16, 17, 63, 64, 65, 128, 130] {
+                    let few = evaluator.run(&q[dof..], n);
+                    let same = &batch[evaluator.width()..][..few.len()];
+                    let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                    assert_eq!(bits(&few), bits(same), "{function:?}, {n} postures");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn powers_of_short_blocks_are_those_of_long_ones() {
+        let x: Vec<f64> = (0..BLOCK).map(|k| 0.03 * k as f64).collect();
+        let y: Vec<f64> = (0..BLOCK).map(|k| 0.1 + 0.02 * k as f64).collect();
+        let (mut long, mut short) = (vec![0.0; BLOCK], vec![0.0; BLOCK]);
+        (PORTABLE.power)(&x, &y, &mut long);
+        for k in (0..BLOCK).step_by(SHORT) {
+            let to = k + SHORT;
+            (PORTABLE.power)(&x[k..to], &y[k..to], &mut short[k..to]);
+        }
+        assert_eq!(long, short);
+        assert!((long[20] - f64::powf(x[20], y[20])).abs() < 1e-15);
     }
 }

@@ -14,7 +14,7 @@
 //!
 //! ```text
 //! urdf → tree → chain → frames → base → robot → inertia            kinematics: no file, no effect
-//! expr → program → bounds | tape                                   straight-line code
+//! expr → program → bounds | wide → tape                            straight-line code
 //! interface → functions → measurement → effects → model            what is computed
 //! ```
 
@@ -48,6 +48,7 @@ pub mod tape;
 pub mod text;
 pub mod tree;
 pub mod urdf;
+pub mod wide;
 
 pub use error::Error;
 pub use functions::{differentiate_com, motion_rows};

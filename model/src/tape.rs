@@ -2,31 +2,34 @@
 //!
 //! Each node works on [`BLOCK`] postures at once, so that the cost of looking
 //! up what to do is shared and the loops vectorise: in the widest registers that the
-//! processor has, with the same bits in all. Registers of results are reused as soon
+//! processor has, with the same bits in all. A few postures go in blocks of [`SHORT`]: one
+//! posture does not pay for 64. Registers of results are reused as soon
 //! as their value is dead; inputs keep theirs, and what all postures share is loaded once.
 
 use crate::expr::{Expr, Id};
 use crate::program::{Program, operands};
+use crate::wide::{Loops, widest};
 
 /// Postures evaluated together.
 pub const BLOCK: usize = 64;
 
-/// Numbers in a line of the cache.
-const LINE: usize = 8;
+/// Postures evaluated together where there are only a few: numbers in a line of the cache.
+pub const SHORT: usize = 8;
 
-/// The value of a node for every posture of a block.
-pub type Lane = [f64; BLOCK];
+/// Up to so many postures are a few.
+const FEW: usize = 2 * SHORT;
 
-/// Where one is kept: no load of eight numbers straddles two lines of the cache.
+/// The value of a node for every posture of a block, of N = [`BLOCK`] or [`SHORT`]: no load of
+/// eight numbers straddles two lines of the cache.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-struct Register(Lane);
+struct Register<const N: usize>([f64; N]);
 
-/// Sines and cosines of a block of angles.
-pub type SinCos = fn(&Lane, &mut Lane, &mut Lane);
+/// Sines and cosines of a block of angles: [`BLOCK`] or [`SHORT`] of each.
+pub type SinCos = fn(&[f64], &mut [f64], &mut [f64]);
 
-/// A block of bases to the power of a block of exponents.
-pub type Power = fn(&Lane, &Lane, &mut Lane);
+/// A block of bases to the power of a block of exponents: [`BLOCK`] or [`SHORT`] of each.
+pub type Power = fn(&[f64], &[f64], &mut [f64]);
 
 /// Functions that arithmetic does not bring along. With those of the runtime the
 /// tape gives the bits of generated code.
@@ -215,6 +218,20 @@ impl Tape {
             out.len() >= postures * self.outputs.len(),
             "room for every output"
         );
+        match postures {
+            0..=FEW => self.blocks::<SHORT>(arguments, postures, out, kernels),
+            _ => self.blocks::<BLOCK>(arguments, postures, out, kernels),
+        }
+    }
+
+    /// Evaluate N postures at a time.
+    fn blocks<const N: usize>(
+        &self,
+        arguments: &[Values],
+        postures: usize,
+        out: &mut [f64],
+        kernels: Kernels,
+    ) {
         let uniform = |source: &Source| match *source {
             Source::Const(x) => Some(x),
             Source::Input { array, index } => match arguments[array] {
@@ -223,12 +240,14 @@ impl Tape {
             },
         };
         let uniform: Vec<Option<f64>> = self.sources.iter().map(uniform).collect();
-        let mut registers = vec![Register([0.0; BLOCK]); self.registers];
+        let mut registers = vec![Register([0.0; N]); self.registers];
         for (register, value) in registers.iter_mut().zip(&uniform) {
             register.0.fill(value.unwrap_or(0.0));
         }
-        for start in (0..postures).step_by(BLOCK) {
-            let n = BLOCK.min(postures - start);
+        // To look up what is shared costs more than to load it for a few postures.
+        let shared: &[Option<f64>] = if N == SHORT { &[] } else { &uniform };
+        for start in (0..postures).step_by(N) {
+            let n = N.min(postures - start);
             for (register, source) in registers.iter_mut().zip(&self.sources) {
                 if let Source::Input { array, index } = *source
                     && let Values::PerPosture(values) = arguments[array]
@@ -240,21 +259,26 @@ impl Tape {
                     }
                 }
             }
-            widest(&self.steps, &mut registers, &uniform, kernels);
+            widest(Steps {
+                steps: &self.steps,
+                registers: &mut registers,
+                uniform: shared,
+                kernels,
+            });
             let out = &mut out[start * self.outputs.len()..];
             // A line of the cache at a time.
-            let (lines, rest) = self.outputs.as_chunks::<LINE>();
+            let (lines, rest) = self.outputs.as_chunks::<SHORT>();
             let width = self.outputs.len();
             for (k, line) in lines.iter().enumerate() {
                 let columns = line.map(|register| &registers[register]);
-                let rows = out[k * LINE..].chunks_mut(width);
+                let rows = out[k * SHORT..].chunks_mut(width);
                 for (lane, row) in rows.take(n).enumerate() {
-                    if let Some(row) = row.first_chunk_mut::<LINE>() {
-                        *row = columns.map(|column| column.0[lane % BLOCK]);
+                    if let Some(row) = row.first_chunk_mut::<SHORT>() {
+                        *row = columns.map(|column| column.0[lane % N]);
                     }
                 }
             }
-            for (k, register) in (lines.len() * LINE..).zip(rest) {
+            for (k, register) in (lines.len() * SHORT..).zip(rest) {
                 let column = out[k..].iter_mut().step_by(width);
                 for (to, value) in column.zip(&registers[*register].0[..n]) {
                     *to = *value;
@@ -264,46 +288,25 @@ impl Tape {
     }
 }
 
-/// All steps on one block, in the widest registers there are. No step fuses a product with
-/// a sum, so that all sets of instructions give the same bits.
-#[allow(unsafe_code)]
-fn widest(
-    steps: &[Instruction],
-    registers: &mut [Register],
-    uniform: &[Option<f64>],
+/// All steps on one block.
+struct Steps<'a, const N: usize> {
+    steps: &'a [Instruction],
+    registers: &'a mut [Register<N>],
+    uniform: &'a [Option<f64>],
     kernels: Kernels,
-) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-        fn avx512(s: &[Instruction], registers: &mut [Register], u: &[Option<f64>], k: Kernels) {
-            run(s, registers, u, k);
-        }
-        #[target_feature(enable = "avx2")]
-        fn avx2(s: &[Instruction], registers: &mut [Register], u: &[Option<f64>], k: Kernels) {
-            run(s, registers, u, k);
-        }
-        use std::arch::is_x86_feature_detected as has;
-        // The compiler takes AVX2, FMA and F16C as parts of AVX-512; a virtual machine may hide
-        // them one by one.
-        let narrower = has!("avx2") && has!("fma") && has!("f16c");
-        if narrower && has!("avx512f") && has!("avx512vl") && has!("avx512dq") {
-            // SAFETY: the processor and the system have the sets that the function is compiled
-            // for, and those that these imply.
-            return unsafe { avx512(steps, registers, uniform, kernels) };
-        }
-        if has!("avx2") {
-            // SAFETY: the processor and the system have AVX2, and AVX with it.
-            return unsafe { avx2(steps, registers, uniform, kernels) };
-        }
+}
+
+impl<const N: usize> Loops for Steps<'_, N> {
+    #[inline(always)]
+    fn run(self) {
+        run(self.steps, self.registers, self.uniform, self.kernels);
     }
-    run(steps, registers, uniform, kernels);
 }
 
 #[inline(always)]
-fn run(
+fn run<const N: usize>(
     steps: &[Instruction],
-    registers: &mut [Register],
+    registers: &mut [Register<N>],
     uniform: &[Option<f64>],
     kernels: Kernels,
 ) {
@@ -333,8 +336,8 @@ fn run(
 
 /// What all postures share stays in a register of the processor.
 #[inline(always)]
-fn binary(
-    registers: &mut [Register],
+fn binary<const N: usize>(
+    registers: &mut [Register<N>],
     uniform: &[Option<f64>],
     to: usize,
     a: usize,

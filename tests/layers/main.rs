@@ -44,6 +44,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "expr",
             "program",
             "bounds",
+            "wide",
             "tape",
             "interface",
             "functions",

@@ -1,0 +1,67 @@
+//! Programs on tape as Rust calls them, in nanoseconds a posture: one posture a call, and a
+//! batch. `benches/python.py` runs it beside the same calls from Python.
+//!
+//! `cargo bench --bench tape -- URDF SUPPORT` prints a line of each function: its name, one
+//! posture, a batch. Each number is the least of several repeats.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::robot::Robot;
+use sesc_identify::stance::Stance;
+use sesc_model::Function;
+
+/// The functions that Python has, by its names.
+const FUNCTIONS: [(&str, Function); 6] = [
+    ("com", Function::Com),
+    ("com_jacobian", Function::ComJacobian),
+    ("gravity_moments", Function::GravityMoments),
+    ("cop", Function::Cop),
+    ("cop_rows", Function::RegressorCop),
+    ("com_rows", Function::Regressor),
+];
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let tested = arguments.iter().any(|argument| argument == "--test");
+    let mut given = arguments.iter().filter(|word| !word.starts_with("--"));
+    let op2 = concat!(env!("CARGO_MANIFEST_DIR"), "/robots/op2/op2.urdf");
+    let urdf = given.next().map_or(op2, String::as_str);
+    let support = given.next().map_or("r_sole", String::as_str);
+    let model =
+        Robot::read(Path::new(urdf)).and_then(|robot| Stance::new(robot).on(support).model());
+    let model = model.expect("the robot can be read");
+    let (postures, repeats) = if tested { (100, 1) } else { (100_000, 7) };
+    let q: Vec<f64> = (0..postures * model.dof())
+        .map(|k| 0.5 * f64::sin(k as f64))
+        .collect();
+    for (name, function) in FUNCTIONS {
+        let evaluator = Evaluator::new(&model, function);
+        let mut out = vec![0.0; postures * evaluator.width()];
+        let one = least(repeats, || {
+            for q in q.chunks_exact(model.dof()).take(10_000) {
+                evaluator.run_into(black_box(q), 1, &mut out);
+            }
+        });
+        let batch = least(repeats, || {
+            evaluator.run_into(black_box(&q), postures, &mut out)
+        });
+        println!(
+            "{name:<20} {:>10.1} {:>10.1}",
+            1e9 * one / postures.min(10_000) as f64,
+            1e9 * batch / postures as f64
+        );
+    }
+}
+
+/// Seconds of one call.
+fn least(repeats: usize, mut call: impl FnMut()) -> f64 {
+    let time = |_| {
+        let start = Instant::now();
+        call();
+        start.elapsed().as_secs_f64()
+    };
+    (0..repeats).map(time).fold(f64::INFINITY, f64::min)
+}
