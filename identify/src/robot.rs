@@ -1,9 +1,12 @@
 //! A robot on its support, as the commands use it.
 
+use std::collections::VecDeque;
 use std::io;
 use std::path::Path;
 use std::process::Command;
+use std::sync::{Arc, Mutex, PoisonError};
 
+use nalgebra::DMatrix;
 use sesc_model::text::listed;
 use sesc_model::tree::support_rank;
 use sesc_model::urdf::{self, Description};
@@ -13,15 +16,47 @@ use crate::{Error, Setting, message};
 
 /// Links named in a message.
 const NAMED: usize = 12;
+/// Factors that are kept: both feet of a robot, twice.
+const FACTORS: usize = 4;
 
 /// A robot as its URDF describes it.
 #[derive(Debug)]
 pub struct Robot {
     /// What the URDF says, and its text.
     pub description: Description,
+    /// Factors of its regressor over ranges of its joints.
+    pub(crate) over_range: Factors,
+}
+
+/// Factors that all logs of a robot ask for, by what they are of; the last few are kept.
+#[derive(Debug, Default)]
+pub(crate) struct Factors(Mutex<VecDeque<(String, Arc<DMatrix<f64>>)>>);
+
+impl Factors {
+    /// What is kept under a name, or is made now.
+    pub(crate) fn get(&self, name: &str, make: impl FnOnce() -> DMatrix<f64>) -> Arc<DMatrix<f64>> {
+        let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = kept().iter().find(|(own, _)| own == name).cloned();
+        if let Some((_, factor)) = known {
+            return factor;
+        }
+        // Nobody waits for another's: both make the same.
+        let made = Arc::new(make());
+        let mut kept = kept();
+        kept.push_front((name.to_string(), Arc::clone(&made)));
+        kept.truncate(FACTORS);
+        made
+    }
 }
 
 impl Robot {
+    fn of(description: Description) -> Robot {
+        Robot {
+            description,
+            over_range: Factors::default(),
+        }
+    }
+
     /// Read a URDF file, once: it may be a pipe; `-` is standard input. A `.xacro` file is
     /// expanded by the program `xacro`, where it is installed.
     ///
@@ -34,7 +69,7 @@ impl Robot {
             return Robot::parse(&expanded?, &path.display().to_string());
         }
         let description = urdf::read(path).map_err(ModelError::from)?;
-        Ok(Robot { description })
+        Ok(Robot::of(description))
     }
 
     /// Parse the text of a URDF; `file` names it in messages.
@@ -50,7 +85,7 @@ impl Robot {
     /// Everything that is wrong with the text.
     pub fn parse(text: &str, file: &str) -> Result<Robot, Error> {
         let description = urdf::parse(text, file).map_err(ModelError::from)?;
-        Ok(Robot { description })
+        Ok(Robot::of(description))
     }
 
     /// The URDF as it was read.

@@ -1,6 +1,6 @@
 //! From gathered logs to parameters with their uncertainty, observability and held-out error.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
 
 use super::gather::{Fold, Gathered};
@@ -32,21 +32,24 @@ pub fn identify(
     gathered: &Gathered,
     settings: &Settings,
 ) -> Identification {
-    identify_within(model, supports, gathered, settings, None)
+    let over_range = super::summary::over_range(model, settings.range);
+    identify_within((model, &over_range), supports, gathered, settings, None)
 }
 
-/// The same, by masses within `limits` where those are given.
+/// The same, by masses within `limits` where those are given; `over_range` is what
+/// [`over_range`](super::summary::over_range()) makes of the model.
 pub(super) fn identify_within(
-    model: &Model,
+    (model, over_range): (&Model, &DMatrix<f64>),
     supports: &[&str],
     gathered: &Gathered,
     settings: &Settings,
     limits: Option<&Limits>,
 ) -> Identification {
     let cad = DVector::from_vec(model.cad_params());
-    let together = gathered.together(None);
+    let together = gathered.together();
     let (whole, plain) = (&together.weighted, together.plain());
-    let free = together.solve(1.0, &cad, None);
+    let seen = together.seen();
+    let free = together.solve_seen(&seen, 1.0, &cad, None);
     let rows = whole.rows() as f64;
     let (within, df_within) = gathered.repeats.set_aside();
     let (within, df_within) = match gathered.correlated {
@@ -139,7 +142,7 @@ pub(super) fn identify_within(
             }
         }
     };
-    let mut estimate = together.solve(sigma, &centre, prior.as_ref());
+    let mut estimate = together.solve_seen(&seen, sigma, &centre, prior.as_ref());
     let (params, masses) = bounded(&together, estimate.params);
     estimate.params = params;
     let rows = whole.r() / sigma;
@@ -166,8 +169,8 @@ pub(super) fn identify_within(
     }
     let rms = |sum: f64, rows: u64| (sum / rows.max(1) as f64).sqrt();
     // What data leave open is as uncertain as CAD usually is.
-    let usual = Prior::Cad(Tolerances::usual()).covariance_factor(model);
-    let covariance = complete(&estimate, prior.is_none().then_some(usual).flatten());
+    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
+    let covariance = complete(&estimate, prior.is_none().then(usual).flatten());
     let mut std = deviations(&estimate, prior.is_none());
     if guessed && prior.is_none() {
         std.fill(None);
@@ -216,7 +219,7 @@ pub(super) fn identify_within(
         in_sample_rmse: rms(plain.residual_sum(&estimate.params), plain.rows()),
         cad_rmse: rms(plain.residual_sum(&cad), plain.rows()),
         expected_error_data: rms(data_error, plain.rows()),
-        expected_error_range: range_error(model, &covariance, settings.range),
+        expected_error_range: range_error(over_range, &covariance),
         range: match settings.range {
             Some(range) => format!("±{:.0}° within the joint limits", range.to_degrees()),
             None => "the joint limits".to_string(),

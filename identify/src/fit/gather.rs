@@ -20,7 +20,7 @@ use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::logs::Block;
 use crate::lsq::factor::Factor;
-use crate::lsq::solve::{self, Estimate};
+use crate::lsq::solve::{self, Estimate, Seen};
 use crate::observations::grouping::{DOWN, Grouping, Visit};
 use crate::observations::motion::{Motion, Plan};
 use crate::observations::motion_use::MotionUse;
@@ -32,6 +32,7 @@ use crate::observations::rows::{Measurement, Rows};
 use crate::observations::samples;
 
 mod merge;
+mod together;
 
 /// Rows of one fold, or of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,6 +53,22 @@ impl Fold {
     /// where none are), and a prior with factor S about `cad`.
     pub fn solve(&self, sigma: f64, cad: &DVector<f64>, prior: Option<&DMatrix<f64>>) -> Estimate {
         solve::solve_weighted(&self.weighted, self.plain(), sigma, cad, prior)
+    }
+
+    /// What these rows see; the same for every deviation and every prior.
+    pub(super) fn seen(&self) -> Seen {
+        Seen::by(self.plain(), &self.weighted)
+    }
+
+    /// [`Fold::solve`] where it is known what the rows see.
+    pub(super) fn solve_seen(
+        &self,
+        seen: &Seen,
+        sigma: f64,
+        cad: &DVector<f64>,
+        prior: Option<&DMatrix<f64>>,
+    ) -> Estimate {
+        solve::solve_seen(seen, &self.weighted, sigma, cad, prior)
     }
 
     /// The parameters of [`Fold::solve`] alone.
@@ -469,22 +486,6 @@ impl Gathered {
                     residual: residual[2 * k].hypot(residual[2 * k + 1]),
                 });
             }
-        }
-    }
-
-    /// All folds but `without` together.
-    pub fn together(&self, without: Option<usize>) -> Fold {
-        let folds = || {
-            let all = self.folds.iter().enumerate();
-            all.filter(move |(k, _)| Some(*k) != without)
-                .map(|(_, fold)| fold)
-        };
-        let of = |parts: Vec<&Factor>| Factor::of(&parts, self.params());
-        Fold {
-            weighted: of(folds().map(|fold| &fold.weighted).collect()),
-            plain: folds()
-                .any(|fold| fold.plain.is_some())
-                .then(|| of(folds().map(Fold::plain).collect())),
         }
     }
 }

@@ -76,7 +76,7 @@ impl<'r> Logs<'r> {
         let cad = DVector::from_vec(measurement.model().cad_params());
         let prior = prior(measurement.model())?.covariance_factor(measurement.model());
         let stated = gathered.has_deviations();
-        let whole = gathered.together(None);
+        let whole = gathered.together();
         let rows = whole.weighted.rows() as f64;
         let free = whole.solve(1.0, &cad, None);
         let mut params = free.params;
@@ -104,7 +104,7 @@ impl<'r> Logs<'r> {
             let robust = Robust { loss, scale };
             let weights = Some((&robust, &params));
             gathered = self.pass(&mut measurement, &timings, weights, "reweighting", watch)?;
-            let whole = gathered.together(None);
+            let whole = gathered.together();
             let next = whole.solve(scale, &cad, prior.as_ref());
             let r = whole.weighted.r();
             taken = (&r * &next.covariance * r.transpose()).trace() / (scale * scale);

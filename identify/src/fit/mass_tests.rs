@@ -14,6 +14,7 @@ use super::gather::Gathered;
 use super::limits::Limits;
 use super::masses::FLOOR;
 use super::prior::Prior;
+use super::summary::over_range;
 use super::{Identification, Settings, identify_within};
 use crate::Error;
 use crate::evaluate::Evaluator;
@@ -113,7 +114,14 @@ impl Case {
             range: None,
         };
         let supports: Vec<&str> = self.supports.iter().map(String::as_str).collect();
-        identify_within(&model, &supports, &self.gathered, &settings, limits)
+        let over_range = over_range(&model, settings.range);
+        identify_within(
+            (&model, &over_range),
+            &supports,
+            &self.gathered,
+            &settings,
+            limits,
+        )
     }
 
     fn correct(&self, found: &Identification, prior: &str) -> Result<Corrected, Error> {

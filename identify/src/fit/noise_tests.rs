@@ -290,7 +290,7 @@ fn a_row_said_to_be_exact_hides_no_other() {
     let mut block = skew.log(&poses, &std, &mut ChaCha8Rng::seed_from_u64(4));
     block.std = Some(std.iter().map(|s| [*s; 2]).collect());
     let gathered = skew.gather(&[&block]);
-    let weighted = gathered.together(None).weighted;
+    let weighted = gathered.together().weighted;
     assert!(solve(&weighted, 1.0, &skew.truth, None).rank < RANK);
     let found = skew.identify(&gathered);
     assert_eq!(found.rank, RANK);

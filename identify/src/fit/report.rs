@@ -18,6 +18,7 @@ use super::limits::Limits;
 use super::prior::Prior;
 use super::request::Request;
 use super::residuals::{self, Sample};
+use super::summary::over_range;
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 use crate::watch::Watch;
@@ -207,8 +208,12 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     }
     let supports: Vec<&str> = part.supports.iter().map(String::as_str).collect();
     let limits = request.physical.then(|| Limits::of(&robot)).transpose()?;
+    let place = format!("{} {snapping:?} {:?}", part.support, settings.range);
+    let over_range = robot
+        .over_range
+        .get(&place, || over_range(&model, settings.range));
     let found = identify_within(
-        &model,
+        (&model, &over_range),
         &supports,
         &part.gathered,
         &settings,

@@ -53,15 +53,15 @@ pub(super) struct HeldOut {
 pub(super) fn held_out(gathered: &Gathered, mut fit: impl FnMut(&Fold) -> DVector<f64>) -> HeldOut {
     let all: u64 = gathered.folds.iter().map(|fold| fold.plain().rows()).sum();
     let mut folds: Vec<(f64, f64)> = Vec::new(); // mean square, rows
-    for (k, fold) in gathered.folds.iter().enumerate() {
+    gathered.without_each(&mut |k, others| {
+        let fold = &gathered.folds[k];
         let rows = fold.plain().rows();
         if rows == 0 || rows == all {
-            continue;
+            return;
         }
-        let params = fit(&gathered.together(Some(k)));
-        let sum = fold.plain().residual_sum(&params);
+        let sum = fold.plain().residual_sum(&fit(others));
         folds.push((sum / rows as f64, rows as f64));
-    }
+    });
     let rows: f64 = folds.iter().map(|fold| fold.1).sum();
     if rows == 0.0 {
         return HeldOut {
@@ -236,18 +236,23 @@ pub(super) fn correlations(model: &Model, covariance: &DMatrix<f64>) -> Vec<Corr
     all
 }
 
-/// √ of the mean of tr(φ C φᵀ)/2 over postures drawn from the range, m.
-pub(super) fn range_error(model: &Model, covariance: &DMatrix<f64>, range: Option<f64>) -> f64 {
+/// R with Rᵀ R = Σ φᵀ φ over postures drawn from the range: the same for every log of a robot.
+pub(super) fn over_range(model: &Model, range: Option<f64>) -> DMatrix<f64> {
+    let params = model.base.params.len();
     let mut simulator = Simulator::new(&model.tree.dofs, range, 1);
     let q = simulator.batch(SAMPLES);
     let rows = Evaluator::new(model, sesc_model::Function::RegressorCop).run(&q, SAMPLES);
-    let mut factor = Factor::new(covariance.nrows());
-    let matrix = DMatrix::from_row_slice(2 * SAMPLES, covariance.nrows(), &rows);
+    let mut factor = Factor::new(params);
+    let matrix = DMatrix::from_row_slice(2 * SAMPLES, params, &rows);
     factor.push(
         &matrix,
         &DVector::zeros(2 * SAMPLES),
         &vec![1.0; 2 * SAMPLES],
     );
-    let r = factor.r();
-    ((&r * covariance * r.transpose()).trace() / (2 * SAMPLES) as f64).sqrt()
+    factor.r()
+}
+
+/// √ of the mean of tr(φ C φᵀ)/2 over the postures of [`over_range`], m.
+pub(super) fn range_error(r: &DMatrix<f64>, covariance: &DMatrix<f64>) -> f64 {
+    ((r * covariance * r.transpose()).trace() / (2 * SAMPLES) as f64).sqrt()
 }

@@ -59,7 +59,17 @@ pub fn solve_weighted(
     cad: &DVector<f64>,
     prior: Option<&DMatrix<f64>>,
 ) -> Estimate {
-    let seen = Seen::by(plain, factor);
+    solve_seen(&Seen::by(plain, factor), factor, sigma, cad, prior)
+}
+
+/// The same where it is known what the rows see.
+pub fn solve_seen(
+    seen: &Seen,
+    factor: &Factor,
+    sigma: f64,
+    cad: &DVector<f64>,
+    prior: Option<&DMatrix<f64>>,
+) -> Estimate {
     let (params, covariance) = match prior {
         None => seen.step(factor, sigma, &away(factor, cad)),
         Some(s) => {
@@ -75,7 +85,7 @@ pub fn solve_weighted(
         covariance,
         rank: seen.basis.ncols(),
         condition_number: seen.condition_number,
-        unseen: seen.blind,
+        unseen: seen.blind.clone(),
     }
 }
 
@@ -118,7 +128,7 @@ fn with_prior(
 }
 
 /// What rows see, and what they do not.
-struct Seen {
+pub struct Seen {
     /// Orthonormal columns, p × rank.
     basis: DMatrix<f64>,
     /// p × (p − rank)
@@ -129,7 +139,7 @@ struct Seen {
 impl Seen {
     /// Observable directions by the singular values of `plain`, less what `weighted` gives no
     /// weight at all.
-    fn by(plain: &Factor, weighted: &Factor) -> Seen {
+    pub fn by(plain: &Factor, weighted: &Factor) -> Seen {
         let p = plain.params();
         let svd = svd(plain.r(), false, true);
         let values = svd.singular_values;
