@@ -59,6 +59,10 @@ impl FleetParts {
         let pages = pages(&fleet, &said, None, ("sesc fleet", "fleet.html"))?;
         let paged = start.elapsed().as_secs_f64();
         println!(
+            "| robots × days | rows | sorting, s | summary, s | table, s | pages, s | drawn, MB | at most, MB | table, MB | found |\n\
+             |---|---|---|---|---|---|---|---|---|---|"
+        );
+        println!(
             "| {} × {} | {} | {sorted:.1} | {together:.1} | {written:.1} | {paged:.1} | {drawn:.0} | {:.0} | {size:.0} | {} shared, {} changes, {} pages |",
             self.robots,
             self.days,

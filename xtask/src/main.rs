@@ -10,6 +10,8 @@ use clap::Parser;
 enum Task {
     /// Print operations and instructions of one call; fail where they grew by 2 %
     Counts(xtask::counts::Counts),
+    /// Print what a log of a fleet costs, step by step
+    FleetCosts(xtask::fleet_costs::FleetCosts),
     /// Draw the rows of a large fleet, and print what putting them together costs
     FleetParts(xtask::fleet_parts::FleetParts),
     /// Kill commands while they write, and fail where a file is neither the old nor the new one
@@ -37,6 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = root.ok_or("xtask stands in no folder")?;
     match Task::parse() {
         Task::Counts(counts) => counts.run(root)?,
+        Task::FleetCosts(costs) => costs.run(root)?,
         Task::FleetParts(parts) => parts.run()?,
         Task::Kills(kills) => kills.run()?,
         Task::Regen => {
