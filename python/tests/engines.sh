@@ -7,6 +7,8 @@
 # docs/fleet.md.
 #
 #     python/tests/engines.sh [--kill worker,driver] [further words for pytest]
+#
+# SESC_WHEEL names a wheel that is built already.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 root=$PWD
@@ -19,9 +21,13 @@ fi
 "$venv/bin/pip" install --quiet "maturin>=1.14,<2" numpy pytest hypothesis "distributed" "ray>=2.60" \
   "pyspark>=4.3" pyarrow pandas polars duckdb "moto[server]" s3fs gcsfs gcp-storage-emulator
 bin=$(cd "$venv/bin" && pwd)
-rm -rf "$venv/wheels"
-(cd python && "$bin/maturin" build --quiet --profile dev --out "$bin/../wheels" --interpreter "$bin/python")
-"$bin/pip" install --quiet --force-reinstall --no-deps "$venv"/wheels/sesc-*.whl
+wheel=${SESC_WHEEL:-}
+if [[ ! $wheel ]]; then
+  rm -rf "$venv/wheels"
+  (cd python && "$bin/maturin" build --quiet --profile dev --out "$bin/../wheels" --interpreter "$bin/python")
+  wheel=$(echo "$venv"/wheels/sesc-*.whl)
+fi
+"$bin/pip" install --quiet --force-reinstall --no-deps "$wheel"
 tests=$(mktemp -d)
 trap 'rm -r "$tests"' EXIT
 cp -r python/tests "$tests"

@@ -5,8 +5,10 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import pickle
 import shutil
 import subprocess
+import sys
 from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
@@ -180,6 +182,16 @@ def test_parameters_alone_and_what_they_say_of_the_next_robot(
         table.save_prior(tmp_path / "none.toml")
 
 
+def test_a_worker_reads_a_urdf_once(robot: sesc.Robot) -> None:
+    jobs = [fleet.Job(robot, "{}", group) for group in "ab"]
+    there = [pickle.loads(pickle.dumps(job)) for job in jobs]
+    assert [job[1:] for job in there] == [job[1:] for job in jobs]
+    assert there[0].robot is there[1].robot and there[0].robot.urdf == robot.urdf
+    # Another reading of right angles is another robot.
+    exact = fleet.Job(sesc.Robot(POLE, snap=False), "{}", "a")
+    assert pickle.loads(pickle.dumps(exact)).robot.snap is False
+
+
 def test_what_is_no_fleet_is_said(robot: sesc.Robot, tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="glob"):
         fleet.run(robot, 3)
@@ -191,3 +203,17 @@ def test_what_is_no_fleet_is_said(robot: sesc.Robot, tmp_path: Path) -> None:
         fleet.run(robot, str(tmp_path / "*.csv"))
     (row,) = fleet.run(robot, [tmp_path / "none.csv"])
     assert row["error"].startswith("cannot read none.csv")
+
+
+def test_the_table_of_scaling_reads_every_log_once(tmp_path: Path) -> None:
+    words = ["--table", "2,3", "--postures", "60", "--folder", "here"]
+    command = [sys.executable, "-m", "sesc.fleet.selftest", *words]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    *_, last = done.stdout.splitlines()
+    assert last == "ok"
+    rows = [line.strip("| ").split(" | ") for line in done.stdout.splitlines() if line[:3] in ("| 2", "| 3")]
+    # Logs, processes, and logs that the second run read.
+    assert [(row[0], row[1], row[-1]) for row in rows] == [
+        (logs, processes, "0") for logs in ("2", "3") for processes in ("1", "2")
+    ]

@@ -69,18 +69,11 @@ def _completed(pending: dict[Future[str], int]) -> Iterable[Future[str]]:
 def _ray(jobs: Sequence[Job]) -> Iterator[str]:
     """Ray tasks, each tried again three times; the caller has called ``ray.init()``, or Ray does."""
     ray: Any = import_module("ray")
-    # One copy of the robot for all tasks.
-    shared = {id(job.robot): job.robot for job in jobs}
-    placed = {key: ray.put(robot) for key, robot in shared.items()}
-    task = ray.remote(max_retries=3)(_by_parts)
-    pending = [task.remote(placed[id(job.robot)], *job[1:]) for job in jobs]
+    task = ray.remote(max_retries=3)(work)
+    pending = [task.remote(job) for job in jobs]
     while pending:
         ready, pending = ray.wait(pending)
         yield from ray.get(ready)
-
-
-def _by_parts(robot: Any, *others: Any) -> str:
-    return work(Job(robot, *others))
 
 
 def _spark(session: Any, jobs: Sequence[Job]) -> Iterator[str]:

@@ -29,12 +29,14 @@ import sesc
 
 from ._run import run
 
-__all__ = ["ENGINES", "driven", "engine", "make", "rows_in"]
+__all__ = ["ENGINES", "SETTLED", "driven", "engine", "make", "rows_in"]
 
 #: Engines by name.
 ENGINES = ("threads", "executor", "dask", "ray", "spark")
 #: Noise of a posture's mean reading, m.
 NOISE = 1e-4
+#: A log that changed less than this before it was read is read again, s.
+SETTLED = 2.1
 
 
 def make(folder: Path, logs: int, postures: int, days: int = 10, end: str = "parquet") -> None:
@@ -109,7 +111,9 @@ def driven(
     words = [sys.executable, "-m", __name__, logs, str(store or ""), str(out), kill, str(after), *options]
     # Files, not pipes: a worker that outlives its driver would keep a pipe open.
     with TemporaryFile() as said, TemporaryFile() as errors:
-        process = subprocess.Popen(words, stdout=said, stderr=errors, start_new_session=True)
+        # The installed package, not a folder of its source where this is called.
+        env = os.environ | {"PYTHONSAFEPATH": "1"}
+        process = subprocess.Popen(words, stdout=said, stderr=errors, start_new_session=True, env=env)
         try:
             process.wait(timeout)
         finally:
@@ -158,6 +162,8 @@ def _driver(words: Sequence[str]) -> None:
     found.save(out)
     own, others = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
     about["memory_mb"] = own.ru_maxrss / 1024
+    # The largest of the workers that have ended.
+    about["worker_mb"] = others.ru_maxrss / 1024
     # Of workers, too, once they have ended.
     about["cpu_seconds"] = sum(usage.ru_utime + usage.ru_stime for usage in (own, others))
     about["sha256"] = hashlib.sha256(Path(out).read_bytes()).hexdigest()

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 from .. import _sesc
-from .._robot import Robot
+from .._robot import Robot, _restore
 from ._objects import Objects
 
 __all__ = ["Job", "work"]
@@ -27,6 +28,18 @@ class Job(NamedTuple):
     group: str
     store: str | None = None
     disk: Objects | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        robot, *others = self
+        return _arrived, ((robot.file, robot.urdf, robot.snap), *others)
+
+
+#: A worker reads a URDF once, and keeps what all logs of a robot ask for.
+_known = lru_cache(maxsize=8)(_restore)
+
+
+def _arrived(robot: tuple[str, str, bool], *others: Any) -> Job:
+    return Job(_known(*robot), *others)
 
 
 def work(job: Job) -> str:

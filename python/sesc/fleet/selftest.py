@@ -2,9 +2,11 @@
 
 Virtual logs are made, a driver of its own process fits the parameters of each, and runs them again:
 the second run has to read no log and to give the same bytes. ``--only all`` diagnoses each log too,
-which takes some twenty times as long and tries nothing else of a fleet. ``--kill driver`` or ``--kill worker`` kills one of
-them by its process id when a third of the rows is made; the driver is then started again and has
-to make no row anew. Exit code 0 where all that holds; seconds and memory are printed.
+which takes some twenty times as long and tries nothing else of a fleet. ``--kill driver`` or
+``--kill worker`` kills one of them by its process id when a third of the rows is made; the driver is
+then started again and has to make no row anew. ``--table 10,100,1000,10000`` runs so many logs by one
+process and by two, and prints what that takes as a table. Exit code 0 where all that holds; seconds
+and memory are printed.
 """
 
 from __future__ import annotations
@@ -16,18 +18,17 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from ._trials import ENGINES, driven, make, rows_in
+from ._scaling import scaling
+from ._trials import ENGINES, SETTLED, driven, make, rows_in
 
 __all__ = ["main"]
-
-#: A log that changed less than this before it was read is read again, s.
-SETTLED = 2.1
 
 
 def main(words: list[str] | None = None) -> int:
     """Run the fleet; gives the exit code."""
     parser = argparse.ArgumentParser(prog="python -m sesc.fleet.selftest", description=__doc__.split("\n")[0])
-    parser.add_argument("--logs", type=int, default=60, help="how many logs, ten for each robot")
+    parser.add_argument("--logs", type=int, default=60, help="how many logs")
+    parser.add_argument("--days", type=int, default=10, help="logs of each robot")
     parser.add_argument("--postures", type=int, default=60, help="postures of each log")
     parser.add_argument("--engine", choices=ENGINES, default="threads")
     parser.add_argument("--workers", type=int, default=2, help="workers of the engine")
@@ -36,6 +37,7 @@ def main(words: list[str] | None = None) -> int:
         "--only", choices=("parameters", "all"), default="parameters", help="all: diagnose each log, too"
     )
     parser.add_argument("--folder", type=Path, help="where logs, store and table go; a new folder unless given")
+    parser.add_argument("--table", help="numbers of logs, such as 10,100,1000: print what each takes")
     given = parser.parse_args(words)
     if given.folder is not None:
         given.folder.mkdir(parents=True, exist_ok=True)
@@ -45,14 +47,18 @@ def main(words: list[str] | None = None) -> int:
 
 
 def _tried(given: Any, folder: Path) -> int:
+    only = "" if given.only == "all" else given.only
+    if given.table:
+        counts = [int(count) for count in given.table.split(",")]
+        return _said(scaling(folder, counts, (given.postures, given.days), only))
     logs, store = folder / "logs", folder / "store"
     if not logs.exists():
         start = time.perf_counter()
-        make(logs, given.logs, given.postures)
+        make(logs, given.logs, given.postures, given.days)
         print(f"{given.logs} logs of {given.postures} postures made in {time.perf_counter() - start:.0f} s")
         time.sleep(SETTLED)
     pattern = str(logs / "robot=*/day=*/*.parquet")
-    options = (given.engine, "" if given.only == "all" else given.only, str(given.workers))
+    options = (given.engine, only, str(given.workers))
 
     def run(name: str, into: Path | None, kill: str = "") -> dict[str, Any]:
         found = driven(pattern, into, folder / f"{name}.parquet", options, kill, given.logs // 3)
@@ -86,8 +92,12 @@ def _tried(given: Any, folder: Path) -> int:
         second = run("second", store)
         holds.append(second["logs_read"] == 0 and second["from_store"] == given.logs)
         holds.append(second["sha256"] == first["sha256"])
-    print("ok" if all(holds) else "FAILED")
-    return 0 if all(holds) else 1
+    return _said(all(holds))
+
+
+def _said(holds: bool) -> int:
+    print("ok" if holds else "FAILED")
+    return 0 if holds else 1
 
 
 if __name__ == "__main__":
