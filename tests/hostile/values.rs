@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::io::Read as _;
 use std::path::Path;
 use std::process::Output;
 use std::time::{Duration, Instant};
@@ -344,8 +345,19 @@ fn factor_files_that_were_changed_are_answered_or_refused() {
         &part,
     ];
     stdout(&sesc(&fit));
-    let whole: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(&part).unwrap()).unwrap();
+    // The header, packed by gzip, and the numbers behind it.
+    let bytes = fs::read(&part).unwrap();
+    let mut packed = flate2::bufread::GzDecoder::new(&bytes[..]);
+    let mut header = String::new();
+    packed.read_to_string(&mut header).unwrap();
+    let numbers = packed.into_inner();
+    let whole: serde_json::Value = serde_json::from_str(&header).unwrap();
+    let part_of = |header: &serde_json::Value| {
+        let bytes = [header.to_string().as_bytes(), b"\n", numbers].concat();
+        let path = path("b.part");
+        fs::write(&path, bytes).unwrap();
+        path
+    };
     let mut places = Vec::new();
     walk(&whole, &mut String::new(), &mut places);
     assert!(places.len() > 60, "{}", places.len());
@@ -360,7 +372,7 @@ fn factor_files_that_were_changed_are_answered_or_refused() {
         for value in values {
             let mut changed = whole.clone();
             *changed.pointer_mut(place).unwrap() = serde_json::from_str(value).unwrap();
-            let changed = write(folder.path(), "b.part", changed.to_string());
+            let changed = part_of(&changed);
             let output = soon(&["fit", &changed]);
             let message = String::from_utf8_lossy(&output.stderr);
             let code = output.status.code();
@@ -377,12 +389,23 @@ fn factor_files_that_were_changed_are_answered_or_refused() {
         .unwrap()
         .replacen("mass value=\"", "mass value=\"1", 1);
     changed["urdf"] = urdf.into();
-    let changed = write(folder.path(), "b.part", changed.to_string());
+    let changed = part_of(&changed);
     refused(&sesc(&["fit", &changed]), &["URDF in a factor file"]);
     let mut changed = whole;
     changed["supports"] = serde_json::json!(["nope"]);
-    let changed = write(folder.path(), "b.part", changed.to_string());
+    let changed = part_of(&changed);
     refused(&sesc(&["fit", &changed]), &["`nope`"]);
+    // Numbers that are none, and too few of them.
+    let mut odd = bytes.clone();
+    let last = odd.len() - 8;
+    odd[last..].copy_from_slice(&f64::INFINITY.to_le_bytes());
+    for bytes in [&odd[..], &bytes[..bytes.len() - 3]] {
+        fs::write(path("b.part"), bytes).unwrap();
+        refused(
+            &sesc(&["fit", &path("b.part")]),
+            &["b.part", "gather the log again"],
+        );
+    }
 }
 
 /// JSON pointers to everything that can be changed; long lists by their first entries.

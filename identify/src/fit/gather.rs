@@ -9,7 +9,7 @@
 //! held-out error of fold k = ‖R_k r_(−k) − z_k‖² + ρ_k²        r_(−k) from the other folds
 //! ```
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 use super::robust::Robust;
@@ -19,8 +19,6 @@ use crate::Error;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::logs::Block;
-use crate::lsq::factor::Factor;
-use crate::lsq::solve::{self, Estimate, Seen};
 use crate::observations::grouping::{DOWN, Grouping, Visit};
 use crate::observations::motion::{Motion, Plan};
 use crate::observations::motion_use::MotionUse;
@@ -31,56 +29,11 @@ use crate::observations::row_matrix::RowMatrix;
 use crate::observations::rows::{Measurement, Rows};
 use crate::observations::samples;
 
+mod fold;
 mod merge;
 mod together;
 
-/// Rows of one fold, or of several.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Fold {
-    /// Rows over their stated deviations.
-    pub weighted: Factor,
-    /// Rows as they are, where that differs.
-    pub plain: Option<Factor>,
-}
-
-impl Fold {
-    /// Rows as they are.
-    pub fn plain(&self) -> &Factor {
-        self.plain.as_ref().unwrap_or(&self.weighted)
-    }
-
-    /// Estimate from these rows, whose deviations are `sigma` times those stated (m
-    /// where none are), and a prior with factor S about `cad`.
-    pub fn solve(&self, sigma: f64, cad: &DVector<f64>, prior: Option<&DMatrix<f64>>) -> Estimate {
-        solve::solve_weighted(&self.weighted, self.plain(), sigma, cad, prior)
-    }
-
-    /// What these rows see; the same for every deviation and every prior.
-    pub(super) fn seen(&self) -> Seen {
-        Seen::by(self.plain(), &self.weighted)
-    }
-
-    /// [`Fold::solve`] where it is known what the rows see.
-    pub(super) fn solve_seen(
-        &self,
-        seen: &Seen,
-        sigma: f64,
-        cad: &DVector<f64>,
-        prior: Option<&DMatrix<f64>>,
-    ) -> Estimate {
-        solve::solve_seen(seen, &self.weighted, sigma, cad, prior)
-    }
-
-    /// The parameters of [`Fold::solve`] alone.
-    pub fn params(
-        &self,
-        sigma: f64,
-        cad: &DVector<f64>,
-        prior: Option<&DMatrix<f64>>,
-    ) -> DVector<f64> {
-        solve::params_weighted(&self.weighted, self.plain(), sigma, cad, prior)
-    }
-}
+pub use fold::Fold;
 
 /// A log that was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -173,12 +126,8 @@ const LISTED: usize = 1000;
 impl Gathered {
     /// Sums without data, for `params` parameters and `folds` folds.
     pub fn new(params: usize, folds: usize) -> Gathered {
-        let fold = Fold {
-            weighted: Factor::new(params),
-            plain: None,
-        };
         Gathered {
-            folds: vec![fold; folds.max(2)],
+            folds: vec![Fold::new(params); folds.max(2)],
             repeats: Repeats::default(),
             stated: 0.0,
             readings: 0,
@@ -249,9 +198,8 @@ impl Gathered {
         self.plans.push(timing.plan);
         self.correlated |= self.stream.whitens();
         if self.stream.differs() {
-            // Rows so far counted one each: both factors agree on them.
             for fold in &mut self.folds {
-                fold.plain.get_or_insert_with(|| fold.weighted.clone());
+                fold.part_plain();
             }
         }
     }
@@ -349,8 +297,7 @@ impl Gathered {
             return Ok(());
         }
         self.trusted += trust.iter().sum::<f64>();
-        let differs = block.std.is_some() || self.stream.differs();
-        self.deal(differs, &rows, &dealt);
+        self.deal(&rows, &dealt);
         Ok(())
     }
 
@@ -440,7 +387,7 @@ impl Gathered {
     }
 
     /// Rows to their folds.
-    fn deal(&mut self, differs: bool, rows: &Rows, dealt: &Dealt) {
+    fn deal(&mut self, rows: &Rows, dealt: &Dealt) {
         let count = self.folds.len();
         let Dealt { keys, std, trust } = *dealt;
         for (index, fold) in self.folds.iter_mut().enumerate() {
@@ -455,15 +402,15 @@ impl Gathered {
                 let of = |&k: &usize| [0, 1].map(|axis| (2 * k + axis, weight(k, axis)));
                 own.iter().flat_map(of).collect::<Vec<_>>()
             };
-            if (differs || trust.iter().any(|w| *w < 1.0)) && fold.plain.is_none() {
-                // Rows so far counted one each: both factors agree on them.
-                fold.plain = Some(fold.weighted.clone());
-            }
+            let each = std[own[0]][0];
+            let alike = |&k: &usize| trust[k] == 1.0 && std[k] == [each; 2];
+            let one_deviation = own.iter().all(alike) && fold.takes(each);
             let (matrix, reading) = (&rows.matrix, &rows.reading);
-            fold.weighted.push_rows(matrix, reading, both(&weight));
-            if let Some(plain) = &mut fold.plain {
+            if !one_deviation {
+                let plain = fold.part_plain();
                 plain.push_rows(matrix, reading, both(&|_, _| 1.0));
             }
+            fold.weighted.push_rows(matrix, reading, both(&weight));
         }
     }
 

@@ -16,8 +16,7 @@ use crate::logs::names::short;
 use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
 
-/// First words of every file of this kind, with the version of its layout.
-const FORMAT: &str = "sesc factor 2";
+mod layout;
 
 /// A contribution to a fit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -60,7 +59,7 @@ impl Part {
     /// The part of a robot's `gathered` logs.
     pub(crate) fn new(about: About, gathered: Gathered) -> Part {
         Part {
-            format: FORMAT.to_string(),
+            format: layout::FORMAT.to_string(),
             hash: about.hash,
             urdf_file: about.urdf_file,
             urdf: about.urdf,
@@ -97,9 +96,9 @@ impl Part {
     /// When it cannot be read, is no factor file, or is damaged.
     pub fn read(path: &Path) -> Result<Part, Error> {
         let file = path.display().to_string();
-        let text = files::read_text(path, files::SUMS)
+        let bytes = files::read_bytes(path, files::SUMS)
             .map_err(|source| Error::read(file.clone(), source))?;
-        Part::from_bytes(text.as_bytes(), &file)
+        Part::from_bytes(&bytes, &file)
     }
 
     /// Check what [`to_bytes`](Self::to_bytes) gave; `name` stands for a file in messages.
@@ -108,17 +107,7 @@ impl Part {
     /// When it is no part, or is damaged.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Part, Error> {
         let bad = |message: String| Error::log(name, None, message);
-        let part: Part = serde_json::from_slice(bytes).map_err(|error| {
-            bad(format!(
-                "no factor file of a fit that only gathers: {error}"
-            ))
-        })?;
-        if part.format != FORMAT {
-            return Err(bad(format!(
-                "written as `{}`, this version reads `{FORMAT}`; gather the log again",
-                part.format
-            )));
-        }
+        let part = layout::read(bytes).map_err(bad)?;
         if part.gathered.folds.len() < 2 {
             return Err(bad("it has no folds; gather the log again".into()));
         }
@@ -146,7 +135,7 @@ impl Part {
     /// # Errors
     /// When it cannot be written down.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
-        serde_json::to_vec(self).map_err(Error::serialise)
+        layout::written(self).map_err(Error::serialise)
     }
 
     /// Whether the sums are about this robot, read from the part's own text, on its support.
@@ -176,8 +165,7 @@ impl Part {
 
     /// Write to `path`, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let text = serde_json::to_string(self).map_err(Error::serialise)?;
-        Ok(files::write(path, &text)?)
+        Ok(files::write(path, self.to_bytes()?)?)
     }
 
     /// Rewrite the sums for the parameters of `support`.

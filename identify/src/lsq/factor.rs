@@ -78,15 +78,6 @@ impl Factor {
         self.rows += other.rows;
     }
 
-    /// The factor of several parts.
-    pub fn of(parts: &[&Factor], params: usize) -> Factor {
-        let mut whole = Factor::new(params);
-        for part in parts {
-            whole.merge(part);
-        }
-        whole
-    }
-
     /// The same rows about parameters r' with r = matrix · r' + offset.
     pub fn shifted(&self, shift: &Shift) -> Factor {
         let p = self.params();
@@ -230,22 +221,21 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Upper triangle, row by row.
+/// A factor without its numbers, or with those of its upper triangle, row by row.
 #[derive(Serialize, Deserialize)]
 struct Packed {
     params: usize,
     rows: u64,
-    triangle: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    triangle: Option<Vec<f64>>,
 }
 
 impl Serialize for Factor {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let order = self.triangle.nrows();
-        let entries = (0..order).flat_map(|row| (row..order).map(move |column| (row, column)));
         Packed {
             params: self.params(),
             rows: self.rows,
-            triangle: entries.map(|at| self.triangle[at]).collect(),
+            triangle: None,
         }
         .serialize(serializer)
     }
@@ -254,30 +244,57 @@ impl Serialize for Factor {
 impl<'de> Deserialize<'de> for Factor {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Factor, D::Error> {
         let packed = Packed::deserialize(deserializer)?;
-        let order = packed.params.saturating_add(1);
-        let next = order.checked_add(1);
-        let expected = next.and_then(|next| order.checked_mul(next)).map(|n| n / 2);
-        if expected != Some(packed.triangle.len()) {
+        if let Some(triangle) = &packed.triangle
+            && Factor::numbers_of(packed.params) != Some(triangle.len())
+        {
             return Err(serde::de::Error::custom(format!(
                 "a triangle of {} numbers for {} parameters",
-                packed.triangle.len(),
+                triangle.len(),
                 packed.params
             )));
         }
-        if packed.triangle.iter().any(|x| !x.is_finite()) {
+        let triangle = packed.triangle.unwrap_or_default();
+        if triangle.iter().any(|x| !x.is_finite()) {
             return Err(serde::de::Error::custom(
                 "a triangle with entries not finite",
             ));
         }
         let mut factor = Factor::new(packed.params);
         factor.rows = packed.rows;
-        let mut entries = packed.triangle.into_iter();
-        for row in 0..order {
-            for column in row..order {
-                factor.triangle[(row, column)] = entries.next().unwrap_or(0.0);
-            }
-        }
+        factor.fill(triangle);
         Ok(factor)
+    }
+}
+
+impl Factor {
+    /// Numbers in the triangle of so many parameters; none where they cannot be counted.
+    pub(crate) fn numbers_of(params: usize) -> Option<usize> {
+        let order = params.checked_add(1)?;
+        Some(order.checked_mul(order.checked_add(1)?)? / 2)
+    }
+
+    /// The upper triangle, row by row.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let order = self.triangle.nrows();
+        let entries = (0..order).flat_map(move |row| (row..order).map(move |k| (row, k)));
+        entries.map(|at| self.triangle[at])
+    }
+
+    /// Set the upper triangle, row by row.
+    pub(crate) fn fill(&mut self, numbers: impl IntoIterator<Item = f64>) {
+        let order = self.triangle.nrows();
+        let entries = (0..order).flat_map(|row| (row..order).map(move |k| (row, k)));
+        for (at, x) in entries.zip(numbers) {
+            self.triangle[at] = x;
+        }
+    }
+
+    /// The factor of the same rows, each times `scale`.
+    pub(crate) fn scaled(&self, scale: f64) -> Factor {
+        Factor {
+            triangle: &self.triangle * scale,
+            rows: self.rows,
+        }
     }
 }
 
@@ -309,7 +326,10 @@ mod tests {
             );
             parts.push(part);
         }
-        let merged = Factor::of(&parts.iter().collect::<Vec<_>>(), 4);
+        let mut merged = Factor::new(4);
+        for part in &parts {
+            merged.merge(part);
+        }
         assert_eq!(merged.rows(), 60);
         let params = DVector::from_vec(vec![0.3, -0.2, 0.9, 0.1]);
         let direct: f64 = (&matrix * &params - &reading)
@@ -321,7 +341,13 @@ mod tests {
             assert!((factor.residual_sum(&params) - direct).abs() < 1e-11 * direct);
         }
         let text = serde_json::to_string(&merged).unwrap();
-        let back: Factor = serde_json::from_str(&text).unwrap();
+        let mut back: Factor = serde_json::from_str(&text).unwrap();
+        back.fill(merged.numbers());
+        assert_eq!(back, merged_triangle(&merged));
+        let all: Vec<f64> = merged.numbers().collect();
+        assert_eq!(Some(all.len()), Factor::numbers_of(4));
+        let older = format!("{{\"params\":4,\"rows\":60,\"triangle\":{all:?}}}");
+        let back: Factor = serde_json::from_str(&older).unwrap();
         assert_eq!(back, merged_triangle(&merged));
     }
 

@@ -23,7 +23,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::Error;
 pub use crate::stamp::Stamp;
 pub use places::Access;
-pub use read::{SETTINGS, SIDECAR, SUMS, read_text};
+pub use read::{SETTINGS, SIDECAR, SUMS, read_bytes, read_text};
 
 /// Temporary files of this process, and the folders that it swept.
 struct Noted {
@@ -147,12 +147,12 @@ impl Write for NewFile {
     }
 }
 
-/// Write a whole text.
+/// Write a whole file.
 ///
 /// # Errors
 /// When the file cannot be written; nothing half-written stays.
-pub fn write(path: &Path, text: &str) -> Result<(), Error> {
-    begun(path, text)?.finish()
+pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Error> {
+    begun(path, contents)?.finish()
 }
 
 /// Write a whole text that can be made again: nobody ever reads half of it, but it does not wait
@@ -171,13 +171,13 @@ pub fn write_unsynced(path: &Path, text: &str) -> Result<(), Error> {
     put
 }
 
-/// A file with this text, not yet in its place.
+/// A file with these contents, not yet in its place.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn begun(path: &Path, text: &str) -> Result<NewFile, Error> {
+pub fn begun(path: &Path, contents: impl AsRef<[u8]>) -> Result<NewFile, Error> {
     let mut file = NewFile::create(path)?;
-    file.write_all(text.as_bytes())
+    file.write_all(contents.as_ref())
         .map_err(|source| failed(path, source))?;
     Ok(file)
 }

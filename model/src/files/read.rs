@@ -1,4 +1,4 @@
-//! Texts that are read whole, up to a stated size.
+//! Files that are read whole, up to a stated size.
 
 use std::fs::File;
 use std::io::{self, Read as _};
@@ -21,17 +21,25 @@ pub const SUMS: u64 = 1024;
 /// # Errors
 /// When it cannot be read, is longer, is no UTF-8, or changes while it is read.
 pub fn read_text(path: &Path, mebibytes: u64) -> io::Result<String> {
+    String::from_utf8(read_bytes(path, mebibytes)?)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+}
+
+/// The bytes of a file of at most `mebibytes`.
+///
+/// # Errors
+/// When it cannot be read, is longer, or changes while it is read.
+pub fn read_bytes(path: &Path, mebibytes: u64) -> io::Result<Vec<u8>> {
     let most = mebibytes << 20;
-    let mut text = Vec::new();
+    let mut bytes = Vec::new();
     let file = File::open(path)?;
     let stamp = Stamp::of(&file);
-    (&file).take(most + 1).read_to_end(&mut text)?;
+    (&file).take(most + 1).read_to_end(&mut bytes)?;
     stamp.map_or(Ok(()), |stamp| stamp.check(&file))?;
-    if text.len() as u64 > most {
+    if bytes.len() as u64 > most {
         return Err(io::Error::other(format!(
             "it is longer than {mebibytes} MiB, more than such a file can need"
         )));
     }
-    String::from_utf8(text)
-        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+    Ok(bytes)
 }

@@ -77,15 +77,7 @@ impl Gathered {
             }
         }
         for (fold, more) in self.folds.iter_mut().zip(&other.folds) {
-            fold.plain = match (fold.plain.take(), &more.plain) {
-                (None, None) => None,
-                (own, _) => {
-                    let mut plain = own.unwrap_or_else(|| fold.weighted.clone());
-                    plain.merge(more.plain());
-                    Some(plain)
-                }
-            };
-            fold.weighted.merge(&more.weighted);
+            fold.merge(more);
         }
         self.repeats.merge(&other.repeats);
         self.stated += other.stated;

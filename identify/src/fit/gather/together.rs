@@ -13,17 +13,16 @@
 use std::ops::Range;
 
 use super::{Fold, Gathered};
-use crate::lsq::factor::Factor;
 
 impl Gathered {
     /// All folds together.
     pub fn together(&self) -> Fold {
-        self.with(self.nothing(), 0..self.folds.len())
+        self.with(Fold::new(self.params()), 0..self.folds.len())
     }
 
     /// Call `take` with the number of each fold, in order, and all others together.
     pub(in crate::fit) fn without_each(&self, take: &mut dyn FnMut(usize, &Fold)) {
-        self.without(0..self.folds.len(), self.nothing(), take);
+        self.without(0..self.folds.len(), Fold::new(self.params()), take);
     }
 
     fn without(&self, folds: Range<usize>, outside: Fold, take: &mut dyn FnMut(usize, &Fold)) {
@@ -40,23 +39,10 @@ impl Gathered {
         self.without(right, self.with(outside, left), take);
     }
 
-    /// No rows; both ways of weighing them where a fold has both.
-    fn nothing(&self) -> Fold {
-        let empty = Factor::new(self.params());
-        let both = self.folds.iter().any(|fold| fold.plain.is_some());
-        Fold {
-            plain: both.then(|| empty.clone()),
-            weighted: empty,
-        }
-    }
-
     /// These folds with others.
     fn with(&self, mut others: Fold, folds: Range<usize>) -> Fold {
         for fold in &self.folds[folds] {
-            others.weighted.merge(&fold.weighted);
-            if let Some(plain) = &mut others.plain {
-                plain.merge(fold.plain());
-            }
+            others.merge(fold);
         }
         others
     }
@@ -67,6 +53,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     use super::*;
+    use crate::lsq::factor::Factor;
 
     /// Against the rows themselves, in one factor each.
     #[test]

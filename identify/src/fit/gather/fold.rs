@@ -1,0 +1,102 @@
+//! Rows of a part of the postures: over their deviations, and as they are.
+
+use std::borrow::Cow;
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use crate::lsq::factor::Factor;
+use crate::lsq::solve::{self, Estimate, Seen};
+
+/// Rows of one fold, or of several.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fold {
+    /// Rows over their stated deviations.
+    pub weighted: Factor,
+    /// Rows as they are, where no one number makes them of the weighted ones.
+    pub plain: Option<Factor>,
+    /// Deviation that each row was divided by as long as `plain` is none: that which a log
+    /// states of all rows, m, or 1 where it states none.
+    #[serde(default = "one")]
+    pub each: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Fold {
+    /// No rows yet of `params` parameters.
+    pub fn new(params: usize) -> Fold {
+        Fold {
+            weighted: Factor::new(params),
+            plain: None,
+            each: 1.0,
+        }
+    }
+
+    /// Rows as they are.
+    pub fn plain(&self) -> Cow<'_, Factor> {
+        match &self.plain {
+            Some(plain) => Cow::Borrowed(plain),
+            None if self.each == 1.0 => Cow::Borrowed(&self.weighted),
+            None => Cow::Owned(self.weighted.scaled(self.each)),
+        }
+    }
+
+    /// From here on rows as they are get a factor of their own.
+    pub(super) fn part_plain(&mut self) -> &mut Factor {
+        let own = self.plain().into_owned();
+        self.plain.get_or_insert(own)
+    }
+
+    /// Rows so far and rows over `each` have one deviation.
+    pub(super) fn takes(&mut self, each: f64) -> bool {
+        if self.plain.is_none() && self.weighted.rows() == 0 {
+            self.each = each;
+        }
+        self.plain.is_none() && self.each == each
+    }
+
+    /// Estimate from these rows, whose deviations are `sigma` times those stated (m
+    /// where none are), and a prior with factor S about `cad`.
+    pub fn solve(&self, sigma: f64, cad: &DVector<f64>, prior: Option<&DMatrix<f64>>) -> Estimate {
+        solve::solve_weighted(&self.weighted, &self.plain(), sigma, cad, prior)
+    }
+
+    /// What these rows see; the same for every deviation and every prior.
+    pub(in crate::fit) fn seen(&self) -> Seen {
+        Seen::by(&self.plain(), &self.weighted)
+    }
+
+    /// [`Fold::solve`] where it is known what the rows see.
+    pub(in crate::fit) fn solve_seen(
+        &self,
+        seen: &Seen,
+        sigma: f64,
+        cad: &DVector<f64>,
+        prior: Option<&DMatrix<f64>>,
+    ) -> Estimate {
+        solve::solve_seen(seen, &self.weighted, sigma, cad, prior)
+    }
+
+    /// The parameters of [`Fold::solve`] alone.
+    pub fn params(
+        &self,
+        sigma: f64,
+        cad: &DVector<f64>,
+        prior: Option<&DMatrix<f64>>,
+    ) -> DVector<f64> {
+        solve::params_weighted(&self.weighted, &self.plain(), sigma, cad, prior)
+    }
+
+    /// Add the rows of another fold.
+    pub(super) fn merge(&mut self, more: &Fold) {
+        let empty = more.plain.is_none() && more.weighted.rows() == 0;
+        let one_deviation = more.plain.is_none() && self.takes(more.each);
+        if !empty && !one_deviation {
+            self.part_plain().merge(&more.plain());
+        }
+        self.weighted.merge(&more.weighted);
+    }
+}
