@@ -1,52 +1,151 @@
-"""Functions from Python beside the same calls in other packages: nanoseconds a posture.
+"""Functions from Python beside the same calls from Rust and in other packages, in one run:
+nanoseconds a posture.
 
-    python benches/python.py robots/op2/op2.urdf r_sole
+    pip install ./python pin mujoco "adam-robotics[casadi]"
+    python benches/python.py [URDF SUPPORT]      # the OP2 on its right sole unless given
 
-Each number is the least of several repeats. Pinocchio and MuJoCo are measured where they are
-installed; they have no batches, so that a loop in Python is what their users write.
+Each number is the least of several repeats. Rust's are those of `cargo bench --bench tape`.
+Pinocchio and MuJoCo have no batches in Python, so that a loop is what their users write; adam
+writes functions for CasADi, whose `map` evaluates batches. Packages that are not installed are
+left out. `--fit` times `sesc.fit` of a million rows of a data frame beside the command on the
+same rows in Parquet.
 """
 
 from __future__ import annotations
 
+import importlib
+import re
+import subprocess
 import sys
+import tempfile
+import time
 import timeit
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import sesc
 
+ROOT = Path(__file__).resolve().parents[1]
 POSTURES = 100_000
+#: For packages that take microseconds a posture.
+FEW = 2_000
 
 
-def least(call: Callable[[], object], number: int) -> float:
-    """Seconds of one call."""
-    return min(timeit.repeat(call, number=number, repeat=5)) / number
+def least(call: Callable[[], object], number: int, per: int = 1) -> float:
+    """Nanoseconds of one of `per` postures in one call."""
+    return 1e9 * min(timeit.repeat(call, number=number, repeat=5)) / number / per
 
 
-def main(urdf: str, support: str) -> None:
-    model = sesc.Robot(urdf).on(support)
-    rng = np.random.default_rng(1)
-    q = rng.uniform(-0.5, 0.5, (POSTURES, model.dof))
+def in_rust(urdf: str, support: str) -> dict[str, tuple[float, float]]:
+    """One posture and a batch, by function; empty where there is no cargo."""
+    try:
+        words = ["cargo", "bench", "--quiet", "--bench", "tape", "--", urdf, support]
+        done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return {}
+    rows = re.findall(r"^(\w+) +([0-9.]+) +([0-9.]+)$", done.stdout, flags=re.M)
+    return {name: (float(one), float(batch)) for name, one, batch in rows}
+
+
+def ours(model: sesc.Model, rust: dict[str, tuple[float, float]]) -> None:
+    q = np.random.default_rng(1).uniform(-0.5, 0.5, (POSTURES, model.dof))
     one = q[0].copy()
-    print(f"{'':24} {'batch, ns':>10} {'threads=2':>10} {'one, ns':>10}")
+    print(f"{'':18} {'one: Rust':>10} {'Python':>8}   {'batch: Rust':>11} {'Python':>8} {'ratio':>6} {'threads=2':>10}")
     for name in ("com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows"):
         call = getattr(model, name)
         out, place = call(q), call(one)
-        times = [
-            least(lambda: call(q, out=out), 1) / POSTURES,
-            least(lambda: call(q, out=out, threads=2), 1) / POSTURES,
-            least(lambda: call(one, out=place), 10_000),
-        ]
-        print(f"{name:24}" + "".join(f" {1e9 * t:10.1f}" for t in times))
-    try:
-        import pinocchio as pin
-    except ImportError:
-        return
+        alone = least(lambda: call(one, out=place), 10_000)
+        batch = least(lambda: call(q, out=out), 1, POSTURES)
+        two = least(lambda: call(q, out=out, threads=2), 1, POSTURES)
+        theirs = rust.get(name, (np.nan, np.nan))
+        print(
+            f"{name:18} {theirs[0]:10.0f} {alone:8.0f}   {theirs[1]:11.1f} {batch:8.1f} "
+            f"{batch / theirs[1]:6.2f} {two:10.1f}"
+        )
+
+
+def pinocchio(urdf: str) -> tuple[float, float]:
+    import pinocchio as pin
+
     peer = pin.buildModelFromUrdf(urdf)
-    data, theirs = peer.createData(), np.zeros(peer.nq)
-    print(f"{'pinocchio, com':24} {'':10} {'':10} {1e9 * least(lambda: pin.centerOfMass(peer, data, theirs), 10_000):10.1f}")
+    data, q = peer.createData(), pin.neutral(peer)
+    com = least(lambda: pin.centerOfMass(peer, data, q), FEW)
+    return com, least(lambda: pin.jacobianCenterOfMass(peer, data, q), FEW)
+
+
+def mujoco(urdf: str) -> tuple[float, float]:
+    import mujoco as mj
+
+    peer = mj.MjModel.from_xml_path(urdf)
+    data = mj.MjData(peer)
+    jacobian = np.zeros((3, peer.nv))
+
+    def com() -> None:
+        mj.mj_kinematics(peer, data)
+        mj.mj_comPos(peer, data)
+
+    def com_jacobian() -> None:
+        com()
+        mj.mj_jacSubtreeCom(peer, data, jacobian, 1)
+
+    return least(com, FEW), least(com_jacobian, FEW)
+
+
+def adam(urdf: str) -> tuple[float, float]:
+    from adam.casadi import KinDynComputations
+
+    model = sesc.Robot(urdf)
+    peer = KinDynComputations(urdf, model.joints)
+    q = np.random.default_rng(1).uniform(-0.5, 0.5, (len(model.joints), FEW))
+    base = np.tile(np.eye(4), (1, FEW))
+    times = []
+    for function in (peer.CoM_position_fun(), peer.CoM_jacobian_fun()):
+        batch = function.map(FEW)
+        times.append(least(lambda: batch(base, q), 1, FEW))
+    return times[0], times[1]
+
+
+def fits(urdf: str, support: str) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as parquet
+
+    robot = sesc.Robot(urdf)
+    columns = sesc.simulate(robot.on(support), 1_000_000, range=0.5, noise=1e-4).columns()
+    assert columns is not None
+    table = pa.table(columns)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "log.parquet"
+        parquet.write_table(table, file)
+        command = [sys.executable, "-m", "sesc", "fit", urdf, "--support", support, "--data", str(file), "--json"]
+        times: dict[str, Callable[[], Any]] = {
+            "sesc.fit of a data frame": lambda: sesc.fit(robot, sesc.Log(table, support=support)),
+            "sesc fit of Parquet": lambda: subprocess.run(command, check=True, capture_output=True),
+        }
+        for name, call in times.items():
+            start = time.perf_counter()
+            call()
+            print(f"{name:28} {time.perf_counter() - start:6.2f} s")
+
+
+def main(arguments: list[str]) -> None:
+    given = [word for word in arguments if not word.startswith("--")]
+    urdf, support = given or [str(ROOT / "robots" / "op2" / "op2.urdf"), "r_sole"]
+    ours(sesc.Robot(urdf).on(support), in_rust(urdf, support))
+    print(f"\n{'':18} {'CoM':>10} {'Jacobian':>10}")
+    for name, peer in (("pinocchio", pinocchio), ("mujoco", mujoco), ("adam", adam)):
+        try:
+            importlib.import_module(name)
+        except ImportError:
+            continue
+        com, jacobian = peer(urdf)
+        print(f"{name:18} {com:10.0f} {jacobian:10.0f}")
+    if "--fit" in arguments:
+        print()
+        fits(urdf, support)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(sys.argv[1:])

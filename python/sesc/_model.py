@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,6 +52,34 @@ class Model(_sesc.Model):
         limits = np.array(self.bounds, dtype=np.float64).reshape(self.dof, 2)
         limits.flags.writeable = False
         return limits
+
+    def reordered(
+        self, q: Any, *, joints: Sequence[str] | None = None, to: Sequence[str] | None = None
+    ) -> Float64:
+        """Columns of ``q`` in another order of the joints: other libraries sort them by name
+        or by tree.
+
+        Args:
+            q: positions, velocities or accelerations, joints along the last axis.
+            joints: names of the columns of ``q``; :attr:`joints` unless given.
+            to: names of the columns of the result; :attr:`joints` unless given.
+
+        Raises:
+            ValueError: a joint of ``to`` that ``q`` has no column for, or shapes that do not fit.
+
+        Example:
+            >>> model.reordered([[0.1, 7.0]], joints=["hip", "camera"])
+            array([[0.1]])
+        """
+        have = self.joints if joints is None else list(joints)
+        want = self.joints if to is None else list(to)
+        values = np.asarray(q, dtype=np.float64)
+        if values.ndim == 0 or values.shape[-1] != len(have):
+            raise ValueError(f"q has the shape {values.shape}; its last axis must hold {len(have)} joints")
+        missing = [joint for joint in want if joint not in have]
+        if missing:
+            raise ValueError(f"q has no column for {', '.join(missing)}")
+        return np.ascontiguousarray(values[..., [have.index(joint) for joint in want]])
 
     def c99(
         self,

@@ -29,6 +29,8 @@ class Postures:
         experiment: which experiment they belong to, such as ``turned``; None where to none.
     """
 
+    q: Float64
+    experiment: str | None
     #: Number of the first posture.
     _first = 0
 

@@ -14,7 +14,7 @@ from conftest import POLE
 
 THINGS = [sesc, sesc.Robot, sesc.Robot.on, sesc.Log, sesc.Part, sesc.fit, sesc.gather, sesc.diagnose, sesc.plan]
 THINGS += [sesc.simulate, sesc.predict]
-THINGS += [getattr(sesc.Model, n) for n in ("com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows", "zmp")]
+THINGS += [getattr(sesc.Model, n) for n in ("com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows", "zmp", "reordered")]
 
 
 @pytest.mark.parametrize("thing", THINGS, ids=lambda thing: getattr(thing, "__name__", "sesc"))

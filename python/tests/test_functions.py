@@ -173,21 +173,3 @@ def test_functions_equal_those_of_the_command(model: sesc.Model, robots: Path, c
 
 def test_inspection_equals_the_command(model: sesc.Model, robots: Path, command_json: Any) -> None:
     assert model.to_dict() == command_json("inspect", robots / "op2/op2.urdf", "--support", "r_sole")
-
-
-@pytest.mark.peer
-@pytest.mark.parametrize("name", ["op2/op2.urdf"])
-def test_pinocchio_agrees(robots: Path, name: str) -> None:
-    pin = pytest.importorskip("pinocchio")
-    peer = pin.buildModelFromUrdf(str(robots / name))
-    data = peer.createData()
-    ours = sesc.Robot(robots / name, snap=False).on("r_sole")
-    order = [peer.joints[peer.getJointId(joint)].idx_q for joint in ours.joints]
-    for q in RNG.uniform(-0.5, 0.5, (20, ours.dof)):
-        theirs = np.zeros(peer.nq)
-        theirs[order] = q
-        com = pin.centerOfMass(peer, data, theirs)
-        pin.framesForwardKinematics(peer, data, theirs)
-        sole = data.oMf[peer.getFrameId("r_sole")]
-        # The URDF's root is fixed to Pinocchio's universe and has its own mass there.
-        np.testing.assert_allclose(sole.actInv(com), ours.com(q), atol=1e-12)

@@ -123,6 +123,19 @@ def test_arrow_types_become_numbers(pole: sesc.Robot, columns: dict[str, Any]) -
         sesc.Log(pa.table({"date": pa.array([1] * 3, pa.list_(pa.int8()) if False else pa.date32())}))
 
 
+def test_an_arrow_stream_that_was_taken_is_refused(columns: dict[str, Any]) -> None:
+    pa = pytest.importorskip("pyarrow")
+
+    class Taken:
+        def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+            capsule = pa.table(columns).__arrow_c_stream__()
+            pa.RecordBatchReader._import_from_c_capsule(capsule)
+            return capsule
+
+    with pytest.raises(ValueError, match="the Arrow stream was released"):
+        sesc.Log(Taken())
+
+
 def test_parquet_of_others_is_read(pole: sesc.Robot, columns: dict[str, Any], tmp_path: Path) -> None:
     pa = pytest.importorskip("pyarrow")
     parquet = pytest.importorskip("pyarrow.parquet")
