@@ -16,7 +16,7 @@ const ASKED: [(&str, &str); 3] = [
         "runtime/src/simd/x86/avx512.rs",
         "runtime/src/simd/x86/mod.rs",
     ),
-    ("model/src/tape.rs", "model/src/tape.rs"),
+    ("model/src/wide.rs", "model/src/wide.rs"),
 ];
 
 /// Sets that the compiler may use where it may use `enabled`, beyond those of every x86-64.

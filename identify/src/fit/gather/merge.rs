@@ -19,11 +19,16 @@ impl Gathered {
         };
         let axes = self.axes.iter().find_map(|x| within("axes", *x, 0.0, most));
         let factors = self.folds.iter().find_map(|fold| {
-            let size = fold.weighted.largest().max(fold.plain().largest());
-            let rows = fold.weighted.rows().max(fold.plain().rows());
-            within("triangle", size, 0.0, most)
-                .or_else(|| within("rows", rows as f64, 0.0, MOST_ROWS))
+            let sums = [&fold.weighted, &*fold.plain()].map(|sum| (sum.largest(), sum.rows()));
+            sums.into_iter().find_map(|(size, rows)| {
+                within("triangle", size, 0.0, most)
+                    .or_else(|| within("rows", rows as f64, 0.0, MOST_ROWS))
+            })
         });
+        let each = self
+            .folds
+            .iter()
+            .find_map(|fold| within("each", fold.each, f64::MIN_POSITIVE, most));
         let count = |name: &str, n: u64| within(name, n as f64, 0.0, MOST_ROWS);
         count("readings", self.readings)
             .or_else(|| within("stated", self.stated, 0.0, most))
@@ -36,6 +41,7 @@ impl Gathered {
             .or_else(|| count("motion.rows_left_out", self.motion.rows_left_out))
             .or_else(|| self.logs.iter().find_map(|log| count("rows", log.rows)))
             .or(axes)
+            .or(each)
             .or(factors)
             .or_else(|| self.repeats.invalid_reason(MOST_ROWS, most))
             .or_else(|| self.samples.invalid_reason(MOST_ROWS))

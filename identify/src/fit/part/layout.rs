@@ -215,7 +215,7 @@ fn with_samples(mut part: Value) -> Option<Value> {
 mod tests {
     use super::*;
 
-    /// Of the format before: 40 readings of 20 postures of a pole of 2 kg.
+    /// A part of the format before: 40 readings of 20 postures of a pole of 2 kg.
     const MONDAY: &[u8] = include_bytes!("monday-2.part");
 
     /// The packed header of a part, as JSON, and the numbers behind it.
