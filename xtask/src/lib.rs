@@ -2,6 +2,7 @@
 
 pub mod corrected;
 pub mod counts;
+pub mod crates;
 pub mod fleet_costs;
 pub mod fleet_parts;
 pub mod kills;

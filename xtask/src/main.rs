@@ -8,10 +8,14 @@ use clap::Parser;
 /// What is done to the project itself
 #[derive(Parser)]
 enum Task {
+    /// Write licences and bill of materials of the command line, for a binary archive
+    Bill(xtask::crates::archive::Bill),
     /// Print operations and instructions of one call; fail where they grew by 2 %
     Counts(xtask::counts::Counts),
     /// Print what a log of a fleet costs, step by step
     FleetCosts(xtask::fleet_costs::FleetCosts),
+    /// Rewrite docs/dependencies.md
+    Dependencies(xtask::crates::page::Dependencies),
     /// Draw the rows of a large fleet, and print what putting them together costs
     FleetParts(xtask::fleet_parts::FleetParts),
     /// Kill commands while they write, and fail where a file is neither the old nor the new one
@@ -38,8 +42,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
     let root = root.ok_or("xtask stands in no folder")?;
     match Task::parse() {
+        Task::Bill(bill) => bill.run(root)?,
         Task::Counts(counts) => counts.run(root)?,
         Task::FleetCosts(costs) => costs.run(root)?,
+        Task::Dependencies(page) => page.run(root)?,
         Task::FleetParts(parts) => parts.run()?,
         Task::Kills(kills) => kills.run()?,
         Task::Regen => {
