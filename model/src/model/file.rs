@@ -1,6 +1,7 @@
 //! Model files: identified parameters, with where they came from.
 //!
 //! ```text
+//! format = 1               # of the file; 1 where nothing is said
 //! robot = "op2"            # hash and support say which robot they belong to
 //! hash = "5be7…"
 //! support = "r_sole"
@@ -31,6 +32,19 @@ use crate::effects::Unit;
 use crate::text::{shortened, visible};
 use crate::urdf::limits;
 use crate::{Error, files};
+
+/// The format of files that do not say theirs.
+pub(super) const FIRST: u32 = 1;
+/// The newest format that is read. It grows where a reader of before would misunderstand a file.
+const NEWEST: u32 = 1;
+
+fn first() -> u32 {
+    FIRST
+}
+
+fn is_first(format: &u32) -> bool {
+    *format == FIRST
+}
 
 /// No quantity of an effect is larger, in its unit.
 const MOST: f64 = 1e9;
@@ -92,6 +106,9 @@ fn whole() -> String {
 /// What `model.toml` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelFile {
+    /// Format of the file; the first one is not written.
+    #[serde(default = "first", skip_serializing_if = "is_first")]
+    pub(super) format: u32,
     /// Name of the robot.
     pub robot: String,
     /// Hash of its URDF.
@@ -118,6 +135,23 @@ pub struct ModelFile {
     /// Where it was read from, for messages.
     #[serde(skip)]
     pub file: String,
+}
+
+/// Why the text of a newer format is not read: before anything else in it is, which may be new.
+fn newer(text: &str) -> Option<String> {
+    #[derive(Deserialize)]
+    struct Format {
+        #[serde(default = "first")]
+        format: u32,
+    }
+    let Format { format } = toml::from_str(text).ok()?;
+    match format {
+        FIRST..=NEWEST => None,
+        _ => Some(format!(
+            "it has format {format}, and this version of sesc reads formats up to {NEWEST}; take \
+             the version that wrote it"
+        )),
+    }
 }
 
 impl ModelFile {
@@ -149,6 +183,7 @@ impl ModelFile {
             file: file.to_string(),
             reason,
         };
+        newer(text).map_or(Ok(()), |reason| Err(bad(reason)))?;
         let mut model: ModelFile = toml::from_str(text).map_err(|error| bad(error.to_string()))?;
         model.file = file.to_string();
         match model.invalid_reason() {
@@ -247,5 +282,37 @@ impl ModelFile {
                 self.hash
             ),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OLD: &str = "robot = \"r\"\nhash = \"h\"\nsupport = \"foot\"\nparameters = []\n";
+
+    #[test]
+    fn a_file_of_a_newer_format_is_refused_whatever_else_is_in_it() {
+        for text in [
+            format!("format = 2\n{OLD}"),
+            format!("format = 2\n{OLD}data = \"of another kind\"\n"),
+        ] {
+            let error = ModelFile::parse(&text, "model.toml")
+                .unwrap_err()
+                .to_string();
+            assert!(error.contains("format 2"), "{error}");
+            assert!(error.contains("up to 1"), "{error}");
+        }
+        for text in [format!("format = 0\n{OLD}"), format!("format = -1\n{OLD}")] {
+            assert!(ModelFile::parse(&text, "model.toml").is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_file_that_says_no_format_has_the_first_and_is_written_so() {
+        let file = ModelFile::parse(OLD, "model.toml").unwrap();
+        let first = ModelFile::parse(&format!("format = 1\n{OLD}"), "model.toml").unwrap();
+        assert_eq!(file, first);
+        assert!(!first.to_toml().unwrap().contains("format"));
     }
 }
