@@ -51,7 +51,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define op2_r_sole_SOURCE
 #include "op2_r_sole.h"
-#ifndef op2_r_sole_PAIR_8b98ff2195b3eaf8
+#ifndef op2_r_sole_PAIR_d67f40764b14c6a5
 #error "op2_r_sole.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -7120,7 +7120,22 @@ static int op2_r_sole_differs(
     return differs;
 }
 
-int op2_r_sole_selftest_8b98ff2195b3eaf8(void)
+/* Sums that are rounded up, down or to zero: sines would leave their bounds. */
+static int op2_r_sole_rounds_otherwise(void)
+{
+    /* Volatile: the compiler would compute these sums in the mode that it assumes. */
+    static const volatile op2_r_sole_real one = 1.0f;
+    static const volatile op2_r_sole_real eighth_of_ulp = 1.4901161e-8f;
+    const op2_r_sole_real at = one;
+    const op2_r_sole_real little = eighth_of_ulp;
+    volatile op2_r_sole_real above = at + little;
+    volatile op2_r_sole_real below = at - little;
+    const op2_r_sole_real up = above;
+    const op2_r_sole_real down = below;
+    return ((up > at) || (down < at)) ? 1 : 0;
+}
+
+int op2_r_sole_selftest_d67f40764b14c6a5(void)
 {
     static const op2_r_sole_real q[20] = {
         0.5581665f,
@@ -7226,10 +7241,14 @@ int op2_r_sole_selftest_8b98ff2195b3eaf8(void)
     if (op2_r_sole_differs(com, expected_com_ticks, 3u, 1.4768124e-6f) != 0) {
         failed += 8;
     }
+
+    if (op2_r_sole_rounds_otherwise() != 0) {
+        failed += 16;
+    }
     return failed;
 }
 
 int op2_r_sole_selftest(void)
 {
-    return op2_r_sole_selftest_8b98ff2195b3eaf8();
+    return op2_r_sole_selftest_d67f40764b14c6a5();
 }

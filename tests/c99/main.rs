@@ -13,3 +13,4 @@ mod lanes;
 mod machines;
 mod model;
 mod quality;
+mod rounding;

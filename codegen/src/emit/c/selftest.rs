@@ -64,11 +64,33 @@ impl Wanted {
 }
 
 /// What the return value is a sum of.
-pub(super) fn weights(checks: &[Check]) -> String {
+pub(super) fn weights(checks: &[Check], scalar: Scalar) -> String {
     let weights = checks
         .iter()
         .map(|check| format!("{} ({})", check.weight, check.stem));
-    weights.collect::<Vec<_>>().join(", ")
+    let mut weights: Vec<String> = weights.collect();
+    if scalar != Scalar::Fixed32 {
+        let rounding = weight_of_rounding(checks);
+        weights.push(format!("{rounding} (sums are not rounded to nearest)"));
+    }
+    weights.join(", ")
+}
+
+/// What the self-test adds where the processor rounds otherwise than to nearest.
+pub(super) fn weight_of_rounding(checks: &[Check]) -> u32 {
+    1 << checks.len()
+}
+
+/// An eighth of the distance between 1 and the next number: to nearest, 1 with it or without it
+/// is 1, and in every other mode one of the two is not.
+pub(super) fn eighth_of_ulp(scalar: Scalar) -> String {
+    number(
+        scalar
+            .precision()
+            .map_or(0.0, |precision| precision.unit() / 4.0),
+        scalar,
+        0,
+    )
 }
 
 /// Comparisons of the functions that are there, and the arrays they write to.

@@ -47,7 +47,7 @@ extern "C" {
 typedef float lift_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define lift_PAIR_c6ae5c221bf87357
+#define lift_PAIR_3070735286392280
 
 /** Number of independent joints. */
 #define lift_DOF 2
@@ -314,7 +314,8 @@ void lift_zmp_sc(
 
 /**
  * @brief Check the compiled functions against what the generator computed by another way.
- * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments).
+ * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments), 8 (sums are not
+ *     rounded to nearest).
  */
 int lift_selftest(void);
 
@@ -323,10 +324,10 @@ int lift_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int lift_selftest_c6ae5c221bf87357(void);
+int lift_selftest_3070735286392280(void);
 #ifndef lift_SOURCE
 #define lift_selftest() \
-    lift_selftest_c6ae5c221bf87357()
+    lift_selftest_3070735286392280()
 #endif
 
 #ifdef __cplusplus

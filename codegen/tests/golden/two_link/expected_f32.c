@@ -49,7 +49,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define two_link_SOURCE
 #include "two_link.h"
-#ifndef two_link_PAIR_1ad39b4437782419
+#ifndef two_link_PAIR_2d2460279294284a
 #error "two_link.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -1022,7 +1022,22 @@ static int two_link_differs(
     return differs;
 }
 
-int two_link_selftest_1ad39b4437782419(void)
+/* Sums that are rounded up, down or to zero: sines would leave their bounds. */
+static int two_link_rounds_otherwise(void)
+{
+    /* Volatile: the compiler would compute these sums in the mode that it assumes. */
+    static const volatile two_link_real one = 1.0f;
+    static const volatile two_link_real eighth_of_ulp = 1.4901161e-8f;
+    const two_link_real at = one;
+    const two_link_real little = eighth_of_ulp;
+    volatile two_link_real above = at + little;
+    volatile two_link_real below = at - little;
+    const two_link_real up = above;
+    const two_link_real down = below;
+    return ((up > at) || (down < at)) ? 1 : 0;
+}
+
+int two_link_selftest_2d2460279294284a(void)
 {
     static const two_link_real q[2] = {
         0.21321106f,
@@ -1074,10 +1089,14 @@ int two_link_selftest_1ad39b4437782419(void)
     if (two_link_differs(com, expected_com_ticks, 3u, 2.845246e-7f) != 0) {
         failed += 8;
     }
+
+    if (two_link_rounds_otherwise() != 0) {
+        failed += 16;
+    }
     return failed;
 }
 
 int two_link_selftest(void)
 {
-    return two_link_selftest_1ad39b4437782419();
+    return two_link_selftest_2d2460279294284a();
 }

@@ -20,6 +20,24 @@ static int {{ name }}_differs(
     return differs;
 }
 
+{%- if real != "int32_t" %}
+
+/* Sums that are rounded up, down or to zero: sines would leave their bounds. */
+static int {{ name }}_rounds_otherwise(void)
+{
+    /* Volatile: the compiler would compute these sums in the mode that it assumes. */
+    static const volatile {{ name }}_real one = 1.0{{ suffix }};
+    static const volatile {{ name }}_real eighth_of_ulp = {{ eighth_of_ulp }};
+    const {{ name }}_real at = one;
+    const {{ name }}_real little = eighth_of_ulp;
+    volatile {{ name }}_real above = at + little;
+    volatile {{ name }}_real below = at - little;
+    const {{ name }}_real up = above;
+    const {{ name }}_real down = below;
+    return ((up > at) || (down < at)) ? 1 : 0;
+}
+{%- endif %}
+
 int {{ name }}_selftest_{{ pair }}(void)
 {
 {%- for check in selftest %}
@@ -42,6 +60,12 @@ int {{ name }}_selftest_{{ pair }}(void)
         failed += {{ check.weight }};
     }
 {%- endfor %}
+{%- if real != "int32_t" %}
+
+    if ({{ name }}_rounds_otherwise() != 0) {
+        failed += {{ selftest_rounding }};
+    }
+{%- endif %}
     return failed;
 }
 
