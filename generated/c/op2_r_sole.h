@@ -61,7 +61,7 @@ extern "C" {
 typedef float op2_r_sole_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define op2_r_sole_PAIR_d67f40764b14c6a5
+#define op2_r_sole_PAIR_3fe4498e8785f45c
 
 /** Number of independent joints. */
 #define op2_r_sole_DOF 20
@@ -590,10 +590,10 @@ int op2_r_sole_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int op2_r_sole_selftest_d67f40764b14c6a5(void);
+int op2_r_sole_selftest_3fe4498e8785f45c(void);
 #ifndef op2_r_sole_SOURCE
 #define op2_r_sole_selftest() \
-    op2_r_sole_selftest_d67f40764b14c6a5()
+    op2_r_sole_selftest_3fe4498e8785f45c()
 #endif
 
 #ifdef __cplusplus

@@ -13,7 +13,7 @@ pub type Id = (String, String);
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Crate {
-    /// As the crate states it, an expression of SPDX.
+    /// The licence that the crate states, an expression of SPDX.
     pub licence: String,
     /// It is a member of this repository.
     pub ours: bool,

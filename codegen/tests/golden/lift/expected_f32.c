@@ -39,7 +39,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define lift_SOURCE
 #include "lift.h"
-#ifndef lift_PAIR_3070735286392280
+#ifndef lift_PAIR_e08fe992a549d87b
 #error "lift.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -1131,22 +1131,22 @@ static int lift_differs(
     return differs;
 }
 
-/* Sums that are rounded up, down or to zero: sines would leave their bounds. */
-static int lift_rounds_otherwise(void)
+#if !defined(__FLT_EVAL_METHOD__) || (__FLT_EVAL_METHOD__ != 2)
+/* Sums that are rounded up, down or to zero: sines would leave their bounds. The compiler would
+   add known numbers in the mode that it assumes; the result of a function it does not know.
+   On x87 sums have more digits than their type. */
+static int lift_rounds_otherwise(lift_real result)
 {
-    /* Volatile: the compiler would compute these sums in the mode that it assumes. */
-    static const volatile lift_real one = 1.0f;
-    static const volatile lift_real eighth_of_ulp = 1.4901161e-8f;
-    const lift_real at = one;
-    const lift_real little = eighth_of_ulp;
-    volatile lift_real above = at + little;
-    volatile lift_real below = at - little;
-    const lift_real up = above;
-    const lift_real down = below;
+    const lift_real zero = 0.0f * result;
+    const lift_real at = zero + 1.0f;
+    const lift_real little = zero + 1.4901161e-8f;
+    const lift_real up = at + little;
+    const lift_real down = at - little;
     return ((up > at) || (down < at)) ? 1 : 0;
 }
+#endif
 
-int lift_selftest_3070735286392280(void)
+int lift_selftest_e08fe992a549d87b(void)
 {
     static const lift_real q[2] = {
         0.30329895f,
@@ -1185,13 +1185,15 @@ int lift_selftest_3070735286392280(void)
         failed += 4;
     }
 
-    if (lift_rounds_otherwise() != 0) {
+#if !defined(__FLT_EVAL_METHOD__) || (__FLT_EVAL_METHOD__ != 2)
+    if (lift_rounds_otherwise(com[0]) != 0) {
         failed += 8;
     }
+#endif
     return failed;
 }
 
 int lift_selftest(void)
 {
-    return lift_selftest_3070735286392280();
+    return lift_selftest_e08fe992a549d87b();
 }
