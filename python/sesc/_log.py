@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _arrow, _sesc
+from ._arrays import Float64
 from ._health import Finding
 
 if TYPE_CHECKING:
@@ -54,8 +55,8 @@ class Log:
         name: str | None = None,
         robot: Robot | None = None,
         readings_per_pose: int | None = None,
-        cells: Sequence[Sequence[float]] | None = None,
-        gravity: Sequence[float] | None = None,
+        cells: Sequence[Sequence[float]] | Float64 | None = None,
+        gravity: Sequence[float] | Float64 | None = None,
         both_feet: bool | None = None,
         other_foot: str | None = None,
         topic: str | None = None,

@@ -36,10 +36,8 @@ def test_parameters_become_a_table(log: sesc.Log) -> None:
 
 
 def test_a_gap_is_drawn(log: sesc.Log, tmp_path: Path) -> None:
-    matplotlib = pytest.importorskip("matplotlib")
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
+    pytest.importorskip("matplotlib").use("Agg")
+    pyplot = pytest.importorskip("matplotlib.pyplot")
     robot = sesc.Robot(sesc.OP2_URDF)
     columns = log.columns()
     measured = np.stack([columns["cop_x"], columns["cop_y"]], axis=-1)
