@@ -381,6 +381,70 @@ fn parts_of_a_log_give_the_whole() {
     assert_eq!((merged.postures, merged.readings), (300, 300));
 }
 
+/// Sums of rows as they are and over their deviations are those of the reference's residuals,
+/// while a log states one deviation and after it states others.
+#[test]
+fn sums_hold_where_stated_deviations_change() {
+    let op2 = Op2::new();
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let theta = op2.truth(0.10, 0.005, &mut rng);
+    let q = op2.postures(300, 7);
+    let block = op2.log(&q, &theta, NOISE, &mut rng);
+    let params = op2.model("r_sole").standard_map() * &theta;
+    let cut = |range: std::ops::Range<usize>, std: f64| Block {
+        line: block.line[range.clone()].to_vec(),
+        pose: block.pose[range.clone()].to_vec(),
+        q: block.q[20 * range.start..20 * range.end].to_vec(),
+        reading: block
+            .reading
+            .as_ref()
+            .map(|all| all[range.clone()].to_vec()),
+        std: Some(vec![[std; 2]; range.len()]),
+        ..Block::default()
+    };
+    let direct = |range: std::ops::Range<usize>| -> f64 {
+        let readings = block.reading.as_ref().unwrap();
+        let of = |k: usize| {
+            let com = op2
+                .reference
+                .com_of(&q[20 * k..20 * (k + 1)], theta.as_slice());
+            (readings[k][0] - com.x).powi(2) + (readings[k][1] - com.y).powi(2)
+        };
+        range.map(of).sum()
+    };
+    let check = |gathered: &Gathered, parts: &[(std::ops::Range<usize>, f64)]| {
+        let plain: f64 = parts.iter().map(|(rows, _)| direct(rows.clone())).sum();
+        let weighted =
+            |(rows, std): &(std::ops::Range<usize>, f64)| direct(rows.clone()) / (std * std);
+        let weighted: f64 = parts.iter().map(weighted).sum();
+        let together = gathered.together();
+        let found = together.plain().residual_sum(&params);
+        assert!((found - plain).abs() < 1e-9 * plain, "{found} {plain}");
+        let found = together.weighted.residual_sum(&params);
+        assert!((found - weighted).abs() < 1e-9 * weighted);
+    };
+    let mut measurement = Measurement::new(&op2.robot, "r_sole", Snapping::default()).unwrap();
+    let mut gather = |blocks: &[Block]| {
+        let mut gathered = Gathered::new(43, 10);
+        for block in blocks {
+            gathered
+                .push(&mut measurement, block, "log.csv", None)
+                .unwrap();
+        }
+        gathered
+    };
+    let (fine, coarse) = (2e-4, 7e-4);
+    let one = gather(&[cut(0..100, fine), cut(100..150, fine)]);
+    assert!(one.folds.iter().all(|fold| fold.plain.is_none()));
+    check(&one, &[(0..150, fine)]);
+    let two = gather(&[cut(0..150, fine), cut(150..300, coarse)]);
+    assert!(two.folds.iter().all(|fold| fold.plain.is_some()));
+    check(&two, &[(0..150, fine), (150..300, coarse)]);
+    let mut merged = one;
+    merged.merge(gather(&[cut(150..300, coarse)])).unwrap();
+    check(&merged, &[(0..150, fine), (150..300, coarse)]);
+}
+
 /// The prior's covariance is the spread of robots drawn from its tolerances.
 #[test]
 fn tolerances_carry_over_to_parameters() {
