@@ -217,3 +217,11 @@ def test_the_table_of_scaling_reads_every_log_once(tmp_path: Path) -> None:
     assert [(row[0], row[1], row[-1]) for row in rows] == [
         (logs, processes, "0") for logs in ("2", "3") for processes in ("1", "2")
     ]
+
+
+@pytest.mark.parametrize("counts", ["x", "10,,5", "0", "-3"])
+def test_a_table_of_no_numbers_is_refused(counts: str) -> None:
+    command = [sys.executable, "-m", "sesc.fleet.selftest", f"--table={counts}"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "is no list of positive numbers, such as 10,100,1000" in done.stderr

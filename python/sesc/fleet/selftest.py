@@ -37,7 +37,9 @@ def main(words: list[str] | None = None) -> int:
         "--only", choices=("parameters", "all"), default="parameters", help="all: diagnose each log, too"
     )
     parser.add_argument("--folder", type=Path, help="where logs, store and table go; a new folder unless given")
-    parser.add_argument("--table", help="numbers of logs, such as 10,100,1000: print what each takes")
+    parser.add_argument(
+        "--table", type=_counts, help="numbers of logs, such as 10,100,1000: print what each takes"
+    )
     given = parser.parse_args(words)
     if given.folder is not None:
         given.folder.mkdir(parents=True, exist_ok=True)
@@ -46,11 +48,18 @@ def main(words: list[str] | None = None) -> int:
         return _tried(given, Path(folder))
 
 
+def _counts(text: str) -> list[int]:
+    """Numbers of logs of ``--table``: positive and separated by commas."""
+    counts = text.split(",")
+    if not all(count.isdecimal() and int(count) > 0 for count in counts):
+        raise argparse.ArgumentTypeError(f"{text!r} is no list of positive numbers, such as 10,100,1000")
+    return [int(count) for count in counts]
+
+
 def _tried(given: Any, folder: Path) -> int:
     only = "" if given.only == "all" else given.only
     if given.table:
-        counts = [int(count) for count in given.table.split(",")]
-        return _said(scaling(folder, counts, (given.postures, given.days), only))
+        return _said(scaling(folder, given.table, (given.postures, given.days), only))
     logs, store = folder / "logs", folder / "store"
     if not logs.exists():
         start = time.perf_counter()

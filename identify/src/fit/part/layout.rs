@@ -140,7 +140,10 @@ fn damaged(reason: impl std::fmt::Display) -> String {
 }
 
 fn newer(format: &str) -> String {
-    format!("written as `{format}`, this version reads `{FORMAT}`; gather the log again")
+    format!(
+        "it is `{format}`, and this version of sesc reads formats up to `{FORMAT}`; take the \
+         version that wrote it, or gather the log again"
+    )
 }
 
 fn current(header: &[u8], numbers: &[u8]) -> Result<Part, String> {
@@ -256,6 +259,7 @@ mod tests {
         header["format"] = "sesc factor 4".into();
         let said = read(&with_header(&header, &numbers)).unwrap_err();
         assert!(said.contains("`sesc factor 4`"), "{said}");
+        assert!(said.contains("take the version that wrote it"), "{said}");
     }
 
     #[test]
