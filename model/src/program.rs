@@ -244,7 +244,7 @@ impl Program {
     }
 
     /// Nodes in order, with their ids.
-    pub fn iter(&self) -> impl Iterator<Item = (Id, &Node)> {
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = (Id, &Node)> {
         self.nodes
             .iter()
             .enumerate()

@@ -2,13 +2,18 @@
 //!
 //! Each node works on [`BLOCK`] postures at once, so that the cost of looking
 //! up what to do is shared and the loops vectorise: in the widest registers that the
-//! processor has, with the same bits in all. A few postures go in blocks of [`SHORT`]: one
-//! posture does not pay for 64. Registers of results are reused as soon
+//! processor has, with the same bits in all. A few postures go in blocks of [`SHORT`], which do
+//! not pay for 64; one posture goes number by number. Registers of results are reused as soon
 //! as their value is dead; inputs keep theirs, and what all postures share is loaded once.
 
-use crate::expr::{Expr, Id};
-use crate::program::{Program, operands};
+mod alone;
+mod plan;
+
+use crate::program::Program;
 use crate::wide::{Loops, widest};
+
+use alone::Alone;
+use plan::{Instruction, Plan, Source, Step, as_written, sources};
 
 /// Postures evaluated together.
 pub const BLOCK: usize = 64;
@@ -67,133 +72,30 @@ pub enum Values<'a> {
     Shared(&'a [f64]),
 }
 
-#[derive(Debug, Clone, Copy)]
-enum Step {
-    Add(usize, usize),
-    Sub(usize, usize),
-    Mul(usize, usize),
-    Div(usize, usize),
-    Neg(usize),
-    Clamp(usize),
-    Pow(usize, usize),
-    /// Angle; the second destination is the cosine's.
-    SinCos(usize),
-}
-
-/// What fills a register before any step.
-#[derive(Debug, Clone, Copy)]
-enum Source {
-    Const(f64),
-    Input { array: usize, index: usize },
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Instruction {
-    step: Step,
-    to: usize,
-    /// Second destination, for the cosine.
-    also: usize,
-}
-
 /// A program made ready to run.
 #[derive(Debug, Clone)]
 pub struct Tape {
     /// What the first registers are loaded from, in their order.
     sources: Vec<Source>,
-    steps: Vec<Instruction>,
-    registers: usize,
-    /// Register of each output.
-    outputs: Vec<usize>,
+    blocks: Plan,
+    alone: Alone,
     lens: Vec<usize>,
 }
 
 impl Tape {
-    /// Assign registers: linear scan in program order.
+    /// Make `program` ready: for blocks in its own order, for one posture with angles first.
     pub fn new(program: &Program) -> Tape {
-        let pairs = program.angles();
-        let mut left: Vec<usize> = program.nodes.iter().map(|node| node.uses).collect();
-        let mut register: Vec<Option<usize>> = vec![None; program.nodes.len()];
-        let mut sources = Vec::new();
-        for (id, node) in program.iter() {
-            let source = match node.expr {
-                Expr::Const(x) => Source::Const(x),
-                Expr::Input { argument, index } => Source::Input {
-                    array: program.slot(argument),
-                    index: index as usize,
-                },
-                _ => continue,
-            };
-            register[id.index()] = Some(sources.len());
-            // Never free: one use more than there are.
-            left[id.index()] += 1;
-            sources.push(source);
-        }
-        let (mut free, mut count) = (Vec::new(), sources.len());
-        let mut take = |free: &mut Vec<usize>| {
-            free.pop().unwrap_or_else(|| {
-                count += 1;
-                count - 1
-            })
-        };
-        let mut steps = Vec::with_capacity(program.nodes.len());
-        for (id, node) in program.iter() {
-            let k = id.index();
-            let at = |id: Id, register: &[Option<usize>]| {
-                register[id.index()].expect("operands come before their users")
-            };
-            let step = match node.expr {
-                Expr::Const(_) | Expr::Input { .. } => continue,
-                Expr::Add(a, b) => Step::Add(at(a, &register), at(b, &register)),
-                Expr::Sub(a, b) => Step::Sub(at(a, &register), at(b, &register)),
-                Expr::Mul(a, b) => Step::Mul(at(a, &register), at(b, &register)),
-                Expr::Div(a, b) => Step::Div(at(a, &register), at(b, &register)),
-                Expr::Neg(a) => Step::Neg(at(a, &register)),
-                Expr::Clamp(a) => Step::Clamp(at(a, &register)),
-                Expr::Pow(a, b) => Step::Pow(at(a, &register), at(b, &register)),
-                Expr::Sin(a) | Expr::Cos(a) => Step::SinCos(at(a, &register)),
-            };
-            if let Expr::Sin(a) | Expr::Cos(a) = node.expr {
-                if register[k].is_none() {
-                    let (sin, cos) = pairs[&a];
-                    let (to, also) = (take(&mut free), take(&mut free));
-                    for (node, place) in [(sin, to), (cos, also)] {
-                        match node {
-                            Some(node) => register[node.index()] = Some(place),
-                            None => free.push(place),
-                        }
-                    }
-                    steps.push(Instruction { step, to, also });
-                }
-            } else {
-                // The destination is taken before operands are released: no step
-                // overwrites what it reads.
-                let to = take(&mut free);
-                register[k] = Some(to);
-                steps.push(Instruction { step, to, also: to });
-            }
-            for operand in operands(node.expr) {
-                left[operand.index()] -= 1;
-                if left[operand.index()] == 0 {
-                    free.extend(register[operand.index()]);
-                }
-            }
-        }
         Tape {
-            outputs: program
-                .outputs
-                .iter()
-                .map(|id| register[id.index()].expect("outputs are live"))
-                .collect(),
-            sources,
-            steps,
-            registers: count,
+            sources: sources(program),
+            blocks: Plan::new(program, &as_written(program)),
+            alone: Alone::new(program),
             lens: program.inputs.iter().map(|array| array.len).collect(),
         }
     }
 
     /// Values per posture.
     pub fn outputs(&self) -> usize {
-        self.outputs.len()
+        self.blocks.outputs.len()
     }
 
     /// Evaluate `postures` postures: `out[posture * outputs() + k]`.
@@ -215,17 +117,18 @@ impl Tape {
             assert!(have >= need, "an input array holds {have} of {need} values");
         }
         assert!(
-            out.len() >= postures * self.outputs.len(),
+            out.len() >= postures * self.outputs(),
             "room for every output"
         );
         match postures {
-            0..=FEW => self.blocks::<SHORT>(arguments, postures, out, kernels),
-            _ => self.blocks::<BLOCK>(arguments, postures, out, kernels),
+            1 => self.alone.run(&self.sources, arguments, out, kernels),
+            0..=FEW => self.in_blocks::<SHORT>(arguments, postures, out, kernels),
+            _ => self.in_blocks::<BLOCK>(arguments, postures, out, kernels),
         }
     }
 
     /// Evaluate N postures at a time.
-    fn blocks<const N: usize>(
+    fn in_blocks<const N: usize>(
         &self,
         arguments: &[Values],
         postures: usize,
@@ -240,7 +143,7 @@ impl Tape {
             },
         };
         let uniform: Vec<Option<f64>> = self.sources.iter().map(uniform).collect();
-        let mut registers = vec![Register([0.0; N]); self.registers];
+        let mut registers = vec![Register([0.0; N]); self.blocks.registers];
         for (register, value) in registers.iter_mut().zip(&uniform) {
             register.0.fill(value.unwrap_or(0.0));
         }
@@ -260,15 +163,15 @@ impl Tape {
                 }
             }
             widest(Steps {
-                steps: &self.steps,
+                steps: &self.blocks.steps,
                 registers: &mut registers,
                 uniform: shared,
                 kernels,
             });
-            let out = &mut out[start * self.outputs.len()..];
+            let out = &mut out[start * self.outputs()..];
             // A line of the cache at a time.
-            let (lines, rest) = self.outputs.as_chunks::<SHORT>();
-            let width = self.outputs.len();
+            let (lines, rest) = self.blocks.outputs.as_chunks::<SHORT>();
+            let width = self.outputs();
             for (k, line) in lines.iter().enumerate() {
                 let columns = line.map(|register| &registers[register]);
                 let rows = out[k * SHORT..].chunks_mut(width);
