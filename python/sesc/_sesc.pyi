@@ -43,6 +43,7 @@ _Bytes: TypeAlias = bytes
 
 @disjoint_base
 class Robot:
+    """A robot, and how right angles of its URDF are read."""
     def __new__(cls, file: str | os.PathLike[str], text: str | None, snap: bool) -> Self: ...
     @property
     def name(self) -> str: ...
@@ -61,6 +62,7 @@ class Robot:
 
 @disjoint_base
 class Model:
+    """A robot on its support link, with CAD's parameters or identified ones."""
     def __new__(
         cls, robot: Robot, support: str, file: str | os.PathLike[str] | None = None, text: str | None = None
     ) -> Self: ...
@@ -84,46 +86,74 @@ class Model:
     def unobservable(self) -> list[str]: ...
     @property
     def notes(self) -> list[str]: ...
-    def inspection(self) -> str: ...
-    def com(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64: ...
-    def com_jacobian(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64: ...
-    def gravity_moments(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64: ...
-    def cop(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64: ...
-    def cop_rows(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64: ...
-    def com_rows(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64: ...
+    def inspection(self) -> str:
+        """What `sesc inspect --json` says."""
+    def com(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """Centre of mass in the support frame, m: ``(dof,)`` gives ``(3,)``, ``(n, dof)`` gives
+        ``(n, 3)``."""
+    def com_jacobian(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """Its derivative with respect to joint positions, m/rad (prismatic: m/m): ``(3, dof)`` or
+        ``(n, 3, dof)``."""
+    def gravity_moments(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """Moment of gravity about each joint, per kg of the total mass and g, m: ``(dof,)`` or
+        ``(n, dof)``; times ``model.total_mass * 9.80665`` it is Nm."""
+    def cop(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """Reading of the centre of pressure that a static posture gives, m, with the effects of the
+        model: ``(2,)`` or ``(n, 2)``."""
+    def cop_rows(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """Rows of the CoP in the parameters, ``cop = cop_rows @ params`` without effects: ``(2,
+        p)`` or ``(n, 2, p)``."""
+    def com_rows(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """Rows of the CoM in the parameters, ``com = com_rows @ params``: ``(3, p)`` or ``(n, 3,
+        p)``."""
     def zmp(
         self, q: Any, qd: Any, qdd: Any, *, out: Float64 | None = None, threads: int | None = None
-    ) -> Float64: ...
+    ) -> Float64:
+        """Zero-moment point of a robot that moves, m: positions, velocities (rad/s, m/s) and
+        accelerations of one shape give ``(2,)`` or ``(n, 2)``."""
 
 _Show: TypeAlias = Callable[[str, int, int | None], object] | None
 
 @disjoint_base
 class Log:
+    """A posture log that can be read as often as needed."""
     @staticmethod
-    def file(path: str, settings: str | None = None) -> Log: ...
+    def file(path: str, settings: str | None = None) -> Log:
+        """The log at `path`."""
     @staticmethod
-    def bytes(name: str, data: _Bytes, settings: str | None = None) -> Log: ...
+    def bytes(name: str, data: _Bytes, settings: str | None = None) -> Log:
+        """The bytes of a log file of any format."""
     @staticmethod
-    def table(name: str, columns: list[tuple[str, Any]], settings: str | None = None) -> Log: ...
+    def table(name: str, columns: list[tuple[str, Any]], settings: str | None = None) -> Log:
+        """Columns by name; the log keeps copies of its own."""
     @property
     def name(self) -> str: ...
     @property
     def sidecar_warnings(self) -> list[str]: ...
     @property
     def settings(self) -> str: ...
-    def content(self) -> _Bytes | None: ...
-    def health(self, robot: Robot | None = None, show: _Show = None) -> list[tuple[str, str, str]]: ...
-    def columns(self) -> dict[str, Any] | None: ...
-    def write(self, path: str, show: _Show = None) -> str: ...
+    def content(self) -> _Bytes | None:
+        """The bytes of a file that was given by them."""
+    def health(self, robot: Robot | None = None, show: _Show = None) -> list[tuple[str, str, str]]:
+        """What is wrong with the data themselves: kind, target, sentence."""
+    def columns(self) -> dict[str, Any] | None:
+        """The columns of a table, by name; none of a file."""
+    def write(self, path: str, show: _Show = None) -> str:
+        """Write a simulated log with its sidecar, whose path is given back."""
 
 @disjoint_base
 class Part:
+    """Sums of one log or of many, with the robot they are about."""
     @staticmethod
-    def gather(robot: Robot, logs: list[Log], options: dict[str, Any], show: _Show = None) -> Part: ...
+    def gather(robot: Robot, logs: list[Log], options: dict[str, Any], show: _Show = None) -> Part:
+        """What logs contribute, gathered with the keywords of a fit."""
     @staticmethod
-    def parse(data: _Bytes) -> Part: ...
-    def to_bytes(self) -> _Bytes: ...
-    def merged(self, other: Part) -> Part: ...
+    def parse(data: _Bytes) -> Part:
+        """The part that these bytes hold."""
+    def to_bytes(self) -> _Bytes:
+        """The bytes of a file of it."""
+    def merged(self, other: Part) -> Part:
+        """This part and another, together."""
     @property
     def support(self) -> str: ...
     @property
@@ -141,6 +171,7 @@ class Part:
 
 @final
 class FitReport:
+    """What a fit found, with what is needed to make files of it."""
     @property
     def usable(self) -> bool: ...
     @property
@@ -149,33 +180,54 @@ class FitReport:
     def warnings(self) -> list[str]: ...
     @property
     def notes(self) -> list[str]: ...
-    def json(self) -> str: ...
-    def text(self) -> str: ...
-    def params(self) -> Float64: ...
-    def covariance(self) -> Float64: ...
-    def model_file(self) -> str: ...
-    def corrected(self, total_mass: float | None = None) -> tuple[str, str, str]: ...
-    def page(self, command: str, show: _Show = None) -> str: ...
+    def json(self) -> str:
+        """What `sesc fit --json` prints."""
+    def text(self) -> str:
+        """What `sesc fit` prints."""
+    def params(self) -> Float64:
+        """The parameters, m."""
+    def covariance(self) -> Float64:
+        """Covariance of the parameters, row by row."""
+    def model_file(self) -> str:
+        """The model file."""
+    def corrected(self, total_mass: float | None = None) -> tuple[str, str, str]:
+        """The corrected URDF, what changed in it as JSON, and the same as a table."""
+    def page(self, command: str, show: _Show = None) -> str:
+        """The page of `sesc fit --report`; `command` makes it again."""
 
 @final
 class DiagnosisReport:
+    """What a diagnosis found, with what is needed to make files of it."""
     @property
     def warnings(self) -> list[str]: ...
     @property
     def notes(self) -> list[str]: ...
-    def json(self) -> str: ...
-    def text(self) -> str: ...
-    def page(self) -> str: ...
-    def model_file(self) -> str: ...
-    def correction(self) -> tuple[bool, list[str]]: ...
-    def next(self) -> tuple[str, str | None, Float64, Any] | None: ...
+    def json(self) -> str:
+        """What `sesc diagnose --json` prints."""
+    def text(self) -> str:
+        """What `sesc diagnose` prints."""
+    def page(self) -> str:
+        """The page of `sesc diagnose --report`."""
+    def model_file(self) -> str:
+        """The model file."""
+    def correction(self) -> tuple[bool, list[str]]:
+        """The tolerances that masses of the corrected URDF move within, and what belongs to the
+        log alone, as sentences."""
+    def next(self) -> tuple[str, str | None, Float64, Any] | None:
+        """Postures of the experiment that would tell most: support, experiment, postures, and the
+        rank of each, the most telling first."""
 
 @final
 class PlanReport:
-    def json(self) -> str: ...
-    def text(self) -> str: ...
-    def page(self, file: str, command: str) -> str: ...
-    def q(self) -> Float64: ...
+    """Postures that tell most."""
+    def json(self) -> str:
+        """What `sesc plan --json` prints."""
+    def text(self) -> str:
+        """What `sesc plan` prints."""
+    def page(self, file: str, command: str) -> str:
+        """The page of `sesc plan --report`."""
+    def q(self) -> Float64:
+        """Joint positions, posture by posture."""
 
 def arrow_columns(capsule: Any) -> list[tuple[str, Any]]: ...
 def c_files(model: Model, folder: str, options: dict[str, Any]) -> list[str]: ...
@@ -192,17 +244,26 @@ def fit_logs(
 
 @final
 class FleetFound:
+    """All groups of a fleet, and what they say together."""
     @staticmethod
     def run(
         robot: Robot, options: str, groups: list[str], store: str | None = None, show: _Show = None
-    ) -> FleetFound: ...
+    ) -> FleetFound:
+        """Work on all groups with the threads of this machine."""
     @staticmethod
-    def gathered(robot: Robot, options: str, done: list[str], disk: Any = None) -> FleetFound: ...
-    def rows(self) -> str: ...
-    def json(self) -> str: ...
-    def write(self, path: str) -> None: ...
-    def pages(self, file: str) -> tuple[str, str, list[tuple[str, str]]]: ...
-    def population(self) -> str: ...
+    def gathered(robot: Robot, options: str, done: list[str], disk: Any = None) -> FleetFound:
+        """Put together what groups came to, in any order."""
+    def rows(self) -> str:
+        """The rows as JSON, a list of objects."""
+    def json(self) -> str:
+        """What is said besides the rows, as JSON."""
+    def write(self, path: str) -> None:
+        """Write the table, as Parquet or CSV."""
+    def pages(self, file: str) -> tuple[str, str, list[tuple[str, str]]]:
+        """The page of the fleet for a file of this name, the folder beside it, and names and pages
+        of robots for that."""
+    def population(self) -> str:
+        """The file of what is known of the next robot."""
 
 def fleet_groups(data: list[str], table: list[tuple[str, dict[str, str]]], by: list[str]) -> list[str]: ...
 def fleet_work(
