@@ -15,6 +15,9 @@ use crate::scalar::{Scalar, Simd};
 
 /// Blocks of eight rows that are worked through together.
 const STRIDE: usize = 4;
+/// Blocks of a column that stay in registers, where a register fills a block: as many again hold
+/// the column that is reflected.
+const HELD: usize = 2 * STRIDE;
 /// Squares below this are of no reading; one over them is still a number.
 const NOTHING: f64 = 1e-300;
 
@@ -80,6 +83,21 @@ impl Task<f64> for FoldRows<'_> {
             if let Some(top) = tops.next() {
                 *top = sign * diagonal;
             }
+            if let (1, Ok(v)) = (X::PARTS, <&[F64x8; HELD]>::try_from(&*v)) {
+                let (columns, _) = rest.as_chunks_mut::<HELD>();
+                let held = X::load(v, 0);
+                for (top, column) in tops.zip(columns) {
+                    let mut own = X::load(column, 0);
+                    let share = scale * (v_first * *top + held_along::<X>(&held, &own));
+                    *top = sign * (*top - share * v_first);
+                    let less = X::splat(-share);
+                    for (x, v) in own.iter_mut().zip(&held) {
+                        *x = v.mul_plus(less, *x);
+                    }
+                    X::store(&own, column, 0);
+                }
+                continue;
+            }
             for (top, column) in tops.zip(rest.chunks_exact_mut(blocks)) {
                 let share = scale * (v_first * *top + along::<X>(v, column));
                 *top = sign * (*top - share * v_first);
@@ -109,7 +127,28 @@ fn along<X: Machine<f64>>(a: &[F64x8], b: &[F64x8]) -> f64 {
         let [a, b, c, d] = own;
         X::store(&[(a + b) + (c + d)], &mut sums, part);
     }
-    let [a, b, c, d, e, f, g, h] = sums[0].0;
+    sum(sums[0])
+}
+
+/// The same of columns in registers, in the same order.
+#[inline(always)]
+fn held_along<X: Machine<f64>>(a: &[X::Vector; HELD], b: &[X::Vector; HELD]) -> f64 {
+    let mut own = [X::splat(0.0); STRIDE];
+    for (a, b) in a.chunks_exact(STRIDE).zip(b.chunks_exact(STRIDE)) {
+        for (sum, (a, b)) in own.iter_mut().zip(a.iter().zip(b)) {
+            *sum = a.mul_plus(*b, *sum);
+        }
+    }
+    let [a, b, c, d] = own;
+    let mut sums = [F64x8::splat(0.0)];
+    X::store(&[(a + b) + (c + d)], &mut sums, 0);
+    sum(sums[0])
+}
+
+/// Σ of the lanes.
+#[inline(always)]
+fn sum(lanes: F64x8) -> f64 {
+    let [a, b, c, d, e, f, g, h] = lanes.0;
     ((a + b) + (c + d)) + ((e + f) + (g + h))
 }
 
