@@ -10,6 +10,8 @@
 //! rows, nothing is squared, and the factors of parts of the data fold into the factor of the
 //! whole.
 
+use std::array;
+
 use nalgebra::DMatrix;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -47,13 +49,11 @@ impl Factor {
 
     /// Fold in rows, each times its weight (1/standard deviation).
     pub fn push(&mut self, matrix: &DMatrix<f64>, reading: &DVector<f64>, weight: &[f64]) {
-        let mut panel = Panel::new(self.params() + 1);
-        for (k, weight) in weight.iter().enumerate() {
-            let row = matrix.row(k);
-            panel.add(row.iter().chain([&reading[k]]), *weight, &mut self.triangle);
-        }
-        panel.fold(&mut self.triangle);
-        self.rows += weight.len() as u64;
+        let rows = RowMatrix {
+            entries: matrix.transpose().as_slice().to_vec(),
+            columns: matrix.ncols(),
+        };
+        self.push_rows(&rows, reading, weight.iter().copied().enumerate());
     }
 
     /// Fold in some of the rows, each by its number and its weight.
@@ -64,10 +64,24 @@ impl Factor {
         chosen: impl IntoIterator<Item = (usize, f64)>,
     ) {
         let mut panel = Panel::new(self.params() + 1);
-        for (k, weight) in chosen {
-            let row = matrix.row(k).iter().chain([&reading[k]]);
-            panel.add(row, weight, &mut self.triangle);
-            self.rows += 1;
+        let mut chosen = chosen.into_iter();
+        loop {
+            // Rows that are missing weigh nothing.
+            let mut eight = [(0, 0.0); 8];
+            let mut count = 0;
+            for (place, own) in eight.iter_mut().zip(&mut chosen) {
+                *place = own;
+                count += 1;
+            }
+            if count == 0 {
+                break;
+            }
+            let rows = eight.map(|(k, weight)| (matrix.row(k), reading[k], weight));
+            panel.add(rows, &mut self.triangle);
+            self.rows += count;
+            if count < 8 {
+                break;
+            }
         }
         panel.fold(&mut self.triangle);
     }
@@ -126,39 +140,42 @@ const BLOCKS: usize = 8;
 /// Rows on their way into a triangle, column by column.
 struct Panel {
     columns: Vec<F64x8>,
-    rows: usize,
+    /// Blocks that are filled.
+    blocks: usize,
 }
 
 impl Panel {
     fn new(order: usize) -> Panel {
         Panel {
             columns: vec![F64x8::splat(0.0); order * BLOCKS],
-            rows: 0,
+            blocks: 0,
         }
     }
 
-    fn add<'a>(
-        &mut self,
-        row: impl Iterator<Item = &'a f64>,
-        weight: f64,
-        triangle: &mut DMatrix<f64>,
-    ) {
-        if self.rows == 8 * BLOCKS {
+    /// Eight rows, each with its reading and its weight.
+    fn add(&mut self, rows: [(&[f64], f64, f64); 8], triangle: &mut DMatrix<f64>) {
+        if self.blocks == BLOCKS {
             self.fold(triangle);
         }
-        let (block, lane) = (self.rows / 8, self.rows % 8);
-        for (column, x) in self.columns.chunks_exact_mut(BLOCKS).zip(row) {
-            column[block].0[lane] = weight * x;
+        let params = triangle.ncols() - 1;
+        let entries = rows.map(|(row, _, _)| &row[..params]);
+        let weights = rows.map(|(_, _, weight)| weight);
+        let mut columns = self.columns.chunks_exact_mut(BLOCKS);
+        for (k, column) in columns.by_ref().take(params).enumerate() {
+            column[self.blocks].0 = array::from_fn(|row| weights[row] * entries[row][k]);
         }
-        self.rows += 1;
+        if let Some(column) = columns.next() {
+            column[self.blocks].0 = rows.map(|(_, reading, weight)| weight * reading);
+        }
+        self.blocks += 1;
     }
 
     /// Fold all rows so far; those that are missing are zero.
     fn fold(&mut self, triangle: &mut DMatrix<f64>) {
-        if self.rows > 0 {
+        if self.blocks > 0 {
             Simd::best().fold_rows(triangle.as_mut_slice(), &mut self.columns);
             self.columns.fill(F64x8::splat(0.0));
-            self.rows = 0;
+            self.blocks = 0;
         }
     }
 }
