@@ -26,11 +26,9 @@ pub const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
 /// `pose` and the number of the support.
 type Name = (i64, u32);
 
-/// A posture and what is kept of it.
+/// What is kept of a posture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posture<T> {
-    /// Joints and the direction of gravity in its first row, rad or m.
-    at: Box<[f32]>,
     /// What deals its rows to their fold.
     pub key: i64,
     /// The caller's own; its default in the first row.
@@ -47,9 +45,13 @@ pub struct Grouping<T> {
     most: usize,
     /// Joint positions may be degrees that are taken for radians.
     any_unit: bool,
-    known: HashMap<Name, Posture<T>>,
-    /// The last posture for which there was no room.
-    last: Option<(Name, Posture<T>)>,
+    /// Numbers of postures.
+    known: HashMap<Name, u32>,
+    postures: Vec<Posture<T>>,
+    /// Joints and the direction of gravity in the first row of each posture, rad or m.
+    at: Vec<f32>,
+    /// The last posture for which there was no room: its number is one beyond the others'.
+    last: Option<Name>,
     supports: Vec<String>,
     /// Rows whose robot had moved although their `pose` was known.
     moved: u64,
@@ -79,6 +81,8 @@ impl<T: Default> Grouping<T> {
             most,
             any_unit: false,
             known: HashMap::new(),
+            postures: Vec::new(),
+            at: Vec::new(),
             last: None,
             supports: Vec::new(),
             moved: 0,
@@ -115,8 +119,8 @@ impl<T: Default> Grouping<T> {
         };
     }
 
-    /// The posture of a row, which stands on `support` with joints `q` (rad or m)
-    /// and gravity along the vector `gravity`.
+    /// The posture of a row, which stands on `support` with joints `q` (rad or m), as many in
+    /// every row, and gravity along the vector `gravity`.
     pub fn of_row(
         &mut self,
         (pose, support): (i64, &str),
@@ -128,48 +132,52 @@ impl<T: Default> Grouping<T> {
         let row = self.rows;
         let down = direction(gravity);
         let values = || q.iter().chain(&down).map(|&x| x as f32);
-        let any_unit = self.any_unit;
-        let near = |posture: &Posture<T>| {
-            let degrees = any_unit && posture.at.iter().any(|a| a.abs() > TAU);
-            let jitter = if degrees { JITTER.to_degrees() } else { JITTER };
-            let pairs = posture.at.iter().zip(values());
-            !pairs.into_iter().any(|(a, b)| (a - b).abs() > jitter)
-        };
-        let new = |moves: u64| Posture {
-            at: values().collect(),
-            // A fold of its own: as good as drawn, and not that of the other posture.
-            key: pose.wrapping_add((moves as i64).wrapping_mul(0x5851_f42d)),
+        let width = q.len() + down.len();
+        // A fold of its own: as good as drawn, and not that of the other posture.
+        let key = |moves: u64| pose.wrapping_add((moves as i64).wrapping_mul(0x5851_f42d));
+        let new = |key: i64| Posture {
+            key,
             own: T::default(),
             visits: 1,
             last_row: row,
         };
-        let room = self.known.len() < self.most;
-        let place = match self.known.contains_key(&name) {
-            true => self.known.get_mut(&name),
-            false if room => {
-                let first = self.known.entry(name).or_insert_with(|| new(0));
-                return (first, Visit::Same);
-            }
-            false => {
-                if self.last.as_ref().is_none_or(|(last, _)| *last != name) {
-                    self.last = Some((name, new(0)));
+        let most = self.most;
+        let known = self.known.get(&name).map(|number| *number as usize);
+        let number = known.or_else(|| self.last.filter(|last| *last == name).map(|_| most));
+        let Some(number) = number else {
+            let number = match self.known.len() < most {
+                true => {
+                    let number = self.postures.len();
+                    self.known.insert(name, number as u32);
+                    number
                 }
-                self.last.as_mut().map(|(_, posture)| posture)
-            }
+                false => {
+                    self.last = Some(name);
+                    self.postures.truncate(most);
+                    self.at.truncate(most * width);
+                    most
+                }
+            };
+            self.postures.push(new(key(0)));
+            self.at.extend(values());
+            return (&mut self.postures[number], Visit::Same);
         };
-        let posture = place.expect("a posture is known, or the last for which there was no room");
-        match near(posture) {
-            true => {
-                posture.visits += u32::from(posture.last_row + 1 < row);
-                posture.last_row = row;
-                (posture, Visit::Same)
-            }
-            false => {
-                self.moved += 1;
-                *posture = new(self.moved);
-                (posture, Visit::Moved)
-            }
+        let at = &mut self.at[number * width..(number + 1) * width];
+        let degrees = self.any_unit && at.iter().any(|a| a.abs() > TAU);
+        let jitter = if degrees { JITTER.to_degrees() } else { JITTER };
+        let is_near = !at.iter().zip(values()).any(|(a, b)| (a - b).abs() > jitter);
+        let posture = &mut self.postures[number];
+        if is_near {
+            posture.visits += u32::from(posture.last_row + 1 < row);
+            posture.last_row = row;
+            return (posture, Visit::Same);
         }
+        self.moved += 1;
+        at.iter_mut()
+            .zip(values())
+            .for_each(|(to, from)| *to = from);
+        *posture = new(key(self.moved));
+        (posture, Visit::Moved)
     }
 
     /// Supports are few, rows are many.
