@@ -10,7 +10,7 @@ use std::io::{self, Cursor, Read};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use csv::StringRecord;
+use csv::ByteRecord;
 
 use self::rows::Rows;
 use super::columns::{Columns, POSE};
@@ -22,11 +22,13 @@ use crate::Error;
 /// What is looked at to tell the kind of a file, bytes.
 const HEAD: u64 = 64 << 10;
 
+const NO_TEXT: &str = "not text; is this a CSV file in UTF-8?";
+
 /// A CSV file being read.
 pub(super) struct CsvSource {
     file: String,
     reader: csv::Reader<Box<dyn Read + Send>>,
-    record: StringRecord,
+    record: ByteRecord,
     header: Vec<String>,
     meter: Arc<Meter>,
     /// Bytes handed to the parser since the last row.
@@ -34,6 +36,8 @@ pub(super) struct CsvSource {
     links: Interner,
     /// Line of the last row.
     line: u64,
+    /// Line below it.
+    below: u64,
 }
 
 impl CsvSource {
@@ -57,7 +61,6 @@ impl CsvSource {
         let input: Box<dyn Read + Send> =
             Box::new(Rows::new(Cursor::new(head).chain(input), since_row.clone()));
         let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
             .delimiter(delimiter)
             .flexible(true)
             .from_reader(input);
@@ -75,38 +78,44 @@ impl CsvSource {
         Ok(CsvSource {
             file: file.to_string(),
             reader,
-            record: StringRecord::new(),
+            record: ByteRecord::new(),
             header,
             meter,
             since_row,
             links: Interner::default(),
             line: 1,
+            below: 0,
         })
     }
 
     /// The next row that is not blank.
     fn next(&mut self) -> Result<bool, Error> {
         loop {
-            let more = self.reader.read_record(&mut self.record);
+            let more = self.reader.read_byte_record(&mut self.record);
             self.since_row.store(0, Ordering::Relaxed);
             match more {
                 Ok(true) => {}
                 Ok(false) => return Ok(false),
                 Err(error) => {
                     let line = error.position().map(csv::Position::line);
-                    return Err(Error::log(
-                        self.file.clone(),
-                        Some(line.unwrap_or(self.line + 1)),
-                        fault(&error),
-                    ));
+                    let line = line.unwrap_or(self.line + 1);
+                    return Err(Error::log(self.file.clone(), Some(line), fault(&error)));
                 }
             }
             // A record's own position is before the blank lines above it; the
             // reader is at the line below it, and a quoted field may hold lines.
-            let within = self.record.iter().map(|field| field.matches('\n').count());
             let below = self.reader.position().line();
-            self.line = below.saturating_sub(1 + within.sum::<usize>() as u64);
-            if self.record.len() != 1 || !self.record[0].is_empty() {
+            let within = match std::mem::replace(&mut self.below, below) + 1 == below {
+                true => 0,
+                false => self
+                    .record
+                    .as_slice()
+                    .iter()
+                    .filter(|byte| **byte == b'\n')
+                    .count(),
+            };
+            self.line = below.saturating_sub(1 + within as u64);
+            if self.record.len() != 1 || !self.record[0].trim_ascii().is_empty() {
                 return Ok(true);
             }
         }
@@ -119,14 +128,20 @@ impl CsvSource {
                 "{fields} fields where the header has {expected}; the row is ragged or cut off"
             ));
         }
+        // Checked at once, and cut between characters all the same: delimiters are ASCII.
+        let text = str::from_utf8(self.record.as_slice()).map_err(|_| NO_TEXT)?;
+        let field = |k: usize| {
+            let own = self.record.range(k);
+            own.and_then(|own| text.get(own)).unwrap_or_default()
+        };
         if let Some(k) = columns.pose {
-            raw.pose.push(whole(&self.record[k])?);
+            raw.pose.push(whole(field(k).trim())?);
         }
         if let Some(k) = columns.support {
-            raw.support.push(self.links.get(&self.record[k]));
+            raw.support.push(self.links.get(field(k).trim()));
         }
         for (&k, name) in columns.numbers.iter().zip(&columns.names) {
-            raw.numbers.push(number(&self.record[k], name)?);
+            raw.numbers.push(number(field(k), name)?);
         }
         raw.line.push(self.line);
         Ok(())
@@ -177,6 +192,11 @@ fn whole(text: &str) -> Result<i64, String> {
 }
 
 fn number(text: &str, column: &str) -> Result<f64, String> {
+    // Blanks around it are rare.
+    if let Ok(number) = text.parse() {
+        return Ok(number);
+    }
+    let text = text.trim();
     text.parse().map_err(|_| {
         let why = match text {
             "" => "the field is empty; remove the row or fill in the value".to_string(),
@@ -226,7 +246,7 @@ fn delimiter(head: &[u8]) -> Result<u8, String> {
 /// A fault that the CSV parser found.
 fn fault(error: &csv::Error) -> String {
     match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => "not text; is this a CSV file in UTF-8?".to_string(),
+        csv::ErrorKind::Utf8 { .. } => NO_TEXT.to_string(),
         csv::ErrorKind::Io(error) => unreadable(error),
         _ => error.to_string(),
     }

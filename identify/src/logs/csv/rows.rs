@@ -31,6 +31,10 @@ impl<R: Read> Rows<R> {
 
     /// Drop each `\r` before a `\n` from `bytes`; how many are left.
     fn unify(&mut self, bytes: &mut [u8]) -> usize {
+        if !bytes.contains(&b'\r') {
+            self.held = false;
+            return bytes.len();
+        }
         let mut to = 0;
         for from in 0..bytes.len() {
             if bytes[from] == b'\n' && to > 0 && bytes[to - 1] == b'\r' {
