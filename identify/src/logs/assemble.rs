@@ -61,6 +61,28 @@ struct Joint {
     /// Largest |value| that can be meant, rad; none of prismatic and endless joints.
     reach: Option<f64>,
     prismatic: bool,
+    /// Values up to this need no further look, rad or m.
+    most: f64,
+}
+
+impl Joint {
+    fn new(dof: &Dof, angles: Angles, any_unit: bool) -> Joint {
+        let reach = (!dof.prismatic && !dof.continuous && !any_unit)
+            .then(|| FULL_TURN.max(dof.lower.abs()).max(dof.upper.abs()));
+        let largest = match dof.prismatic {
+            true => bounds::STROKE_M,
+            false => bounds::ANGLE_RAD,
+        };
+        Joint {
+            scale: match angles {
+                Angles::Deg if !dof.prismatic => std::f64::consts::PI / 180.0,
+                _ => 1.0,
+            },
+            reach,
+            prismatic: dof.prismatic,
+            most: reach.map_or(largest, |reach| reach.min(largest)),
+        }
+    }
 }
 
 impl Assembler {
@@ -72,15 +94,9 @@ impl Assembler {
         sidecar: &Sidecar,
         options: &Options,
     ) -> Result<Assembler, Error> {
-        let joints = dofs.iter().map(|dof| Joint {
-            scale: match angles {
-                Angles::Deg if !dof.prismatic => std::f64::consts::PI / 180.0,
-                _ => 1.0,
-            },
-            reach: (!dof.prismatic && !dof.continuous && !options.any_unit)
-                .then(|| FULL_TURN.max(dof.lower.abs()).max(dof.upper.abs())),
-            prismatic: dof.prismatic,
-        });
+        let joints = dofs
+            .iter()
+            .map(|dof| Joint::new(dof, angles, options.any_unit));
         let assembler = Assembler {
             file: file.to_string(),
             columns: columns.clone(),
@@ -173,6 +189,12 @@ impl Assembler {
         far.get(far.len() / 2).copied()
     }
 
+    /// The support of all rows, where none has its own.
+    pub fn support_of_all(&self) -> Option<Arc<str>> {
+        let own = self.columns.support.is_some();
+        self.support.clone().filter(|_| !own)
+    }
+
     /// See [`super::PostureReader::averaged`].
     pub fn averaged(&self) -> f64 {
         1.0 - self.shrink * self.shrink
@@ -225,28 +247,29 @@ impl Assembler {
 
     fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), Message> {
         let columns = &self.columns;
-        if let Some(k) = numbers.iter().position(|x| !x.is_finite()) {
+        let are_finite = numbers.iter().fold(true, |all, x| all & x.is_finite());
+        if let Some(k) = numbers
+            .iter()
+            .position(|x| !x.is_finite())
+            .filter(|_| !are_finite)
+        {
             return Err(format!(
                 "column `{}`: {} is not finite; remove the row or mend the value",
                 columns.names[k], numbers[k]
             )
             .into());
         }
-        for (k, joint) in self.joints.iter().enumerate() {
-            let value = numbers[k] * joint.scale;
-            if joint.reach.is_some_and(|reach| value.abs() > reach) {
-                let name = &columns.names[k];
-                return Err(message![
-                    format!(
-                        "column `{name}`: {value:?} rad is more than a full turn; {IN_DEGREES}"
-                    ),
-                    Setting::Angles,
-                    OR_SIDECAR
-                ]);
-            }
-            check_joint(&columns.names[k], value, joint.prismatic)?;
-            block.q.push(value);
+        let positions = || {
+            numbers
+                .iter()
+                .zip(&self.joints)
+                .map(|(x, joint)| x * joint.scale)
+        };
+        let within = positions().zip(&self.joints);
+        if !within.fold(true, |all, (q, joint)| all & (q.abs() <= joint.most)) {
+            self.check_joints(positions())?;
         }
+        block.q.extend(positions());
         if let (Some(k), Some(t)) = (columns.t, &mut block.t) {
             bounds::check_time(&columns.names[k], numbers[k])?;
             t.push(numbers[k]);
@@ -299,6 +322,23 @@ impl Assembler {
                 let own = deviation(&self.cells, force, std, cop);
                 all.push(own.map(|s| if s.is_finite() { s } else { 1.0 }));
             }
+        }
+        Ok(())
+    }
+
+    /// Joint positions that can be meant, rad or m.
+    fn check_joints(&self, positions: impl Iterator<Item = f64>) -> Result<(), Message> {
+        for ((value, joint), name) in positions.zip(&self.joints).zip(&self.columns.names) {
+            if joint.reach.is_some_and(|reach| value.abs() > reach) {
+                return Err(message![
+                    format!(
+                        "column `{name}`: {value:?} rad is more than a full turn; {IN_DEGREES}"
+                    ),
+                    Setting::Angles,
+                    OR_SIDECAR
+                ]);
+            }
+            check_joint(name, value, joint.prismatic)?;
         }
         Ok(())
     }

@@ -16,6 +16,7 @@ use crate::{Message, Setting, message};
 pub(super) struct Suspicions {
     file: String,
     joints: Vec<Joint>,
+    seen: Seen,
     /// From rad back to the unit of the file.
     per_rad: f64,
     degrees: bool,
@@ -42,6 +43,71 @@ struct Joint {
     whole: u64,
 }
 
+/// What rows of all joints show, joint by joint: a row is taken note of by a few operations on
+/// whole registers.
+struct Seen {
+    rows: u64,
+    /// Limits with their slack, rad or m; infinite where none mean something.
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    least: Vec<f64>,
+    most: Vec<f64>,
+    outside: Vec<u64>,
+    nonzero: Vec<u64>,
+    whole: Vec<u64>,
+}
+
+/// Adding and taking away this rounds what is much smaller to the next whole number.
+const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
+
+impl Seen {
+    fn new(joints: &[Joint]) -> Seen {
+        let n = joints.len();
+        let limit = |of: fn((f64, f64), f64) -> f64, open: f64| {
+            let own = |joint: &Joint| joint.limits.map_or(open, |own| of(own, joint.slack()));
+            joints.iter().map(own).collect()
+        };
+        Seen {
+            rows: 0,
+            lower: limit(|(lower, _), slack| lower - slack, f64::NEG_INFINITY),
+            upper: limit(|(_, upper), slack| upper + slack, f64::INFINITY),
+            least: vec![f64::INFINITY; n],
+            most: vec![f64::NEG_INFINITY; n],
+            outside: vec![0; n],
+            nonzero: vec![0; n],
+            whole: vec![0; n],
+        }
+    }
+
+    /// Joints of a row, rad or m; `per_rad` makes them what the file says.
+    fn row(&mut self, q: &[f64], per_rad: f64) {
+        let n = q.len();
+        let (lower, upper) = (&self.lower[..n], &self.upper[..n]);
+        let (least, most) = (&mut self.least[..n], &mut self.most[..n]);
+        let outside = &mut self.outside[..n];
+        let (nonzero, whole) = (&mut self.nonzero[..n], &mut self.whole[..n]);
+        self.rows += 1;
+        for k in 0..n {
+            let (q, written) = (q[k], q[k] * per_rad);
+            least[k] = if q < least[k] { q } else { least[k] };
+            most[k] = if q > most[k] { q } else { most[k] };
+            outside[k] += u64::from((q < lower[k]) | (q > upper[k]));
+            let is_whole = (written - ((written + TO_WHOLE) - TO_WHOLE)).abs() < 1e-9;
+            nonzero[k] += u64::from(q != 0.0);
+            whole[k] += u64::from((q != 0.0) & is_whole);
+        }
+    }
+
+    fn tell(&self, joints: &mut [Joint]) {
+        for (k, joint) in joints.iter_mut().enumerate() {
+            joint.count = self.rows;
+            (joint.least, joint.most) = (self.least[k], self.most[k]);
+            joint.outside = self.outside[k];
+            (joint.nonzero, joint.whole) = (self.nonzero[k], self.whole[k]);
+        }
+    }
+}
+
 impl Joint {
     fn new(dof: &Dof) -> Joint {
         Joint {
@@ -57,20 +123,14 @@ impl Joint {
         }
     }
 
-    fn see(&mut self, q: f64, written: f64) {
-        self.count += 1;
-        self.least = self.least.min(q);
-        self.most = self.most.max(q);
-        self.outside += u64::from(!self.allows(q, q));
-        if q != 0.0 {
-            self.nonzero += 1;
-            self.whole += u64::from((written - written.round()).abs() < 1e-9);
-        }
+    /// A servo is beyond its limits by no more than this, rad.
+    fn slack(&self) -> f64 {
+        if self.revolute { SLACK } else { 0.0 }
     }
 
     /// Whether values from `least` to `most` respect the limits.
     fn allows(&self, least: f64, most: f64) -> bool {
-        let slack = if self.revolute { SLACK } else { 0.0 };
+        let slack = self.slack();
         self.limits
             .is_none_or(|(lower, upper)| least >= lower - slack && most <= upper + slack)
     }
@@ -84,9 +144,11 @@ impl Joint {
 impl Suspicions {
     pub fn new(file: &str, dofs: &[Dof], angles: Angles) -> Suspicions {
         let degrees = angles == Angles::Deg;
+        let joints: Vec<Joint> = dofs.iter().map(Joint::new).collect();
         Suspicions {
             file: file.to_string(),
-            joints: dofs.iter().map(Joint::new).collect(),
+            seen: Seen::new(&joints),
+            joints,
             per_rad: if degrees {
                 180.0 / std::f64::consts::PI
             } else {
@@ -104,13 +166,11 @@ impl Suspicions {
     /// Take note of some rows.
     pub fn see(&mut self, block: &Block) {
         for row in block.q.chunks_exact(self.joints.len().max(1)) {
-            for (joint, q) in self.joints.iter_mut().zip(row) {
-                joint.see(*q, q * self.per_rad);
-            }
+            self.seen.row(row, self.per_rad);
         }
         for [x, y] in block.reading.iter().flatten() {
             self.readings += 1;
-            self.reach += x.hypot(*y);
+            self.reach += (x * x + y * y).sqrt();
         }
         for (t, line) in block.t.iter().flatten().zip(&block.line) {
             if *t < self.last_t && self.backwards.is_none() {
@@ -122,6 +182,7 @@ impl Suspicions {
 
     /// Say what was noticed and not yet said.
     pub fn judge(&mut self, warnings: &mut Vec<Message>) {
+        self.seen.tell(&mut self.joints);
         let found = [
             self.degrees(),
             self.radians(),
