@@ -1,6 +1,6 @@
-//! The tested fleet, small: what is wrong in it is named, and nothing else, by the page and by
-//! every row of the table. The whole one is counted in docs/study-fleet.md, by a command that fails
-//! where it is not so.
+//! The tested fleet: what is wrong in it is named, and nothing else, by the page and by every row
+//! of the table. A small one after every change; the whole one, and fleets in which nothing is
+//! hidden, where what they check has changed.
 
 use std::collections::BTreeSet;
 
@@ -15,9 +15,33 @@ fn strings(list: &Value) -> Vec<&str> {
 
 #[test]
 fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
+    check(&Fleet::sound(11, 4, 4).with_faults(4));
+}
+
+#[test]
+#[ignore = "minutes of a processor: `.ci/run` has it where it may come out otherwise"]
+fn what_is_wrong_in_the_tested_fleet_is_named_and_nothing_else() {
+    check(&Fleet::sound(60, 7, 1).with_faults(8));
+}
+
+/// A fleet of which 1 % of false alarms are allowed says nothing: the one beside the tested fleet.
+#[test]
+#[ignore = "minutes of a processor: `.ci/run` has it where it may come out otherwise"]
+fn a_sound_fleet_shares_nothing_and_does_not_change() {
+    let folder = folder();
+    Fleet::sound(60, 7, 1001).write(folder.path()).unwrap();
+    let data = folder.path().join("logs").display().to_string();
+    let output = sesc(&["fleet", &op2(), "--data", &data, "--json"]);
+    let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(json["groups"], 420);
+    for list in ["shared", "changes", "look_first", "failed", "twice"] {
+        assert_eq!(json[list], serde_json::json!([]), "{list}");
+    }
+}
+
+fn check(hidden: &Fleet) {
     let folder = folder();
     let folder = folder.path();
-    let hidden = Fleet::sound(11, 4, 4).with_faults(4);
     hidden.write(folder).unwrap();
     let at = |name: &str| folder.join(name).display().to_string();
     let (urdf, data) = (op2(), at("logs"));
@@ -26,7 +50,7 @@ fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
         "fleet", &urdf, "--data", &data, "--out", &out, "--report", &report, "--json",
     ]);
     let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
-    assert_eq!(json["groups"], 44);
+    assert_eq!(json["groups"], hidden.robots * hidden.days);
 
     // The batch, with its size and its robots.
     let shared = json["shared"].as_array().unwrap();
@@ -87,17 +111,7 @@ fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
 
     // Whoever has something is to be looked at, and nobody else.
     let stuck = name(hidden.stuck.unwrap());
-    let mut known: BTreeSet<String> = batch.into_iter().collect();
-    known.extend([drifts, other, stuck.clone()]);
-    known.extend(hidden.truncated.iter().map(|(robot, _)| name(*robot)));
     let first = strings(&json["look_first"]);
-    assert_eq!(
-        first
-            .iter()
-            .map(|robot| robot.to_string())
-            .collect::<BTreeSet<_>>(),
-        known
-    );
     let why = json["reasons"]
         .as_array()
         .unwrap()
@@ -114,11 +128,14 @@ fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
     assert_eq!(json["twice"].as_array().unwrap().len(), 1);
 
     // What spoils data comes first, then what changed, what is shared, the rest by name.
-    let order = [
-        "r03", "r01", "r00", "r02", "r04", "r06", "r05", "r07", "r08",
-    ];
+    let mut order = vec![stuck, drifts];
+    order.extend(batch);
+    let mut rest = vec![other];
+    rest.extend(hidden.truncated.iter().map(|(robot, _)| name(*robot)));
+    rest.sort();
+    order.extend(rest);
     assert_eq!(first, order);
-    rows_name_what_is_hidden(&hidden, &out);
+    rows_name_what_is_hidden(hidden, &out);
 
     // The page says the same and loads nothing.
     let page = std::fs::read_to_string(report).unwrap();
@@ -130,14 +147,16 @@ fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
     let listed = listed.split_once("</table>").unwrap().0;
     let links = listed.split("href=\"").skip(1);
     let links: Vec<&str> = links.map(|link| link.split_once('"').unwrap().0).collect();
-    assert_eq!(links, order.map(|robot| format!("fleet/{robot}.html")));
+    let pages = order.iter().map(|robot| format!("fleet/{robot}.html"));
+    assert_eq!(links, pages.collect::<Vec<_>>());
     for link in links {
         let own = std::fs::read_to_string(folder.join(link)).unwrap();
         assert!(own.contains("href=\"../fleet.html\""), "{link}");
     }
+    let share = format!("{} robots share", hidden.batch.len());
     for text in [
         "1 shared effect, 2 changes, 2 logs with errors",
-        "4 robots share",
+        &share,
         "log_again.csv",
     ] {
         assert!(page.contains(text), "{text}");
