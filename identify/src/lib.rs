@@ -38,6 +38,7 @@ pub mod simulate;
 pub mod skeleton;
 pub mod stance;
 mod svd;
+mod threads;
 mod watch;
 mod words;
 

@@ -7,6 +7,7 @@ mod defaults;
 mod manners;
 mod model_files;
 mod pipes;
+mod processors;
 mod unfinished;
 
 use std::fs;

@@ -63,6 +63,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "words",
             "error",
             "watch",
+            "threads",
             "svd",
             "logs",
             "robot",

@@ -30,10 +30,12 @@ use crate::observations::rows::{Measurement, Rows};
 use crate::observations::samples;
 
 mod fold;
+mod folding;
 mod merge;
 mod together;
 
 pub use fold::Fold;
+use folding::{Folding, Goal, Share, Work};
 
 /// A log that was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -118,6 +120,8 @@ pub struct Gathered {
     pub(super) postures: Grouping<Group>,
     #[serde(skip)]
     pub(super) stream: Stream,
+    #[serde(skip)]
+    folding: Folding,
 }
 
 /// Down-weighted postures that are listed, at most.
@@ -149,6 +153,7 @@ impl Gathered {
             plans: Vec::new(),
             postures: Grouping::default(),
             stream: Stream::default(),
+            folding: Folding::default(),
         }
     }
 
@@ -293,55 +298,77 @@ impl Gathered {
             self.stream
                 .push(block.t.as_deref().unwrap_or_default(), &rows, &dealt);
             self.take_independent();
-            self.deal_plain(first, &rows, &dealt);
+            self.deal_plain(first, rows, &dealt);
             return Ok(());
         }
         self.trusted += trust.iter().sum::<f64>();
-        self.deal(&rows, &dealt);
+        self.deal(rows, &dealt);
         Ok(())
     }
 
     /// Independent rows of the stream to their folds.
     fn take_independent(&mut self) {
-        let params = self.params();
-        let folds = self.folds.len();
         let independent = self.stream.take();
-        for (index, fold) in self.folds.iter_mut().enumerate() {
-            let own = independent
-                .iter()
-                .filter(|row| self.stream.fold(row.key, folds) == index);
-            let own: Vec<_> = own.collect();
-            if own.is_empty() {
-                continue;
-            }
-            let rows = own.iter().flat_map(|row| &row.row[..params]);
-            let matrix = RowMatrix {
-                entries: rows.copied().collect(),
-                columns: params,
-            };
-            let reading = DVector::from_fn(own.len(), |row, _| own[row].row[params]);
-            let weights = own.iter().map(|row| row.trust.sqrt());
-            fold.weighted
-                .push_rows(&matrix, &reading, weights.enumerate());
+        let Some(first) = independent.first() else {
+            return;
+        };
+        let params = first.row.len() - 1;
+        let mut shares = self.shares();
+        for (k, row) in independent.iter().enumerate() {
+            let fold = self.stream.fold(row.key, shares.len());
+            shares[fold].rows.push((k, row.trust.sqrt()));
         }
+        let entries = independent.iter().flat_map(|row| &row.row[..params]);
+        let work = Work {
+            matrix: RowMatrix {
+                entries: entries.copied().collect(),
+                columns: params,
+            },
+            reading: DVector::from_fn(independent.len(), |row, _| independent[row].row[params]),
+            shares,
+            goal: Goal::Weighted,
+        };
+        self.folding.push(work, &mut self.folds);
         // Rows of one axis.
         self.trusted += 0.5 * independent.iter().map(|row| row.trust).sum::<f64>();
     }
 
     /// Rows as they are to their folds, beside independent ones.
-    fn deal_plain(&mut self, first: usize, rows: &Rows, dealt: &Dealt) {
+    fn deal_plain(&mut self, first: usize, rows: Rows, dealt: &Dealt) {
         let every = self.stream.every();
-        let folds = self.folds.len();
-        for (index, fold) in self.folds.iter_mut().enumerate() {
-            let own = (0..dealt.keys.len()).filter(|k| {
-                (first + k).is_multiple_of(every)
-                    && self.stream.fold(dealt.keys[*k], folds) == index
-            });
-            let both = own.flat_map(|k| [(2 * k, 1.0), (2 * k + 1, 1.0)]);
-            if let Some(plain) = &mut fold.plain {
-                plain.push_rows(&rows.matrix, &rows.reading, both);
+        let mut shares = self.shares();
+        for (k, key) in dealt.keys.iter().enumerate() {
+            if (first + k).is_multiple_of(every) {
+                let fold = self.stream.fold(*key, shares.len());
+                shares[fold].rows.extend([(2 * k, 1.0), (2 * k + 1, 1.0)]);
             }
         }
+        self.push_work(rows, shares, Goal::Plain);
+    }
+
+    /// One of each fold, of which nothing is known yet.
+    fn shares(&self) -> Vec<Share> {
+        self.folds.iter().map(|_| Share::default()).collect()
+    }
+
+    fn push_work(&mut self, rows: Rows, shares: Vec<Share>, goal: Goal) {
+        let work = Work {
+            matrix: rows.matrix,
+            reading: rows.reading,
+            shares,
+            goal,
+        };
+        self.folding.push(work, &mut self.folds);
+    }
+
+    /// From here on rows are folded in aside, on other processors.
+    pub(super) fn fold_aside(&mut self) {
+        self.folding.begin(&mut self.folds);
+    }
+
+    /// Wait for what is folded in aside.
+    pub(super) fn wait(&mut self) {
+        self.folding.end(&mut self.folds);
     }
 
     /// Deviations of a block's rows, m; in units of both axes' RMS where none are stated.
@@ -387,31 +414,23 @@ impl Gathered {
     }
 
     /// Rows to their folds.
-    fn deal(&mut self, rows: &Rows, dealt: &Dealt) {
-        let count = self.folds.len();
+    fn deal(&mut self, rows: Rows, dealt: &Dealt) {
         let Dealt { keys, std, trust } = *dealt;
-        for (index, fold) in self.folds.iter_mut().enumerate() {
-            let own: Vec<usize> = (0..keys.len())
-                .filter(|&k| self.stream.fold(keys[k], count) == index)
-                .collect();
-            if own.is_empty() {
-                continue;
+        let mut shares = self.shares();
+        for (k, key) in keys.iter().enumerate() {
+            let fold = self.stream.fold(*key, shares.len());
+            let share = &mut shares[fold];
+            if share.rows.is_empty() {
+                share.each = Some(std[k][0]);
             }
-            let weight = |k: usize, axis: usize| trust[k].sqrt() / std[k][axis];
-            let both = |weight: &dyn Fn(usize, usize) -> f64| {
-                let of = |&k: &usize| [0, 1].map(|axis| (2 * k + axis, weight(k, axis)));
-                own.iter().flat_map(of).collect::<Vec<_>>()
-            };
-            let each = std[own[0]][0];
-            let alike = |&k: &usize| trust[k] == 1.0 && std[k] == [each; 2];
-            let one_deviation = own.iter().all(alike) && fold.takes(each);
-            let (matrix, reading) = (&rows.matrix, &rows.reading);
-            if !one_deviation {
-                let plain = fold.part_plain();
-                plain.push_rows(matrix, reading, both(&|_, _| 1.0));
-            }
-            fold.weighted.push_rows(matrix, reading, both(&weight));
+            share.each = share
+                .each
+                .filter(|each| trust[k] == 1.0 && std[k] == [*each; 2]);
+            let weight = |axis: usize| trust[k].sqrt() / std[k][axis];
+            let both = [0, 1].map(|axis| (2 * k + axis, weight(axis)));
+            share.rows.extend(both);
         }
+        self.push_work(rows, shares, Goal::Both);
     }
 
     fn name_outliers(

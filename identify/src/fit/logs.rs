@@ -164,8 +164,7 @@ impl<'r> Logs<'r> {
         }
         let mut named = None;
         if let Some(file) = self.files.first() {
-            let block = self.open(file)?.block(1)?;
-            named = block.support.as_ref().and_then(|all| all.first()).cloned();
+            named = self.open(file)?.first_support()?;
         }
         match named.filter(|link| !link.is_empty()) {
             Some(link) => Ok(link.to_string()),
@@ -213,6 +212,9 @@ impl<'r> Logs<'r> {
                 if block.is_empty() {
                     break;
                 }
+                if block.len() == BLOCK {
+                    gathered.fold_aside();
+                }
                 let rows = (&block, motion.as_ref());
                 gathered.push_moving(measurement, rows, name, robust)?;
                 let (done, total) = reader.progress();
@@ -232,6 +234,7 @@ impl<'r> Logs<'r> {
                 gathered.averaged += reader.averaged() * summary.rows as f64;
             }
             gathered.end_log_without(reader.left_out);
+            gathered.wait();
         }
         Ok(gathered)
     }

@@ -2,6 +2,7 @@
 
 use std::io::Read as _;
 use std::path::Path;
+use std::sync::Arc;
 
 use sesc_model::files::Stamp;
 use sesc_model::tree::Dof;
@@ -213,6 +214,16 @@ impl PostureReader {
             }
             _ => Ok(block),
         }
+    }
+
+    /// What the first row of a log that is read no further stands on; without a column of its
+    /// own in the log that is known before any row is read.
+    pub(crate) fn first_support(mut self) -> Result<Option<Arc<str>>, Error> {
+        if let Some(support) = self.assembler.support_of_all() {
+            return Ok(Some(support));
+        }
+        let block = self.block(1)?;
+        Ok(block.support.and_then(|all| all.first().cloned()))
     }
 
     /// The next rows as they are in the log.

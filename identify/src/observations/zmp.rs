@@ -19,6 +19,7 @@ use sesc_model::{Model, motion_rows};
 use super::motion::Motion;
 use super::row_matrix::RowMatrix;
 use crate::evaluate::FASTEST;
+use crate::threads::side_by_side;
 
 /// Where the ground carries less of the weight, a row is no reading of a CoP.
 const LEAST_LOAD: f64 = 0.2;
@@ -28,6 +29,9 @@ const SMALL: f64 = 1e-3;
 const STEP: f64 = 1e-5;
 /// and the robot by this along its motion, s.
 const STEP_S: f64 = 1e-3;
+
+/// Postures that one thread works on: what a tape says of them stays in its cache.
+const PART: usize = 256;
 
 /// The ZMP of one robot on its support, row by row.
 pub struct Zmp {
@@ -85,6 +89,18 @@ struct Lever {
     gain: [f64; 2],
     /// Effect of its position on the CoP, m/rad or 1.
     position: [f64; 2],
+}
+
+/// Deviation of the ZMP where accelerations and positions have these, by axis, m.
+fn deviation(levers: &[Lever], gains_std: &[f64], positions_std: &[f64]) -> [f64; 2] {
+    let own = gains_std.iter().zip(positions_std).zip(levers);
+    [0, 1].map(|axis| {
+        let by = own.clone().map(|((gain, position), lever)| {
+            let (gain, position) = (gain * lever.gain[axis], position * lever.position[axis]);
+            gain * gain + position * position
+        });
+        by.sum::<f64>().sqrt()
+    })
 }
 
 /// c, c̈ and L̇⊥/M of one posture.
@@ -166,67 +182,89 @@ impl Zmp {
         tilts: &[[f64; 2]],
     ) -> Moved {
         let (n, p) = (tilts.len(), self.params.len());
-        let own = rows.start * self.dof..rows.end * self.dof;
-        let out = self.run(q, &motion.rates[own.clone()], &motion.gains[own.clone()]);
-        // For the rows; where nothing smooth is known, they have the noise of the readings' motion.
-        let of_rows = motion.smooth.as_ref().map(|smooth| {
-            let [q, rates, gains] = [&smooth.q, &smooth.rates, &smooth.gains];
-            self.run(&q[own.clone()], &rates[own.clone()], &gains[own.clone()])
-        });
-        let of_rows = of_rows.as_ref().unwrap_or(&out);
-        let gains_std = &motion.gains_std[own.clone()];
-        let positions_std = &motion.positions_std[own];
-        let levers = match gains_std.iter().any(|std| *std > 0.0) {
-            true => self.levers(&q[(n / 2) * self.dof..(n / 2 + 1) * self.dof]),
-            false => vec![Lever::default(); self.dof],
+        let stands = motion.gains_std[rows.start * self.dof..rows.end * self.dof]
+            .iter()
+            .all(|std| *std <= 0.0);
+        let levers = match stands {
+            true => vec![Lever::default(); self.dof],
+            false => self.levers(&q[(n / 2) * self.dof..(n / 2 + 1) * self.dof]),
         };
         let mut moved = Moved {
             rows: RowMatrix::zeros(2 * n, p),
-            shift: Vec::with_capacity(n),
-            lift: Vec::with_capacity(n),
-            correction: Vec::with_capacity(n),
-            std: Vec::with_capacity(n),
+            shift: vec![[0.0; 2]; n],
+            lift: vec![0.0; n],
+            correction: vec![[0.0; 2]; n],
+            std: vec![[0.0; 2]; n],
             slopes: Vec::new(),
             in_time: Vec::new(),
         };
-        let width = self.tape.outputs();
-        let both = out.chunks_exact(width).zip(of_rows.chunks_exact(width));
-        for (k, ((out, of_rows), tilt)) in both.zip(tilts).enumerate() {
-            let parts = self.parts(out, &self.params);
-            let load = parts.load();
-            let smooth = self.parts(of_rows, &self.params);
-            let row = |row: usize, column: usize| of_rows[row * p + column];
-            let mut correction = [0.0; 2];
-            for axis in 0..2 {
-                let push = smooth.gain[axis] - GRAVITY * tilt[axis];
-                let pushed = smooth.pushed(axis, *tilt);
-                let mut sum = 0.0;
-                let at = (2 * k + axis) * p;
-                let entries = moved.rows.entries[at..at + p].iter_mut();
-                for (column, to) in entries.enumerate() {
-                    let moments = push * row(2, column) + smooth.com[2] * row(3 + axis, column);
-                    let moments = moments - pushed * row(5, column);
-                    let entry = row(axis, column) - moments / smooth.load();
-                    *to = entry;
-                    sum += entry * self.params[column];
+        let entries = moved.rows.entries.chunks_mut(2 * p * PART);
+        let shift = moved
+            .shift
+            .chunks_mut(PART)
+            .zip(moved.lift.chunks_mut(PART));
+        let taken = moved
+            .correction
+            .chunks_mut(PART)
+            .zip(moved.std.chunks_mut(PART));
+        let parts = entries.zip(shift.zip(taken)).enumerate();
+        side_by_side(
+            n,
+            parts,
+            |(k, (entries, ((shift, lift), (correction, std))))| {
+                let own = k * PART..k * PART + shift.len();
+                let of = |all: &[f64]| -> Vec<f64> {
+                    let own = rows.start + own.start..rows.start + own.end;
+                    all[own.start * self.dof..own.end * self.dof].to_vec()
+                };
+                let q = &q[own.start * self.dof..own.end * self.dof];
+                let tilts = &tilts[own.clone()];
+                let (rates, gains) = (of(&motion.rates), of(&motion.gains));
+                let out = self.run(q, &rates, &gains);
+                // For the rows; where nothing smooth is known, they have the noise of the readings'
+                // motion.
+                let of_rows = motion
+                    .smooth
+                    .as_ref()
+                    .map(|smooth| self.run(&of(&smooth.q), &of(&smooth.rates), &of(&smooth.gains)));
+                let noise = (of(&motion.gains_std), of(&motion.positions_std));
+                let of_rows = of_rows.as_ref().unwrap_or(&out);
+                let width = self.tape.outputs();
+                let both = out.chunks_exact(width).zip(of_rows.chunks_exact(width));
+                let entries = entries.chunks_exact_mut(2 * p);
+                for (k, ((out, of_rows), entries)) in both.zip(entries).enumerate() {
+                    let parts = self.parts(out, &self.params);
+                    correction[k] = self.row(&parts, of_rows, tilts[k], entries);
+                    shift[k] = parts.shift(tilts[k]);
+                    lift[k] = parts.load() / GRAVITY - 1.0;
+                    let own = k * self.dof..(k + 1) * self.dof;
+                    std[k] = deviation(&levers, &noise.0[own.clone()], &noise.1[own]);
                 }
-                correction[axis] = parts.com[axis] - parts.pushed(axis, *tilt) - sum;
-            }
-            moved.shift.push(parts.shift(*tilt));
-            moved.lift.push(load / GRAVITY - 1.0);
-            moved.correction.push(correction);
-            let own = k * self.dof..(k + 1) * self.dof;
-            let own = gains_std[own.clone()].iter().zip(&positions_std[own]);
-            moved.std.push([0, 1].map(|axis| {
-                let by = own.clone().zip(&levers).map(|((gain, position), lever)| {
-                    let (gain, position) =
-                        (gain * lever.gain[axis], position * lever.position[axis]);
-                    gain * gain + position * position
-                });
-                by.sum::<f64>().sqrt()
-            }));
-        }
+            },
+        );
         moved
+    }
+
+    /// Rows of x and y of one posture, by its smooth motion, and what is taken from its readings.
+    fn row(&self, parts: &Parts, smooth: &[f64], tilt: [f64; 2], entries: &mut [f64]) -> [f64; 2] {
+        let p = self.params.len();
+        let by = self.parts(smooth, &self.params);
+        let load = by.load();
+        let mut correction = [0.0; 2];
+        for (axis, entries) in entries.chunks_exact_mut(p).enumerate() {
+            let push = by.gain[axis] - GRAVITY * tilt[axis];
+            let pushed = by.pushed(axis, tilt);
+            let row = |row: usize| &smooth[row * p..(row + 1) * p];
+            let (com, height, gain, lift) = (row(axis), row(2), row(3 + axis), row(5));
+            for k in 0..p {
+                let moments = push * height[k] + by.com[2] * gain[k];
+                entries[k] = com[k] - (moments - pushed * lift[k]) / load;
+            }
+            let pairs = entries.iter().zip(&self.params);
+            let sum: f64 = pairs.map(|(entry, param)| entry * param).sum();
+            correction[axis] = parts.com[axis] - parts.pushed(axis, tilt) - sum;
+        }
+        correction
     }
 
     /// How what motion adds changes with the position of each joint, m/rad or 1: x and y of

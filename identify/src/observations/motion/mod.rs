@@ -29,6 +29,7 @@
 //! 2 h, which have a hundredth of the noise's square.
 
 mod changes;
+mod local;
 mod polynomials;
 mod smooth;
 #[cfg(test)]
@@ -39,6 +40,8 @@ use std::ops::Range;
 
 use super::correlation;
 use crate::logs::Block;
+use crate::threads::by_parts;
+use local::{Local, PositionNoise};
 use polynomials::{HIGH, Polynomials};
 pub use smooth::Smooth;
 use windows::{FEWEST, Nodes, Window};
@@ -52,6 +55,8 @@ const BENT: f64 = 0.01;
 /// Coefficients of the polynomials of order 3, and of one to a side.
 const LOW: usize = 4;
 const EDGE: usize = 3;
+/// Rows that one thread works on.
+const PART: usize = 512;
 /// Windows that settle the order, at most.
 const LOOKED_AT: usize = 400;
 /// How often an acceleration that is bent counts against one that is noisy.
@@ -60,8 +65,6 @@ const COHERENT: f64 = 10.0;
 const OF_HIGH: f64 = 0.25;
 /// Longer windows must be whole for this part of the log that the shortest are whole for.
 const COVERED: f64 = 0.8;
-/// What a window leaves of the noise of its own row at least, as a part.
-const LEAST_LEFT: f64 = 0.2;
 /// A joint moves where its acceleration is this many times what noise makes of one, RMS.
 const MOVES: f64 = 2.0;
 
@@ -207,21 +210,31 @@ impl Plan {
         let nodes = Nodes::of(t, q, dof, self.step_s, self.half);
         let window = Window::new(&nodes, self.step_s, self.half);
         let moving = self.moving(&nodes, &window)?;
+        let parts = by_parts(rows, PART, |rows| {
+            let mut motion = Motion::default();
+            let mut positions = PositionNoise::new(dof, nodes.rows);
+            let mut at: Option<(usize, Local)> = None;
+            for row in rows {
+                let node = nodes.of_row[row];
+                if at.as_ref().is_none_or(|(of, _)| *of != node) {
+                    at = Some((node, self.local(&nodes, &window, node)));
+                }
+                let (_, local) = at.as_ref().expect("set above");
+                let after = t[row] - nodes.t[node];
+                local.push(after, &moving, &mut motion);
+                if let Local::Moving(fit, true) = local {
+                    let own = &q[row * dof..(row + 1) * dof];
+                    positions.add(fit, after, own, |joint| nodes.position(node, joint));
+                }
+            }
+            (motion, positions)
+        });
         let mut motion = Motion::default();
         let mut positions = PositionNoise::new(dof, nodes.rows);
-        let mut at: Option<(usize, Local)> = None;
-        for row in rows {
-            let node = nodes.of_row[row];
-            if at.as_ref().is_none_or(|(of, _)| *of != node) {
-                at = Some((node, self.local(&nodes, &window, node)));
-            }
-            let (_, local) = at.as_ref().expect("set above");
-            let after = t[row] - nodes.t[node];
-            local.push(after, &moving, &mut motion);
-            if let Local::Moving(fit, true) = local {
-                let own = &q[row * dof..(row + 1) * dof];
-                positions.add(fit, after, own, |joint| nodes.position(node, joint));
-            }
+        for (own, noise) in parts {
+            let rows = own.known.len();
+            motion.extend(Some(own), rows, dof);
+            positions.merge(&noise);
         }
         motion.positions_std = positions.of_rows(&motion.gains_std);
         Some(motion)
@@ -418,81 +431,4 @@ impl Motion {
 /// Whether all rows are the same.
 fn is_still(q: &[f64], dof: usize) -> bool {
     q.chunks_exact(dof).all(|row| *row == q[..dof])
-}
-
-/// What rows leave of the polynomials of their windows.
-struct PositionNoise {
-    /// Rows averaged to a node.
-    rows: f64,
-    /// Σ e² of each joint, over what a fit leaves of noise of variance one.
-    squares: Vec<f64>,
-    count: f64,
-}
-
-impl PositionNoise {
-    fn new(dof: usize, rows: usize) -> PositionNoise {
-        PositionNoise {
-            rows: rows as f64,
-            squares: vec![0.0; dof],
-            count: 0.0,
-        }
-    }
-
-    /// Row `q`, `after` seconds from a node at `origin`.
-    fn add(&mut self, fit: &Polynomials, after: f64, q: &[f64], origin: impl Fn(usize) -> f64) {
-        let left = (1.0 - fit.own / self.rows).max(LEAST_LEFT);
-        for (joint, square) in self.squares.iter_mut().enumerate() {
-            let off = q[joint] - origin(joint) - fit.position(joint, after);
-            *square += off * off / left;
-        }
-        self.count += 1.0;
-    }
-
-    /// Standard deviation of each row and joint; joints that stand there have accelerations
-    /// without deviation.
-    fn of_rows(&self, gains_std: &[f64]) -> Vec<f64> {
-        let std = self.squares.iter().map(|sum| match self.count > 0.0 {
-            true => (sum / self.count).sqrt(),
-            false => 0.0,
-        });
-        let std: Vec<f64> = std.collect();
-        let rows = gains_std.iter().enumerate();
-        rows.map(|(k, gain)| if *gain > 0.0 { std[k % std.len()] } else { 0.0 })
-            .collect()
-    }
-}
-
-/// What is known near a node.
-enum Local {
-    Still,
-    /// With whether its window is whole.
-    Moving(Polynomials, bool),
-    Unknown,
-}
-
-impl Local {
-    /// The row `after` seconds from the node; joints that are not `moving` stand.
-    fn push(&self, after: f64, moving: &[Option<f64>], motion: &mut Motion) {
-        let (first, all) = (motion.rates.len(), motion.rates.len() + moving.len());
-        for column in [&mut motion.rates, &mut motion.gains, &mut motion.gains_std] {
-            column.resize(all, 0.0);
-        }
-        if let Local::Moving(fit, _) = self {
-            let own = first..all;
-            fit.rates(after, &mut motion.rates[own.clone()]);
-            fit.gains(after, &mut motion.gains[own.clone()]);
-            fit.gains_std(moving, &mut motion.gains_std[own]);
-            for (joint, variance) in moving.iter().enumerate() {
-                if variance.is_none() {
-                    motion.rates[first + joint] = 0.0;
-                    motion.gains[first + joint] = 0.0;
-                }
-            }
-        }
-        motion.known.push(match self {
-            Local::Still => true,
-            Local::Moving(_, whole) => *whole,
-            Local::Unknown => false,
-        });
-    }
 }

@@ -11,7 +11,8 @@ use std::ops::Range;
 
 use super::polynomials::{HIGH, Polynomials};
 use super::windows::{Nodes, Window};
-use super::{Motion, Plan};
+use super::{Motion, PART, Plan};
+use crate::threads::by_parts;
 
 /// Windows are so many times as long.
 pub(super) const LONGER: f64 = 2.0;
@@ -38,36 +39,48 @@ impl Smooth {
         let (dof, half) = (known.dof(), LONGER * plan.half);
         let nodes = Nodes::of(t, q, dof, plan.step_s, half);
         let window = Window::new(&nodes, plan.step_s, half);
+        let first = rows.start;
+        let parts = by_parts(rows, PART, |rows| {
+            let mut smooth = Smooth::default();
+            let mut at: Option<(usize, Option<Polynomials>)> = None;
+            for row in rows {
+                let k = row - first;
+                let node = nodes.of_row[row];
+                if at.as_ref().is_none_or(|(of, _)| *of != node) {
+                    let around = window.around(node);
+                    let whole = window.is_whole(node, &around) && !nodes.are_still(&around);
+                    let fit = whole.then(|| Polynomials::fit(&nodes, node, around, half, HIGH));
+                    at = Some((node, fit.flatten()));
+                }
+                let (_, fit) = at.as_ref().expect("set above");
+                let (after, own) = (t[row] - nodes.t[node], k * dof..(k + 1) * dof);
+                let here = smooth.q.len()..smooth.q.len() + dof;
+                smooth.q.extend(&q[row * dof..(row + 1) * dof]);
+                smooth.rates.extend(&known.rates[own.clone()]);
+                smooth.gains.extend(&known.gains[own.clone()]);
+                let Some(fit) = fit else { continue };
+                // Joints that stand have accelerations without deviation.
+                let stands = |joint: usize| known.gains_std[own.start + joint] <= 0.0;
+                let standing: Vec<usize> = (0..dof).filter(|joint| stands(*joint)).collect();
+                fit.rates(after, &mut smooth.rates[here.clone()]);
+                fit.gains(after, &mut smooth.gains[here.clone()]);
+                for (joint, q) in smooth.q[here.clone()].iter_mut().enumerate() {
+                    *q = nodes.position(node, joint) + fit.position(joint, after);
+                }
+                for joint in standing {
+                    let (at, of) = (here.start + joint, own.start + joint);
+                    smooth.q[at] = q[row * dof + joint];
+                    smooth.rates[at] = known.rates[of];
+                    smooth.gains[at] = known.gains[of];
+                }
+            }
+            smooth
+        });
         let mut smooth = Smooth::default();
-        let mut at: Option<(usize, Option<Polynomials>)> = None;
-        for (k, row) in rows.enumerate() {
-            let node = nodes.of_row[row];
-            if at.as_ref().is_none_or(|(of, _)| *of != node) {
-                let around = window.around(node);
-                let whole = window.is_whole(node, &around) && !nodes.are_still(&around);
-                let fit = whole.then(|| Polynomials::fit(&nodes, node, around, half, HIGH));
-                at = Some((node, fit.flatten()));
-            }
-            let (_, fit) = at.as_ref().expect("set above");
-            let (after, own) = (t[row] - nodes.t[node], k * dof..(k + 1) * dof);
-            smooth.q.extend(&q[row * dof..(row + 1) * dof]);
-            smooth.rates.extend(&known.rates[own.clone()]);
-            smooth.gains.extend(&known.gains[own.clone()]);
-            let Some(fit) = fit else { continue };
-            // Joints that stand have accelerations without deviation.
-            let stands = |joint: usize| known.gains_std[own.start + joint] <= 0.0;
-            let standing: Vec<usize> = (0..dof).filter(|joint| stands(*joint)).collect();
-            fit.rates(after, &mut smooth.rates[own.clone()]);
-            fit.gains(after, &mut smooth.gains[own.clone()]);
-            for (joint, q) in smooth.q[own.clone()].iter_mut().enumerate() {
-                *q = nodes.position(node, joint) + fit.position(joint, after);
-            }
-            for joint in standing {
-                let at = own.start + joint;
-                smooth.q[at] = q[row * dof + joint];
-                smooth.rates[at] = known.rates[at];
-                smooth.gains[at] = known.gains[at];
-            }
+        for own in parts {
+            smooth.q.extend(own.q);
+            smooth.rates.extend(own.rates);
+            smooth.gains.extend(own.gains);
         }
         smooth
     }

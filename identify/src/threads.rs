@@ -1,0 +1,49 @@
+//! Work that is done side by side, and comes to the same by any number of threads.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+use std::thread::{self, Builder};
+
+/// With fewer rows a thread takes longer to start than it helps.
+const ROWS: usize = 1024;
+
+/// Do `work` with every one of `items`, which are about `rows` rows, on the processors that
+/// there are.
+pub(crate) fn side_by_side<T: Send>(
+    rows: usize,
+    items: impl Iterator<Item = T>,
+    work: impl Fn(T) + Sync,
+) {
+    if rows < ROWS {
+        return items.for_each(work);
+    }
+    let queue = Mutex::new(items.collect::<Vec<T>>().into_iter());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let all = || {
+        while let Some(item) = next() {
+            work(item);
+        }
+    };
+    let processors = thread::available_parallelism().map_or(1, usize::from);
+    thread::scope(|scope| {
+        for _ in 1..processors {
+            // Where no thread starts, there are fewer: nothing of the queue is lost.
+            let _ = Builder::new().spawn_scoped(scope, &all);
+        }
+        all();
+    });
+}
+
+/// What `work` makes of each `part` of some `rows`, in their order.
+pub(crate) fn by_parts<R: Send>(
+    rows: Range<usize>,
+    part: usize,
+    work: impl Fn(Range<usize>) -> R + Sync,
+) -> Vec<R> {
+    let starts = rows.clone().step_by(part);
+    let mut done: Vec<Option<R>> = starts.clone().map(|_| None).collect();
+    side_by_side(rows.len(), starts.zip(&mut done), |(start, place)| {
+        *place = Some(work(start..rows.end.min(start + part)));
+    });
+    done.into_iter().flatten().collect()
+}
