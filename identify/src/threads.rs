@@ -28,7 +28,7 @@ pub(crate) fn side_by_side<T: Send>(
     thread::scope(|scope| {
         for _ in 1..processors {
             // Where no thread starts, there are fewer: nothing of the queue is lost.
-            let _ = Builder::new().spawn_scoped(scope, &all);
+            let _ = Builder::new().spawn_scoped(scope, all);
         }
         all();
     });
