@@ -210,9 +210,9 @@ macro_rules! portable {
             fn run(set: Simd, task: impl sealed::Task<Self>) {
                 match set.0 {
                     Set::Portable => task.run::<Portable>(),
+                    #[cfg(target_arch = "x86_64")]
                     // SAFETY: only `available` makes one, after it has seen the
                     // processor's features.
-                    #[cfg(target_arch = "x86_64")]
                     Set::Avx2 => unsafe { $avx2(task) },
                     #[cfg(target_arch = "x86_64")]
                     // SAFETY: likewise.

@@ -220,14 +220,12 @@ fn postures(problem: &Problem, residuals: &Residuals) -> Vec<Posture> {
 
 fn foot(cells: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
     let first = cells.first()?;
-    let mut corners = [*first, *first];
-    for cell in cells {
-        for axis in 0..2 {
-            corners[0][axis] = corners[0][axis].min(cell[axis]);
-            corners[1][axis] = corners[1][axis].max(cell[axis]);
-        }
+    let [mut least, mut most] = [*first, *first];
+    for [x, y] in cells {
+        least = [least[0].min(*x), least[1].min(*y)];
+        most = [most[0].max(*x), most[1].max(*y)];
     }
-    Some(corners)
+    Some([least, most])
 }
 
 /// Each with each; postures that the best of them does not explain are left out.
