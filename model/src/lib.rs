@@ -51,7 +51,7 @@ pub mod urdf;
 pub mod wide;
 
 pub use error::Error;
-pub use functions::{differentiate_com, motion_rows};
+pub use functions::{differentiate_com, motion_parts, motion_rows};
 pub use interface::{Extent, Function, Given, Interface};
 pub use model::{
     DataUsed, EffectRecord, Information, Model, ModelFile, Parameter, Quantity, sensor_reading,

@@ -11,15 +11,17 @@
 //! accelerations and positions are known adds to the noise:
 //! `σ² = Σ_j (∂p/∂q̈_j)² σ(q̈_j)² + (∂c/∂q_j)² σ(q_j)²`.
 
+use std::ops::Range;
+
 use sesc_model::effects::PostureContext;
 use sesc_model::inertia::GRAVITY;
 use sesc_model::tape::{Tape, Values};
-use sesc_model::{Model, motion_rows};
+use sesc_model::{Model, motion_parts, motion_rows};
 
 use super::motion::Motion;
 use super::row_matrix::RowMatrix;
 use crate::evaluate::FASTEST;
-use crate::threads::side_by_side;
+use crate::threads::by_parts;
 
 /// Where the ground carries less of the weight, a row is no reading of a CoP.
 const LEAST_LOAD: f64 = 0.2;
@@ -36,6 +38,8 @@ const PART: usize = 256;
 /// The ZMP of one robot on its support, row by row.
 pub struct Zmp {
     tape: Tape,
+    /// CoM, acceleration and L̇⊥/M by CAD.
+    by_cad: Tape,
     /// CAD's.
     params: Vec<f64>,
     dof: usize,
@@ -82,6 +86,46 @@ impl Moved {
     }
 }
 
+impl Moved {
+    fn with_room(n: usize, params: usize) -> Moved {
+        Moved {
+            rows: RowMatrix {
+                entries: Vec::with_capacity(2 * n * params),
+                columns: params,
+            },
+            shift: Vec::with_capacity(n),
+            lift: Vec::with_capacity(n),
+            correction: Vec::with_capacity(n),
+            std: Vec::with_capacity(n),
+            slopes: Vec::new(),
+            in_time: Vec::new(),
+        }
+    }
+
+    /// Rows of x and y of a posture, by its `smooth` motion, and what is taken from its readings,
+    /// whose motion has these `parts`.
+    fn add_rows(&mut self, parts: &Parts, smooth: &[f64], tilt: [f64; 2], zmp: &Zmp) {
+        let p = zmp.params.len();
+        let by = zmp.parts(smooth, &zmp.params);
+        let row = |row: usize| &smooth[row * p..(row + 1) * p];
+        self.correction.push([0, 1].map(|axis| {
+            let push = by.gain[axis] - GRAVITY * tilt[axis];
+            let pushed = by.pushed(axis, tilt);
+            let (com, height, gain, lift) = (row(axis), row(2), row(3 + axis), row(5));
+            let inverse = 1.0 / by.load();
+            let entry = |k: usize| {
+                let moments = push * height[k] + by.com[2] * gain[k] - pushed * lift[k];
+                com[k] - moments * inverse
+            };
+            let start = self.rows.entries.len();
+            self.rows.entries.extend((0..p).map(entry));
+            let pairs = self.rows.entries[start..].iter().zip(&zmp.params);
+            let sum: f64 = pairs.map(|(entry, param)| entry * param).sum();
+            parts.com[axis] - parts.pushed(axis, tilt) - sum
+        }));
+    }
+}
+
 /// What one joint does to the ZMP, by axis.
 #[derive(Clone, Copy, Default)]
 struct Lever {
@@ -111,6 +155,15 @@ struct Parts {
 }
 
 impl Parts {
+    /// Of what [`motion_parts`] gives.
+    fn of([x, y, z, ax, ay, az, front, side]: [f64; 8]) -> Parts {
+        Parts {
+            com: [x, y, z],
+            gain: [ax, ay, az],
+            spin: [front, side],
+        }
+    }
+
     fn load(&self) -> f64 {
         (GRAVITY + self.gain[2]).max(LEAST_LOAD * GRAVITY)
     }
@@ -131,6 +184,7 @@ impl Zmp {
     pub fn new(model: &Model) -> Zmp {
         Zmp {
             tape: Tape::new(&motion_rows(model)),
+            by_cad: Tape::new(&motion_parts(model)),
             params: model.cad_params(),
             dof: model.dof(),
         }
@@ -138,10 +192,14 @@ impl Zmp {
 
     /// Evaluate postures with their velocities and accelerations.
     fn run(&self, q: &[f64], rates: &[f64], gains: &[f64]) -> Vec<f64> {
-        let n = q.len() / self.dof.max(1);
-        let mut out = vec![0.0; n * self.tape.outputs()];
-        let arguments = [q, rates, gains].map(Values::PerPosture);
-        self.tape.run(&arguments, n, &mut out, FASTEST);
+        self.run_on(&self.tape, [q, rates, gains])
+    }
+
+    fn run_on(&self, tape: &Tape, motion: [&[f64]; 3]) -> Vec<f64> {
+        let n = motion[0].len() / self.dof.max(1);
+        let mut out = vec![0.0; n * tape.outputs()];
+        let arguments = motion.map(Values::PerPosture);
+        tape.run(&arguments, n, &mut out, FASTEST);
         out
     }
 
@@ -178,7 +236,7 @@ impl Zmp {
         &self,
         q: &[f64],
         motion: &Motion,
-        rows: std::ops::Range<usize>,
+        rows: Range<usize>,
         tilts: &[[f64; 2]],
     ) -> Moved {
         let (n, p) = (tilts.len(), self.params.len());
@@ -189,82 +247,54 @@ impl Zmp {
             true => vec![Lever::default(); self.dof],
             false => self.levers(&q[(n / 2) * self.dof..(n / 2 + 1) * self.dof]),
         };
-        let mut moved = Moved {
-            rows: RowMatrix::zeros(2 * n, p),
-            shift: vec![[0.0; 2]; n],
-            lift: vec![0.0; n],
-            correction: vec![[0.0; 2]; n],
-            std: vec![[0.0; 2]; n],
-            slopes: Vec::new(),
-            in_time: Vec::new(),
-        };
-        let entries = moved.rows.entries.chunks_mut(2 * p * PART);
-        let shift = moved
-            .shift
-            .chunks_mut(PART)
-            .zip(moved.lift.chunks_mut(PART));
-        let taken = moved
-            .correction
-            .chunks_mut(PART)
-            .zip(moved.std.chunks_mut(PART));
-        let parts = entries.zip(shift.zip(taken)).enumerate();
-        side_by_side(
-            n,
-            parts,
-            |(k, (entries, ((shift, lift), (correction, std))))| {
-                let own = k * PART..k * PART + shift.len();
-                let of = |all: &[f64]| -> Vec<f64> {
-                    let own = rows.start + own.start..rows.start + own.end;
-                    all[own.start * self.dof..own.end * self.dof].to_vec()
-                };
-                let q = &q[own.start * self.dof..own.end * self.dof];
-                let tilts = &tilts[own.clone()];
-                let (rates, gains) = (of(&motion.rates), of(&motion.gains));
-                let out = self.run(q, &rates, &gains);
-                // For the rows; where nothing smooth is known, they have the noise of the readings'
-                // motion.
-                let of_rows = motion
-                    .smooth
-                    .as_ref()
-                    .map(|smooth| self.run(&of(&smooth.q), &of(&smooth.rates), &of(&smooth.gains)));
-                let noise = (of(&motion.gains_std), of(&motion.positions_std));
-                let of_rows = of_rows.as_ref().unwrap_or(&out);
-                let width = self.tape.outputs();
-                let both = out.chunks_exact(width).zip(of_rows.chunks_exact(width));
-                let entries = entries.chunks_exact_mut(2 * p);
-                for (k, ((out, of_rows), entries)) in both.zip(entries).enumerate() {
-                    let parts = self.parts(out, &self.params);
-                    correction[k] = self.row(&parts, of_rows, tilts[k], entries);
-                    shift[k] = parts.shift(tilts[k]);
-                    lift[k] = parts.load() / GRAVITY - 1.0;
-                    let own = k * self.dof..(k + 1) * self.dof;
-                    std[k] = deviation(&levers, &noise.0[own.clone()], &noise.1[own]);
-                }
-            },
-        );
+        let parts = by_parts(0..n, PART, |own| {
+            let of_log = rows.start + own.start..rows.start + own.end;
+            let q = &q[own.start * self.dof..own.end * self.dof];
+            self.moved_part(q, (motion, of_log), &tilts[own], &levers)
+        });
+        let mut moved = Moved::with_room(n, p);
+        for part in parts {
+            moved.rows.entries.extend(part.rows.entries);
+            moved.shift.extend(part.shift);
+            moved.lift.extend(part.lift);
+            moved.correction.extend(part.correction);
+            moved.std.extend(part.std);
+        }
         moved
     }
 
-    /// Rows of x and y of one posture, by its smooth motion, and what is taken from its readings.
-    fn row(&self, parts: &Parts, smooth: &[f64], tilt: [f64; 2], entries: &mut [f64]) -> [f64; 2] {
-        let p = self.params.len();
-        let by = self.parts(smooth, &self.params);
-        let load = by.load();
-        let mut correction = [0.0; 2];
-        for (axis, entries) in entries.chunks_exact_mut(p).enumerate() {
-            let push = by.gain[axis] - GRAVITY * tilt[axis];
-            let pushed = by.pushed(axis, tilt);
-            let row = |row: usize| &smooth[row * p..(row + 1) * p];
-            let (com, height, gain, lift) = (row(axis), row(2), row(3 + axis), row(5));
-            for k in 0..p {
-                let moments = push * height[k] + by.com[2] * gain[k];
-                entries[k] = com[k] - (moments - pushed * lift[k]) / load;
+    fn moved_part(
+        &self,
+        q: &[f64],
+        (motion, rows): (&Motion, Range<usize>),
+        tilts: &[[f64; 2]],
+        levers: &[Lever],
+    ) -> Moved {
+        let (n, p) = (tilts.len(), self.params.len());
+        let own = rows.start * self.dof..rows.end * self.dof;
+        let (rates, gains) = (&motion.rates[own.clone()], &motion.gains[own.clone()]);
+        let read = self.run_on(&self.by_cad, [q, rates, gains]);
+        // Where nothing smooth is known, rows have the noise of the readings' motion.
+        let of_rows = match &motion.smooth {
+            Some(smooth) => {
+                let [q, rates, gains] = [&smooth.q, &smooth.rates, &smooth.gains];
+                self.run(&q[own.clone()], &rates[own.clone()], &gains[own.clone()])
             }
-            let pairs = entries.iter().zip(&self.params);
-            let sum: f64 = pairs.map(|(entry, param)| entry * param).sum();
-            correction[axis] = parts.com[axis] - parts.pushed(axis, tilt) - sum;
+            None => self.run(q, rates, gains),
+        };
+        let gains_std = motion.gains_std[own.clone()].chunks_exact(self.dof);
+        let noise = gains_std.zip(motion.positions_std[own].chunks_exact(self.dof));
+        let mut moved = Moved::with_room(n, p);
+        let (read, _) = read.as_chunks::<8>();
+        let both = read.iter().zip(of_rows.chunks_exact(self.tape.outputs()));
+        for (((read, of_rows), tilt), (gains_std, positions_std)) in both.zip(tilts).zip(noise) {
+            let parts = Parts::of(*read);
+            moved.add_rows(&parts, of_rows, *tilt, self);
+            moved.shift.push(parts.shift(*tilt));
+            moved.lift.push(parts.load() / GRAVITY - 1.0);
+            moved.std.push(deviation(levers, gains_std, positions_std));
         }
-        correction
+        moved
     }
 
     /// How what motion adds changes with the position of each joint, m/rad or 1: x and y of

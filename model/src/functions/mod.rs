@@ -127,6 +127,19 @@ pub fn differentiate_com(robot: &Robot) -> Program {
 /// p_xy = c_xy − (c_z c̈_xy + L̇⊥/M)/(g + c̈_z)        c = rows · r,  c̈ = rows of c̈ · r
 /// ```
 pub fn motion_rows(robot: &Robot) -> Program {
+    of_motion(robot, |scratch, joints| scratch.motion_rows(joints))
+}
+
+/// The same with the parameters of CAD in the place of rows: CoM c (m), its acceleration c̈
+/// (m/s²) and `L̇⊥/M`, eight numbers.
+pub fn motion_parts(robot: &Robot) -> Program {
+    of_motion(robot, |scratch, joints| scratch.motion_parts(joints))
+}
+
+fn of_motion(
+    robot: &Robot,
+    outputs: impl FnOnce(&mut Scratch<'_>, &JointMotion) -> Vec<Id>,
+) -> Program {
     let given = Given::Positions;
     let mut scratch = Scratch::new(robot, given, Parameters::Baked(robot.cad_params()));
     let inputs = [
@@ -143,7 +156,7 @@ pub fn motion_rows(robot: &Robot) -> Program {
         rates: of(Argument::Velocities),
         accelerations: of(Argument::Accelerations),
     };
-    let outputs = scratch.motion_rows(&joints);
+    let outputs = outputs(&mut scratch, &joints);
     let inputs = inputs.map(|argument| Array::new(argument, robot.dof()));
     let shape = Shape::Vector(outputs.len());
     Program::new(scratch.g, inputs.to_vec(), shape, &outputs)

@@ -93,6 +93,25 @@ impl Scratch<'_> {
         })
     }
 
+    /// What the ZMP of CAD's masses is made of: the CoM, its acceleration, then L̇⊥/M.
+    pub(crate) fn motion_parts(&mut self, joints: &JointMotion) -> Vec<Id> {
+        let (com, acceleration) = self.accelerated_point(joints);
+        let turnings = self.turnings(joints);
+        let slides = self.slides(&turnings, joints);
+        let mut outputs = [com, acceleration].concat();
+        outputs.extend(self.spin(&turnings, &slides));
+        outputs
+    }
+
+    /// L̇⊥/M of the URDF: (L̇_y, −L̇_x)/M about the CoM.
+    fn spin(&mut self, turnings: &[Turning], slides: &[Option<Slide>]) -> [Id; 2] {
+        let moments = inertia::moments(self.m, &[]);
+        let whole = self.wrench(&moments, turnings, slides);
+        let spin = self.cross(whole.first.entries, whole.force.entries);
+        let spin = [0, 1].map(|k| self.g.sub(whole.moment.entries[k], spin[k]));
+        [spin[1], self.g.neg(spin[0])]
+    }
+
     /// What the ZMP is made of, for fits: rows of the CoM and of its acceleration by the base
     /// parameters, 3 each, then L̇⊥/M of the URDF.
     pub(crate) fn motion_rows(&mut self, joints: &JointMotion) -> Vec<Id> {
@@ -120,11 +139,7 @@ impl Scratch<'_> {
                 outputs.push(self.g.dot(&b, &acceleration));
             }
         }
-        let moments = inertia::moments(m, &[]);
-        let whole = self.wrench(&moments, &turnings, &slides);
-        let spin = self.cross(whole.first.entries, whole.force.entries);
-        let spin = [0, 1].map(|k| self.g.sub(whole.moment.entries[k], spin[k]));
-        outputs.extend([spin[1], self.g.neg(spin[0])]);
+        outputs.extend(self.spin(&turnings, &slides));
         outputs
     }
 

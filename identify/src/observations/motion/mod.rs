@@ -186,7 +186,11 @@ impl Plan {
         if is_still(q, dof) || rows.is_empty() {
             return None;
         }
-        let near = |a: usize, b: usize| (t[b] - t[a]).abs() <= changes::reach(self.step_s);
+        let reach = match wanted.changes() {
+            true => changes::reach(self.step_s),
+            false => f64::NEG_INFINITY,
+        };
+        let near = |a: usize, b: usize| (t[b] - t[a]).abs() <= reach;
         let before = (0..rows.start)
             .rev()
             .take_while(|row| near(*row, rows.start));
@@ -342,6 +346,9 @@ impl Survey {
 impl Motion {
     /// Leave out rows of `block` whose motion is not known; gives back how many.
     pub fn leave_out_unknown(&mut self, block: &mut Block) -> u64 {
+        if self.known.iter().all(|known| *known) {
+            return 0;
+        }
         let keep = self.known.clone();
         block.retain(&keep);
         self.retain(&keep);
