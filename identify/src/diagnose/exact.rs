@@ -61,14 +61,11 @@ impl Exact {
 
     fn readings(&self, problem: &Problem, fit: &Fit, r: &[f64]) -> Vec<f64> {
         let n = problem.data.len();
-        let context = match &fit.posture_context {
-            Some(sides) => sides.as_slice(),
-            None => &problem.data.posture_context,
-        };
+        let context = problem.posture_context_of(fit);
         let arguments = [
             Values::PerPosture(&problem.data.q),
             Values::Shared(&fit.unknowns),
-            Values::PerPosture(context),
+            Values::PerPosture(&context),
             Values::Shared(r),
         ];
         let mut out = vec![0.0; 2 * n];

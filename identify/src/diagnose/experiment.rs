@@ -180,7 +180,7 @@ impl Trial<'_, '_> {
             value: DVector::from_fn(fit.predicted.len(), |row, _| {
                 fit.predicted[row] * here.weight[row]
             }),
-            slopes: fit.slopes.clone(),
+            slopes: fit.slopes.as_ref().clone(),
         };
         old.below(self.new_rows(fit))
     }

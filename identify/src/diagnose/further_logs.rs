@@ -7,6 +7,8 @@
 //!
 //! Masses are marginalised log by log: what both know of them together is left out.
 
+use std::rc::Rc;
+
 use nalgebra::{DMatrix, DVector};
 
 use sesc_model::effects::Experiment;
@@ -33,13 +35,10 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
     let masses = root
         .as_ref()
         .map(|r| first.masses(&fit.terms).reweighted(r));
+    let posture_context = first.posture_context_of(&fit);
     let own = |unknowns: Vec<f64>| {
         let masses = masses.as_ref().unwrap_or(first.masses(&fit.terms));
-        let posture_context = match &fit.posture_context {
-            Some(sides) => sides.as_slice(),
-            None => &first.data.posture_context,
-        };
-        first.state(&fit.terms, unknowns, posture_context, &root, masses)
+        first.state(&fit.terms, unknowns, &posture_context, &root, masses)
     };
     let scales = first.scales(&fit.terms);
     let before = own(fit.unknowns.clone());
@@ -57,9 +56,9 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
         objective: at.value + rest,
         penalty: fit.penalty + scales.len() as f64 * (all / n).ln(),
         unknowns: at.first.unknowns,
-        predicted: at.first.predicted,
-        residual: at.first.residual,
-        slopes: at.first.slopes,
+        predicted: Rc::new(at.first.predicted),
+        residual: Rc::new(at.first.residual),
+        slopes: Rc::new(at.first.slopes),
         closed: at.first.closed,
         at_bound: at.first.at_bound,
         ..fit

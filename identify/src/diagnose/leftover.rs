@@ -98,7 +98,7 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
     let library = library(problem);
     let n = problem.data.len();
     let excess = Misfit::of(problem, fit);
-    let mut target = fit.residual.clone();
+    let mut target = fit.residual.as_ref().clone();
     target -= problem.mass_shift(fit);
     for (k, apart) in held_out::apart(problem, fit).into_iter().enumerate() {
         if apart {

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{self, Catalog, EffectContext, EffectId, Instance, PostureContext};
 use sesc_model::{Function, Model};
 
+use super::backlash_sides::OwnSides;
 use super::criteria;
 use super::hypothesis::{self, Term};
 use super::nuisance::Nuisance;
@@ -82,15 +83,15 @@ pub struct Fit {
     /// What its unknowns and the search cost.
     pub penalty: f64,
     /// Readings it predicts, CAD masses, m.
-    pub predicted: Vec<f64>,
+    pub predicted: Rc<Vec<f64>>,
     /// Whitened residuals (reading − predicted)/σ.
-    pub residual: DVector<f64>,
+    pub residual: Rc<DVector<f64>>,
     /// Whitened derivative by the unknowns.
-    pub slopes: DMatrix<f64>,
+    pub slopes: Rc<DMatrix<f64>>,
     /// The same of the soles, where the log is of both feet.
     pub closed: Option<Closed>,
-    /// Posture context with the sides of dead bands, where they matter.
-    pub posture_context: Option<Rc<Vec<f64>>>,
+    /// Sides of dead bands, where they matter.
+    pub sides: Option<OwnSides>,
     pub outliers: Option<Outliers>,
     /// Postures with a joint on the side of its dead band that gravity does not favour.
     pub flipped: Vec<usize>,

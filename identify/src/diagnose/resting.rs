@@ -15,7 +15,7 @@ use std::rc::Rc;
 use sesc_model::effects::{self, Instance, PostureContext};
 use sesc_model::tape::{Tape, Values};
 
-use super::backlash_sides;
+use super::backlash_sides::{self, OwnSides};
 use super::criteria::resting::{FLIPPED, GAIN, MOST, SHORTEST};
 use super::exact::{Exact, masses_of};
 use super::hypothesis::effects_of;
@@ -143,7 +143,7 @@ impl Predictions {
         let decided = backlash_sides::settle(problem, &fit.terms, &fit.unknowns, Some(&fit));
         let by_gravity = |k: &usize| !decided.flipped.contains(k);
         let postures = || (0..problem.data.len()).filter(by_gravity);
-        let mut context = decided.posture_context.to_vec();
+        let mut context = decided.posture_context;
         for k in postures() {
             for joint in 0..self.dof {
                 context[k * layout.len() + layout.side(joint)] = out[k * width + 2 + joint];
@@ -166,12 +166,12 @@ impl Predictions {
         Fit {
             covariance: damped::covariance(&state.normal.0, &scales),
             unknowns: state.unknowns,
-            predicted: state.predicted,
-            residual: state.residual,
-            slopes: state.slopes,
+            predicted: Rc::new(state.predicted),
+            residual: Rc::new(state.residual),
+            slopes: Rc::new(state.slopes),
             closed: state.closed,
             at_bound: state.at_bound,
-            posture_context: Some(Rc::new(context)),
+            sides: Some(OwnSides::of(problem, &context)),
             flipped: decided.flipped,
             masses: Some(masses),
             ..fit

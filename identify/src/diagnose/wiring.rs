@@ -66,11 +66,7 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
 /// but for what a linear step of theirs takes.
 pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
     let context = &problem.context;
-    let data = &problem.data;
-    let posture_context = match &parent.posture_context {
-        Some(own) => own.as_slice(),
-        None => &data.posture_context,
-    };
+    let posture_context = &problem.posture_context_of(parent);
     let masses = problem.masses(&parent.terms);
     let (_, own) = problem.whole(parent);
     let factor = factor_normal(own.tr_mul(&problem.project_out(masses, &own)));

@@ -7,10 +7,12 @@
 //! Damped least squares over the unknowns of all terms together, with the
 //! symbolic derivatives of the measurement.
 
+use std::rc::Rc;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::{Closed, Fit, Problem, Rows};
-use crate::diagnose::backlash_sides;
+use crate::diagnose::backlash_sides::{self, OwnSides};
 use crate::diagnose::hypothesis::Term;
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
@@ -144,11 +146,11 @@ impl Problem<'_> {
             unknowns: state.unknowns,
             covariance,
             objective,
-            predicted: state.predicted,
-            residual: state.residual,
-            slopes: state.slopes,
+            predicted: Rc::new(state.predicted),
+            residual: Rc::new(state.residual),
+            slopes: Rc::new(state.slopes),
             closed: state.closed,
-            posture_context: sides.map(|sides| sides.posture_context.clone()),
+            sides: sides.map(|sides| OwnSides::of(self, &sides.posture_context)),
             outliers: outliers.clone(),
             flipped: sides.map_or_else(Vec::new, |sides| sides.flipped.clone()),
             at_bound: state.at_bound,

@@ -1,5 +1,6 @@
 //! What a hypothesis predicts of a log: programs made once, run on tape.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -116,6 +117,14 @@ impl Problem<'_> {
         Evaluator::with_params(model, Function::Cop, self.cad.clone()).run(q, n)
     }
 
+    /// What is known of each posture under a fit to this log.
+    pub(in crate::diagnose) fn posture_context_of(&self, fit: &Fit) -> Cow<'_, [f64]> {
+        match &fit.sides {
+            Some(own) => Cow::Owned(own.context(self)),
+            None => Cow::Borrowed(&self.data.posture_context),
+        }
+    }
+
     /// Joint positions of every posture as a hypothesis bends them.
     pub fn bent(&self, fit: &Fit) -> Vec<f64> {
         let joints: Vec<(usize, &Term)> = fit
@@ -134,14 +143,11 @@ impl Problem<'_> {
         let tape = Tape::new(&program);
         let n = self.data.len();
         let mut out = vec![0.0; n * tape.outputs()];
-        let posture_context = match &fit.posture_context {
-            Some(own) => own.as_slice(),
-            None => &self.data.posture_context,
-        };
+        let posture_context = self.posture_context_of(fit);
         let arguments = [
             Values::PerPosture(&self.data.q),
             Values::Shared(&fit.unknowns),
-            Values::PerPosture(posture_context),
+            Values::PerPosture(&posture_context),
         ];
         tape.run(&arguments, n, &mut out, FASTEST);
         out

@@ -85,7 +85,8 @@ fn readings_tell_the_side_where_both_hold() {
         assert!(told + 1 >= flipped.len(), "{seed}: {told} of {flipped:?}");
         assert!(wrong <= 1, "{seed}: {:?} beside {flipped:?}", fit.flipped);
         let layout = PostureContext::of(&bench.model);
-        let posture_context = fit.posture_context.as_ref().unwrap();
+        assert!(fit.sides.is_some());
+        let posture_context = problem.posture_context_of(&fit);
         let agree = (0..takes.len())
             .filter(|k| posture_context[k * layout.len() + layout.side(joint)] == takes[*k].0)
             .count();

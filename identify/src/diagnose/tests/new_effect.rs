@@ -243,5 +243,5 @@ fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
         [(0, 0), (1, 0)]
     );
     let fit = problem.fit(std::slice::from_ref(&loose), None, ALL);
-    assert!(fit.posture_context.is_some());
+    assert!(fit.sides.is_some());
 }
