@@ -4,8 +4,6 @@
 //! that carries the robot is an inverted pendulum: near zero moment both sides
 //! hold, and the reading decides which, at a penalty.
 
-use std::rc::Rc;
-
 use super::hypothesis::Term;
 use nalgebra::DVector;
 use sesc_model::effects::{PostureContext, ROUNDS};
@@ -19,47 +17,6 @@ pub struct Sides {
     pub penalty: f64,
     /// Postures with a joint on its unlikely side.
     pub flipped: Vec<usize>,
-}
-
-/// Where joints rest in a fit: of what a context says of postures, the part that is not the log's.
-#[derive(Debug, Clone)]
-pub struct OwnSides {
-    joints: Vec<usize>,
-    /// Posture by posture.
-    sides: Rc<Vec<f64>>,
-}
-
-impl OwnSides {
-    /// Of the context of a fit to the problem's log.
-    pub fn of(problem: &Problem, posture_context: &[f64]) -> OwnSides {
-        let layout = PostureContext::of(problem.context.robot);
-        let (own, log) = (posture_context, &problem.data.posture_context);
-        let postures = || (0..problem.data.len()).map(|k| k * layout.len());
-        let differs = |joint: &usize| {
-            let at = layout.side(*joint);
-            postures().any(|k| own[k + at].to_bits() != log[k + at].to_bits())
-        };
-        let joints: Vec<usize> = (0..problem.context.robot.dof()).filter(differs).collect();
-        let sides = postures().flat_map(|k| joints.iter().map(move |j| own[k + layout.side(*j)]));
-        OwnSides {
-            sides: Rc::new(sides.collect()),
-            joints,
-        }
-    }
-
-    /// The whole context, of the log that the fit was made to.
-    pub fn context(&self, problem: &Problem) -> Vec<f64> {
-        let layout = PostureContext::of(problem.context.robot);
-        let mut all = problem.data.posture_context.clone();
-        let postures = all.chunks_exact_mut(layout.len());
-        let own = self.sides.chunks_exact(self.joints.len().max(1));
-        for (posture, sides) in postures.zip(own) {
-            for (joint, side) in self.joints.iter().zip(sides) {
-                posture[layout.side(*joint)] = *side;
-            }
-        }
-        all
-    }
 }
 
 /// The side of every slack joint in every posture: gravity's, and where that is

@@ -27,6 +27,7 @@ mod next_postures;
 mod noise;
 mod nuisance;
 mod outliers;
+mod own_sides;
 mod problem;
 mod proposal;
 pub mod remedy;

@@ -12,11 +12,11 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{self, Catalog, EffectContext, EffectId, Instance, PostureContext};
 use sesc_model::{Function, Model};
 
-use super::backlash_sides::OwnSides;
 use super::criteria;
 use super::hypothesis::{self, Term};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
+use super::own_sides::OwnSides;
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::feet::{Closure, ROWS};

@@ -15,7 +15,7 @@ use std::rc::Rc;
 use sesc_model::effects::{self, Instance, PostureContext};
 use sesc_model::tape::{Tape, Values};
 
-use super::backlash_sides::{self, OwnSides};
+use super::backlash_sides;
 use super::criteria::resting::{FLIPPED, GAIN, MOST, SHORTEST};
 use super::exact::{Exact, masses_of};
 use super::hypothesis::effects_of;
@@ -171,7 +171,7 @@ impl Predictions {
             slopes: Rc::new(state.slopes),
             closed: state.closed,
             at_bound: state.at_bound,
-            sides: Some(OwnSides::of(problem, &context)),
+            sides: Some(problem.sides_of(&context)),
             flipped: decided.flipped,
             masses: Some(masses),
             ..fit

@@ -155,7 +155,7 @@ struct Parts {
 }
 
 impl Parts {
-    /// Of what [`motion_parts`] gives.
+    /// The parts among what [`motion_parts`] gives.
     fn of([x, y, z, ax, ay, az, front, side]: [f64; 8]) -> Parts {
         Parts {
             com: [x, y, z],

@@ -12,7 +12,7 @@ use std::rc::Rc;
 use nalgebra::{DMatrix, DVector};
 
 use super::{Closed, Fit, Problem, Rows};
-use crate::diagnose::backlash_sides::{self, OwnSides};
+use crate::diagnose::backlash_sides;
 use crate::diagnose::hypothesis::Term;
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
@@ -150,7 +150,7 @@ impl Problem<'_> {
             residual: Rc::new(state.residual),
             slopes: Rc::new(state.slopes),
             closed: state.closed,
-            sides: sides.map(|sides| OwnSides::of(self, &sides.posture_context)),
+            sides: sides.map(|sides| self.sides_of(&sides.posture_context)),
             outliers: outliers.clone(),
             flipped: sides.map_or_else(Vec::new, |sides| sides.flipped.clone()),
             at_bound: state.at_bound,

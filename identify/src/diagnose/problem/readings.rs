@@ -10,6 +10,7 @@ use sesc_model::tape::{Tape, Values};
 
 use super::{Fit, Problem};
 use crate::diagnose::hypothesis::{Term, effects_of};
+use crate::diagnose::own_sides::OwnSides;
 use crate::evaluate::{Evaluator, FASTEST};
 
 /// What a set of terms runs on.
@@ -120,9 +121,20 @@ impl Problem<'_> {
     /// What is known of each posture under a fit to this log.
     pub(in crate::diagnose) fn posture_context_of(&self, fit: &Fit) -> Cow<'_, [f64]> {
         match &fit.sides {
-            Some(own) => Cow::Owned(own.context(self)),
+            Some(own) => {
+                let layout = PostureContext::of(self.context.robot);
+                Cow::Owned(own.context(&layout, &self.data.posture_context))
+            }
             None => Cow::Borrowed(&self.data.posture_context),
         }
+    }
+
+    /// The sides on which joints rest in the context of a fit to this log.
+    pub(in crate::diagnose) fn sides_of(&self, posture_context: &[f64]) -> OwnSides {
+        let robot = self.context.robot;
+        let layout = PostureContext::of(robot);
+        let log = &self.data.posture_context;
+        OwnSides::of(&layout, robot.dof(), log, posture_context)
     }
 
     /// Joint positions of every posture as a hypothesis bends them.
