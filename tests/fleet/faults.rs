@@ -30,8 +30,9 @@ fn what_is_wrong_in_the_tested_fleet_is_named_and_nothing_else() {
 fn a_sound_fleet_shares_nothing_and_does_not_change() {
     let folder = folder();
     Fleet::sound(60, 7, 1001).write(folder.path()).unwrap();
-    let data = folder.path().join("logs").display().to_string();
-    let output = sesc(&["fleet", &op2(), "--data", &data, "--json"]);
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let (data, out) = (at("logs"), at("fleet.csv"));
+    let output = sesc(&["fleet", &op2(), "--data", &data, "--out", &out, "--json"]);
     let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
     assert_eq!(json["groups"], 420);
     for list in ["shared", "changes", "look_first", "failed", "twice"] {
