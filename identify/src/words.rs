@@ -40,6 +40,8 @@ pub enum Setting {
     Physical,
     /// The link that is the other sole, where both feet are on the floor.
     OtherFoot,
+    /// Whether the motion of the joints counts.
+    Motion,
     /// Postures of a plan or a simulation.
     Poses,
     /// The tolerances of CAD masses.
@@ -50,6 +52,8 @@ pub enum Setting {
     Robust,
     /// Postures that are compared.
     Samples,
+    /// Rows of stays alone.
+    Settle,
     /// Safety margin of the CoP in standard deviations.
     Sigmas,
     /// Whether decimals of right angles are made exact.
@@ -60,6 +64,8 @@ pub enum Setting {
     Support,
     /// Weight of the whole robot.
     TotalMass,
+    /// The robot of its type that logs are of.
+    Unit,
 }
 
 impl Setting {
@@ -81,16 +87,19 @@ impl Setting {
             Setting::Partial => "partial",
             Setting::Physical => "physical",
             Setting::OtherFoot => "other_foot",
+            Setting::Motion => "motion",
             Setting::Poses => "poses",
             Setting::Prior => "prior",
             Setting::Range => "range",
             Setting::Robust => "robust",
             Setting::Samples => "samples",
+            Setting::Settle => "settle",
             Setting::Sigmas => "sigmas",
             Setting::Snapping => "snapping",
             Setting::Sole => "sole",
             Setting::Support => "support",
             Setting::TotalMass => "total_mass",
+            Setting::Unit => "unit",
         }
     }
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -29,6 +30,10 @@ class Parameter(NamedTuple):
             data nor prior say anything.
         cad: its value by the URDF.
         source: ``data`` or ``prior``, whichever tells more.
+
+    Example:
+        >>> abs(fit.parameters["top.z"].value - 1.0) < 0.01
+        True
     """
 
     name: str
@@ -37,6 +42,20 @@ class Parameter(NamedTuple):
     cad: float
     source: str
 
+    def to_dict(self) -> dict[str, Any]:
+        """Its fields, as in the JSON of ``sesc fit``.
+
+        Example:
+            >>> fit.parameters["top.z"].to_dict()["name"]
+            'top.z'
+        """
+        return self._asdict()
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        return table(self.name, self._fields[1:], [self[1:]])
+
 
 class CorrectedUrdf(NamedTuple):
     """A URDF with what was found in it.
@@ -44,19 +63,49 @@ class CorrectedUrdf(NamedTuple):
     Attributes:
         text: the whole text.
         left_out: what no URDF can hold, a sentence each.
+
+    Example:
+        >>> fit.correct_urdf().robot
+        <sesc.Robot pole: 2 links, 1 joint>
     """
 
     text: str
     left_out: list[str]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the text to ``path``, whole or not at all."""
+        """Write the text to ``path``, whole or not at all.
+
+        Example:
+            >>> fit.correct_urdf().save(folder / "pole.urdf")
+            >>> sesc.Robot(folder / "pole.urdf").name
+            'pole'
+        """
         _run.written(path, self.text)
 
     @property
     def robot(self) -> Robot:
-        """The robot that it describes."""
+        """The robot that it describes.
+
+        Example:
+            >>> fit.correct_urdf().robot.links
+            ['foot', 'top']
+        """
         return Robot(self.text)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The text and what it leaves out, for JSON.
+
+        Example:
+            >>> fit.correct_urdf().to_dict()["left_out"]
+            []
+        """
+        return self._asdict()
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        rows = [(sentence,) for sentence in self.left_out] or [("nothing",)]
+        return self.robot._repr_html_() + table(repr(self)[1:-1], ("what no URDF can hold",), rows)
 
     def __repr__(self) -> str:
         return f"<sesc.CorrectedUrdf: {len(self.text)} characters, {len(self.left_out)} left out>"
@@ -67,7 +116,8 @@ class Part:
 
     Made by :func:`sesc.gather`; ``a | b`` are both together, ``bytes(a)`` go to files and other
     machines and come back by :meth:`from_bytes`. Merging in any order gives the same fit up to
-    rounding; a log that is in both is refused.
+    rounding. Parts of two robots, of two units, or gathered with other options are refused, and
+    so is a log that is in both (``sesc.fit(parts, duplicates="skip")`` leaves it out).
 
     Example:
         >>> a = sesc.gather(robot, log)
@@ -84,57 +134,135 @@ class Part:
 
         Raises:
             PartError: bytes of something else, or damaged.
+
+        Example:
+            >>> sesc.Part.from_bytes(bytes(part)) == part
+            True
         """
         return cls(_sesc.Part.parse(bytes(data)))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Part:
-        """The part in a file, of :meth:`save` or ``sesc fit --partial``."""
+        """The part in a file, of :meth:`save` or ``sesc fit --partial``.
+
+        Example:
+            >>> part.save(folder / "monday.part")
+            >>> sesc.Part.load(folder / "monday.part") == part
+            True
+        """
         with open(path, "rb") as file:
             return cls.from_bytes(file.read())
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to ``path`` (ending in .part, for the command line), whole or not at all."""
+        """Write it to ``path`` (ending in .part, for the command line), whole or not at all.
+
+        Example:
+            >>> part.save(folder / "monday.part")
+            >>> (folder / "monday.part").read_bytes() == bytes(part)
+            True
+        """
         _sesc.write_bytes(os.fspath(path), bytes(self))
 
     @property
     def postures(self) -> int:
-        """Postures of all logs."""
+        """Postures of all logs.
+
+        Example:
+            >>> part.postures
+            30
+        """
         return self._inner.postures
 
     @property
     def support(self) -> str:
-        """Link whose parameters the sums are about."""
+        """Link whose parameters the sums are about.
+
+        Example:
+            >>> part.support
+            'foot'
+        """
         return self._inner.support
 
     @property
     def supports(self) -> list[str]:
-        """All links that postures stood on."""
+        """All links that postures stood on.
+
+        Example:
+            >>> part.supports
+            ['foot']
+        """
         return self._inner.supports
 
     @property
     def robot_hash(self) -> str:
-        """Hash of the URDF."""
+        """Hash of the URDF.
+
+        Example:
+            >>> part.robot_hash == robot.hash
+            True
+        """
         return self._inner.hash
 
     @property
+    def unit(self) -> str | None:
+        """The robot of its type that the logs are of; None where nobody said.
+
+        Example:
+            >>> sesc.gather(robot, log, unit="r07").unit
+            'r07'
+        """
+        return self._inner.unit
+
+    @property
+    def options(self) -> dict[str, Any] | None:
+        """The options that shaped the sums: ``motion``, ``stays``, ``robust``; None of a part that
+        an earlier version wrote.
+
+        Example:
+            >>> part.options["motion"]
+            'auto'
+        """
+        text = self._inner.options
+        return None if text is None else dict(json.loads(text))
+
+    @property
     def logs(self) -> list[dict[str, Any]]:
-        """The logs in it: name, hash of the content, rows."""
+        """The logs in it: name, hash of the content, rows.
+
+        Example:
+            >>> part.logs[0]["rows"]
+            30
+        """
         return [{"file": file, "hash": hash, "rows": rows} for file, hash, rows in self._inner.logs]
 
     @property
     def health(self) -> list[Finding]:
-        """What is wrong with the logs themselves."""
+        """What is wrong with the logs themselves.
+
+        Example:
+            >>> isinstance(part.health, list)
+            True
+        """
         return [Finding(*found) for found in self._inner.health]
 
     @property
     def warnings(self) -> list[str]:
-        """What was odd about the logs, a sentence each."""
+        """What was odd about the logs, a sentence each.
+
+        Example:
+            >>> isinstance(part.warnings, list)
+            True
+        """
         return self._inner.warnings
 
     def to_dict(self) -> dict[str, Any]:
-        """Its properties, for JSON."""
-        names = ("postures", "support", "supports", "robot_hash", "logs", "warnings")
+        """Its properties, for JSON.
+
+        Example:
+            >>> part.to_dict()["postures"]
+            30
+        """
+        names = ("postures", "support", "supports", "robot_hash", "unit", "options", "logs", "warnings")
         health = [finding._asdict() for finding in self.health]
         return {name: getattr(self, name) for name in names} | {"health": health}
 
@@ -154,7 +282,8 @@ class Part:
 
     def __repr__(self) -> str:
         logs = len(self._inner.logs)
-        return f"<sesc.Part on {self.support}: {self.postures} postures of {logs} log{'s' * (logs != 1)}>"
+        unit = f" of unit {self.unit}" if self.unit is not None else ""
+        return f"<sesc.Part{unit} on {self.support}: {self.postures} postures of {logs} log{'s' * (logs != 1)}>"
 
     def _repr_html_(self) -> str:
         from ._html import table
@@ -170,6 +299,10 @@ class Fit:
     """What a fit found. ``str(fit)`` is what ``sesc fit`` prints, a notebook shows its report.
 
     Every key of the command's JSON is an attribute too: ``fit.lack_of_fit``, ``fit.samples``.
+
+    Example:
+        >>> fit.rank == fit.to_dict()["rank"]
+        True
     """
 
     def __init__(self, state: dict[str, Any], report: _sesc.FitReport | None = None) -> None:
@@ -179,65 +312,132 @@ class Fit:
 
     @cached_property
     def parameters(self) -> dict[str, Parameter]:
-        """The base parameters by name, in the order of :attr:`params`."""
+        """The base parameters by name, in the order of :attr:`params`.
+
+        Example:
+            >>> fit.parameters["top.z"].source
+            'data'
+        """
         return {p["name"]: Parameter(**p) for p in self._found["parameters"]}
 
     @property
     def params(self) -> Float64:
-        """Values of the parameters, m, shape (p,)."""
+        """Values of the parameters, m, shape (p,).
+
+        Example:
+            >>> fit.params.shape
+            (5,)
+        """
         return self._state["params"].copy()  # type: ignore[no-any-return]
 
     @property
     def covariance(self) -> Float64:
-        """Their covariance, m², shape (p, p); NaN where nothing is known."""
+        """Their covariance, m², shape (p, p); NaN where nothing is known.
+
+        Example:
+            >>> fit.covariance.shape
+            (5, 5)
+        """
         return self._state["covariance"].copy()  # type: ignore[no-any-return]
 
     @property
     def postures(self) -> int:
-        """Postures of all logs."""
+        """Postures of all logs.
+
+        Example:
+            >>> fit.postures
+            30
+        """
         return int(self._found["postures"])
 
     @property
     def noise_floor(self) -> float:
-        """Noise of a reading on one axis, m."""
+        """Noise of a reading on one axis, m.
+
+        Example:
+            >>> fit.noise_floor < 1e-3
+            True
+        """
         return float(self._found["noise_floor"])
 
     @property
     def held_out_rmse(self) -> float:
-        """RMS error per axis on postures that the fit did not see, m."""
+        """RMS error per axis on postures that the fit did not see, m.
+
+        Example:
+            >>> fit.held_out_rmse < 1e-3
+            True
+        """
         return float(self._found["held_out_rmse"])
 
     @property
     def unobservable(self) -> list[str]:
-        """What the data cannot tell, a sentence each."""
+        """What the data cannot tell, a sentence each.
+
+        Example:
+            >>> any("height" in sentence for sentence in fit.unobservable)
+            True
+        """
         return [direction["sentence"] for direction in self._found["unobservable"]]
 
     @property
     def health(self) -> list[Finding]:
-        """What is wrong with the logs themselves."""
+        """What is wrong with the logs themselves.
+
+        Example:
+            >>> isinstance(fit.health, list)
+            True
+        """
         return [Finding(f["kind"], f["target"], f["sentence"]) for f in self._found["health"]]
 
     @property
     def warnings(self) -> list[str]:
-        """What should be known before the result is used, a sentence each."""
+        """What should be known before the result is used, a sentence each.
+
+        Example:
+            >>> isinstance(fit.warnings, list)
+            True
+        """
         return [*self._found["warnings"], *self._state["warnings"]]
 
     @property
     def notes(self) -> list[str]:
-        """What is to be known of the robot, a sentence each."""
+        """What is to be known of the robot, a sentence each.
+
+        Example:
+            >>> isinstance(fit.notes, list)
+            True
+        """
         return list(self._state["notes"])
 
     @cached_property
     def model(self) -> Model:
-        """The robot with the identified parameters."""
+        """The robot with the identified parameters.
+
+        Example:
+            >>> fit.model.com([0.0]).shape
+            (3,)
+        """
         return _model_of(self._state)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model file, for ``Robot.on``, ``sesc generate`` and ``build.rs``."""
+        """Write the model file, for ``Robot.on``, ``sesc generate`` and ``build.rs``.
+
+        Example:
+            >>> fit.save(folder / "model.toml")
+            >>> robot.on("foot", model=folder / "model.toml")
+            <sesc.Model pole on foot: 1 joint, 2 kg, 5 parameters>
+        """
         _run.written(path, self._state["model_file"])
 
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Write the page of ``sesc fit --report``: figures, tables, what cannot be seen."""
+        """Write the page of ``sesc fit --report``: figures, tables, what cannot be seen.
+
+        Example:
+            >>> fit.report(folder / "fit.html")
+            >>> (folder / "fit.html").exists()
+            True
+        """
         _run.written(path, self._page())
 
     def correct_urdf(self, total_mass: float | None = None) -> CorrectedUrdf:
@@ -248,6 +448,10 @@ class Fit:
 
         Raises:
             FitError: no masses give the parameters.
+
+        Example:
+            >>> fit.correct_urdf(total_mass=2.1).robot.on("foot").total_mass
+            2.1
         """
         if self._report is not None:
             text, _, _ = self._report.corrected(total_mass)
@@ -259,7 +463,12 @@ class Fit:
         return CorrectedUrdf(text, left_out)
 
     def to_dict(self) -> dict[str, Any]:
-        """What ``sesc fit --json`` prints, key by key."""
+        """What ``sesc fit --json`` prints, key by key.
+
+        Example:
+            >>> fit.to_dict()["support"]
+            'foot'
+        """
         found: dict[str, Any] = json.loads(self._state["json"])
         return found
 
@@ -297,7 +506,7 @@ class Fit:
 
 
 def fit(
-    robot: Robot | Part,
+    robot: Robot | Part | Sequence[Part],
     log: Any = None,
     *,
     support: str | None = None,
@@ -310,12 +519,14 @@ def fit(
     physical: bool = False,
     motion: str = "auto",
     settle: float | None = None,
+    unit: str | None = None,
+    duplicates: str = "refuse",
     progress: Progress = False,
 ) -> Fit:
     """Identify the parameters of a robot from posture logs.
 
     Args:
-        robot: the robot; a :class:`Part` alone carries its own.
+        robot: the robot; a :class:`Part`, or a list of parts, carries its own.
         log: a :class:`Log` or what one is made of, a part, or a list of these.
         support: link whose parameters are meant; the first log's own unless given.
         angles: ``"deg"`` where revolute joints are logged in degrees.
@@ -330,11 +541,14 @@ def fit(
             accelerations; ``"off"`` takes all as those of standing postures.
         settle: take only rows of stays: stretches of at least so many seconds in which every
             joint is slower than 0.02 rad/s; each is one posture.
+        unit: the robot of its type that the logs are of: parts of another one are refused.
+        duplicates: ``"refuse"`` a part with a log that another one has, or ``"skip"`` parts whose
+            logs are all there already.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 
     Raises:
         LogError: a log that cannot be used, with its file, line and column.
-        FitError: what is asked for cannot be had.
+        FitError: what is asked for cannot be had, or parts that do not belong together.
         KeyboardInterrupt: Ctrl-C, within 0.2 s; nothing is written.
 
     Example:
@@ -342,14 +556,17 @@ def fit(
         >>> found.held_out_rmse < 1e-4
         True
     """
+    given = [] if log is None else list(log) if isinstance(log, (list, tuple)) else [log]
+    if isinstance(robot, (list, tuple)) and robot and all(isinstance(one, Part) for one in robot):
+        given, robot = [*robot[1:], *given], robot[0]
     if not isinstance(robot, (Robot, Part)):
         raise TypeError(f"a robot or a part comes first, not {type(robot).__name__}")
-    given = [] if log is None else list(log) if isinstance(log, (list, tuple)) else [log]
     parts = [one for one in given if isinstance(one, Part)]
     logs = _run.logs([one for one in given if not isinstance(one, Part)])
     if isinstance(robot, Part):
         parts.insert(0, robot)
-    options = _options(support, angles, prior, noise, robust, folds, range, physical, motion, settle)
+    options = _options(support, angles, prior, noise, robust, folds, range, physical, motion, settle, unit)
+    options["duplicates"] = duplicates
     try:
         report = _sesc.fit_logs(
             robot if isinstance(robot, Robot) else None,
@@ -397,11 +614,13 @@ def gather(
     folds: int | None = None,
     motion: str = "auto",
     settle: float | None = None,
+    unit: str | None = None,
     progress: Progress = False,
 ) -> Part:
     """What logs contribute to a fit, to be fitted later, with others, or elsewhere.
 
-    Keywords are those of :func:`fit`; those that are settled here cannot differ later.
+    Keywords are those of :func:`fit`; those that are settled here cannot differ later. ``unit``
+    names the robot of its type, such as by its serial number: parts of two are never merged.
 
     Raises:
         PartError: logs that cannot be used.
@@ -413,7 +632,7 @@ def gather(
     """
     if not isinstance(robot, Robot):
         raise TypeError(f"a robot comes first, not {type(robot).__name__}")
-    options = _options(support, angles, prior, noise, robust, folds, None, False, motion, settle)
+    options = _options(support, angles, prior, noise, robust, folds, None, False, motion, settle, unit)
     logs = _run.logs(log)
     if not logs:
         raise PartError("no logs to gather; give one or more")
@@ -435,6 +654,7 @@ def _options(
     physical: bool,
     motion: str,
     settle: float | None,
+    unit: str | None,
 ) -> dict[str, Any]:
     return {
         "support": support,
@@ -447,6 +667,8 @@ def _options(
         "physical": physical,
         "motion": _run.motion(motion),
         "settle": settle,
+        "unit": unit,
+        "duplicates": "refuse",
     }
 
 

@@ -1,10 +1,9 @@
 //! Keywords that fits and parts share, as requests of the library.
 
 use pyo3::prelude::*;
-use sesc_identify::fit::Loss;
-use sesc_identify::fit::Request;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::PriorChoice;
+use sesc_identify::fit::{Duplicates, Loss, Request};
 use sesc_identify::logs::{Angles, Stays};
 use sesc_identify::observations::motion_use::MotionModel;
 
@@ -26,6 +25,8 @@ pub struct FitOptions {
     physical: bool,
     motion: bool,
     settle: Option<f64>,
+    unit: Option<String>,
+    duplicates: String,
 }
 
 impl FitOptions {
@@ -63,6 +64,15 @@ impl FitOptions {
         request.physical = self.physical;
         request.motion = motion(self.motion);
         request.stays = stays(self.settle)?;
+        request.unit = self.unit;
+        request.duplicates = match self.duplicates.as_str() {
+            "refuse" => Duplicates::Refuse,
+            "skip" => Duplicates::Skip,
+            other => {
+                let message = format!("`duplicates` {other}: known are refuse, skip");
+                return Err(Failure::plain(Doing::Fit, message));
+            }
+        };
         Ok(request)
     }
 }

@@ -1,5 +1,6 @@
 //! What one log contributes to a fit, as a value.
 
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use sesc_identify::fit;
@@ -96,6 +97,20 @@ impl Part {
     #[getter]
     fn postures(&self) -> u64 {
         self.inner.postures()
+    }
+
+    /// The robot of its type that the logs are of.
+    #[getter]
+    fn unit(&self) -> Option<&str> {
+        self.inner.unit.as_deref()
+    }
+
+    /// The options that shaped the sums, as JSON.
+    #[getter]
+    fn options(&self) -> PyResult<Option<String>> {
+        let options = self.inner.options.as_ref().map(serde_json::to_string);
+        let options = options.transpose();
+        options.map_err(|error| PyRuntimeError::new_err(error.to_string()))
     }
 
     /// Name, hash and rows of each log.

@@ -16,7 +16,7 @@ use sesc_identify::feet::Feet;
 use sesc_identify::fit::Loss;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
-use sesc_identify::fit::{self, Request};
+use sesc_identify::fit::{self, Duplicates, Request};
 use sesc_identify::logs::{self, Angles, LogSource, Stays};
 use sesc_identify::robot::Robot;
 
@@ -85,6 +85,13 @@ pub(super) struct Arguments {
     /// Only gather: write the factors of these logs, to combine them later
     #[arg(long, value_name = "FILE")]
     partial: Option<PathBuf>,
+    /// Name of the robot that the logs are of, such as its serial number: factor files keep it,
+    /// and those of another one are refused
+    #[arg(long, value_name = "NAME")]
+    unit: Option<String>,
+    /// Factor files whose logs are all in another one: refuse them, or leave them out
+    #[arg(long, value_enum, default_value_t)]
+    duplicates: DuplicateParts,
     /// Model file to write
     #[arg(long, value_name = "FILE", conflicts_with = "partial")]
     out: Option<PathBuf>,
@@ -102,6 +109,13 @@ pub(super) struct Arguments {
 enum RobustLoss {
     Huber,
     Tukey,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
+enum DuplicateParts {
+    #[default]
+    Refuse,
+    Skip,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
@@ -213,6 +227,11 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.feet = Feet::from(&arguments.feet);
     request.folds = arguments.folds.and_then(|k| usize::try_from(k).ok());
     request.range = arguments.range.map(f64::to_radians);
+    request.unit = arguments.unit.clone();
+    request.duplicates = match arguments.duplicates {
+        DuplicateParts::Refuse => Duplicates::Refuse,
+        DuplicateParts::Skip => Duplicates::Skip,
+    };
     arguments.outputs.ask(&mut request);
     Ok(request)
 }

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use sesc_model::{Model, Snapping};
 
 use super::logs::Logs;
-use super::part::{About, Part};
-use super::request::{FOLDS, Request};
+use super::part::{About, Part, PartOptions};
+use super::request::{Duplicates, FOLDS, Request};
 use super::revisits;
 use super::soles;
 use crate::health::{self, Finding};
-use crate::logs::{Options, Readings};
+use crate::logs::{Options, Readings, Stays};
+use crate::observations::motion_use::MotionModel;
 use crate::robot::Robot;
 use crate::watch::Watch;
 use crate::{Error, Setting, message};
@@ -115,7 +116,7 @@ pub(super) fn joined(
     let mut whole = parts.next().map(|(_, part)| part.clone());
     if let Some(whole) = &mut whole {
         for (name, part) in parts {
-            whole.merge(part.clone(), name)?;
+            add(whole, part.clone(), name, request.duplicates)?;
         }
         check_settled(request, whole)?;
     }
@@ -123,7 +124,7 @@ pub(super) fn joined(
         let part = of_logs(request, whole.as_ref(), watch)?;
         match &mut whole {
             None => whole = Some(part),
-            Some(whole) => whole.merge(part, "the logs")?,
+            Some(whole) => add(whole, part, "the logs", request.duplicates)?,
         }
     } else if let (Some(robot), Some(whole)) = (&request.robot, &whole) {
         let about = &robot.description;
@@ -141,10 +142,20 @@ pub(super) fn joined(
     ];
     let mut whole = whole.ok_or_else(|| Error::request(nothing))?;
     whole.gathered.health.extend(health);
+    if let Some(unit) = &request.unit {
+        whole.claim(unit)?;
+    }
     if let Some(support) = &request.support {
         whole.stand_on(support)?;
     }
     Ok(whole)
+}
+
+fn add(whole: &mut Part, part: Part, name: &str, duplicates: Duplicates) -> Result<(), Error> {
+    match duplicates {
+        Duplicates::Refuse => whole.merge(part, name),
+        Duplicates::Skip => whole.merge_new(part, name),
+    }
 }
 
 /// Whether what is asked for agrees with what was settled when parts were gathered.
@@ -169,6 +180,15 @@ fn check_settled(request: &Request, whole: &Part) -> Result<(), Error> {
     if request.snapping == Snapping::Off && whole.snapped {
         let why = ", but the parts were gathered with right angles made exact: leave it out";
         return settled!(Setting::Snapping, why);
+    }
+    if let Some(own) = whole.options.filter(|_| request.logs.is_empty()) {
+        let why = ", but the parts were gathered otherwise: leave it out";
+        if request.motion != MotionModel::Auto && request.motion != own.motion {
+            return settled!(Setting::Motion, why);
+        }
+        if request.stays != Stays::default() && request.stays != own.stays {
+            return settled!(Setting::Settle, why);
+        }
     }
     let folds = whole.gathered.folds.len();
     match request.folds.filter(|asked| *asked != folds) {
@@ -200,6 +220,12 @@ fn of_logs(request: &Request, parts: Option<&Part>, watch: &mut dyn Watch) -> Re
         support: supports[0].to_string(),
         supports: supports.iter().map(|s| s.to_string()).collect(),
         snapped: request.snapping != Snapping::Off,
+        unit: request.unit.clone(),
+        options: PartOptions {
+            motion: request.motion,
+            stays: request.stays,
+            robust: request.robust,
+        },
     };
     Ok(Part::new(about, gathered))
 }

@@ -49,5 +49,5 @@ pub use identification::{Identification, Settings};
 pub use joined::gather;
 pub(crate) use report::check_result;
 pub use report::{Report, fit, residuals};
-pub use request::{FOLDS, Request};
+pub use request::{Duplicates, FOLDS, Request};
 pub use robust::Loss;

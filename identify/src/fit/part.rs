@@ -17,6 +17,9 @@ use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
 
 mod layout;
+mod options;
+
+pub use options::PartOptions;
 
 /// A contribution to a fit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -34,6 +37,12 @@ pub struct Part {
     pub supports: Vec<String>,
     /// Whether decimals of right angles were made exact.
     pub snapped: bool,
+    /// The robot of its type that the logs are of, such as its serial number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// The options that shaped the sums; parts of formats before 4 do not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub options: Option<PartOptions>,
     /// The sums.
     pub(crate) gathered: Gathered,
 }
@@ -53,6 +62,10 @@ pub struct About {
     pub supports: Vec<String>,
     /// Whether decimals of right angles were made exact.
     pub snapped: bool,
+    /// The robot of its type that the logs are of.
+    pub unit: Option<String>,
+    /// The options that shaped the sums.
+    pub options: PartOptions,
 }
 
 impl Part {
@@ -66,6 +79,8 @@ impl Part {
             support: about.support,
             supports: about.supports,
             snapped: about.snapped,
+            unit: about.unit,
+            options: Some(about.options),
             gathered,
         }
     }
@@ -192,13 +207,86 @@ impl Part {
     /// Add another part.
     ///
     /// # Errors
-    /// When it is about another robot or reading of right angles.
+    /// When it is about another robot, unit or reading of right angles, was gathered with other
+    /// options, or has a log that is here already.
     pub fn merge(&mut self, mut other: Part, name: &str) -> Result<(), Error> {
+        self.check_alike(&other, name)?;
+        other.stand_on(&self.support)?;
+        for support in other.supports {
+            if !self.supports.contains(&support) {
+                self.supports.push(support);
+            }
+        }
+        let bad = |message: Message| Error::log(name, None, message);
+        self.gathered.merge(other.gathered).map_err(bad)?;
+        self.unit = self.unit.take().or(other.unit);
+        self.options = self.options.or(other.options);
+        Ok(())
+    }
+
+    /// Add another part, unless all of its logs are here; where all logs of this one are in the
+    /// other, that takes its place.
+    ///
+    /// # Errors
+    /// Those of [`merge`](Self::merge): also of parts that have some logs in common and others
+    /// of their own, since sums of one log cannot be taken out of a part.
+    pub fn merge_new(&mut self, mut other: Part, name: &str) -> Result<(), Error> {
+        let holds = |all: &Part, some: &Part| {
+            let known = |hash: &str| all.logs().iter().any(|log| log.hash == hash);
+            some.logs().iter().all(|log| known(&log.hash))
+        };
+        self.check_alike(&other, name)?;
+        if holds(self, &other) {
+            return Ok(());
+        }
+        if holds(&other, self) {
+            other.stand_on(&self.support)?;
+            other.unit = other.unit.or(self.unit.take());
+            *self = other;
+            return Ok(());
+        }
+        self.merge(other, name)
+    }
+
+    /// Say of which robot of its type the logs are.
+    ///
+    /// # Errors
+    /// When they are of another one, or the name is empty.
+    pub fn claim(&mut self, unit: &str) -> Result<(), Error> {
+        if unit.trim().is_empty() {
+            let message = message![Setting::Unit, " is empty: give a name, or leave it out"];
+            return Err(Error::request(message));
+        }
+        match &self.unit {
+            Some(own) if own != unit => Err(Error::request(message![
+                format!("the parts are of unit `{}`, not of ", short(own)),
+                Setting::Unit,
+                format!(" `{}`", short(unit))
+            ])),
+            _ => {
+                self.unit = Some(unit.to_string());
+                Ok(())
+            }
+        }
+    }
+
+    /// Whether both are about one robot, and were gathered alike.
+    fn check_alike(&self, other: &Part, name: &str) -> Result<(), Error> {
         let bad = |message: Message| Error::log(name, None, message);
         if self.hash != other.hash {
             return Err(bad(format!(
                 "about another robot ({}, hash {}) than the first part ({}, hash {})",
                 other.urdf_file, other.hash, self.urdf_file, self.hash
+            )
+            .into()));
+        }
+        if let (Some(own), Some(its)) = (&self.unit, &other.unit)
+            && own != its
+        {
+            return Err(bad(format!(
+                "of unit `{}`, and the first part is of unit `{}`; fit each robot by itself",
+                short(its),
+                short(own)
             )
             .into()));
         }
@@ -209,12 +297,10 @@ impl Part {
                 ", one without"
             ]));
         }
-        other.stand_on(&self.support)?;
-        for support in other.supports {
-            if !self.supports.contains(&support) {
-                self.supports.push(support);
-            }
+        let options = self.options.as_ref().zip(other.options.as_ref());
+        match options.and_then(|(own, its)| own.difference(its)) {
+            Some(difference) => Err(bad(difference)),
+            None => Ok(()),
         }
-        self.gathered.merge(other.gathered).map_err(bad)
     }
 }

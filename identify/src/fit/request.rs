@@ -57,4 +57,20 @@ pub struct Request {
     pub stays: Stays,
     /// Which feet are on the floor; each log's own unless given.
     pub feet: Feet,
+    /// The robot of its type that the logs are of, such as its serial number: parts of another
+    /// one are refused.
+    pub unit: Option<String>,
+    /// What becomes of logs that are in a part already.
+    pub duplicates: Duplicates,
+}
+
+/// What becomes of logs that are in a part already.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Duplicates {
+    /// They are an error: their postures would count twice.
+    #[default]
+    Refuse,
+    /// A part whose logs are all there already is left out.
+    Skip,
 }

@@ -8,11 +8,13 @@
 //! axes. `s` is the scale that the residuals' median shows.
 
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 
 use crate::observations::rows::Rows;
 
 /// Kind of robust loss.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Loss {
     /// Linear in large residuals.

@@ -1,5 +1,7 @@
 //! How a log is to be read.
 
+use serde::{Deserialize, Serialize};
+
 use super::sidecar::Angles;
 
 /// How a log is to be read.
@@ -47,7 +49,8 @@ pub enum Readings {
 }
 
 /// What becomes of rows in which a robot holds still, in a log that has times.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Stays {
     /// They are readings of one posture where the log has no `pose`; other rows are postures

@@ -18,7 +18,8 @@ use super::motion::LONGEST_S;
 use super::noise::LEAST_STD;
 
 /// Whether the motion of the joints counts.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum MotionModel {
     /// Readings are compared with the ZMP where a log knows accelerations.

@@ -1,12 +1,13 @@
 //! The bytes of a factor file.
 //!
 //! ```text
-//! gzip of {"format":"sesc factor 3", robot, logs, folds: parameters and rows of factors …}
+//! gzip of {"format":"sesc factor 4", robot, unit, options, logs, folds: parameters and rows of factors …}
 //! upper triangles row by row, 64-bit floats, little-endian: fold by fold, weighted, then plain
 //! ```
 //!
 //! The header may also stand as it is, with a newline behind it.
-//! Of the formats before, the triangles stood in the JSON; 1 knew neither visits nor what rows
+//! Format 3 knew neither the unit nor the options that shaped the sums, and is of the same bytes
+//! otherwise. Of the formats before it, the triangles stood in the JSON; 1 knew neither visits nor what rows
 //! are worth, and its rows are taken as independent.
 
 use std::io::{Read as _, Write as _};
@@ -21,8 +22,10 @@ use super::Part;
 use crate::lsq::factor::Factor;
 
 /// First words of every file of this kind, with the version of its layout.
-pub(super) const FORMAT: &str = "sesc factor 3";
-/// Those before it.
+pub(super) const FORMAT: &str = "sesc factor 4";
+/// The one before it, of the same layout.
+const ALIKE: &str = "sesc factor 3";
+/// Those before, which are JSON throughout.
 const BEFORE: [&str; 2] = ["sesc factor 1", "sesc factor 2"];
 
 /// First bytes of gzip.
@@ -117,7 +120,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Part, String> {
     };
     let (header, rest) = bytes.split_at(kinds.byte_offset());
     let mut part: Part = match kind.format.as_str() {
-        FORMAT => return current(header, rest.strip_prefix(b"\n").unwrap_or(rest)),
+        FORMAT | ALIKE => return current(header, rest.strip_prefix(b"\n").unwrap_or(rest)),
         before if !BEFORE.contains(&before) => {
             return Err(newer(before));
         }
@@ -148,7 +151,7 @@ fn newer(format: &str) -> String {
 
 fn current(header: &[u8], numbers: &[u8]) -> Result<Part, String> {
     let kind: Kind = serde_json::from_slice(header).map_err(damaged)?;
-    if kind.format != FORMAT {
+    if kind.format != FORMAT && kind.format != ALIKE {
         return Err(newer(&kind.format));
     }
     // Counted before anything as large is made.
@@ -161,6 +164,7 @@ fn current(header: &[u8], numbers: &[u8]) -> Result<Part, String> {
         )));
     }
     let mut part: Part = serde_json::from_slice(header).map_err(damaged)?;
+    part.format = FORMAT.to_string();
     let (numbers, _) = numbers.as_chunks::<NUMBER>();
     let mut numbers = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes));
     for fold in &mut part.gathered.folds {
@@ -220,6 +224,8 @@ mod tests {
 
     /// A part of the format before: 40 readings of 20 postures of a pole of 2 kg.
     const MONDAY: &[u8] = include_bytes!("monday-2.part");
+    /// The same one, written in format 3.
+    const MONDAY_3: &[u8] = include_bytes!("monday-3.part");
 
     /// The packed header of a part, as JSON, and the numbers behind it.
     fn header(bytes: &[u8]) -> (Value, Vec<u8>) {
@@ -256,10 +262,22 @@ mod tests {
         // A header that is not packed is read too.
         let plain = Part::from_bytes(&with_header(&header, &numbers), "plain").unwrap();
         assert_eq!(plain.gathered, part.gathered);
-        header["format"] = "sesc factor 4".into();
+        header["format"] = "sesc factor 5".into();
         let said = read(&with_header(&header, &numbers)).unwrap_err();
-        assert!(said.contains("`sesc factor 4`"), "{said}");
+        assert!(said.contains("`sesc factor 5`"), "{said}");
         assert!(said.contains("take the version that wrote it"), "{said}");
+    }
+
+    #[test]
+    fn parts_of_format_3_are_read_and_do_not_say_how_they_were_gathered() {
+        let part = Part::from_bytes(MONDAY_3, "monday.part").unwrap();
+        assert_eq!((part.postures(), part.support.as_str()), (20, "foot"));
+        assert_eq!((&part.unit, &part.options), (&None, &None));
+        // The same readings as in format 2, to the bit.
+        let before = Part::from_bytes(MONDAY, "monday.part").unwrap();
+        assert_eq!(part.gathered, before.gathered);
+        let (written, _) = header(&part.to_bytes().unwrap());
+        assert_eq!(written["format"], "sesc factor 4");
     }
 
     #[test]
