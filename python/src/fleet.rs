@@ -9,13 +9,14 @@ use std::sync::Arc;
 
 use pyo3::exceptions::PyFileNotFoundError;
 use pyo3::prelude::*;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use sesc::report::fleet as report;
 use sesc_identify::Error;
 use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{
-    self, Disk, Fleet, Gathering, Group, Input, Job, Local, Options, Request, Stamp, Store,
+    self, Disk, Failed, Fleet, Gathering, Group, Input, Job, Local, Options, Request, Row, Stamp,
+    Store, Twice,
 };
 use sesc_identify::robot;
 
@@ -175,6 +176,18 @@ impl Asked {
     }
 }
 
+/// A fleet on its way to another process; names are those of the base parameters, by the hash
+/// of the URDF and the support.
+#[derive(Serialize, Deserialize)]
+struct Packed {
+    rows: Vec<Row>,
+    failed: Vec<Failed>,
+    twice: Vec<Twice>,
+    from_store: usize,
+    opened: usize,
+    names: Vec<((String, String), Vec<String>)>,
+}
+
 /// All groups of a fleet, and what they say together.
 #[pyclass(frozen, module = "sesc._sesc")]
 pub struct FleetFound {
@@ -230,9 +243,11 @@ impl FleetFound {
         };
         let request = request().map_err(|failure| failure.raise(py))?;
         let (found, _) = watched(py, show, Stopped::Awaited, move |watch| {
-            fleet::run(&request, watch).map_err(|error| Failure::of(&error, Doing::Fit))
+            let found = fleet::run(&request, watch);
+            let found = found.map_err(|error| Failure::of(&error, Doing::Fit))?;
+            Ok(FleetFound::of(found, asked))
         })?;
-        Ok(FleetFound::of(found, asked))
+        Ok(found)
     }
 
     /// Put together what groups came to, in any order.
@@ -254,6 +269,46 @@ impl FleetFound {
             }
             let fleet = gathering.finish(&asked.robot, &*disk);
             Ok(FleetFound::of(fleet, asked))
+        })
+    }
+
+    /// The fleet of what `packed` gave.
+    #[staticmethod]
+    fn unpacked(
+        py: Python<'_>,
+        robot: PyRef<'_, Robot>,
+        options: &str,
+        packed: &str,
+    ) -> PyResult<FleetFound> {
+        let asked = Asked::of(py, &robot, options)?;
+        detached(py, || {
+            let packed: Packed = parsed(packed)?;
+            let mut fleet = Fleet::default();
+            fleet.rows = packed.rows;
+            fleet.failed = packed.failed;
+            fleet.twice = packed.twice;
+            fleet.from_store = packed.from_store;
+            fleet.opened = packed.opened;
+            fleet.names = packed.names.into_iter().collect();
+            Ok(FleetFound::of(fleet, asked))
+        })
+    }
+
+    /// Everything that was found, for `unpacked`.
+    fn packed(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || {
+            let fleet = &self.fleet;
+            let names = fleet.names.iter();
+            text(&Packed {
+                rows: fleet.rows.clone(),
+                failed: fleet.failed.clone(),
+                twice: fleet.twice.clone(),
+                from_store: fleet.from_store,
+                opened: fleet.opened,
+                names: names
+                    .map(|(key, names)| (key.clone(), names.clone()))
+                    .collect(),
+            })
         })
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sesc_model::Snapping;
 
 use super::disk::Disk;
@@ -14,7 +14,7 @@ use super::work::{Done, Failed};
 use crate::robot::Robot;
 
 /// A log that was given before under another name.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Twice {
     /// The file.

@@ -7,8 +7,9 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
+use std::time::Duration;
 
 use super::disk::Local;
 use super::gathering::{Fleet, Gathering};
@@ -19,6 +20,9 @@ use super::work::{Done, Job, work};
 use crate::Error;
 use crate::robot::Robot;
 use crate::watch::{Progress, Watch, tell};
+
+/// How often who waits is asked whether to go on, while no group ends.
+const EVERY: Duration = Duration::from_millis(10);
 
 /// A fleet and how it is looked at.
 #[derive(Debug, Clone)]
@@ -130,12 +134,16 @@ fn gather(
     total: u64,
     watch: &mut dyn Watch,
 ) -> Result<(), Error> {
-    tell(watch, "diagnosing", 0, total)?;
     let mut done = 0;
-    while let Ok(group) = receive.recv() {
-        gathering.add(group?);
-        done += 1;
+    loop {
         tell(watch, "diagnosing", done, total)?;
+        match receive.recv_timeout(EVERY) {
+            Ok(group) => {
+                gathering.add(group?);
+                done += 1;
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        }
     }
-    Ok(())
 }

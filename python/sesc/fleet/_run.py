@@ -37,9 +37,11 @@ class Fleet:
         twice: logs that came more than once.
     """
 
-    def __init__(self, found: _sesc.FleetFound, objects: Objects) -> None:
+    def __init__(self, found: _sesc.FleetFound, objects: Objects, asked: tuple[Robot, str]) -> None:
         self._found = found
         self._objects = objects
+        #: The robot, and the options as JSON.
+        self._asked = asked
         self._about: dict[str, Any] = json.loads(found.json())
         self.rows: list[dict[str, Any]] = json.loads(found.rows())
         for row in self.rows:
@@ -112,6 +114,9 @@ class Fleet:
         else:
             _run.written(path, text)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (*self._asked, self._found.packed(), self._objects)
+
     def __len__(self) -> int:
         return len(self.rows)
 
@@ -126,6 +131,10 @@ class Fleet:
 
         names = ("robot", "day", "verdict", "postures", "sentence", "error")
         return table(repr(self)[1:-1], names, [[row[name] for name in names] for row in self.rows])
+
+
+def _restored(robot: Robot, options: str, packed: str, objects: Objects) -> Fleet:
+    return Fleet(_sesc.FleetFound.unpacked(robot, options, packed), objects, (robot, options))
 
 
 def run(
@@ -186,7 +195,7 @@ def run(
     show = _run.shown(progress)
     if engine is None and not is_remote:
         found = _sesc.FleetFound.run(robot, options, groups, folder, show)
-        return _ended(Fleet(found, objects), progress)
+        return _ended(Fleet(found, objects, (robot, options)), progress)
     disk = objects if is_remote else None
     jobs = [Job(robot, options, group, folder, disk) for group in groups]
     own = ThreadPoolExecutor(2 * (os.cpu_count() or 1)) if engine is None else nullcontext(engine)
@@ -197,7 +206,7 @@ def run(
             if show is not None:
                 show("diagnosing", len(done), len(jobs))
     found = _sesc.FleetFound.gathered(robot, options, done, disk)
-    return _ended(Fleet(found, objects), progress)
+    return _ended(Fleet(found, objects, (robot, options)), progress)
 
 
 def _ended(found: Fleet, progress: _run.Progress) -> Fleet:
