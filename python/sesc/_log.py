@@ -87,12 +87,22 @@ class Log:
 
     @property
     def name(self) -> str:
-        """What messages call the log."""
+        """What messages call the log.
+
+        Example:
+            >>> log.name
+            'table'
+        """
         return self._inner.name
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What its sidecar says, or the arguments that win over it."""
+        """What its sidecar says, or the arguments that win over it.
+
+        Example:
+            >>> log.settings["support"]
+            'foot'
+        """
         found: dict[str, Any] = json.loads(self._inner.settings)
         return found
 
@@ -103,39 +113,59 @@ class Log:
         Rows that were copied, channels that end at one value, cells that are unplugged; with
         ``robot=`` also encoders that are stuck, readings of the other foot, a dead axis of the
         CoP, shuffled rows, readings outside the sole.
+
+        Example:
+            >>> isinstance(log.health, list)
+            True
         """
         return [Finding(*found) for found in self._inner.health(self._robot, None)]
 
     def to_dict(self) -> dict[str, Any]:
-        """Name, settings and health, for JSON."""
+        """Name, settings and health, for JSON.
+
+        Example:
+            >>> log.to_dict()["name"]
+            'table'
+        """
         health = [finding._asdict() for finding in self.health]
         return {"name": self.name, "settings": self.settings, "health": health}
 
     def columns(self) -> dict[str, Any]:
-        """The columns of a log in memory, by name: for ``polars.DataFrame``, ``pandas.DataFrame``."""
+        """The columns of a log in memory, by name: for ``polars.DataFrame``, ``pandas.DataFrame``.
+
+        Example:
+            >>> list(log.columns())
+            ['hip', 'cop_x', 'cop_y']
+        """
         columns = self._inner.columns()
         if columns is None:
             raise TypeError(f"{self.name} is a file; read its columns with the tool that it is for")
         return columns
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a simulated log to ``path`` (.csv, .csv.gz or .parquet) with its sidecar."""
+        """Write a simulated log to ``path`` (.csv, .csv.gz or .parquet) with its sidecar.
+
+        Example:
+            >>> sesc.simulate(model, 10).save(folder / "log.csv")
+            >>> sorted(path.name for path in folder.glob("log.csv*"))
+            ['log.csv', 'log.csv.toml']
+        """
         self._inner.write(os.fspath(path))
 
     def __len__(self) -> int:
-        columns = self._inner.columns()
-        if columns is None:
+        size = self._inner.size
+        if size is None:
             raise TypeError(f"{self.name} is a file; its rows are counted when it is read")
-        return max((len(column) for column in columns.values()), default=0)
+        return size[1]
 
     def __bool__(self) -> bool:
         return True
 
     def __repr__(self) -> str:
-        columns = self._inner.columns()
-        if columns is None:
+        size = self._inner.size
+        if size is None:
             return f"<sesc.Log {self.name}>"
-        return f"<sesc.Log {self.name}: {len(columns)} columns, {len(self)} rows>"
+        return f"<sesc.Log {self.name}: {size[0]} columns, {size[1]} rows>"
 
     def _repr_html_(self) -> str:
         from ._html import table
@@ -182,6 +212,15 @@ def _columns(data: Any) -> list[tuple[str, Any]]:
     return [(name, _column(name, column)) for name, column in named]
 
 
+def _seconds(times: Any) -> Float64:
+    """Durations, or times since the first that is one, s; NaN where there is none."""
+    known = times[~np.isnat(times)]
+    since = times - known[0] if times.dtype.kind == "M" and len(known) else times
+    if since.dtype.kind == "M":
+        return np.full(len(times), np.nan)
+    return np.ascontiguousarray(since / np.timedelta64(1, "ns"), dtype=np.float64) * 1e-9
+
+
 def _is_pandas(data: Any) -> bool:
     # Its own columns are numpy's already; its Arrow stream needs pyarrow.
     return type(data).__module__.split(".")[0] == "pandas"
@@ -197,8 +236,7 @@ def _column(name: str, column: Any) -> Any:
         except (TypeError, ValueError):
             return [str(x) for x in array.tolist()]
     if array.dtype.kind in "mM":
-        unit = array.dtype.kind == "m" and array or array - array[:1]
-        return np.ascontiguousarray(np.asarray(unit / np.timedelta64(1, "ns"), dtype=np.float64) * 1e-9)
+        return _seconds(array)
     if array.dtype.kind in "iub" and name == "pose":
         return np.ascontiguousarray(array, dtype=np.int64)
     if array.dtype.kind not in "fiub":

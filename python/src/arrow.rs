@@ -85,6 +85,19 @@ enum Values {
     Texts(Vec<String>),
 }
 
+/// A stream on its way to where the interpreter's lock is free.
+struct Pointer(*mut Stream);
+
+// SAFETY: the interface asks no thread of its own for a stream, only that calls do not overlap;
+// the pointer is used by the one closure that takes it.
+unsafe impl Send for Pointer {}
+
+impl Pointer {
+    fn get(self) -> *mut Stream {
+        self.0
+    }
+}
+
 /// What a format holds, and by what its numbers are multiplied: times are seconds.
 #[derive(Clone, Copy)]
 enum Kind {
@@ -140,9 +153,12 @@ pub fn arrow_columns<'py>(
 ) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
     let pointer = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
     let stream: *mut Stream = pointer.as_ptr().cast();
+    let stream = Pointer(stream);
     // SAFETY: a capsule of this name holds such a stream (the PyCapsule interface of Arrow);
-    // the capsule outlives this call, and its own destructor releases the stream.
-    let columns = unsafe { read(stream)? };
+    // the capsule outlives this call, and its own destructor releases the stream. Functions of a
+    // stream may be called by any thread, one at a time, and take the interpreter's lock by
+    // themselves where they need it.
+    let columns = py.detach(move || unsafe { read(stream.get()) })?;
     let array = |values| -> PyResult<Bound<'py, PyAny>> {
         Ok(match values {
             Values::Numbers(x) => PyArray1::from_vec(py, x).into_any(),

@@ -117,8 +117,6 @@ pub fn write_text(py: Python<'_>, path: PathBuf, text: &str) -> PyResult<()> {
 #[pyfunction]
 pub fn write_bytes(py: Python<'_>, path: PathBuf, data: &[u8]) -> PyResult<()> {
     detached(py, || {
-        let text =
-            std::str::from_utf8(data).map_err(|error| Failure::internal(error.to_string()))?;
-        files::write(&path, text).map_err(|error| Failure::of_model(error, Doing::Code))
+        files::write(&path, data).map_err(|error| Failure::of_model(error, Doing::Code))
     })
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use numpy::ndarray::ArrayView1;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -85,6 +86,35 @@ enum Given<'py> {
     Texts(Vec<String>),
 }
 
+/// What a column holds, for threads that have no interpreter.
+enum View<'a> {
+    Numbers(ArrayView1<'a, f64>),
+    Integers(ArrayView1<'a, i64>),
+    Texts(&'a [String]),
+}
+
+impl View<'_> {
+    fn of<'a>(column: &'a Given<'_>) -> View<'a> {
+        match column {
+            Given::Numbers(values) => View::Numbers(values.as_array()),
+            Given::Integers(values) => View::Integers(values.as_array()),
+            Given::Texts(values) => View::Texts(values),
+        }
+    }
+
+    /// `table` with a copy of a column.
+    fn copied(table: Table, (name, column): (&str, View<'_>)) -> Table {
+        match column {
+            View::Numbers(values) => table.numbers(name, values.to_vec()),
+            View::Integers(values) => table.integers(name, values.to_vec()),
+            View::Texts(values) => {
+                let values: Vec<Arc<str>> = values.iter().map(|text| Arc::from(&**text)).collect();
+                table.texts(name, values)
+            }
+        }
+    }
+}
+
 #[pymethods]
 impl Log {
     /// The log at `path`.
@@ -115,23 +145,34 @@ impl Log {
         columns: Vec<(String, Given<'_>)>,
         settings: Option<&str>,
     ) -> PyResult<Log> {
-        let mut table = Table::new(name);
-        for (name, column) in columns {
-            table = match column {
-                Given::Numbers(values) => table.numbers(&name, values.as_array().to_vec()),
-                Given::Integers(values) => table.integers(&name, values.as_array().to_vec()),
-                Given::Texts(values) => {
-                    let values: Vec<Arc<str>> = values.into_iter().map(Arc::from).collect();
-                    table.texts(&name, values)
-                }
-            };
-        }
-        detached(py, || Log::with(LogSource::from(table), settings))
+        let columns = columns.iter();
+        let views: Vec<(&str, View<'_>)> = columns
+            .map(|(name, column)| (name.as_str(), View::of(column)))
+            .collect();
+        detached(py, || {
+            let table = views.into_iter().fold(Table::new(name), View::copied);
+            Log::with(LogSource::from(table), settings)
+        })
     }
 
     #[getter]
     fn name(&self) -> &str {
         self.source.name()
+    }
+
+    /// Columns and rows of a table; none of a file.
+    #[getter]
+    fn size(&self) -> Option<(usize, usize)> {
+        let rows = |values: Values<'_>| match values {
+            Values::Numbers(x) => x.len(),
+            Values::Integers(x) => x.len(),
+            Values::Texts(x) => x.len(),
+        };
+        let table = self.source.table()?;
+        let sizes = table.columns().map(|(_, values)| rows(values));
+        Some(sizes.fold((0, 0), |(columns, most), rows| {
+            (columns + 1, most.max(rows))
+        }))
     }
 
     #[getter]

@@ -15,7 +15,7 @@ import pytest
 
 import sesc
 
-from conftest import POLE
+from conftest import POLE, repository
 
 N = 60
 
@@ -216,6 +216,76 @@ def test_truncated_files_are_errors(pole: sesc.Robot, columns: dict[str, Any], t
         except sesc.SescError:
             pass
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("kind", ["parquet", "mcap"])
+def test_logs_cut_at_any_byte_are_errors(kind: str, robots: Path, capfd: Any) -> None:
+    """A small file, cut at every length: refused, or read as what is whole of it."""
+    robot, whole = small_file(kind, robots)
+    name = f"log.{kind}"
+    assert sesc.gather(robot, sesc.Log(whole, support="foot", name=name)).postures >= 1
+    for cut in range(len(whole)):
+        try:
+            sesc.gather(robot, sesc.Log(whole[:cut], support="foot", name=name))
+        except sesc.SescError as error:
+            assert str(error)
+        else:
+            assert kind == "mcap", cut
+    assert capfd.readouterr() == ("", "")
+
+
+def small_file(kind: str, robots: Path) -> tuple[sesc.Robot, bytes]:
+    if kind == "mcap":
+        seeds = sorted((repository() / "fuzz" / "seeds").rglob("*.mcap"), key=lambda path: path.stat().st_size)
+        if not seeds:
+            pytest.skip("no small recording")
+        return sesc.Robot(robots / "two_link" / "two_link.urdf"), seeds[0].read_bytes()
+    pa: Any = pytest.importorskip("pyarrow")
+    parquet: Any = pytest.importorskip("pyarrow.parquet")
+    hip = np.linspace(-0.5, 0.5, 8)
+    file = io.BytesIO()
+    table = pa.table({"hip": hip, "cop_x": 0.1 + np.sin(hip), "cop_y": np.cos(40 * hip) * 1e-4})
+    parquet.write_table(table, file, store_schema=False)
+    return sesc.Robot(POLE), file.getvalue()
+
+
+@pytest.mark.parametrize("unit", ["ns", "us", "ms"])
+def test_times_of_every_kind_are_seconds(columns: dict[str, Any], unit: str) -> None:
+    pandas = pytest.importorskip("pandas")
+    seconds = 0.25 * np.arange(N)
+    factor = {"ns": 10**9, "us": 10**6, "ms": 10**3}[unit]
+    since = (seconds * factor).astype("int64").astype(f"timedelta64[{unit}]")
+    dates = np.array("2026-03-01T08:00", dtype=f"datetime64[{unit}]") + since
+    forms: list[Any] = [since, dates, pandas.Series(since), pandas.Series(dates)]
+    for form in forms:
+        for table in ({**columns, "t": form}, pandas.DataFrame({**columns, "t": form})):
+            kept = sesc.Log(table, support="foot").columns()
+            assert kept is not None
+            np.testing.assert_allclose(kept["t"], seconds, rtol=1e-12)
+
+
+def test_a_time_that_is_missing_is_no_number(columns: dict[str, Any]) -> None:
+    for kind in ("timedelta64[ms]", "datetime64[ms]"):
+        times = np.arange(N).astype(kind)
+        times[0] = np.array("NaT", dtype=kind)
+        kept = sesc.Log({**columns, "t": times}, support="foot").columns()
+        assert kept is not None and np.isnan(kept["t"][0])
+        assert np.diff(kept["t"][1:]) == pytest.approx(1e-3)
+        times[:] = times[0]
+        nothing = sesc.Log({**columns, "t": times}, support="foot").columns()
+        assert nothing is not None and np.isnan(nothing["t"]).all()
+
+
+def test_rows_are_counted_without_a_copy() -> None:
+    import tracemalloc
+
+    log = sesc.Log({"hip": np.zeros(500_000), "cop_x": np.zeros(500_000)}, support="foot")
+    tracemalloc.start()
+    try:
+        assert len(log) == 500_000 and "2 columns, 500000 rows" in repr(log)
+        assert tracemalloc.get_traced_memory()[1] < 100_000
+    finally:
+        tracemalloc.stop()
 
 
 def test_settings_of_calls_are_checked(pole: sesc.Robot, columns: dict[str, Any]) -> None:
