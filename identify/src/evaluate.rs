@@ -13,6 +13,9 @@ use sesc_runtime::{Simd, power, trig};
 /// The support frame's.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// Additions that take as long as a sine with its cosine, a division or a power.
+const LONG_OPERATION: usize = 20;
+
 /// One function of a model, ready for batches of postures.
 ///
 /// ```
@@ -33,6 +36,10 @@ const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 pub struct Evaluator {
     tape: Tape,
     given: Given,
+    /// Values per posture of the first argument: positions of joints, or a reading.
+    entries: usize,
+    /// Cost of a posture, in additions.
+    operations: usize,
     /// Which joints are prismatic: `_sc` functions take their positions as they are.
     prismatic: Vec<bool>,
     /// Joint velocities, rad/s or m/s, of a function that takes them.
@@ -93,9 +100,13 @@ impl Evaluator {
         given: Given,
         params: Option<Vec<f64>>,
     ) -> Evaluator {
+        let counts = program.counts();
+        let arithmetic = counts.mul + counts.add + counts.neg + counts.angle;
         Evaluator {
             tape: Tape::new(program),
             given,
+            entries: program.inputs.first().map_or(0, |array| array.len),
+            operations: arithmetic + LONG_OPERATION * (counts.sin_cos + counts.other),
             prismatic: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
             velocities: None,
             accelerations: None,
@@ -120,7 +131,16 @@ impl Evaluator {
         }
     }
 
-    /// Evaluate `postures` postures, `q[posture * dof + joint]`, row by row.
+    /// Cost of a posture, in additions: it says whether a batch is worth a thread, and no more.
+    pub fn operations(&self) -> usize {
+        match self.given {
+            Given::Positions | Given::SinesCosines => self.operations,
+            Given::Direction => AXES.len() * self.operations,
+        }
+    }
+
+    /// Evaluate `postures` postures, `q[posture * dof + joint]`, row by row. What takes no
+    /// posture, [`Function::CorrectCop`], takes its readings, `q[reading * 2 + axis]`.
     pub fn run(&self, q: &[f64], postures: usize) -> Vec<f64> {
         let mut out = vec![0.0; postures * self.width()];
         self.run_into(q, postures, &mut out);
@@ -159,7 +179,7 @@ impl Evaluator {
     }
 
     fn run_as(&self, q: &[f64], moving: [Option<Values>; 2], postures: usize, out: &mut [f64]) {
-        let q = &q[..postures * self.prismatic.len()];
+        let q = &q[..postures * self.entries];
         let (sin, cos) = match self.given {
             Given::Positions => (Vec::new(), Vec::new()),
             Given::SinesCosines | Given::Direction => self.sines(q),

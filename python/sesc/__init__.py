@@ -12,7 +12,8 @@ the support frame.
 
 from typing import TYPE_CHECKING, Any
 
-from ._diagnose import Diagnosis, diagnose
+from ._checks import Comparison, Effect, Verification, compare, effects, verify
+from ._diagnose import Diagnosis, Quantity, Step, diagnose
 from ._errors import (
     FitError,
     InternalError,
@@ -25,7 +26,7 @@ from ._errors import (
     SupportError,
     UrdfError,
 )
-from ._fit import Fit, Part, fit, gather
+from ._fit import CorrectedUrdf, Fit, Parameter, Part, fit, gather
 from ._health import Finding
 from ._log import Log
 from ._model import Model
@@ -37,7 +38,10 @@ if TYPE_CHECKING:
     from . import fleet
 
 __all__ = [
+    "Comparison",
+    "CorrectedUrdf",
     "Diagnosis",
+    "Effect",
     "Finding",
     "Fit",
     "FitError",
@@ -47,24 +51,31 @@ __all__ = [
     "Model",
     "ModelFileError",
     "OP2_URDF",
+    "Parameter",
     "Part",
     "PartError",
     "Plan",
     "PlanError",
     "Postures",
     "PriorError",
+    "Quantity",
     "Robot",
     "SescError",
+    "Step",
     "SupportError",
     "UrdfError",
+    "Verification",
     "__version__",
+    "compare",
     "diagnose",
+    "effects",
     "fit",
     "fleet",
     "gather",
     "plan",
     "predict",
     "simulate",
+    "verify",
 ]
 
 

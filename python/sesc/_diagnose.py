@@ -23,10 +23,27 @@ __all__ = ["Diagnosis", "Quantity", "Step", "diagnose"]
 
 
 class Quantity(NamedTuple):
-    """An estimate and its standard deviation, in the unit that its name ends in."""
+    """An estimate and its standard deviation, in the unit that its name ends in.
+
+    Example:
+        >>> found.steps[0].parameters["offset_rad"].std > 0
+        True
+    """
 
     value: float
     std: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Value and deviation, as in the JSON of ``sesc diagnose``.
+
+        Example:
+            >>> sesc.Quantity(0.02, 0.001).to_dict()
+            {'value': 0.02, 'std': 0.001}
+        """
+        return self._asdict()
+
+    def _repr_html_(self) -> str:
+        return f"{self.value:.4g} ± {self.std:.2g}"
 
 
 class Step(NamedTuple):
@@ -40,6 +57,10 @@ class Step(NamedTuple):
         evidence: by how much -2 log evidence rises without it.
         sentence: the step as a sentence.
         remedy: what to change about it.
+
+    Example:
+        >>> found.steps[0].rmse_after < found.steps[0].rmse_before
+        True
     """
 
     effect: str
@@ -51,10 +72,30 @@ class Step(NamedTuple):
     sentence: str
     remedy: dict[str, Any]
 
+    def to_dict(self) -> dict[str, Any]:
+        """Its fields, as in the JSON of ``sesc diagnose``.
+
+        Example:
+            >>> found.steps[0].to_dict()["effect"] == found.steps[0].effect
+            True
+        """
+        parameters = {name: quantity.to_dict() for name, quantity in self.parameters.items()}
+        return {**self._asdict(), "parameters": parameters}
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        rows = [(name, f"{q.value:.4g}", f"{q.std:.2g}") for name, q in self.parameters.items()]
+        return table(f"{self.effect}:{self.target}. {self.sentence}", ("parameter", "value", "std"), rows)
+
 
 class Diagnosis:
     """What a diagnosis found. ``str(found)`` is what ``sesc diagnose`` prints, a notebook shows
     its report. Every key of the command's JSON is an attribute too: ``found.noise_floor``.
+
+    Example:
+        >>> found.noise_floor == found.to_dict()["noise_floor"]
+        True
     """
 
     def __init__(self, state: dict[str, Any]) -> None:
@@ -63,17 +104,32 @@ class Diagnosis:
 
     @property
     def verdict(self) -> str:
-        """``none``, ``named``, ``class``, ``absorbed``, ``unexplained`` or ``unusable``."""
+        """``none``, ``named``, ``class``, ``absorbed``, ``unexplained`` or ``unusable``.
+
+        Example:
+            >>> found.verdict in ("named", "class")
+            True
+        """
         return str(self._found["verdict"])
 
     @property
     def sentence(self) -> str:
-        """The whole result in sentences."""
+        """The whole result in sentences.
+
+        Example:
+            >>> len(found.sentence) > 20
+            True
+        """
         return str(self._found["sentence"])
 
     @cached_property
     def steps(self) -> list[Step]:
-        """The explanation effect by effect, in the order in which they close the gap."""
+        """The explanation effect by effect, in the order in which they close the gap.
+
+        Example:
+            >>> len(found.steps)
+            1
+        """
         steps = []
         for found in self._found["steps"]:
             parameters = {name: Quantity(**q) for name, q in found["parameters"].items()}
@@ -83,34 +139,63 @@ class Diagnosis:
     @property
     def explanations(self) -> list[list[str]]:
         """The complete explanations that the data cannot tell apart, best first: each a list of
-        ``effect`` or ``effect:target``."""
+        ``effect`` or ``effect:target``.
+
+        Example:
+            >>> ["joint_offset:hip"] in found.explanations
+            True
+        """
         return [list(one) for one in self._found["indistinguishable"]]
 
     @property
     def health(self) -> list[Finding]:
-        """What is wrong with the data themselves."""
+        """What is wrong with the data themselves.
+
+        Example:
+            >>> isinstance(found.health, list)
+            True
+        """
         return [Finding(f["kind"], f["target"], f["sentence"]) for f in self._found["health"]]
 
     @property
     def warnings(self) -> list[str]:
-        """What was odd about the log, a sentence each."""
+        """What was odd about the log, a sentence each.
+
+        Example:
+            >>> isinstance(found.warnings, list)
+            True
+        """
         return list(self._state["warnings"])
 
     @property
     def notes(self) -> list[str]:
-        """What is to be known of the robot, a sentence each."""
+        """What is to be known of the robot, a sentence each.
+
+        Example:
+            >>> isinstance(found.notes, list)
+            True
+        """
         return list(self._state["notes"])
 
     @cached_property
     def model(self) -> Model:
         """The robot with the identified parameters and effects: ``found.model.com(q)`` is its
-        centre of mass where its encoders read ``q``."""
+        centre of mass where its encoders read ``q``.
+
+        Example:
+            >>> found.model.com([0.0]).shape
+            (3,)
+        """
         self._check_usable()
         return restored(self._state["robot"], self._found["support"], self._state["model_file"])
 
     def next_postures(self, n: int = 40) -> Postures:
         """The ``n`` postures (40 at most) that would tell most about what is still open; none
         where nothing is left to tell apart. :attr:`Postures.experiment` says what else to do.
+
+        Example:
+            >>> len(found.next_postures(5)) <= 5
+            True
         """
         found = self._state["next"]
         if found is None:
@@ -125,6 +210,11 @@ class Diagnosis:
 
         Raises:
             FitError: the data cannot be used, or the file would not predict them.
+
+        Example:
+            >>> found.save(folder / "found.toml")
+            >>> robot.on("foot", model=folder / "found.toml").support
+            'foot'
         """
         self._check_usable()
         on_log = self._found["model_on_log"]
@@ -137,7 +227,13 @@ class Diagnosis:
         _run.written(path, self._state["model_file"])
 
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Write the page of ``sesc diagnose --report``."""
+        """Write the page of ``sesc diagnose --report``.
+
+        Example:
+            >>> found.report(folder / "found.html")
+            >>> (folder / "found.html").exists()
+            True
+        """
         self._check_usable()
         _run.written(path, self._state["page"])
 
@@ -147,6 +243,10 @@ class Diagnosis:
 
         Args:
             total_mass: what the robot without its loads weighs, kg; as in CAD unless given.
+
+        Example:
+            >>> found.correct_urdf().robot.joints
+            ['hip']
         """
         self._check_usable()
         state = self._state
@@ -156,7 +256,12 @@ class Diagnosis:
         return CorrectedUrdf(text, [*left_out, *of_the_log])
 
     def to_dict(self) -> dict[str, Any]:
-        """What ``sesc diagnose --json`` prints, key by key."""
+        """What ``sesc diagnose --json`` prints, key by key.
+
+        Example:
+            >>> found.to_dict()["support"]
+            'foot'
+        """
         found: dict[str, Any] = json.loads(self._state["json"])
         return found
 

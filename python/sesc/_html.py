@@ -6,7 +6,7 @@ import html
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-__all__ = ["framed", "table"]
+__all__ = ["framed", "pictures", "table"]
 
 
 def table(title: str, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
@@ -18,6 +18,12 @@ def table(title: str, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> st
         f"<table><caption>{html.escape(title)}</caption><thead><tr>{head}</tr></thead>"
         f"<tbody>{body}</tbody></table>"
     )
+
+
+def pictures(drawn: Iterable[str], width: int) -> str:
+    """Figures side by side, each ``width`` pixels wide; they bring their colours along."""
+    figures = "".join(f'<div style="width: {width}px">{figure}</div>' for figure in drawn)
+    return f'<div style="display: flex; flex-wrap: wrap; gap: 8px">{figures}</div>'
 
 
 def framed(page: str) -> str:

@@ -30,7 +30,11 @@ class Model(_sesc.Model):
 
     ``out=`` takes a C-contiguous array of 64-bit floats and is given back; ``threads=`` shares
     a batch out to so many threads, which end with the call. The interpreter's lock is free in
-    batches of 64 postures and more: do not write to ``q`` meanwhile.
+    calls of more than ten microseconds: do not write to ``q`` meanwhile. Ctrl-C stops a call.
+
+    Example:
+        >>> model.com([[0.0], [0.5]], threads=2).shape
+        (2, 3)
     """
 
     robot: Robot
@@ -48,7 +52,12 @@ class Model(_sesc.Model):
 
     @cached_property
     def limits(self) -> Float64:
-        """Lower and upper limit of each joint, rad (prismatic: m), shape (dof, 2)."""
+        """Lower and upper limit of each joint, rad (prismatic: m), shape (dof, 2).
+
+        Example:
+            >>> model.limits.tolist()
+            [[-1.0, 1.0]]
+        """
         limits = np.array(self.bounds, dtype=np.float64).reshape(self.dof, 2)
         limits.flags.writeable = False
         return limits
@@ -105,6 +114,14 @@ class Model(_sesc.Model):
             estimator: the parameters by recursive least squares, one posture a call.
             lanes: 4, 8 or 16: functions of many postures besides, for gcc and clang on
                 computers, at most so many side by side; in f64 and f32.
+
+        Raises:
+            SescError: options that do not go together, or a robot that 32-bit fixed point cannot
+                hold; nothing is written.
+
+        Example:
+            >>> [file.name for file in model.c99(folder, scalar="f32", name="pole")]
+            ['pole.h', 'pole.c']
         """
         options = {
             "scalar": scalar,
@@ -118,21 +135,32 @@ class Model(_sesc.Model):
         return [Path(file) for file in _sesc.c_files(self, os.fspath(folder), options)]
 
     def rust(self, folder: str | os.PathLike[str], *, name: str | None = None) -> list[Path]:
-        """Write the functions as a Rust module to ``folder``; gives the file."""
+        """Write the functions as a Rust module to ``folder``; gives the file.
+
+        Example:
+            >>> [file.name for file in model.rust(folder, name="Pole")]
+            ['Pole.rs']
+        """
         return [Path(file) for file in _sesc.rust_files(self, os.fspath(folder), name)]
 
     def to_dict(self) -> dict[str, Any]:
         """What ``sesc inspect --json`` prints: bodies, parameters, what no data can see,
-        operation counts, proven rounding bounds."""
+        operation counts, proven rounding bounds.
+
+        Example:
+            >>> model.to_dict()["rank"]
+            {'xyz': 5, 'cop': 4}
+        """
         found: dict[str, Any] = json.loads(self.inspection())
         return found
 
     def _repr_html_(self) -> str:
-        from ._html import table
+        from ._html import pictures, table
 
         limits = zip(self.joints, self.limits.tolist(), strict=True)
         rows = [(joint, f"{low:.4g}", f"{high:.4g}") for joint, (low, high) in limits]
-        return table(repr(self)[1:-1], ("joint", "lower, rad or m", "upper"), rows)
+        said = table(repr(self)[1:-1], ("joint", "lower, rad or m", "upper"), rows)
+        return pictures(_sesc.draw_robot(self.robot, self), 320) + said
 
     def __repr__(self) -> str:
         joints = f"{self.dof} joint{'s' * (self.dof != 1)}"

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _run, _sesc
 from ._arrays import Float64, positions
+from ._errors import PlanError
 from ._log import Log
 from ._model import Model
 from ._robot import Robot
@@ -19,14 +20,20 @@ from ._run import Progress
 __all__ = ["Plan", "Postures", "plan", "predict", "simulate"]
 
 
+#: Postures that a notebook shows.
+SHOWN = 10
+
+
 class Postures:
     """Postures of a robot on a support, one a row.
 
     Attributes:
         q: joint positions, rad (prismatic: m), shape (n, dof); its own memory.
-        joints: names of the columns.
-        support: link on the ground.
         experiment: which experiment they belong to, such as ``turned``; None where to none.
+
+    Example:
+        >>> sesc.Postures(model, np.zeros((4, 1)))
+        <sesc.Postures on foot: 4 postures of 1 joints>
     """
 
     q: Float64
@@ -39,22 +46,49 @@ class Postures:
 
     @property
     def joints(self) -> list[str]:
+        """Names of the columns.
+
+        Example:
+            >>> postures.joints
+            ['hip']
+        """
         return self._model.joints
 
     @property
     def support(self) -> str:
+        """The link on the ground.
+
+        Example:
+            >>> postures.support
+            'foot'
+        """
         return self._model.support
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a posture file (.csv, .csv.gz or .parquet) with its sidecar."""
+        """Write a posture file (.csv, .csv.gz or .parquet) with its sidecar.
+
+        Example:
+            >>> postures.save(folder / "next.csv")
+            >>> sesc.Log(folder / "next.csv").settings["support"]
+            'foot'
+        """
         q = np.ascontiguousarray(self.q, dtype=np.float64)
-        _sesc.write_postures(self._model, q, os.fspath(path), self.experiment, self._first, self._again())
+        about = (self.experiment, self._other_foot(), self._first, self._again())
+        _sesc.write_postures(self._model, q, os.fspath(path), *about)
 
     def _again(self) -> list[int]:
         return []
 
+    def _other_foot(self) -> str | None:
+        return None
+
     def to_dict(self) -> dict[str, Any]:
-        """Support, experiment, joints and postures, for JSON."""
+        """Support, experiment, joints and postures, for JSON.
+
+        Example:
+            >>> postures.to_dict()["q"]
+            [[0.0], [0.5]]
+        """
         return {
             "support": self.support,
             "experiment": self.experiment,
@@ -63,7 +97,12 @@ class Postures:
         }
 
     def columns(self) -> dict[str, Any]:
-        """Columns by name, ``pose`` first: for ``polars.DataFrame``, ``pandas.DataFrame``."""
+        """Columns by name, ``pose`` first: for ``polars.DataFrame``, ``pandas.DataFrame``.
+
+        Example:
+            >>> list(postures.columns())
+            ['pose', 'hip']
+        """
         columns = {joint: self.q[:, k] for k, joint in enumerate(self.joints)}
         return {"pose": self._first + np.arange(len(self.q)), **columns}
 
@@ -75,23 +114,34 @@ class Postures:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(n, dof)"""
+        """(n, dof)
+
+        Example:
+            >>> postures.shape
+            (2, 1)
+        """
         return self.q.shape[0], self.q.shape[1]
 
     def __repr__(self) -> str:
         return f"<sesc.{type(self).__name__} on {self.support}: {len(self)} postures of {self.shape[1]} joints>"
 
     def _repr_html_(self) -> str:
-        from ._html import table
+        from ._html import pictures, table
 
-        rows = [tuple(f"{x:.4f}" for x in row) for row in self.q[:10]]
-        return table(repr(self)[1:-1], tuple(self.joints), rows)
+        q = np.ascontiguousarray(self.q[:SHOWN], dtype=np.float64)
+        drawn = _sesc.draw_postures(self._model.robot, self._model, q)
+        rows = [tuple(f"{x:.4f}" for x in row) for row in self.q[:SHOWN]]
+        return pictures(drawn, 112) + table(repr(self)[1:-1], tuple(self.joints), rows)
 
 
 class Plan(Postures):
     """Postures that tell most about the parameters. ``str(plan)`` is what ``sesc plan`` prints.
 
     Every key of the command's JSON is an attribute too: ``plan.expected_error``.
+
+    Example:
+        >>> plan.poses == len(plan)
+        True
     """
 
     _first = 1
@@ -105,12 +155,28 @@ class Plan(Postures):
         again = self._found["revisits"]
         return list(again["poses"]) if again["written"] else []
 
+    def _other_foot(self) -> str | None:
+        both = self._found.get("both_feet") or {}
+        found: str | None = both.get("other_foot")
+        return found
+
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Write the page of ``sesc plan --report``."""
+        """Write the page of ``sesc plan --report``.
+
+        Example:
+            >>> plan.report(folder / "plan.html")
+            >>> (folder / "plan.html").exists()
+            True
+        """
         _run.written(path, self._state["page"])
 
     def to_dict(self) -> dict[str, Any]:
-        """What ``sesc plan --json`` prints, key by key."""
+        """What ``sesc plan --json`` prints, key by key.
+
+        Example:
+            >>> plan.to_dict()["poses"]
+            5
+        """
         found: dict[str, Any] = json.loads(self._state["json"])
         return found
 
@@ -145,9 +211,13 @@ def plan(
     limits: str | os.PathLike[str] | Mapping[str, tuple[float, float]] | None = None,
     candidates: int | None = None,
     prior: str | os.PathLike[str] = "cad",
-    noise: float = 5e-4,
+    noise: float | None = None,
     clearance: float = 0.005,
     seed: int = 1,
+    revisits: int | None = None,
+    data: Any = None,
+    both_feet: bool = False,
+    other_foot: str | None = None,
     progress: Progress = False,
 ) -> Plan:
     """Choose postures that tell most about the parameters, balanced and clear, in a short order.
@@ -166,18 +236,29 @@ def plan(
         limits: narrower joint limits: ``{joint: (lower, upper)}``, rad or m, or a CSV file.
         candidates: candidates to choose from; 20 per posture, 2000 to 20000 unless given.
         prior: how far the later fit trusts CAD.
-        noise: standard deviation of a single reading on one axis, m.
+        noise: standard deviation of a single reading on one axis, m; 0.0005, or as ``data`` has
+            it, unless given.
         clearance: least height of everything but the support body, m.
         seed: seed of the candidates.
+        revisits: so many rows more at the end, which reach postures once again: what visits of
+            one posture differ by shows in them. Unless given, five are named where ``data`` does
+            not know it, and none is written.
+        data: a log of this robot (a :class:`Log` or what one is made of): its noise and what its
+            visits differ by are taken for those to come.
+        both_feet: both soles are flat on one floor in every posture; the CoP is that of both.
+        other_foot: the link that is the other sole; by its name unless given.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 
     Raises:
         PlanError: fewer postures than asked for; the message says why and what would help.
+        LogError: ``data`` that cannot be used.
 
     Example:
         >>> sesc.plan(robot, "foot", poses=5, cop_box=0.3, sigmas=0.0, candidates=50)
         <sesc.Plan on foot: 5 postures of 1 joints>
     """
+    if data is not None and noise is not None:
+        raise PlanError("`data` knows the noise: leave out `noise`, or the log")
     standing = robot.on(support, model)
     if sole is not None and not isinstance(sole, (str, os.PathLike)):
         sole = "; ".join(f"{float(x)!r},{float(y)!r}" for x, y in np.asarray(sole, dtype=float))
@@ -200,12 +281,16 @@ def plan(
         "ranges": ranges,
         "candidates": candidates,
         "prior": os.fspath(prior),
-        "noise": noise,
+        "noise": 5e-4 if noise is None else noise,
         "clearance": clearance,
         "seed": seed,
+        "revisits": revisits,
+        "both_feet": both_feet,
+        "other_foot": other_foot,
     }
+    log = None if data is None else _run.logs(data)[0]._inner
     try:
-        found = _sesc.plan_postures(robot, standing, options, _run.shown(progress))
+        found = _sesc.plan_postures(robot, standing, log, options, _run.shown(progress))
     finally:
         _run.ended(progress)
     state = {"json": found.json(), "text": found.text(), "page": found.page("plan", "sesc.plan(…)")}
@@ -218,6 +303,8 @@ def simulate(
     *,
     range: float | None = None,
     noise: float = 0.0,
+    rate: float | None = None,
+    motion: str = "auto",
     seed: int = 1,
     hide: Mapping[str, float | tuple[float, ...] | None] | list[str] | tuple[str, ...] = (),
     progress: Progress = False,
@@ -229,11 +316,18 @@ def simulate(
         poses: how many postures to draw, or the postures: (n, dof), or a plan.
         range: draw revolute joints within ± this of zero, rad; else within their limits.
         noise: standard deviation of the CoP noise, m.
+        rate: let the robot move through the ranges of its joints and log so many rows per second,
+            Hz, with a column ``t`` (s); postures at rest unless given.
+        motion: ``"auto"`` logs the ZMP of a robot that moves, ``"off"`` the CoP of standing
+            postures.
         seed: seed of postures and noise.
         hide: effects that the robot shall have: ``{"joint_offset:r_knee": 0.026}`` in SI units
             (a tuple where an effect has several parameters, None where none), or strings as of
             the command line: ``["joint_offset:r_knee=1.5deg"]``.
         progress: print how far it is, or a function of what is done, how much, and of how much.
+
+    Raises:
+        LogError: a request that makes no sense: postures and ``rate`` together, no such effect.
 
     Example:
         >>> sesc.simulate(model, 100, noise=1e-4, hide={"joint_offset:hip": 0.02})
@@ -256,6 +350,8 @@ def simulate(
         "range": range,
         "noise": noise,
         "seed": seed,
+        "rate": rate,
+        "motion": _run.motion(motion),
         "hide": hidden,
     }
     try:
@@ -272,12 +368,25 @@ def _effect(name: str, value: Any) -> str:
     return f"{name}={','.join(one if isinstance(one, str) else repr(float(one)) for one in values)}"
 
 
-def predict(model: Model, log: Any, *, angles: str | None = None, progress: Progress = False) -> dict[str, Any]:
+def predict(
+    model: Model, log: Any, *, angles: str | None = None, motion: str = "auto", progress: Progress = False
+) -> dict[str, Any]:
     """CoM and CoP of every row of a log, as ``sesc predict`` prints them.
+
+    Args:
+        model: the robot with the parameters to predict with.
+        log: a :class:`Log` or what one is made of; readings are not needed.
+        angles: ``"deg"`` where revolute joints are in degrees.
+        motion: ``"auto"`` predicts the ZMP where a log with times knows accelerations, ``"off"``
+            the CoP of standing postures.
+        progress: print how far it is, or a function of what is done, how much, and of how much.
 
     Returns:
         ``{"pose": (n,), "com": (n, 3), "cop": (n, 2)}``, m, in the support frame, under the
         gravity of the log.
+
+    Raises:
+        LogError: a log that cannot be used.
 
     Example:
         >>> sesc.predict(model, {"hip": [0.0]})["cop"].tolist()
@@ -285,8 +394,9 @@ def predict(model: Model, log: Any, *, angles: str | None = None, progress: Prog
     """
     (one,) = _run.logs(log)[:1]
     try:
+        units, moves = _run.degrees(angles), _run.motion(motion)
         pose, com, cop = _sesc.predict_log(
-            model.robot, model.support, model, one._inner, _run.degrees(angles), _run.shown(progress)
+            model.robot, model.support, model, one._inner, units, moves, _run.shown(progress)
         )
     finally:
         _run.ended(progress)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _sesc
+from ._errors import SescError
 from ._model import Model
 
 __all__ = ["Robot"]
@@ -51,14 +52,25 @@ class Robot(_sesc.Robot):
         return Model(self, support, model)
 
     def to_dict(self) -> dict[str, Any]:
-        """Name, file, hash, links and joints."""
+        """Name, file, hash, links and joints.
+
+        Example:
+            >>> robot.to_dict()["joints"]
+            ['hip']
+        """
         names = ("name", "file", "hash", "links", "joints", "snap")
         return {name: getattr(self, name) for name in names}
 
     def _repr_html_(self) -> str:
-        from ._html import table
+        from ._html import pictures, table
 
-        return table(repr(self)[1:-1], ("joint",), [(joint,) for joint in self.joints])
+        said = table(repr(self)[1:-1], ("joint",), [(joint,) for joint in self.joints])
+        try:
+            drawn = _sesc.draw_robot(self, self.on(self.root))
+        except SescError:
+            # It has joints that nothing can stand under, and can be read about all the same.
+            return said
+        return pictures(drawn, 320) + said
 
     def __repr__(self) -> str:
         count = len(self.joints)

@@ -21,8 +21,12 @@ __all__ = [
     "arrow_columns",
     "c_files",
     "command",
+    "compare_models",
     "correct_urdf",
     "diagnose_log",
+    "draw_postures",
+    "draw_robot",
+    "effects_about",
     "fit_logs",
     "fleet_groups",
     "fleet_work",
@@ -30,6 +34,7 @@ __all__ = [
     "predict_log",
     "rust_files",
     "simulate_log",
+    "verify_model",
     "write_bytes",
     "write_postures",
     "write_text",
@@ -46,19 +51,29 @@ class Robot:
     """A robot, and how right angles of its URDF are read."""
     def __new__(cls, file: str | os.PathLike[str], text: str | None, snap: bool) -> Self: ...
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """The name in the URDF."""
     @property
-    def file(self) -> str: ...
+    def file(self) -> str:
+        """The file that messages name."""
     @property
-    def hash(self) -> str: ...
+    def hash(self) -> str:
+        """Hash of the description, in hexadecimal: model files and parts carry it."""
     @property
-    def urdf(self) -> str: ...
+    def urdf(self) -> str:
+        """The text of the URDF."""
     @property
-    def snap(self) -> bool: ...
+    def snap(self) -> bool:
+        """Whether decimals of right angles are made exact."""
     @property
-    def links(self) -> list[str]: ...
+    def links(self) -> list[str]:
+        """Names of the links: any of them can be the support."""
     @property
-    def joints(self) -> list[str]: ...
+    def root(self) -> str:
+        """The link that no joint carries."""
+    @property
+    def joints(self) -> list[str]:
+        """Names of the independent joints, in the order of the document."""
 
 @disjoint_base
 class Model:
@@ -69,23 +84,32 @@ class Model:
     @property
     def model_file(self) -> str | None: ...
     @property
-    def support(self) -> str: ...
+    def support(self) -> str:
+        """The link on the ground."""
     @property
-    def joints(self) -> list[str]: ...
+    def joints(self) -> list[str]:
+        """Names of the independent joints, in the order of ``q``."""
     @property
-    def dof(self) -> int: ...
+    def dof(self) -> int:
+        """How many independent joints there are."""
     @property
-    def params(self) -> Float64: ...
+    def params(self) -> Float64:
+        """The base parameters, m (of a prismatic joint: a mass fraction), shape (p,): identified
+        ones where the model has them, else CAD's."""
     @property
-    def param_names(self) -> list[str]: ...
+    def param_names(self) -> list[str]:
+        """Their names: body and axis."""
     @property
-    def total_mass(self) -> float: ...
+    def total_mass(self) -> float:
+        """Mass of the robot with its loads, kg."""
     @property
     def bounds(self) -> list[list[float]]: ...
     @property
-    def unobservable(self) -> list[str]: ...
+    def unobservable(self) -> list[str]:
+        """What no CoP of a flat foot can tell, a sentence each."""
     @property
-    def notes(self) -> list[str]: ...
+    def notes(self) -> list[str]:
+        """What is to be known of the robot, a sentence each."""
     def inspection(self) -> str:
         """What `sesc inspect --json` says."""
     def com(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
@@ -94,6 +118,11 @@ class Model:
     def com_jacobian(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
         """Its derivative with respect to joint positions, m/rad (prismatic: m/m): ``(3, dof)`` or
         ``(n, 3, dof)``."""
+    def com_velocity(
+        self, q: Any, qd: Any, *, out: Float64 | None = None, threads: int | None = None
+    ) -> Float64:
+        """Velocity of the centre of mass, m/s, of joints at `qd` (rad/s, m/s): positions and
+        velocities of one shape give ``(3,)`` or ``(n, 3)``."""
     def gravity_moments(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
         """Moment of gravity about each joint, per kg of the total mass and g, m: ``(dof,)`` or
         ``(n, dof)``; times ``model.total_mass * 9.80665`` it is Nm."""
@@ -106,6 +135,14 @@ class Model:
     def com_rows(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
         """Rows of the CoM in the parameters, ``com = com_rows @ params``: ``(3, p)`` or ``(n, 3,
         p)``."""
+    def full_rows(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """Rows of the CoM in all parameters of the chain, ``[B_0 B_1 …]``, three columns for the
+        `r_i` of each body in its own frame (and one for each prismatic joint): ``(3, f)`` or
+        ``(n, 3, f)``."""
+    def correct_cop(self, reading: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """The CoP that a reading was made of, m: takes back the sensor's effects of the model
+        (offset, gain, rotation); the reading itself where it has none. ``(2,)`` gives ``(2,)``,
+        ``(n, 2)`` gives ``(n, 2)``; a data frame or dict is asked for ``cop_x`` and ``cop_y``."""
     def zmp(
         self, q: Any, qd: Any, qdd: Any, *, out: Float64 | None = None, threads: int | None = None
     ) -> Float64:
@@ -128,6 +165,8 @@ class Log:
         """Columns by name; the log keeps copies of its own."""
     @property
     def name(self) -> str: ...
+    @property
+    def size(self) -> tuple[int, int] | None: ...
     @property
     def sidecar_warnings(self) -> list[str]: ...
     @property
@@ -162,6 +201,10 @@ class Part:
     def hash(self) -> str: ...
     @property
     def postures(self) -> int: ...
+    @property
+    def unit(self) -> str | None: ...
+    @property
+    def options(self) -> str | None: ...
     @property
     def logs(self) -> list[tuple[str, str, int]]: ...
     @property
@@ -232,12 +275,16 @@ class PlanReport:
 def arrow_columns(capsule: Any) -> list[tuple[str, Any]]: ...
 def c_files(model: Model, folder: str, options: dict[str, Any]) -> list[str]: ...
 def command(words: list[str]) -> int: ...
+def compare_models(before: tuple[str | None, str], after: tuple[str | None, str]) -> tuple[str, str]: ...
 def correct_urdf(
     robot: Robot, model_file: str, prior: str, total_mass: float | None = None
 ) -> tuple[str, list[str]]: ...
 def diagnose_log(
     robot: Robot, log: Log, then: list[Log], options: dict[str, Any], show: _Show = None
 ) -> DiagnosisReport: ...
+def draw_postures(robot: Robot, model: Model, q: Float64) -> list[str]: ...
+def draw_robot(robot: Robot, model: Model) -> list[str]: ...
+def effects_about() -> str: ...
 def fit_logs(
     robot: Robot | None, logs: list[Log], parts: list[Part], options: dict[str, Any], show: _Show = None
 ) -> FitReport: ...
@@ -253,6 +300,11 @@ class FleetFound:
     @staticmethod
     def gathered(robot: Robot, options: str, done: list[str], disk: Any = None) -> FleetFound:
         """Put together what groups came to, in any order."""
+    @staticmethod
+    def unpacked(robot: Robot, options: str, packed: str) -> FleetFound:
+        """The fleet of what `packed` gave."""
+    def packed(self) -> str:
+        """Everything that was found, for `unpacked`."""
     def rows(self) -> str:
         """The rows as JSON, a list of objects."""
     def json(self) -> str:
@@ -269,12 +321,31 @@ def fleet_groups(data: list[str], table: list[tuple[str, dict[str, str]]], by: l
 def fleet_work(
     robot: Robot, options: str, group: str, store: str | None = None, disk: Any = None
 ) -> str: ...
-def plan_postures(robot: Robot, model: Model, options: dict[str, Any], show: _Show = None) -> PlanReport: ...
+def plan_postures(
+    robot: Robot, model: Model, data: Log | None, options: dict[str, Any], show: _Show = None
+) -> PlanReport: ...
 def predict_log(
-    robot: Robot, support: str | None, model: Model, log: Log, degrees: bool | None = None, show: _Show = None
+    robot: Robot,
+    support: str | None,
+    model: Model,
+    log: Log,
+    degrees: bool | None = None,
+    moves: bool = True,
+    show: _Show = None,
 ) -> tuple[Any, Float64, Float64]: ...
 def rust_files(model: Model, folder: str, name: str | None) -> list[str]: ...
 def simulate_log(model: Model, options: dict[str, Any], show: _Show = None) -> Log: ...
+def verify_model(
+    robot: Robot, model: Model, samples: int, seed: int, show: _Show = None
+) -> tuple[str, list[tuple[str, str]]]: ...
 def write_bytes(path: str, data: _Bytes) -> None: ...
-def write_postures(model: Model, q: Float64, path: str, experiment: str | None, first: int, again: list[int]) -> str: ...
+def write_postures(
+    model: Model,
+    q: Float64,
+    path: str,
+    experiment: str | None,
+    other_foot: str | None,
+    first: int,
+    again: list[int],
+) -> str: ...
 def write_text(path: str, text: str) -> None: ...

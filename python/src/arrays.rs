@@ -12,10 +12,36 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
+/// What the last axis of an argument is.
+#[derive(Clone, Copy)]
+pub enum Axis<'a> {
+    /// The joints of a model.
+    Joints(&'a [String]),
+    /// x and y of a reading of the CoP.
+    Reading(&'a [String; 2]),
+}
+
+impl<'a> Axis<'a> {
+    /// The columns of a table that it is.
+    pub fn names(self) -> &'a [String] {
+        match self {
+            Axis::Joints(names) => names,
+            Axis::Reading(names) => names,
+        }
+    }
+
+    fn said(self) -> String {
+        match self {
+            Axis::Joints(names) => format!("the {} joints of `model.joints`", names.len()),
+            Axis::Reading(_) => "x and y of a reading".to_string(),
+        }
+    }
+}
+
 /// `sesc._arrays.positions`.
 fn convert<'py>(
     given: &Bound<'py, PyAny>,
-    joints: &[String],
+    names: &[String],
     name: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
     static POSITIONS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
@@ -24,24 +50,25 @@ fn convert<'py>(
         let module = py.import("sesc._arrays")?;
         module.getattr("positions").map(Bound::unbind)
     })?;
-    positions.bind(py).call1((given, joints.to_vec(), name))
+    positions.bind(py).call1((given, names.to_vec(), name))
 }
 
-/// Joint positions (or velocities) that are given, checked: the last axis is the joints'.
-pub fn positions<'py>(
+/// Numbers that are given (joint positions, velocities, readings), checked: the last axis is
+/// `axis`.
+pub fn numbers<'py>(
     given: &Bound<'py, PyAny>,
-    joints: &[String],
+    axis: Axis<'_>,
     name: &str,
 ) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
     let array = match given.cast::<PyArrayDyn<f64>>() {
         Ok(array) if array.is_c_contiguous() => array.clone(),
-        _ => convert(given, joints, name)?.cast_into::<PyArrayDyn<f64>>()?,
+        _ => convert(given, axis.names(), name)?.cast_into::<PyArrayDyn<f64>>()?,
     };
-    if array.shape().last() != Some(&joints.len()) {
+    if array.shape().last() != Some(&axis.names().len()) {
         return Err(PyValueError::new_err(format!(
-            "{name} has the shape {:?}; its last axis must hold the {} joints of `model.joints`",
+            "{name} has the shape {:?}; its last axis must hold {}",
             array.shape(),
-            joints.len()
+            axis.said()
         )));
     }
     array.try_readonly().map_err(|_| {

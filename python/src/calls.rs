@@ -15,7 +15,7 @@ use sesc_identify::{Message, Progress, Watch};
 use crate::errors::{Failure, keyword};
 
 /// How often signals are looked for, and progress is shown.
-const EVERY: Duration = Duration::from_millis(50);
+pub const EVERY: Duration = Duration::from_millis(50);
 
 thread_local! {
     /// What the last panic of this thread said, and where it was.

@@ -81,6 +81,20 @@ impl Failure {
         Failure::of(&Error::from(error), doing)
     }
 
+    /// An error of what the command line shares with the package.
+    pub fn of_command(error: sesc::Error, doing: Doing) -> Failure {
+        match error {
+            sesc::Error::Identify(error) => Failure::of(&error, doing),
+            sesc::Error::Model(error) => Failure::of_model(error, doing),
+            sesc::Error::Codegen(error) => Failure::of_code(&error),
+            sesc::Error::Reference(error) => {
+                let cause = std::error::Error::source(&error);
+                Failure::plain(Doing::Robot, sentence(error.to_string(), cause))
+            }
+            other => Failure::plain(doing, sentence(other.to_string(), None)),
+        }
+    }
+
     /// An error of the generator.
     pub fn of_code(error: &sesc_codegen::Error) -> Failure {
         let message = sentence(error.to_string(), std::error::Error::source(error));

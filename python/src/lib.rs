@@ -12,10 +12,13 @@
 
 mod arrays;
 mod arrow;
+mod batch;
 mod calls;
+mod checks;
 mod code;
 mod command;
 mod diagnosis;
+mod drawing;
 mod errors;
 mod fit;
 mod fleet;
@@ -36,11 +39,15 @@ mod _sesc {
     #[pymodule_export]
     use super::arrow::arrow_columns;
     #[pymodule_export]
+    use super::checks::{compare_models, effects_about, verify_model};
+    #[pymodule_export]
     use super::code::{c_files, rust_files, write_bytes, write_text};
     #[pymodule_export]
     use super::command::command;
     #[pymodule_export]
     use super::diagnosis::{DiagnosisReport, correct_urdf, diagnose_log};
+    #[pymodule_export]
+    use super::drawing::{draw_postures, draw_robot};
     #[pymodule_export]
     use super::fit::{FitReport, fit_logs};
     #[pymodule_export]

@@ -8,24 +8,30 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use sesc::inspect::inspect;
 use sesc_identify::evaluate::Evaluator;
-use sesc_model::tape::BLOCK;
-use sesc_model::{self as model, Function, ModelFile};
+use sesc_model::{self as model, Function, Given, ModelFile};
 
-use crate::arrays::{positions, result};
+use crate::arrays::{Axis, numbers, result};
+use crate::batch::Batch;
 use crate::calls::{detached, guarded};
 use crate::errors::{Doing, Failure};
 use crate::robot::Robot;
 
 /// Functions that Python calls, each prepared when it is first asked for.
-const FUNCTIONS: [Function; 7] = [
+const FUNCTIONS: [Function; 10] = [
     Function::Com,
     Function::ComJacobian,
+    Function::ComVelocity,
     Function::GravityMoments,
     Function::Cop,
     Function::RegressorCop,
     Function::Regressor,
+    Function::RegressorFull,
     Function::Zmp,
+    Function::CorrectCop,
 ];
+
+/// Columns of a reading of the CoP.
+const READING: [&str; 2] = ["cop_x", "cop_y"];
 
 /// An array-like of joint positions, velocities or accelerations.
 type In<'a, 'py> = &'a Bound<'py, PyAny>;
@@ -36,25 +42,32 @@ type Threads = Option<usize>;
 /// The result, or an exception.
 type Found<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 
-/// Postures from which on the interpreter's lock is released: some ten microseconds' worth.
-const LONG: usize = 64;
-
 /// A robot on its support link, with CAD's parameters or identified ones.
 #[pyclass(frozen, subclass, module = "sesc._sesc")]
 pub struct Model {
     pub inner: Arc<model::Model>,
     joints: Vec<String>,
-    evaluators: [OnceLock<Evaluator>; FUNCTIONS.len()],
+    /// None of a function that the model does not have.
+    evaluators: [OnceLock<Option<Evaluator>>; FUNCTIONS.len()],
 }
 
 impl Model {
-    fn evaluator(&self, function: Function) -> (&Evaluator, Vec<usize>) {
+    /// The prepared function, and the shape of its result; none where the model does not have it.
+    fn evaluator(&self, py: Python<'_>, function: Function) -> Option<(&Evaluator, Vec<usize>)> {
         let place = FUNCTIONS.iter().position(|known| *known == function);
         let prepared = &self.evaluators[place.unwrap_or_default()];
-        let evaluator = prepared.get_or_init(|| Evaluator::new(&self.inner, function));
+        let prepare = || {
+            let params = self.inner.params();
+            Evaluator::variant(&self.inner, function, Given::Positions, params)
+        };
+        let evaluator = match prepared.get() {
+            Some(evaluator) => evaluator,
+            // Most of a millisecond, in which other threads go on.
+            None => py.detach(|| prepared.get_or_init(prepare)),
+        };
         let columns = function.columns().on(&self.inner);
         let shape = function.rows().into_iter().chain([columns]).collect();
-        (evaluator, shape)
+        evaluator.as_ref().map(|evaluator| (evaluator, shape))
     }
 
     /// A function of arrays of one shape: positions, and velocities and accelerations where
@@ -68,8 +81,16 @@ impl Model {
     ) -> Found<'py> {
         let py = inputs[0].1.py();
         guarded(py, || {
-            let (evaluator, own) = self.evaluator(function);
-            let given = |(name, input)| positions(input, &self.joints, name);
+            let (evaluator, own) = match self.evaluator(py, function) {
+                Some((evaluator, own)) => (Some(evaluator), own),
+                None => (None, vec![READING.len()]),
+            };
+            let reading = READING.map(String::from);
+            let axis = match function {
+                Function::CorrectCop => Axis::Reading(&reading),
+                _ => Axis::Joints(&self.joints),
+            };
+            let given = |(name, input)| numbers(input, axis, name);
             let arrays = inputs
                 .into_iter()
                 .map(given)
@@ -93,20 +114,26 @@ impl Model {
                 let target = target.as_slice_mut()?;
                 let q = arrays.iter().map(|array| array.as_slice());
                 let q = q.collect::<Result<Vec<_>, _>>()?;
-                let dof = self.joints.len();
-                let work = Work {
+                let Some(evaluator) = evaluator else {
+                    // Without effects of the sensor a reading is the CoP itself.
+                    target.copy_from_slice(q[0]);
+                    return Ok(out.clone());
+                };
+                let width = axis.names().len();
+                let batch = Batch {
                     postures: n,
                     width: evaluator.width(),
+                    operations: evaluator.operations(),
                     threads: threads.unwrap_or(1),
                 };
                 let run = |start: usize, n: usize, out: &mut [f64]| {
-                    let from = |k: usize| &q[k][start * dof..];
+                    let from = |k: usize| &q[k.min(N - 1)][start * width..];
                     match N {
-                        3 => evaluator.run_moving_into(from(0), from(1), from(2), n, out),
-                        _ => evaluator.run_into(from(0), n, out),
+                        1 => evaluator.run_into(from(0), n, out),
+                        _ => evaluator.run_moving_into(from(0), from(1), from(2), n, out),
                     }
                 };
-                work.run(py, target, run)?;
+                batch.run(py, target, run)?;
             }
             Ok(out)
         })
@@ -122,52 +149,6 @@ impl Model {
 
 fn overlap() -> PyErr {
     PyValueError::new_err("out shares memory with an argument; give an array of its own")
-}
-
-/// A batch, and how it is shared out.
-struct Work {
-    postures: usize,
-    width: usize,
-    threads: usize,
-}
-
-impl Work {
-    fn run(
-        &self,
-        py: Python<'_>,
-        out: &mut [f64],
-        run: impl Fn(usize, usize, &mut [f64]) + Sync + Send,
-    ) -> PyResult<()> {
-        let &Work {
-            postures,
-            width,
-            threads,
-        } = self;
-        if threads == 0 {
-            return Err(PyValueError::new_err("threads is 0; give 1 or more"));
-        }
-        let blocks = postures.div_ceil(BLOCK);
-        let threads = threads.min(blocks);
-        if postures < LONG {
-            run(0, postures, out);
-            return Ok(());
-        }
-        detached(py, || {
-            if threads < 2 {
-                run(0, postures, out);
-                return Ok(());
-            }
-            let share = blocks.div_ceil(threads) * BLOCK;
-            std::thread::scope(|scope| {
-                let shares = out.chunks_mut(share * width.max(1)).enumerate();
-                for (k, out) in shares {
-                    let (start, run) = (k * share, &run);
-                    scope.spawn(move || run(start, share.min(postures - start), out));
-                }
-            });
-            Ok(())
-        })
-    }
 }
 
 #[pymethods]
@@ -212,32 +193,63 @@ impl Model {
         text.map_err(|error| Failure::of_model(error, Doing::ModelFile).raise(py))
     }
 
+    /// The link on the ground.
+    ///
+    /// Example:
+    ///     >>> model.support
+    ///     'foot'
     #[getter]
     fn support(&self) -> &str {
         self.inner.support()
     }
 
+    /// Names of the independent joints, in the order of ``q``.
+    ///
+    /// Example:
+    ///     >>> model.joints
+    ///     ['hip']
     #[getter]
     fn joints(&self) -> Vec<String> {
         self.joints.clone()
     }
 
+    /// How many independent joints there are.
+    ///
+    /// Example:
+    ///     >>> model.dof
+    ///     1
     #[getter]
     fn dof(&self) -> usize {
         self.joints.len()
     }
 
+    /// The base parameters, m (of a prismatic joint: a mass fraction), shape (p,): identified
+    /// ones where the model has them, else CAD's.
+    ///
+    /// Example:
+    ///     >>> model.params.shape
+    ///     (5,)
     #[getter]
     fn params<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, self.inner.params())
     }
 
+    /// Their names: body and axis.
+    ///
+    /// Example:
+    ///     >>> model.param_names[-2:]
+    ///     ['top.x', 'top.z']
     #[getter]
     fn param_names(&self) -> Vec<&str> {
         let params = self.inner.base.params.iter();
         params.map(|param| param.name.as_str()).collect()
     }
 
+    /// Mass of the robot with its loads, kg.
+    ///
+    /// Example:
+    ///     >>> model.total_mass
+    ///     2.0
     #[getter]
     fn total_mass(&self) -> f64 {
         self.inner.total_mass_kg()
@@ -254,12 +266,22 @@ impl Model {
             .collect()
     }
 
+    /// What no CoP of a flat foot can tell, a sentence each.
+    ///
+    /// Example:
+    ///     >>> any("height" in sentence for sentence in model.unobservable)
+    ///     True
     #[getter]
     fn unobservable(&self) -> Vec<&str> {
         let all = self.inner.base.unobservable.iter();
         all.map(|direction| direction.sentence.as_str()).collect()
     }
 
+    /// What is to be known of the robot, a sentence each.
+    ///
+    /// Example:
+    ///     >>> isinstance(model.notes, list)
+    ///     True
     #[getter]
     fn notes(&self) -> Vec<String> {
         let notes = self.inner.tree.notes.iter().cloned();
@@ -299,6 +321,27 @@ impl Model {
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn com_jacobian<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
         self.run(Function::ComJacobian, [("q", q)], out, threads)
+    }
+
+    /// Velocity of the centre of mass, m/s, of joints at `qd` (rad/s, m/s): positions and
+    /// velocities of one shape give ``(3,)`` or ``(n, 3)``.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     TypeError: no numbers, or arrays of different shapes.
+    ///
+    /// Example:
+    ///     >>> float(model.com_velocity([0.0], [0.5])[0])
+    ///     0.5
+    #[pyo3(signature = (q, qd, *, out=None, threads=None))]
+    fn com_velocity<'py>(
+        &self,
+        q: In<'_, 'py>,
+        qd: In<'_, 'py>,
+        out: Out<'_, 'py>,
+        threads: Threads,
+    ) -> Found<'py> {
+        self.run(Function::ComVelocity, [("q", q), ("qd", qd)], out, threads)
     }
 
     /// Moment of gravity about each joint, per kg of the total mass and g, m: ``(dof,)`` or
@@ -364,6 +407,43 @@ impl Model {
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn com_rows<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
         self.run(Function::Regressor, [("q", q)], out, threads)
+    }
+
+    /// Rows of the CoM in all parameters of the chain, ``[B_0 B_1 …]``, three columns for the
+    /// `r_i` of each body in its own frame (and one for each prismatic joint): ``(3, f)`` or
+    /// ``(n, 3, f)``.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     TypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.full_rows([0.0]).shape
+    ///     (3, 6)
+    #[pyo3(signature = (q, *, out=None, threads=None))]
+    fn full_rows<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
+        self.run(Function::RegressorFull, [("q", q)], out, threads)
+    }
+
+    /// The CoP that a reading was made of, m: takes back the sensor's effects of the model
+    /// (offset, gain, rotation); the reading itself where it has none. ``(2,)`` gives ``(2,)``,
+    /// ``(n, 2)`` gives ``(n, 2)``; a data frame or dict is asked for ``cop_x`` and ``cop_y``.
+    ///
+    /// Raises:
+    ///     ValueError: a last axis that is not x and y, or an unsuitable ``out``.
+    ///     TypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.correct_cop([0.02, 0.01]).tolist()
+    ///     [0.02, 0.01]
+    #[pyo3(signature = (reading, *, out=None, threads=None))]
+    fn correct_cop<'py>(
+        &self,
+        reading: In<'_, 'py>,
+        out: Out<'_, 'py>,
+        threads: Threads,
+    ) -> Found<'py> {
+        self.run(Function::CorrectCop, [("reading", reading)], out, threads)
     }
 
     /// Zero-moment point of a robot that moves, m: positions, velocities (rad/s, m/s) and

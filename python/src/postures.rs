@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use sesc::report;
+use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::hide::hide;
 use sesc_identify::logs::{PostureWriter, Row, Sidecar, Written};
@@ -20,7 +21,7 @@ use crate::calls::{Stopped, Waiting, detached, watched};
 use crate::errors::{Doing, Failure};
 use crate::log::Log;
 use crate::model::{Model, json};
-use crate::options::angles;
+use crate::options::{angles, motion};
 use crate::robot::Robot;
 
 /// Keywords of a plan, all of them given.
@@ -39,6 +40,9 @@ pub struct PlanOptions {
     noise: f64,
     clearance: f64,
     seed: u64,
+    revisits: Option<usize>,
+    both_feet: bool,
+    other_foot: Option<String>,
 }
 
 /// Postures that tell most.
@@ -50,11 +54,12 @@ pub struct PlanReport {
 
 /// Choose postures that tell most about the parameters.
 #[pyfunction]
-#[pyo3(signature = (robot, model, options, show=None))]
+#[pyo3(signature = (robot, model, data, options, show=None))]
 pub fn plan_postures(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     model: PyRef<'_, Model>,
+    data: Option<PyRef<'_, Log>>,
     options: PlanOptions,
     show: Option<Py<PyAny>>,
 ) -> PyResult<PlanReport> {
@@ -63,6 +68,7 @@ pub fn plan_postures(
         robot.folder.clone(),
         model.inner.clone(),
     );
+    let log = data.map(|log| log.source.clone());
     let plan = watched(py, show, Stopped::Abandoned, move |watch| {
         let build = |watch: &mut Waiting| {
             let region = match (&options.sole, options.cop_box) {
@@ -86,6 +92,12 @@ pub fn plan_postures(
             request.noise = options.noise;
             request.clearance = options.clearance;
             request.seed = options.seed;
+            request.revisits = options.revisits;
+            request.log = log;
+            request.feet = Feet {
+                both: options.both_feet.then_some(true),
+                other: options.other_foot,
+            };
             request.folder = folder;
             let (description, folder) = (&request.robot.description, request.folder.as_deref());
             let skeleton = Skeleton::of(&request.model, description, folder);
@@ -122,15 +134,17 @@ impl PlanReport {
     }
 }
 
-/// Write postures, numbered from `first`, and those numbered `again` once more, as a log with a
+/// Write postures (of a stand on both feet where there is another foot), numbered from `first`, and those numbered `again` once more, as a log with a
 /// sidecar, whose path is given back.
 #[pyfunction]
+#[allow(clippy::too_many_arguments)]
 pub fn write_postures(
     py: Python<'_>,
     model: PyRef<'_, Model>,
     q: PyReadonlyArray2<'_, f64>,
     path: PathBuf,
     experiment: Option<String>,
+    other_foot: Option<String>,
     first: i64,
     again: Vec<i64>,
 ) -> PyResult<PathBuf> {
@@ -160,6 +174,8 @@ pub fn write_postures(
                 robot: Some(model.tree.robot.clone()),
                 support: Some(model.support().to_string()),
                 experiment,
+                both_feet: other_foot.as_ref().map(|_| true),
+                other_foot,
                 ..Sidecar::default()
             })
         };
@@ -176,6 +192,8 @@ pub struct SimulateOptions<'py> {
     range: Option<f64>,
     noise: f64,
     seed: u64,
+    rate: Option<f64>,
+    motion: bool,
     hide: Vec<String>,
 }
 
@@ -195,6 +213,8 @@ pub fn simulate_log(
         range,
         noise,
         seed,
+        rate,
+        motion: moves,
         hide: hidden,
         ..
     } = options;
@@ -207,6 +227,8 @@ pub fn simulate_log(
             request.range = range;
             request.noise = noise;
             request.seed = seed;
+            request.rate = rate;
+            request.motion = motion(moves);
             let log = simulate(&request, watch)?;
             Ok(Log::simulated(log, request))
         };
@@ -217,8 +239,8 @@ pub fn simulate_log(
 
 /// Pose, CoM and CoP of every row of a log, m.
 #[pyfunction]
-#[pyo3(signature = (robot, support, model, log, degrees=None, show=None))]
-#[allow(clippy::type_complexity)]
+#[pyo3(signature = (robot, support, model, log, degrees=None, moves=true, show=None))]
+#[allow(clippy::type_complexity, clippy::too_many_arguments)]
 pub fn predict_log<'py>(
     py: Python<'py>,
     robot: PyRef<'_, Robot>,
@@ -226,6 +248,7 @@ pub fn predict_log<'py>(
     model: PyRef<'_, Model>,
     log: PyRef<'_, Log>,
     degrees: Option<bool>,
+    moves: bool,
     show: Option<Py<PyAny>>,
 ) -> PyResult<(
     Bound<'py, PyArray1<i64>>,
@@ -238,6 +261,7 @@ pub fn predict_log<'py>(
     stance.parameters = model.inner.file.clone().map(Into::into);
     let mut request = predict::Request::new(stance, &log.source);
     request.angles = degrees.map(angles);
+    request.motion = motion(moves);
     let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
         predict(&request, watch).map_err(|error| Failure::of(&error, Doing::Log))
     })?;

@@ -43,36 +43,83 @@ impl Robot {
         })
     }
 
+    /// The name in the URDF.
+    ///
+    /// Example:
+    ///     >>> robot.name
+    ///     'pole'
     #[getter]
     fn name(&self) -> &str {
         &self.inner.description.name
     }
 
+    /// The file that messages name.
+    ///
+    /// Example:
+    ///     >>> robot.file
+    ///     'robot.urdf'
     #[getter]
     fn file(&self) -> &str {
         &self.inner.description.file
     }
 
+    /// Hash of the description, in hexadecimal: model files and parts carry it.
+    ///
+    /// Example:
+    ///     >>> len(robot.hash)
+    ///     16
     #[getter]
     fn hash(&self) -> &str {
         &self.inner.description.hash
     }
 
+    /// The text of the URDF.
+    ///
+    /// Example:
+    ///     >>> robot.urdf == urdf
+    ///     True
     #[getter]
     fn urdf(&self) -> &str {
         self.inner.text()
     }
 
+    /// Whether decimals of right angles are made exact.
+    ///
+    /// Example:
+    ///     >>> robot.snap
+    ///     True
     #[getter]
     fn snap(&self) -> bool {
         self.snapping != Snapping::Off
     }
 
+    /// Names of the links: any of them can be the support.
+    ///
+    /// Example:
+    ///     >>> robot.links
+    ///     ['foot', 'top']
     #[getter]
     fn links(&self) -> Vec<&str> {
         self.inner.description.link_names().collect()
     }
 
+    /// The link that no joint carries.
+    ///
+    /// Example:
+    ///     >>> robot.root
+    ///     'foot'
+    #[getter]
+    fn root(&self) -> &str {
+        let about = &self.inner.description;
+        let is_root = |link: &&str| about.joints.iter().all(|joint| joint.child != *link);
+        about.link_names().find(is_root).unwrap_or_default()
+    }
+
+    /// Names of the independent joints, in the order of the document.
+    ///
+    /// Example:
+    ///     >>> robot.joints
+    ///     ['hip']
     #[getter]
     fn joints(&self) -> Vec<String> {
         let dofs = self.inner.description.dofs();

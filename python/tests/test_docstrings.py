@@ -1,8 +1,11 @@
-"""Examples in docstrings run."""
+"""Examples in docstrings run: of everything public, and of its members."""
 
 from __future__ import annotations
 
 import doctest
+import inspect
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,25 +15,68 @@ import sesc
 
 from conftest import POLE
 
-THINGS = [sesc, sesc.Robot, sesc.Robot.on, sesc.Log, sesc.Part, sesc.fit, sesc.gather, sesc.diagnose, sesc.plan]
-THINGS += [sesc.simulate, sesc.predict]
-THINGS += [getattr(sesc.Model, n) for n in ("com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows", "zmp", "reordered")]
+#: Exceptions say what they are of, and are made by the package alone.
+WITHOUT = {name for name in sesc.__all__ if isinstance(getattr(sesc, name), type) and issubclass(getattr(sesc, name), Exception)}
 
 
-@pytest.mark.parametrize("thing", THINGS, ids=lambda thing: getattr(thing, "__name__", "sesc"))
-def test_examples_run(thing: Any) -> None:
+def documented() -> Iterator[tuple[str, Any]]:
+    """Everything public by its name: functions, classes and what classes have."""
+    yield "sesc", sesc
+    for name in sorted(set(sesc.__all__) - WITHOUT):
+        thing = getattr(sesc, name)
+        if isinstance(thing, type) or inspect.isfunction(thing):
+            yield name, thing
+        if isinstance(thing, type):
+            own = {key: value for base in reversed(thing.__mro__) if base.__module__.startswith("sesc") for key, value in vars(base).items()}
+            fields = getattr(thing, "_fields", ())
+            for key, value in sorted(own.items()):
+                if not key.startswith("_") and key not in fields and getattr(value, "__doc__", None) is not None:
+                    yield f"{name}.{key}", value
+
+
+#: What the package calls itself, and fields that are said with their class.
+QUIET = {"Model.bounds", "Model.inspection", "Model.model_file", "Model.robot"}
+THINGS = {name: thing for name, thing in documented() if name not in QUIET}
+
+
+@pytest.fixture(scope="module")
+def space(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What examples speak of: a robot whose hip is 0.02 rad off, and what is made of its log."""
     k = np.arange(30)
     hip = 0.6 * np.sin(0.7 * k)
     x = 0.1 + np.sin(hip + 0.02) + 1e-4 * np.sin(7.1 * k)
     log = sesc.Log({"hip": hip, "cop_x": x, "cop_y": 1e-4 * np.sin(3.3 * k)}, support="foot")
     robot = sesc.Robot(POLE)
-    space = {"sesc": sesc, "urdf": POLE, "robot": robot, "model": robot.on("foot"), "log": log}
-    text = thing.__doc__ or ""
-    test = doctest.DocTestParser().get_doctest(text, space, "example", None, 0)
-    assert test.examples
+    return {
+        "sesc": sesc,
+        "np": np,
+        "urdf": POLE,
+        "robot": robot,
+        "model": robot.on("foot"),
+        "log": log,
+        "fit": sesc.fit(robot, log, noise=1e-4),
+        "found": sesc.diagnose(robot, log, noise=1e-4),
+        "part": sesc.gather(robot, log),
+        "plan": sesc.plan(robot, "foot", poses=5, cop_box=0.3, sigmas=0.0, candidates=50),
+        "postures": sesc.Postures(robot.on("foot"), np.array([[0.0], [0.5]])),
+        "folder": tmp_path_factory.mktemp("examples"),
+    }
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_examples_run(name: str, space: dict[str, Any]) -> None:
+    text = inspect.getdoc(THINGS[name]) or ""
+    test = doctest.DocTestParser().get_doctest(text, dict(space), name, None, 0)
+    assert test.examples, f"{name} has no example"
     said: list[str] = []
     doctest.DocTestRunner().run(test, out=said.append)
     assert not said, "".join(said)
+
+
+def test_members_are_among_them() -> None:
+    for name in ("Fit.params", "Diagnosis.steps", "Plan.report", "Postures.save", "Model.c99", "Model.joints", "Robot.links"):
+        assert name in THINGS
+    assert len(THINGS) > 100
 
 
 def test_everything_public_says_what_it_is() -> None:
@@ -39,5 +85,5 @@ def test_everything_public_says_what_it_is() -> None:
         if callable(thing):
             assert thing.__doc__, name
             for member, value in vars(thing).items() if isinstance(thing, type) else ():
-                if not member.startswith("_") and callable(value):
+                if not member.startswith("_") and (callable(value) or isinstance(value, property)):
                     assert value.__doc__, f"{name}.{member}"

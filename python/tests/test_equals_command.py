@@ -157,8 +157,78 @@ def test_rust_is_equal(robots: Path, model: sesc.Model, command: Any, tmp_path: 
 
 
 def test_parts_are_equal(small: sesc.Robot, robots: Path, log: Path, command: Any, tmp_path: Path) -> None:
-    command("fit", robots / LEGS[0], "--data", log, "--partial", tmp_path / "log.part")
-    part = sesc.gather(small, log)
+    command("fit", robots / LEGS[0], "--data", log, "--unit", "r07", "--partial", tmp_path / "log.part")
+    part = sesc.gather(small, log, unit="r07")
     assert bytes(part) == (tmp_path / "log.part").read_bytes()
     assert sesc.Part.load(tmp_path / "log.part") == part
     assert sesc.fit(part).to_dict()["parameters"] == sesc.fit(small, log).to_dict()["parameters"]
+
+
+def test_motion_and_rate_are_equal(small: sesc.Robot, robots: Path, command: Any, tmp_path: Path) -> None:
+    model = small.on(LEGS[1])
+    for motion in ("auto", "off"):
+        ours = tmp_path / f"{motion}.csv"
+        sesc.simulate(model, 150, rate=40.0, motion=motion, noise=1e-4, seed=5).save(ours)
+        words = ["--support", LEGS[1], "--poses", 150, "--noise", "0.0001", "--seed", 5, "--rate", 40]
+        command("simulate", robots / LEGS[0], *words, "--motion", motion, "--out", tmp_path / "theirs.csv")
+        assert ours.read_bytes() == (tmp_path / "theirs.csv").read_bytes()
+        printed = command("predict", robots / LEGS[0], "--data", ours, "--motion", motion).splitlines()[1:]
+        table = np.array([line.split(",") for line in printed], dtype=float)
+        found = sesc.predict(model, ours, motion=motion)
+        np.testing.assert_array_equal(table, np.column_stack([found["pose"], found["com"], found["cop"]]))
+    moving, still = (sesc.predict(model, tmp_path / "auto.csv", motion=motion)["cop"] for motion in ("auto", "off"))
+    assert np.abs(moving - still).max() > 1e-4
+
+
+def test_plans_with_revisits_a_log_or_both_feet_are_equal(robots: Path, op2: sesc.Robot, command_json: Any, tmp_path: Path) -> None:
+    log = tmp_path / "before.csv"
+    sesc.simulate(op2.on("r_sole"), 60, range=0.5, noise=3e-4).save(log)
+    asked: list[tuple[dict[str, Any], list[object]]] = [
+        ({"revisits": 2}, ["--revisits", 2]),
+        ({"data": log}, ["--data", log]),
+        ({"both_feet": True, "other_foot": "l_sole"}, ["--both-feet", "--other-foot", "l_sole"]),
+    ]
+    for options, words in asked:
+        found = sesc.plan(op2, "r_sole", poses=5, candidates=60, cop_box=0.1, sigmas=0.0, **options)
+        common = ["--support", "r_sole", "--poses", 5, "--candidates", 60, "--cop-box", 0.1, "--sigmas", 0]
+        want = command_json("plan", robots / "op2/op2.urdf", *common, *words, "--out", tmp_path / "a.csv")
+        assert json.dumps(found.to_dict()) == json.dumps(want)
+        found.save(tmp_path / "b.csv")
+        for end in ("csv", "csv.toml"):
+            assert (tmp_path / f"a.{end}").read_text() == (tmp_path / f"b.{end}").read_text()
+    with pytest.raises(sesc.PlanError, match="`data` knows the noise"):
+        sesc.plan(op2, "r_sole", poses=5, data=log, noise=1e-3)
+
+
+ROBOTS = [
+    ("arm6", "base_link"),
+    ("lift_base", "base_link"),
+    ("op2", "r_sole"),
+    ("plain_humanoid", "right_sole"),
+    ("quadruped", "lf_foot"),
+    ("skew_humanoid", "right_sole"),
+    ("two_link", "foot"),
+]
+
+
+def test_every_robot_is_compared(robots: Path) -> None:
+    assert sorted(path.stem for path in robots.glob("*/*.urdf")) == [name for name, _ in ROBOTS]
+
+
+@pytest.mark.parametrize("name", [name for name, _ in ROBOTS])
+def test_robots_are_equal(name: str, robots: Path, command: Any, command_json: Any, tmp_path: Path) -> None:
+    urdf = robots / name / f"{name}.urdf"
+    robot = sesc.Robot(urdf)
+    support = dict(ROBOTS)[name]
+    model = robot.on(support)
+    assert json.dumps(model.to_dict()) == json.dumps(command_json("inspect", urdf, "--support", support))
+    words = ["--support", support, "--poses", 60, "--noise", "0.0005", "--seed", 2]
+    command("simulate", urdf, *words, "--out", tmp_path / "log.csv")
+    sesc.simulate(model, 60, noise=5e-4, seed=2).save(tmp_path / "ours.csv")
+    assert (tmp_path / "ours.csv").read_bytes() == (tmp_path / "log.csv").read_bytes()
+    printed = command("predict", urdf, "--data", tmp_path / "log.csv").splitlines()[1:]
+    table = np.array([line.split(",") for line in printed], dtype=float)
+    ours = sesc.predict(model, tmp_path / "log.csv")
+    np.testing.assert_array_equal(table, np.column_stack([ours["pose"], ours["com"], ours["cop"]]))
+    found = sesc.fit(robot, tmp_path / "log.csv")
+    assert json.dumps(found.to_dict()) == json.dumps(command_json("fit", urdf, "--data", tmp_path / "log.csv"))

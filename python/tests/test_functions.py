@@ -17,7 +17,7 @@ import sesc
 from conftest import POLE
 
 RNG = np.random.default_rng(1)
-FUNCTIONS = ["com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows"]
+FUNCTIONS = ["com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows", "full_rows"]
 
 
 def test_a_pole_obeys_its_closed_form() -> None:
@@ -64,6 +64,68 @@ def test_rows_times_parameters_are_the_functions(model: sesc.Model) -> None:
     assert model.cop_rows(q).shape == (100, 2, 43) and model.cop_rows(q[0]).shape == (2, 43)
 
 
+def test_the_velocity_is_the_jacobian_times_rates(model: sesc.Model) -> None:
+    q, qd = RNG.uniform(-1, 1, (2, 70, 20))
+    want = np.einsum("nij,nj->ni", model.com_jacobian(q), qd)
+    np.testing.assert_allclose(model.com_velocity(q, qd), want, atol=1e-14)
+    np.testing.assert_allclose(model.com_velocity(q[0], qd[0]), want[0], atol=1e-14)
+    with pytest.raises(TypeError, match="shapes"):
+        model.com_velocity(q, qd[0])
+
+
+def test_full_rows_of_a_pole_are_its_rotations() -> None:
+    """[1, R_y(q)]: the foot's own frame, and that of the top."""
+    pole = sesc.Robot(POLE).on("foot")
+    q = 0.3
+    top = np.array([[math.cos(q), 0, math.sin(q)], [0, 1, 0], [-math.sin(q), 0, math.cos(q)]])
+    want: np.ndarray[Any, Any] = np.hstack([np.eye(3), top])
+    np.testing.assert_allclose(pole.full_rows([q]), want, atol=1e-15)
+    # The hip is 0.1 m in front of the sole's origin, the mass 1 m along the top.
+    np.testing.assert_allclose(want @ [0.1, 0, 0, 0, 0, 1.0], pole.com([q]), atol=1e-15)
+
+
+SENSOR = """robot = "pole"
+hash = "{hash}"
+support = "foot"
+{parameters}[[effects]]
+effect = "sensor_offset"
+parameters.offset_x_m = {{ value = 0.003 }}
+parameters.offset_y_m = {{ value = -0.002 }}
+"""
+
+
+def test_the_cop_is_corrected_where_the_model_has_effects_of_the_sensor(tmp_path: Path) -> None:
+    robot = sesc.Robot(POLE)
+    plain = robot.on("foot")
+    cop = RNG.uniform(-0.05, 0.05, (100, 2))
+    np.testing.assert_array_equal(plain.correct_cop(cop), cop)
+    named = zip(plain.param_names, plain.params.tolist(), strict=True)
+    cad = [f'[[parameters]]\nname = "{name}"\nvalue = {value!r}\nsource = "cad"\n' for name, value in named]
+    (tmp_path / "model.toml").write_text(SENSOR.format(hash=robot.hash, parameters="".join(cad)))
+    model = robot.on("foot", model=tmp_path / "model.toml")
+    read = cop + [0.003, -0.002]
+    np.testing.assert_allclose(model.correct_cop(read), cop, atol=1e-15)
+    np.testing.assert_allclose(model.correct_cop(read[0]), cop[0], atol=1e-15)
+    np.testing.assert_array_equal(model.correct_cop({"cop_x": read[:, 0], "cop_y": read[:, 1]}), model.correct_cop(read))
+    q = RNG.uniform(-1, 1, (50, 1))
+    np.testing.assert_allclose(model.correct_cop(model.cop(q)), plain.cop(q), atol=1e-15)
+    with pytest.raises(ValueError, match="must hold x and y of a reading"):
+        model.correct_cop([[0.1, 0.2, 0.3]])
+
+
+def test_threads_may_call_one_model_at_once(robots: Path) -> None:
+    from concurrent.futures import ThreadPoolExecutor
+
+    model = sesc.Robot(robots / "op2" / "op2.urdf").on("r_sole")
+    q = RNG.uniform(-1, 1, (3000, 20))
+    calls = [(name, part) for name in FUNCTIONS for part in np.array_split(q, 8)]
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda call: getattr(model, call[0])(call[1], threads=2), calls))
+    fresh = sesc.Robot(robots / "op2" / "op2.urdf").on("r_sole")
+    for (name, part), result in zip(calls, found):
+        np.testing.assert_array_equal(result, getattr(fresh, name)(part))
+
+
 def test_jacobian_and_moments_are_derivatives(model: sesc.Model) -> None:
     q, h = RNG.uniform(-1, 1, 20), 1e-6
     steps = h * np.eye(20)
@@ -73,7 +135,7 @@ def test_jacobian_and_moments_are_derivatives(model: sesc.Model) -> None:
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-@pytest.mark.parametrize("n", [0, 1, 7, 63, 64, 65, 1000])
+@pytest.mark.parametrize("n", [0, 1, 7, 63, 64, 65, 1000, 100_000])
 def test_a_batch_is_its_postures(model: sesc.Model, name: str, n: int) -> None:
     function = getattr(model, name)
     q = RNG.uniform(-1, 1, (n, 20))

@@ -47,6 +47,30 @@ def test_objects_say_what_they_are(op2: sesc.Robot, model: sesc.Model) -> None:
     assert "r_sole" in repr(model) and "20 joints" in repr(model)
 
 
+def test_notebooks_show_the_robot(op2: sesc.Robot, model: sesc.Model, robots: Path) -> None:
+    for thing in (op2, model):
+        text = thing._repr_html_()
+        assert text.count("<svg ") == 2 and "From the front" in text and "r_knee" in text
+        assert "<script" not in text and "NaN" not in text
+    few = sesc.plan(op2, "r_sole", poses=3, candidates=60, cop_box=0.05, sigmas=0.0)
+    assert sesc.Postures(model, few.q)._repr_html_().count("<svg ") == 3
+    for path in robots.glob("*/*.urdf"):
+        assert "<svg " in sesc.Robot(path)._repr_html_(), path
+
+
+def test_a_defect_is_an_error_of_its_own() -> None:
+    from sesc._errors import make
+
+    error = make("InternalError", "index 3; this is a defect of sesc, please report it", (None, None, None), None, [])
+    assert isinstance(error, RuntimeError) and not isinstance(error, sesc.SescError)
+    assert type(pickle.loads(pickle.dumps(error))) is sesc.InternalError
+    # A panic of the library, whose own check of the shape is left out here.
+    model = sesc.Robot(POLE).on("foot")
+    options = {"poses": 1, "postures": np.zeros((1, 0)), "range": None, "noise": 0.0, "seed": 1}
+    with pytest.raises(sesc.SescError):
+        sesc._sesc.simulate_log(model, {**options, "rate": None, "motion": True, "hide": []})
+
+
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
 def test_copies_compute_the_same(model: sesc.Model, copied: Any) -> None:
     again = copied(model)

@@ -1,0 +1,92 @@
+//! Batches of postures: without the interpreter's lock, on threads of the call, stoppable.
+//!
+//! A batch is cut into chunks of whole blocks of the tape. Threads take one after the other;
+//! the calling thread takes its own, and looks for signals between them.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use sesc_model::tape::BLOCK;
+
+use crate::calls::EVERY;
+
+/// Additions from which on the interpreter's lock is released: below ten microseconds' worth
+/// where postures come one by one, and far below where they come in blocks.
+const LONG: usize = 4_000;
+/// Additions of a chunk: about a millisecond.
+const CHUNK: usize = 4_000_000;
+
+/// A batch, and how it is shared out.
+pub struct Batch {
+    pub postures: usize,
+    /// Values per posture of the result.
+    pub width: usize,
+    /// Cost of a posture, in additions.
+    pub operations: usize,
+    pub threads: usize,
+}
+
+impl Batch {
+    /// `run(start, n, out)` evaluates n postures from `start` on.
+    pub fn run(
+        &self,
+        py: Python<'_>,
+        out: &mut [f64],
+        run: impl Fn(usize, usize, &mut [f64]) + Sync + Send,
+    ) -> PyResult<()> {
+        if self.threads == 0 {
+            return Err(PyValueError::new_err("threads is 0; give 1 or more"));
+        }
+        if self.postures.saturating_mul(self.operations) < LONG {
+            run(0, self.postures, out);
+            return Ok(());
+        }
+        py.detach(|| self.in_chunks(out, run))
+    }
+
+    fn in_chunks(
+        &self,
+        out: &mut [f64],
+        run: impl Fn(usize, usize, &mut [f64]) + Sync + Send,
+    ) -> PyResult<()> {
+        let blocks = self.postures.div_ceil(BLOCK);
+        let threads = self.threads.clamp(1, blocks.max(1));
+        let most = CHUNK / (BLOCK * self.operations.max(1));
+        let chunk = BLOCK * blocks.div_ceil(threads).min(most).max(1);
+        let chunks = out.chunks_mut(chunk * self.width.max(1)).enumerate();
+        let (chunks, stop) = (Mutex::new(chunks), AtomicBool::new(false));
+        let next = || {
+            let mut chunks = chunks.lock().ok()?;
+            chunks.next().filter(|_| !stop.load(Ordering::Relaxed))
+        };
+        let work = |(k, out): (usize, &mut [f64])| {
+            let start = k * chunk;
+            run(start, chunk.min(self.postures - start), out);
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..threads {
+                scope.spawn(|| {
+                    while let Some(chunk) = next() {
+                        work(chunk);
+                    }
+                });
+            }
+            let mut looked = Instant::now();
+            while let Some(chunk) = next() {
+                work(chunk);
+                if looked.elapsed() >= EVERY {
+                    let signal = Python::attach(|py| py.check_signals());
+                    if signal.is_err() {
+                        stop.store(true, Ordering::Relaxed);
+                        return signal;
+                    }
+                    looked = Instant::now();
+                }
+            }
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,66 @@
+//! What is checked and looked up: functions against the reference, two models, the effects.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use sesc::report::compare::text;
+use sesc::verify;
+use sesc_identify::compare;
+use sesc_model::ModelFile;
+use sesc_model::effects::Catalog;
+use sesc_model::effects::about::about;
+
+use crate::calls::{Stopped, detached, watched};
+use crate::errors::{Doing, Failure};
+use crate::model::{Model, json};
+use crate::robot::Robot;
+
+/// What `sesc verify --json` prints of the functions of a model, and the unit of each.
+#[pyfunction]
+#[pyo3(signature = (robot, model, samples, seed, show=None))]
+pub fn verify_model(
+    py: Python<'_>,
+    robot: PyRef<'_, Robot>,
+    model: PyRef<'_, Model>,
+    samples: usize,
+    seed: u64,
+    show: Option<Py<PyAny>>,
+) -> PyResult<(String, Vec<(String, &'static str)>)> {
+    let (robot, model) = (robot.inner.clone(), model.inner.clone());
+    let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
+        let found = verify::verify(&robot, &model, samples, seed, watch);
+        let found = found.map_err(|error| Failure::of_command(error, Doing::ModelFile))?;
+        Ok((json(&found)?, found.units.into_iter().collect()))
+    })?;
+    Ok(found)
+}
+
+/// A model file by its text or its path, and what messages call it.
+type Given = (Option<String>, PathBuf);
+
+/// What `sesc compare` prints of two model files, as JSON and as text.
+#[pyfunction]
+pub fn compare_models(py: Python<'_>, before: Given, after: Given) -> PyResult<(String, String)> {
+    detached(py, || {
+        let read = |(text, path): Given| {
+            let file = match text {
+                Some(text) => ModelFile::parse(&text, &path.display().to_string()),
+                None => ModelFile::read(&path),
+            };
+            file.map_err(|error| Failure::of_model(error, Doing::ModelFile))
+        };
+        let (before, after) = (read(before)?, read(after)?);
+        let found = compare::compare(&before, &after);
+        let found = found.map_err(|error| Failure::of(&error, Doing::ModelFile))?;
+        Ok((json(&found)?, text(&found, &before.file, &after.file)))
+    })
+}
+
+/// The effects that a diagnosis knows, as JSON.
+#[pyfunction]
+pub fn effects_about(py: Python<'_>) -> PyResult<String> {
+    detached(py, || {
+        let text = serde_json::to_string(&about(&Catalog::standard()));
+        text.map_err(|error| Failure::internal(error.to_string()))
+    })
+}

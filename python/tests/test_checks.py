@@ -1,0 +1,69 @@
+"""Comparisons, verifications and the list of effects: those of the command line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import sesc
+
+SMALL = ("two_link/two_link.urdf", "foot")
+
+
+@pytest.fixture(scope="module")
+def robot(robots: Path) -> sesc.Robot:
+    return sesc.Robot(robots / SMALL[0])
+
+
+def fitted(robot: sesc.Robot, seed: int, **hide: float) -> sesc.Fit:
+    log = sesc.simulate(robot.on(SMALL[1]), 80, noise=2e-4, seed=seed, hide=hide)
+    return sesc.fit(robot, log, prior="free")
+
+
+def test_effects_are_those_of_the_command(command_json: Any) -> None:
+    found = sesc.effects()
+    want = command_json("effects")["effects"]
+    assert [effect.to_dict() for effect in found.values()] == want
+    assert list(found) == [effect["name"] for effect in want]
+    assert found["joint_offset"].parameters == {"offset_rad": "rad", "offset_m": "m"}
+    assert "<table>" in found["payload"]._repr_html_()
+
+
+def test_a_comparison_is_that_of_the_command(robot: sesc.Robot, command: Any, command_json: Any, tmp_path: Path) -> None:
+    before, after = fitted(robot, 1), fitted(robot, 2)
+    before.save(tmp_path / "a.toml")
+    after.save(tmp_path / "b.toml")
+    found = sesc.compare(tmp_path / "a.toml", tmp_path / "b.toml")
+    want = command_json("compare", tmp_path / "a.toml", tmp_path / "b.toml")
+    assert json.dumps(found.to_dict()) == json.dumps(want)
+    assert str(found) == command("compare", tmp_path / "a.toml", tmp_path / "b.toml")
+    # Objects have what their files have.
+    assert sesc.compare(before, after.model).to_dict() == want
+    assert found.sentence and "<table>" in found._repr_html_()
+
+
+def test_a_robot_that_changed_is_told_from_chance(robot: sesc.Robot) -> None:
+    heavier = {f"payload:{robot.links[-1]}": (0.2, 0.05, 0.0, 0.1)}
+    log = sesc.simulate(robot.on(SMALL[1]), 80, noise=2e-4, seed=3, hide=heavier)
+    changed = sesc.compare(fitted(robot, 1), sesc.fit(robot, log, prior="free"))
+    same = sesc.compare(fitted(robot, 1), fitted(robot, 2))
+    assert changed.changed and not same.changed
+    assert changed.chance is not None and changed.chance < 1e-3 < (same.chance or 0.0)
+    with pytest.raises(sesc.ModelFileError, match="`after` has CAD's parameters"):
+        sesc.compare(fitted(robot, 1), robot.on(SMALL[1]))
+    with pytest.raises(FileNotFoundError):
+        sesc.compare("none.toml", "none.toml")
+
+
+def test_a_verification_is_that_of_the_command(robot: sesc.Robot, robots: Path, command_json: Any) -> None:
+    found = sesc.verify(robot.on(SMALL[1]), samples=500, seed=3)
+    words = ["--support", SMALL[1], "--samples", 500, "--seed", 3]
+    assert json.dumps(found.to_dict()) == json.dumps(command_json("verify", robots / SMALL[0], *words))
+    assert found and found.passed and found.samples >= 500
+    assert set(found.units) == set(found.bound) == set(found.worst_error)
+    assert all(error <= found.bound[name] for name, error in found.worst_error.items())
+    with pytest.raises(ValueError, match="samples is 0"):
+        sesc.verify(robot.on(SMALL[1]), samples=0)

@@ -1,0 +1,77 @@
+"""Everything that can be pickled goes to other processes and comes back as it was."""
+
+from __future__ import annotations
+
+import multiprocessing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import sesc
+
+from conftest import POLE
+
+
+def everything(folder: Path) -> dict[str, Any]:
+    """One of each object, by its name."""
+    robot = sesc.Robot(POLE)
+    model = robot.on("foot")
+    log = sesc.simulate(model, 40, noise=1e-4, hide={"joint_offset:hip": 0.05})
+    fit, found = sesc.fit(robot, log), sesc.diagnose(robot, log, prior="tight")
+    log.save(folder / "r1_monday.csv")
+    return {
+        "Robot": robot,
+        "Model": model,
+        "Log": log,
+        "Fit": fit,
+        "Parameter": next(iter(fit.parameters.values())),
+        "CorrectedUrdf": fit.correct_urdf(),
+        "Diagnosis": found,
+        "Step": found.steps[0],
+        "Quantity": next(iter(found.steps[0].parameters.values())),
+        "Finding": sesc.Finding("kind", "-", "sentence"),
+        "Postures": found.next_postures(3),
+        "Plan": sesc.plan(robot, "foot", poses=4, cop_box=0.3, sigmas=0.0, candidates=50),
+        "Part": sesc.gather(robot, log, unit="r07"),
+        "Comparison": sesc.compare(fit, fit),
+        "Verification": sesc.verify(model, samples=20),
+        "Effect": sesc.effects()["backlash"],
+        "Fleet": sesc.fleet.run(robot, str(folder / "r1_monday.csv"), support="foot", information=True),
+    }
+
+
+def seen(thing: Any) -> tuple[str, Any, str]:
+    """What there is to see of an object."""
+    return repr(thing), thing.to_dict(), thing._repr_html_()
+
+
+def seen_there(things: dict[str, Any]) -> dict[str, Any]:
+    return {name: (seen(thing), thing) for name, thing in things.items()}
+
+
+@pytest.mark.parametrize("method", ["spawn", "fork"])
+def test_objects_go_to_other_processes_and_back(method: str, tmp_path: Path) -> None:
+    things = everything(tmp_path)
+    with multiprocessing.get_context(method).Pool(1) as pool:
+        there = pool.apply(seen_there, (things,))
+    for name, thing in things.items():
+        own = seen(thing)
+        assert "\n" not in own[0] and own[2], name
+        said, again = there[name]
+        assert said == own == seen(again), name
+
+
+def test_a_fleet_is_whole_after_its_journey(tmp_path: Path) -> None:
+    import pickle
+
+    fleet = everything(tmp_path)["Fleet"]
+    again = pickle.loads(pickle.dumps(fleet))
+    for found, name in ((fleet, "here"), (again, "there")):
+        (tmp_path / name).mkdir()
+        found.save(tmp_path / name / "fleet.csv")
+        found.report(tmp_path / name / "fleet.html")
+    for file in (tmp_path / "here").rglob("*.*"):
+        there = tmp_path / "there" / file.relative_to(tmp_path / "here")
+        assert there.read_bytes() == file.read_bytes()
+    assert again.rows == fleet.rows and len(again) == 1
