@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# Release wheels of the package, for every Python from 3.10, in target/wheels/: manylinux_2_28 on
+# x86-64 and aarch64, linked by zig. Each is looked at (tag, size, stable ABI, no libpython), and
+# tried in every Python from 3.10 that is there, in an environment of its own, where it runs here.
+#
+#     python/wheels.sh              both
+#     python/wheels.sh x86_64       one
+set -euo pipefail
+cd "$(dirname "$0")/.."
+maturin=1.16.0
+zig=0.17.1
+# Bytes that a wheel may have.
+most=$((8 * 1000 * 1000))
+
+processors=("$@")
+[[ $# -gt 0 ]] || processors=(x86_64 aarch64)
+for processor in "${processors[@]}"; do
+  [[ $processor == x86_64 || $processor == aarch64 ]] || { sed -n '2,7s/^# \{0,1\}//p' python/wheels.sh >&2; exit 2; }
+done
+
+root=$PWD
+out=$root/target/wheels
+tools=$root/target/wheel-tools
+if [[ ! -x $tools/bin/abi3audit ]]; then
+  python3 -m venv "$tools"
+  "$tools/bin/pip" install --quiet "maturin==$maturin" "ziglang==$zig" abi3audit
+fi
+export PATH=$tools/bin:$PATH CARGO_INCREMENTAL=0
+
+# looked_at WHEEL: its tag, its size, its ABI, and what it is linked to.
+looked_at() {
+  local wheel=$1 size folder library
+  [[ $wheel == *-cp310-abi3-manylinux_2_28_*.whl ]] ||
+    { echo "$wheel: not a wheel of manylinux_2_28 for all Pythons from 3.10" >&2; return 1; }
+  size=$(stat -c %s "$wheel")
+  [[ $size -lt $most ]] || { echo "$wheel: $size bytes, $most at most" >&2; return 1; }
+  abi3audit --strict "$wheel"
+  folder=$(mktemp -d)
+  python3 -m zipfile -e "$wheel" "$folder"
+  library=$(find "$folder" -name '_sesc*.so')
+  # By whatever reads ELF files here: the names of shared libraries stand in the file as text.
+  if grep -aq 'libpython' "$library"; then
+    echo "$wheel: linked to libpython" >&2
+    return 1
+  fi
+  rm -r "$folder"
+  echo "$wheel: $size bytes"
+}
+
+# pythons: every interpreter from 3.10 that is there, one of each version.
+pythons() {
+  local found version
+  for found in $(compgen -c python3. | grep -xE 'python3\.[0-9]+' | sort -u) \
+    "${PYENV_ROOT:-$HOME/.pyenv}"/versions/3.*/bin/python3; do
+    version=$("$found" -c 'import sys; print("%d.%02d" % sys.version_info[:2])' 2>/dev/null) || continue
+    [[ $version < 3.10 ]] || echo "$version $(command -v "$found")"
+  done | sort -u -k1,1 | cut -d' ' -f2
+}
+
+# tried WHEEL: installed with numpy alone, it finds what is hidden.
+tried() {
+  local python venv
+  for python in $(pythons); do
+    venv=$(mktemp -d)
+    "$python" -m venv "$venv"
+    "$venv/bin/pip" install --quiet "$1"
+    (cd "$venv" && bin/python -m sesc.selftest && bin/sesc --version)
+    echo "$("$python" -V): passed"
+    rm -r "$venv"
+  done
+}
+
+for processor in "${processors[@]}"; do
+  target=$processor-unknown-linux-gnu
+  rustup target add "$target"
+  rm -f "$out"/sesc-*_"$processor".whl
+  maturin build --quiet --release --locked --zig --compatibility manylinux_2_28 --target "$target" \
+    --manifest-path python/Cargo.toml --out "$out"
+  wheel=$(echo "$out"/sesc-*_"$processor".whl)
+  looked_at "$wheel"
+  [[ $processor != "$(uname -m)" ]] || tried "$wheel"
+done
