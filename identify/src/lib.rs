@@ -26,6 +26,7 @@ pub mod logs;
 pub mod lsq;
 #[cfg(not(feature = "nalgebra"))]
 mod lsq;
+pub mod next_steps;
 #[cfg(feature = "nalgebra")]
 #[doc(hidden)]
 pub mod observations;

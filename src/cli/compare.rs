@@ -1,39 +1,161 @@
 //! `sesc compare`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use sesc_identify::compare;
-use sesc_model::ModelFile;
+use sesc_identify::diagnose::{Request, Verdict, diagnose};
+use sesc_identify::feet::Feet;
+use sesc_identify::fit::prior::{Prior, PriorChoice};
+use sesc_identify::logs::{Angles, LogSource, Stays};
+use sesc_identify::robot::Robot;
+use sesc_identify::skeleton::Skeleton;
+use sesc_model::{ModelFile, Snapping, files};
 
-use super::{Outcome, print_json, show};
+use super::outputs::Files;
+use super::{
+    Bar, DiagnosisArguments, FeetArguments, Outcome, StaysArguments, command_line, message,
+    print_json, show,
+};
 use crate::Error;
-use crate::report::compare::text;
+use crate::report::compare::{page, text};
 
-/// Say what changed between two model files, and whether it is more than chance
+/// Say what changed between two model files, or two logs, and whether it is more than chance
 #[derive(Args)]
-#[command(
-    after_help = "Examples:\n  sesc compare monday.toml friday.toml\n  sesc compare monday.toml friday.toml --json"
-)]
+#[command(after_help = "Examples:\n  \
+    sesc compare monday.toml friday.toml\n  \
+    sesc compare monday.toml friday.toml --urdf op2.urdf --report page.html\n  \
+    sesc compare monday.csv friday.csv --urdf op2.urdf\n\n\
+    Logs are diagnosed, both with the same options, and what `diagnose --out` would write of them \
+    is compared.")]
 pub(super) struct Arguments {
-    /// Model file of the robot as it was
-    #[arg(value_name = "MODEL")]
+    /// Model file or log of the robot as it was
+    #[arg(value_name = "MODEL|LOG")]
     before: PathBuf,
-    /// Model file of the same robot on the same support as it is
-    #[arg(value_name = "MODEL")]
+    /// Model file or log of the same robot on the same support as it is
+    #[arg(value_name = "MODEL|LOG")]
     after: PathBuf,
+    /// Robot description: logs are diagnosed with it, and the page shows it
+    #[arg(long, value_name = "URDF")]
+    urdf: Option<PathBuf>,
+    /// Link that stands on the ground in logs; the sidecar's unless given
+    #[arg(long, value_name = "LINK", requires = "urdf")]
+    support: Option<String>,
+    /// Take decimals of right angles (1.5708) literally
+    #[arg(long, requires = "urdf")]
+    no_snap: bool,
+    /// Revolute joints are logged in degrees
+    #[arg(long, requires = "urdf")]
+    degrees: bool,
+    #[command(flatten)]
+    how: DiagnosisArguments,
+    #[command(flatten)]
+    feet: FeetArguments,
+    #[command(flatten)]
+    stays: StaysArguments,
+    /// Page to write: what changed, and whether it is more than chance
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
 }
 
+/// Endings of logs.
+const LOGS: [&str; 4] = ["csv", "gz", "parquet", "mcap"];
+
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    let before = ModelFile::read(&arguments.before)?;
-    let after = ModelFile::read(&arguments.after)?;
-    let comparison = compare::compare(&before, &after)?;
+    let both = [&arguments.before, &arguments.after];
+    Files::default()
+        .reads(&arguments.urdf)
+        .may_read(&arguments.how.prior)
+        .reads(both)
+        .writes(&arguments.report)
+        .check_writable()?;
+    let robot = arguments.urdf.as_deref().map(Robot::read).transpose()?;
+    let robot = robot.map(Arc::new);
+    let mut models = Vec::new();
+    for path in both {
+        match model(arguments, robot.as_ref(), path)? {
+            Some(model) => models.push(model),
+            None => return Ok(Outcome::Failed),
+        }
+    }
+    let comparison = compare::compare(&models[0], &models[1])?;
+    if let Some(path) = &arguments.report {
+        let drawn = robot.map(|robot| skeleton(arguments, &robot, &comparison.support));
+        let drawn = drawn.transpose()?;
+        let files = [&models[0], &models[1]];
+        let page = page(&comparison, files, drawn.as_ref(), &command_line());
+        files::write(path, &page.map_err(|error| Error::Report(Box::new(error)))?)?;
+        message(&format!("wrote {}", path.display()));
+    }
     match arguments.json {
         true => print_json(&comparison)?,
-        false => show(&text(&comparison, &before.file, &after.file))?,
+        false => show(&text(&comparison, &models[0].file, &models[1].file))?,
     }
     Ok(Outcome::Ok)
+}
+
+/// The model that a file holds, or that the diagnosis of a log gives; none of a log that cannot
+/// be used.
+fn model(
+    arguments: &Arguments,
+    robot: Option<&Arc<Robot>>,
+    path: &Path,
+) -> Result<Option<ModelFile>, Error> {
+    let end = path.extension().unwrap_or_default().to_string_lossy();
+    let is_log = LOGS.contains(&end.to_lowercase().as_str());
+    let Some(robot) = robot.filter(|_| is_log) else {
+        return match is_log {
+            true => Err(Error::Usage(format!(
+                "{} is a log, not a model file: give its robot with --urdf, or the model file that \
+                 `sesc diagnose --out` writes of it",
+                path.display()
+            ))),
+            false => Ok(Some(ModelFile::read(path)?)),
+        };
+    };
+    let mut request = Request::new(Arc::clone(robot), LogSource::from(path));
+    request.support.clone_from(&arguments.support);
+    request.snapping = snapping(arguments);
+    request.angles = arguments.degrees.then_some(Angles::Deg);
+    let prior = arguments
+        .how
+        .prior
+        .as_deref()
+        .unwrap_or(Prior::OF_DIAGNOSES);
+    request.prior = PriorChoice::from(prior);
+    request.noise = arguments.how.noise;
+    request.floor = arguments.how.floor;
+    request.motion = arguments.how.motion.into();
+    request.stays = Stays::from(&arguments.stays);
+    request.feet = Feet::from(&arguments.feet);
+    let report = diagnose(&request, &mut Bar::new("reading"))?;
+    let found = &report.diagnosis;
+    if found.verdict == Verdict::Unusable {
+        message(&format!(
+            "check failed: {} cannot be used: {}",
+            path.display(),
+            found.sentence
+        ));
+        return Ok(None);
+    }
+    let mut model = report.model_file;
+    model.file = path.display().to_string();
+    Ok(Some(model))
+}
+
+fn snapping(arguments: &Arguments) -> Snapping {
+    match arguments.no_snap {
+        true => Snapping::Off,
+        false => Snapping::default(),
+    }
+}
+
+fn skeleton(arguments: &Arguments, robot: &Robot, support: &str) -> Result<Skeleton, Error> {
+    let model = robot.model(support, snapping(arguments), None)?;
+    let folder = arguments.urdf.as_ref().and_then(|path| path.parent());
+    Ok(Skeleton::of(&model, &robot.description, folder))
 }

@@ -11,7 +11,7 @@ use sesc_model::Snapping;
 use sesc_model::files::write_all_if_changed;
 
 use super::outputs::Files;
-use super::{Bar, Outcome, message, show};
+use super::{Bar, Outcome, command_line, message, show};
 use crate::demo::{self, Demo};
 use crate::report::html;
 use crate::report::table::{Table, wrapped};
@@ -45,7 +45,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         keep(folder)?;
     }
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
-    let page = html::demo(&demo.report).map_err(|error| Error::Report(Box::new(error)))?;
+    let page = html::demo(&demo.report, &command_line())
+        .map_err(|error| Error::Report(Box::new(error)))?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
     show(&text(&demo))?;
     show(&format!(

@@ -177,8 +177,9 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
             message(&format!("wrote {}", path.display()));
         }
         (Some(path), None) => message(&format!(
-            "{} is not written: nothing is left to tell apart",
-            path.display()
+            "{} is not written. {}",
+            path.display(),
+            report.diagnosis.next_postures.why
         )),
         (None, _) => {}
     }

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use clap::Args;
+use sesc_codegen::emit::header::at_most;
 use sesc_model::{Function, Interface};
 
 use super::{Outcome, RobotArguments, print_json, show};
 use crate::Error;
 use crate::inspect::{Inspection, inspect};
-use crate::report::table::Table;
+use crate::report::table::{Table, wrapped};
 
 /// Tree, chain, base parameters, what is unobservable, operation counts, snaps
 #[derive(Args)]
@@ -92,9 +93,7 @@ fn text(i: &Inspection, long: bool) -> String {
     }
     let _ = writeln!(out, "{parameters}");
     let _ = writeln!(out, "What no data can see:");
-    for direction in &i.unobservable {
-        let _ = writeln!(out, "  {}", direction.sentence);
-    }
+    let _ = write!(out, "{}", unseen(i, long));
     // Divisions, clamps and powers: a column of their own where an effect needs any.
     let effects = i.operations.values().any(|operations| operations.other > 0);
     let mut titles = vec!["function", "mul", "add", "sin_cos"];
@@ -112,8 +111,8 @@ fn text(i: &Inspection, long: bool) -> String {
             operations.sin_cos.to_string(),
         ];
         row.extend(effects.then(|| operations.other.to_string()));
-        row.push(format!("{:.1e}", i.rounding_bound[name].f64));
-        row.push(format!("{:.1e}", i.rounding_bound[name].f32));
+        row.push(at_most(i.rounding_bound[name].f64));
+        row.push(at_most(i.rounding_bound[name].f32));
         row.push(functions[name].unit.to_string());
         row.extend(long.then(|| functions[name].sentence.to_string()));
         costs.row(&row);
@@ -125,9 +124,39 @@ fn text(i: &Inspection, long: bool) -> String {
     for snap in &i.snaps {
         let _ = writeln!(
             out,
-            "snapped {}: {:.1e} rad to a right angle, moves the CoM by at most {:.1e} m",
-            snap.joint, snap.angle_error, snap.com_error
+            "snapped {}: {:.1e} rad to a right angle, moves the CoM by at most {} m",
+            snap.joint,
+            snap.angle_error,
+            at_most(snap.com_error)
         );
+    }
+    out
+}
+
+/// How names begin of what rotation about a joint's axis hides.
+const AXIS_OF: &str = "axis of ";
+
+/// What no data can see: what every revolute joint hides in one sentence, unless all are asked
+/// for.
+fn unseen(i: &Inspection, long: bool) -> String {
+    let mut out = String::new();
+    let (alike, others): (Vec<_>, Vec<_>) = i
+        .unobservable
+        .iter()
+        .partition(|own| !long && own.name.starts_with(AXIS_OF));
+    let joints = alike.iter().map(|own| own.name.trim_start_matches(AXIS_OF));
+    let joints: Vec<&str> = joints.collect();
+    if !joints.is_empty() {
+        let sentence = format!(
+            "along the axis of each of {} joints, r of the body that it moves goes to the body \
+             that carries it (table above): rotation about that axis leaves it unchanged. {}",
+            joints.len(),
+            joints.join(", ")
+        );
+        let _ = writeln!(out, "  {}", wrapped(&sentence, "    "));
+    }
+    for direction in others {
+        let _ = writeln!(out, "  {}", direction.sentence);
     }
     out
 }

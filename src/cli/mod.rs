@@ -426,7 +426,7 @@ fn judged(error: f64, floor: f64, most: Option<f64>) -> Outcome {
 
 /// A progress bar on a terminal's stderr; silent elsewhere.
 fn progress(what: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new(0);
+    let bar = ProgressBar::no_length();
     if !std::io::stderr().is_terminal() || manners::quiet() {
         bar.set_draw_target(ProgressDrawTarget::hidden());
     }
@@ -453,9 +453,13 @@ impl Drop for Bar {
 
 impl Watch for Bar {
     fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
-        self.0.set_message(progress.what);
-        self.0.set_length(progress.total.unwrap_or(progress.done));
+        // A bar of length 0 is full: it is empty until it is known how much there is to do.
+        match progress.total.filter(|total| *total > 0) {
+            Some(total) => self.0.set_length(total),
+            None => self.0.unset_length(),
+        }
         self.0.set_position(progress.done);
+        self.0.set_message(progress.what);
         ControlFlow::Continue(())
     }
 
@@ -481,4 +485,24 @@ fn command_line() -> String {
         .chain(words.map(quoted))
         .collect::<Vec<_>>()
         .join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bar_is_empty_until_it_is_known_how_much_there_is_to_do() {
+        let mut bar = Bar::new("reading");
+        assert_eq!(bar.0.length(), None);
+        for (done, total, length) in [(0, Some(0), None), (7, None, None), (7, Some(9), Some(9))] {
+            let progress = Progress {
+                what: "reading",
+                done,
+                total,
+            };
+            assert!(bar.progress(progress).is_continue());
+            assert_eq!((bar.0.length(), bar.0.position()), (length, done));
+        }
+    }
 }

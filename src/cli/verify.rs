@@ -58,6 +58,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             ]);
         }
         let mut text = format!("{table}\n");
+        if !model.tree.snaps.is_empty() {
+            text += "allowed: what rounding makes, and what the snapped right angles move; with \
+                     --no-snap rounding alone\n";
+        }
         if found.springs_left_out > 0.0 {
             text += &format!(
                 "springs: four rounds leave out up to {:.1e} m\n",

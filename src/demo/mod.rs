@@ -73,6 +73,7 @@ pub fn run(seed: u64, watch: &mut dyn Watch) -> Result<Demo, Error> {
     let report = DemoReport {
         hidden: Some(hidden.act()),
         robot: model.tree.robot.clone(),
+        hash: model.tree.hash.clone(),
         support: model.tree.links[model.tree.support].name.clone(),
         dof: model.dof(),
         bodies: model.chain.bodies.len(),

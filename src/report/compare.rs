@@ -1,4 +1,10 @@
-//! Two models held against each other, on the console.
+//! Two models held against each other: on the console, and as a page.
+
+mod page;
+#[cfg(test)]
+mod tests;
+
+pub use page::page;
 
 use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
 use sesc_identify::diagnose::words::{Found, spoken};
@@ -36,15 +42,23 @@ pub fn text(comparison: &Comparison, before: &str, after: &str) -> String {
     out + &comparison.sentence + "\n"
 }
 
-fn rows(table: &mut Table, effect: &EffectChange) {
-    let change = match effect.change {
+/// What became of an effect, in a word.
+fn change(effect: &EffectChange) -> &'static str {
+    match effect.change {
         Change::Appeared => "appeared",
         Change::Gone => "gone",
         Change::Changed => "changed",
         Change::Same => "same",
         Change::Unknown => "differs",
-    };
-    let first = [effect.effect.as_str(), effect.target.as_str(), change];
+    }
+}
+
+fn rows(table: &mut Table, effect: &EffectChange) {
+    let first = [
+        effect.effect.as_str(),
+        effect.target.as_str(),
+        change(effect),
+    ];
     if effect.parameters.is_empty() {
         table.row(&first);
     }

@@ -7,6 +7,7 @@
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, Error, UndefinedBehavior, context};
 
+use super::origin::Origin;
 use super::{DemoReport, HiddenAct, diagnose, digest, figures, svg, table};
 
 /// Outline of the OP2's sole around its sole frame: length, width, m.
@@ -22,12 +23,18 @@ const SCRIPT: [&str; 6] = [
     include_str!("script/start.js"),
 ];
 
-/// The page of `sesc demo`.
-pub fn demo(report: &DemoReport) -> Result<String, Error> {
+/// The page of `sesc demo`; `command` makes it again.
+pub fn demo(report: &DemoReport, command: &str) -> Result<String, Error> {
     let figure = Value::from_safe_string;
     let hidden = report.hidden.as_ref();
     let context = context! {
         report => Serde(report),
+        origin => Origin {
+            robot: [&report.robot, &report.hash],
+            command,
+            ..Origin::default()
+        }
+        .context(),
         robot => hidden.map(of_hidden),
         sole_mm => OP2_SOLE_M.map(|length| format!("{:.0}", 1e3 * length)).to_vec(),
         all_within => report.functions.iter().all(|row| row.worst_error_m <= row.bound_m),
@@ -63,6 +70,7 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     environment.add_filter("mm", table::mm);
     environment.add_filter("scientific", scientific);
     environment.add_filter("code", code);
+    environment.add_filter("chance", table::chance);
     // Columns of a table line up at the point.
     environment.add_filter("hundredths", |metres: f64| format!("{:.2}", 1e3 * metres));
     environment.add_filter("digits", |value: f64, digits: usize| {
@@ -82,6 +90,8 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     for (name, source) in [
         ("page.css", include_str!("page.css")),
         ("page.html", include_str!("page.html")),
+        ("again.html", include_str!("again.html")),
+        ("compare.html", include_str!("compare.html")),
         ("data.html", include_str!("data.html")),
         ("demo.html", include_str!("demo.html")),
         ("diagnose.html", include_str!("diagnose.html")),
@@ -89,6 +99,8 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
         ("fit.html", include_str!("fit.html")),
         ("fleet.html", include_str!("fleet.html")),
         ("fleet_robot.html", include_str!("fleet_robot.html")),
+        ("origin.html", include_str!("origin.html")),
+        ("next.html", include_str!("next.html")),
         ("plan.html", include_str!("plan.html")),
         ("robot.html", include_str!("robot.html")),
     ] {
@@ -149,7 +161,7 @@ mod tests {
 
     #[test]
     fn the_page_says_the_numbers() {
-        let page = demo(&report()).unwrap();
+        let page = demo(&report(), "sesc demo").unwrap();
         for text in [
             "0.72 mm",
             "3.93 mm",
@@ -167,7 +179,7 @@ mod tests {
         let mut fine = report();
         fine.functions.truncate(1);
         assert!(
-            demo(&fine)
+            demo(&fine, "sesc demo")
                 .unwrap()
                 .contains("functions agree with the reference")
         );
@@ -175,7 +187,7 @@ mod tests {
 
     #[test]
     fn names_are_escaped() {
-        let page = demo(&report()).unwrap();
+        let page = demo(&report(), "sesc demo").unwrap();
         for raw in ["op<2>", "<b>&", "<l_knee>"] {
             assert!(!page.contains(raw), "{raw}");
         }
@@ -184,17 +196,17 @@ mod tests {
 
     #[test]
     fn the_page_stands_alone_and_is_the_same_every_time() {
-        let page = demo(&report()).unwrap();
+        let page = demo(&report(), "sesc demo").unwrap();
         still(&page, 1);
         assert_eq!(page.matches("<svg ").count(), 9);
-        assert_eq!(page, demo(&report()).unwrap());
+        assert_eq!(page, demo(&report(), "sesc demo").unwrap());
     }
 
     /// The policy of a page lets its one script run and nothing else, and that is small.
     #[test]
     fn a_page_may_run_its_own_script_and_load_nothing() {
         assert!(SCRIPT.concat().len() < 150_000);
-        let page = demo(&report()).unwrap();
+        let page = demo(&report(), "sesc demo").unwrap();
         let (_, policy) = page
             .split_once("Content-Security-Policy\" content=\"")
             .unwrap();

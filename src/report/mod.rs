@@ -13,6 +13,8 @@ pub mod fit;
 pub mod fleet;
 pub mod health;
 pub mod html;
+pub mod next_steps;
+mod origin;
 pub mod plan;
 mod robot;
 mod svg;
@@ -30,6 +32,8 @@ use sesc_identify::feet::ClosureFound;
 pub struct DemoReport {
     /// Robot, as its URDF calls it.
     pub robot: String,
+    /// Hash of its URDF, in hexadecimal.
+    pub hash: String,
     /// Link that stands on the ground.
     pub support: String,
     /// Independent joints.

@@ -130,11 +130,16 @@ pub fn mm(metres: f64) -> String {
 
 /// Lines of at most a hundred characters, `indent` before all but the first.
 pub fn wrapped(text: &str, indent: &str) -> String {
+    wrapped_at(text, indent, 97)
+}
+
+/// The same with lines of at most `most` letters.
+pub fn wrapped_at(text: &str, indent: &str, most: usize) -> String {
     let mut out = String::new();
     let mut length = 0;
     for word in text.split_whitespace() {
         let count = word.chars().count();
-        if length > 0 && length + 1 + count > 97 {
+        if length > 0 && length + 1 + count > most {
             out.push_str(&format!("\n{indent}"));
             length = 0;
         } else if length > 0 {
@@ -147,9 +152,25 @@ pub fn wrapped(text: &str, indent: &str) -> String {
     out
 }
 
+/// A probability as people read it: `p = 0.37`, and `p < 0.005` where two digits would be zero.
+pub fn chance(p: f64) -> String {
+    match p < 0.005 {
+        true => "p < 0.005".to_string(),
+        false => format!("p = {p:.2}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_chance_is_never_zero() {
+        assert_eq!(
+            [0.0, 0.0049, 0.005, 0.372].map(chance),
+            ["p < 0.005", "p < 0.005", "p = 0.01", "p = 0.37"]
+        );
+    }
 
     #[test]
     fn numbers_align_right_and_names_left() {

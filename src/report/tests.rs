@@ -16,6 +16,7 @@ pub fn report() -> DemoReport {
     let wave = |k: usize| (k as f64 * 1.7).sin();
     DemoReport {
         robot: "op<2>".to_string(),
+        hash: "00c0ffee".to_string(),
         support: "r_sole".to_string(),
         dof: 20,
         bodies: 21,

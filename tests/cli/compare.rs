@@ -89,3 +89,70 @@ fn models_on_other_supports_are_refused() {
     let output = sesc(&["compare", &monday, &other]);
     refused(&output, &["other.toml", "`l_sole`", "`r_sole`"]);
 }
+
+/// A log of the OP2, with `hidden` or nothing in it.
+fn log(folder: &Path, name: &str, seed: &str, hidden: &[&str]) -> String {
+    let log = folder.join(name).display().to_string();
+    let urdf = op2();
+    let mut simulate = vec!["simulate", &urdf, "--support", "r_sole", "--poses", "60"];
+    simulate.extend(["--noise", "0.0005", "--seed", seed, "--out", &log]);
+    simulate.extend(hidden.iter().flat_map(|what| ["--hide", what]));
+    stdout(&sesc(&simulate));
+    log
+}
+
+#[test]
+fn two_logs_are_diagnosed_and_compared_on_a_page() {
+    let folder = folder();
+    let monday = log(folder.path(), "monday.csv", "1", &[]);
+    let friday = log(
+        folder.path(),
+        "friday.csv",
+        "2",
+        &["joint_offset:r_knee=3deg"],
+    );
+    let page = folder.path().join("page.html").display().to_string();
+    let urdf = op2();
+    let words = ["compare", &monday, &friday, "--urdf", &urdf];
+    let said = stdout(&sesc(
+        &[&words[..], &["--report", &page, "--json"]].concat(),
+    ));
+    let json: Value = serde_json::from_str(&said).unwrap();
+    let effect = &json["effects"][0];
+    assert_eq!(
+        [&effect["target"], &effect["change"]],
+        ["r_knee", "appeared"]
+    );
+    // The same as by way of model files.
+    let models = [&monday, &friday].map(|log| {
+        let model = log.replace(".csv", ".toml");
+        stdout(&sesc(&["diagnose", &urdf, "--data", log, "--out", &model]));
+        model
+    });
+    let by_models = compared(&models[0], &models[1]);
+    assert_eq!(json["effects"], by_models["effects"]);
+    let close = |a: &Value, b: &Value| (a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-6;
+    assert!(close(&json["chi2"], &by_models["chi2"]), "{json}");
+    let html = std::fs::read_to_string(&page).unwrap();
+    for words in [
+        "friday.csv differs from monday.csv",
+        "joint_offset:r_knee",
+        "60 rows, hash ",
+    ] {
+        assert!(html.contains(words), "{words}");
+    }
+    // Two of the robot, and the deviations.
+    assert_eq!(html.matches("<svg ").count(), 3);
+}
+
+#[test]
+fn logs_without_a_robot_are_refused_with_the_remedy() {
+    let folder = folder();
+    let monday = log(folder.path(), "monday.csv", "1", &[]);
+    let friday = log(folder.path(), "friday.csv", "2", &[]);
+    let output = sesc(&["compare", &monday, &friday]);
+    refused(
+        &output,
+        &["monday.csv is a log", "--urdf", "diagnose --out"],
+    );
+}

@@ -113,7 +113,8 @@ fn a_fit_that_misses_something_points_to_diagnose() {
     }
     assert!(!said[0].contains("sesc diagnose"), "{}", said[0]);
     assert!(
-        said[1].contains("next             sesc diagnose"),
+        said[1].contains("next             Diagnose the log: ")
+            && said[1].contains("sesc diagnose URDF --data LOG"),
         "{}",
         said[1]
     );
@@ -278,6 +279,30 @@ fn tables_of_a_robot_fit_a_wide_terminal_and_long_ones_are_asked_for() {
     let text = stdout(&sesc(&inspect));
     assert!(widest(&text) <= 120, "{}", widest(&text));
     assert!(text.contains("Ry(-r_knee)"));
+    // Twenty joints hide the same.
+    assert_eq!(text.matches("moves to its parent").count(), 0);
+    assert!(text.contains("along the axis of each of 20 joints") && text.contains("l_knee"));
     let long = stdout(&sesc(&[&inspect[..], &["--long"]].concat()));
+    assert_eq!(long.matches("moves to its parent").count(), 20);
+    // One rounding, up, as in the headers of generated files.
+    let folder = folder();
+    let out = folder.path().display().to_string();
+    let generate = [
+        "generate",
+        &op2(),
+        "--support",
+        "r_sole",
+        "--lang",
+        "c",
+        "--name",
+        "op2",
+    ];
+    stdout(&sesc(&[&generate[..], &["--out", &out]].concat()));
+    let header = std::fs::read_to_string(folder.path().join("op2.h")).unwrap();
+    let snap = |text: &str| {
+        let (_, rest) = text.split_once("by at most ").unwrap();
+        rest.split(' ').next().unwrap().to_string()
+    };
+    assert_eq!(snap(&text), snap(&header));
     assert!(long.contains("Rx(-r_ank_roll) Ry(r_ank_pitch) Ry(-r_knee)"));
 }

@@ -68,6 +68,30 @@ pub fn labels(said: &Value) -> Vec<String> {
         .collect()
 }
 
+/// What to do next does not contradict itself: postures are offered where they tell something.
+fn next_steps(said: &Value) {
+    let mut commands = String::new();
+    for step in said["next_steps"].as_array().unwrap() {
+        for key in ["what", "why"] {
+            assert!(
+                step[key].as_str().is_some_and(|text| !text.is_empty()),
+                "{step}"
+            );
+        }
+        commands += step["command"].as_str().unwrap_or_default();
+        commands += "\n";
+    }
+    let next = &said["next_postures"];
+    let tells = next["experiments"][0]["splits"].as_u64().unwrap_or(0) > 0;
+    let asked = ["--next", "--then"]
+        .iter()
+        .any(|option| commands.contains(option));
+    assert_eq!(asked, tells, "{commands}\n{next}");
+    let none = next["why"].as_str().unwrap().starts_with("No experiment");
+    assert!(!(none && asked), "{next}");
+    assert!(tells || next["file"].is_null(), "{next}");
+}
+
 /// Every key of the contract, with its type, and what they say of each other.
 pub fn as_agreed(said: &Value) {
     let verdict = said["verdict"].as_str().unwrap();
@@ -88,6 +112,7 @@ pub fn as_agreed(said: &Value) {
         said["unexplained"].as_bool(),
         Some(verdict == "unexplained")
     );
+    next_steps(said);
     let steps = said["steps"].as_array().unwrap();
     for step in steps {
         let keys: Vec<&str> = step

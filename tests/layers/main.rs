@@ -61,6 +61,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
         "identify",
         &[
             "words",
+            "next_steps",
             "error",
             "watch",
             "threads",

@@ -142,6 +142,7 @@ pub fn find<'m>(
         robot: about.robot.to_string(),
         support: about.support.to_string(),
         log: about.log.to_string(),
+        times: None,
         postures: problem.data.postures,
         postures_used: problem.data.len(),
         prior: about.prior.clone(),
@@ -168,6 +169,7 @@ pub fn find<'m>(
         blind: blind_spots(problem, &blind),
         hypotheses_fitted: counted,
         next_postures: NextPostures::default(),
+        next_steps: Vec::new(),
         model_use: None,
         left_out_of_urdf: None,
     };

@@ -10,6 +10,7 @@ use super::hypothesis::Term;
 use super::problem::Fit;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
+use crate::next_steps::NextStep;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
@@ -290,6 +291,9 @@ pub struct Diagnosis {
     pub support: String,
     /// Name of the log.
     pub log: String,
+    /// First and last `t` of the logs, s; none where they have no `t`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub times: Option<[f64; 2]>,
     /// Postures in the log.
     pub postures: usize,
     /// Postures that were used; long logs are thinned out.
@@ -334,6 +338,8 @@ pub struct Diagnosis {
     pub hypotheses_fitted: usize,
     /// The experiments that would separate the class.
     pub next_postures: NextPostures,
+    /// What to do next, the most useful first.
+    pub next_steps: Vec<NextStep>,
     /// How the model file is used, where one is written that predicts the log.
     #[serde(rename = "use", skip_serializing_if = "Option::is_none")]
     pub model_use: Option<ModelUse>,

@@ -24,6 +24,7 @@ mod model_check;
 mod model_file;
 mod motion;
 mod next_postures;
+mod next_steps;
 mod noise;
 mod nuisance;
 mod outliers;
@@ -44,6 +45,7 @@ mod wiring;
 pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
+pub use criteria::{CLASS_SCORE, OVER_NOTHING};
 pub use findings::{Diagnosis, Verdict};
 pub(crate) use hypothesis::FREE_MASSES;
 pub use request::{FLOOR_M, NextLog, Report, Request, diagnose, look};

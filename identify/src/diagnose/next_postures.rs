@@ -8,7 +8,7 @@ use sesc_model::{Model, Snapping};
 
 use super::criteria::{self, NEXT_POSTURES};
 use super::experiment::{Postures, Trial};
-use super::findings::{ExperimentProposal, Found};
+use super::findings::{ExperimentProposal, Found, Verdict};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
 use crate::plan::balance::Region;
@@ -25,6 +25,13 @@ pub struct Next {
     /// What the best is.
     pub experiment: Option<Experiment>,
     pub postures: Option<OnFoot>,
+}
+
+impl Next {
+    /// The best experiment, if it would exclude any explanation.
+    pub fn telling(&self) -> Option<&ExperimentProposal> {
+        self.proposals.first().filter(|best| best.splits > 0)
+    }
 }
 
 /// Rank experiments by how many of the class they exclude.
@@ -303,14 +310,20 @@ fn other_foot(robot: &Robot, support: &str, snapping: Snapping) -> Option<Model>
 }
 
 /// In a sentence or two, for the diagnosis.
-pub fn why(next: &Next, class: usize) -> String {
+pub fn why(next: &Next, found: &Found) -> String {
     let Some(best) = next.proposals.first() else {
-        return match class {
-            0 | 1 => "Nothing is left to tell apart.".to_string(),
+        return match (found.diagnosis.verdict, found.class.len()) {
+            (Verdict::Unusable, _) => "These data cannot be used.".to_string(),
+            (Verdict::Unexplained, _) => {
+                "No known effect explains these data, so there are no explanations that postures \
+                 would tell apart: check the robot by hand first."
+                    .to_string()
+            }
+            (_, 0 | 1) => "Nothing is left to tell apart.".to_string(),
             _ => "No experiment is known that would tell these apart.".to_string(),
         };
     };
-    let others = class - 1;
+    let others = found.class.len().saturating_sub(1);
     if best.splits == 0 {
         return format!(
             "No experiment that is known here would tell these apart; nearest is {} (χ² {:.0}).",
@@ -318,9 +331,15 @@ pub fn why(next: &Next, class: usize) -> String {
             best.separations.iter().copied().fold(0.0, f64::max)
         );
     }
+    let excluded = match (best.splits, others) {
+        (1, 1) => "the other explanation".to_string(),
+        (2, 2) => "both other explanations".to_string(),
+        (splits, others) if splits == others => format!("all {others} other explanations"),
+        (splits, others) => format!("{splits} of the {others} other explanations"),
+    };
     let mut text = format!(
-        "Most would be told by {}: it would exclude {} of the {others} other explanations.",
-        best.what, best.splits
+        "Most would be told by {}: it would exclude {excluded}.",
+        best.what
     );
     let more: Vec<String> = next
         .proposals

@@ -22,7 +22,7 @@ use super::next_postures::{self, Next, OnFoot};
 use super::problem::Problem;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
-use super::{closure, experiment, model_check, motion, noise, samples, verdict};
+use super::{closure, experiment, model_check, motion, next_steps, noise, samples, verdict};
 use crate::feet::Feet;
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
@@ -131,7 +131,7 @@ pub struct Report {
     pub of_the_log: Vec<String>,
     /// Where it was wanted.
     pub view: Option<DiagnosisView>,
-    /// Postures of the experiment that would tell most, if something is left to tell.
+    /// Postures of the experiment that would tell most, if one would tell explanations apart.
     pub next: Option<NextLog>,
     /// What is to be known of the robot.
     pub notes: Vec<String>,
@@ -287,15 +287,23 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let overstated = noise::overstated(&problem, &found);
     found.diagnosis.health.extend(overstated);
     let meshes = request.meshes.as_deref();
+    found.diagnosis.times = times(
+        [&problem]
+            .into_iter()
+            .chain(further.iter().map(|f| &f.problem)),
+    );
     let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
+    let telling = next.telling().map(|best| best.what.clone());
     found.diagnosis.next_postures = NextPostures {
-        why: next_postures::why(&next, found.class.len()),
-        file: match (&next.postures, &request.next_file) {
+        why: next_postures::why(&next, &found),
+        file: match (&telling, &request.next_file) {
             (Some(_), Some(path)) => Some(path.display().to_string()),
             _ => None,
         },
         experiments: next.proposals.clone(),
     };
+    let dofs = &model.tree.dofs;
+    found.diagnosis.next_steps = next_steps::after(&found.diagnosis, dofs, telling.as_deref());
     let corrected = request
         .corrected_urdf
         .then(|| {
@@ -472,7 +480,15 @@ fn with_data(
     file
 }
 
+/// First and last time of all logs, s.
+fn times<'a, 'm: 'a>(problems: impl Iterator<Item = &'a Problem<'m>>) -> Option<[f64; 2]> {
+    let known = problems.filter_map(|problem| problem.data.summary.as_ref()?.times);
+    known.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
+/// The postures of the best experiment, where it tells anything.
 fn next_log(next: Next, model: &Model, robot: &str) -> Option<NextLog> {
+    next.telling()?;
     let OnFoot { support, q, ranks } = next.postures?;
     Some(NextLog {
         robot: robot.to_string(),

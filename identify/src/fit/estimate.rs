@@ -6,6 +6,7 @@ use sesc_model::Model;
 use super::gather::{Fold, Gathered};
 use super::identification::{Identification, ParameterFound, Settings};
 use super::limits::Limits;
+use super::next_steps;
 use super::physical;
 use super::prior::{Prior, Tolerances};
 use super::summary::{
@@ -179,7 +180,7 @@ pub(super) fn identify_within(
     let parameters = parameters(model, &estimate, &std, prior_std.as_deref(), &cad);
     let r = plain.r();
     let data_error = (&r * &covariance * r.transpose()).trace();
-    Identification {
+    let mut found = Identification {
         robot: model.tree.robot.clone(),
         hash: model.tree.hash.clone(),
         support: model.tree.links[model.tree.support].name.clone(),
@@ -231,11 +232,14 @@ pub(super) fn identify_within(
         down_weighted: gathered.down_weighted.clone(),
         health,
         warnings,
+        next_steps: Vec::new(),
         active_bounds: masses.as_ref().map(|masses| masses.active.clone()),
         estimate,
         information,
         masses,
-    }
+    };
+    found.next_steps = next_steps::after(&found);
+    found
 }
 
 /// Whether masses are so much other than CAD's that what is linear about CAD no longer tells

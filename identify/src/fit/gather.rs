@@ -46,6 +46,9 @@ pub struct LogUsed {
     pub hash: String,
     /// Rows.
     pub rows: u64,
+    /// Least and largest `t`, s; none where the log has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub times: Option<[f64; 2]>,
 }
 
 /// A posture that a robust fit trusts less.

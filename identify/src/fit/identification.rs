@@ -9,6 +9,7 @@ use super::prior::Prior;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
+use crate::next_steps::NextStep;
 use crate::observations::motion::Plan;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
@@ -184,6 +185,8 @@ pub struct Identification {
     pub health: Vec<Finding>,
     /// Warnings as sentences.
     pub warnings: Vec<String>,
+    /// What to do next, the most useful first.
+    pub next_steps: Vec<NextStep>,
     /// Bounds of physical masses that hold the fit back; none where it was not bounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active_bounds: Option<Vec<String>>,

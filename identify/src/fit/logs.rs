@@ -230,6 +230,7 @@ impl<'r> Logs<'r> {
                     file: file.file_name().to_string(),
                     hash: summary.hash,
                     rows: summary.rows,
+                    times: summary.times,
                 });
                 gathered.averaged += reader.averaged() * summary.rows as f64;
             }

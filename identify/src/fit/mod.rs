@@ -23,6 +23,7 @@ mod logs;
 #[cfg(test)]
 mod mass_tests;
 pub(crate) mod masses;
+mod next_steps;
 #[cfg(test)]
 mod noise_tests;
 pub mod part;

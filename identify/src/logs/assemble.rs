@@ -23,7 +23,7 @@ use std::sync::Arc;
 use sesc_model::tree::Dof;
 
 use super::block::{Block, Cells};
-use super::bounds::{self, LEAST_LOAD_N, check, check_gravity, check_joint};
+use super::bounds::{self, LEAST_LOAD_N, check, check_gravity, check_joint, three_digits};
 use super::columns::Columns;
 use super::names::{nearest, short};
 use super::options::Options;
@@ -161,8 +161,9 @@ impl Assembler {
         if far.is_some_and(|far| far > FAR) && !self.any_unit {
             let typical = far.unwrap_or_default();
             let message = format!(
-                "columns `cop_x`, `cop_y`: the CoP is typically {typical:?} from the origin of \
-                 the sole; give metres, not millimetres"
+                "columns `cop_x`, `cop_y`: the CoP is typically {} m from the origin of the \
+                 sole; give metres, not millimetres",
+                three_digits(typical)
             );
             return Err(self.fault(line, message));
         }

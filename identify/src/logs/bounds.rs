@@ -79,6 +79,17 @@ pub(super) fn check_gravity([x, y, z]: [f64; 3]) -> Result<(), String> {
     }
 }
 
+/// A number with three digits that count, as people write it.
+pub(super) fn three_digits(x: f64) -> String {
+    match x.abs() {
+        size if (1e-3..1e5).contains(&size) => {
+            let digits = (2.0 - size.log10().floor()).max(0.0) as usize;
+            format!("{x:.digits$}")
+        }
+        _ => format!("{x:.2e}"),
+    }
+}
+
 /// Deviations as they typically stand in a log whose CoP is in metres.
 pub(super) fn check_typical_std(typical: f64) -> Result<(), Message> {
     if typical <= STD_M {
@@ -86,9 +97,29 @@ pub(super) fn check_typical_std(typical: f64) -> Result<(), Message> {
     }
     Err(message![
         format!(
-            "columns `cop_x_std`, `cop_y_std`: a reading is typically known to {typical:?}, more \
-             than a sole; give metres, not millimetres, or leave out the columns and give "
+            "columns `cop_x_std`, `cop_y_std`: a reading is typically known to {} m, more than a \
+             sole; give metres, not millimetres, or leave out the columns and give ",
+            three_digits(typical)
         ),
         Setting::Noise
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits_that_count() {
+        for (x, said) in [
+            (83.082_602_608_169_72, "83.1"),
+            (2.5, "2.50"),
+            (0.012_34, "0.0123"),
+            (12_345.6, "12346"),
+            (1.5e300, "1.50e300"),
+            (0.0, "0.00e0"),
+        ] {
+            assert_eq!(three_digits(x), said);
+        }
+    }
 }

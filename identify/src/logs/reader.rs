@@ -25,7 +25,7 @@ use crate::{Error, Message};
 const CHUNK: usize = 4096;
 
 /// What was read, for the record.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// 16 hex digits: XXH64 (seed 0) over the bytes of the file.
     pub hash: String,
@@ -33,6 +33,8 @@ pub struct Summary {
     pub rows: u64,
     /// Runs of rows that share a pose.
     pub postures: u64,
+    /// Least and largest `t`, s; none where the log has none.
+    pub times: Option<[f64; 2]>,
 }
 
 /// A log being read.
@@ -58,6 +60,7 @@ pub struct PostureReader {
     screen: Option<Screening>,
     rows: u64,
     postures: u64,
+    times: Option<[f64; 2]>,
     /// What the log's sidecar says.
     pub sidecar: Sidecar,
     /// What is odd about the log so far, complete after the last block.
@@ -82,7 +85,8 @@ impl PostureReader {
         let file = log.name().to_string();
         let watched = log.watched()?;
         let mut source = open_source(&log, dofs, options, &sidecar)?;
-        let bad = |message: String| Error::log(&file, Some(1), message);
+        let misnamed = misnamed(&log, &*source);
+        let bad = |message: String| Error::log(&file, Some(1), format!("{misnamed}{message}"));
         let header = sidecar.renamed(source.header()).map_err(bad)?;
         let columns = Columns::of(&header, dofs, options.readings).map_err(bad)?;
         warnings.extend(source.warnings());
@@ -125,6 +129,7 @@ impl PostureReader {
             screen: log.screen.as_ref().map(|screen| screen.start()),
             rows: 0,
             postures: 0,
+            times: None,
             sidecar,
             warnings,
         })
@@ -239,6 +244,9 @@ impl PostureReader {
             self.given = end;
         }
         self.rows += block.len() as u64;
+        let known = block.t.iter().flatten().copied().filter(|t| t.is_finite());
+        let ends = self.times.into_iter().chain(known.map(|t| [t, t]));
+        self.times = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         self.suspicions.see(&block);
         if self.rows > 0 && block.len() < count {
             self.suspicions.judge(&mut self.warnings);
@@ -288,6 +296,7 @@ impl PostureReader {
             hash: format!("{:016x}", self.source.hash()),
             rows: self.rows,
             postures: self.postures,
+            times: self.times,
         })
     }
 }
@@ -321,6 +330,26 @@ fn open_source(
         return Err(Error::log(file.to_string(), None, message));
     }
     Ok(Box::new(CsvSource::open(file, head, input)?))
+}
+
+/// What is said before a complaint about columns of a file that its name promises to be of
+/// another format than text.
+fn misnamed(log: &LogSource, source: &dyn Source) -> &'static str {
+    let file = Path::new(log.name());
+    let end = file
+        .extension()
+        .and_then(|end| end.to_str())
+        .unwrap_or_default();
+    match (
+        &log.place,
+        source.is_text(),
+        end.to_ascii_lowercase().as_str(),
+    ) {
+        (Place::Table(_), ..) | (_, false, _) => "",
+        (_, _, "parquet") => "not a Parquet file but text, which is read as CSV: ",
+        (_, _, "mcap") => "not an MCAP recording but text, which is read as CSV: ",
+        _ => "",
+    }
 }
 
 /// What is wrong with a file that by its name is no CSV, and by its first bytes no text.

@@ -42,6 +42,11 @@ pub(super) trait Source: Send {
         false
     }
 
+    /// Whether it is text, whatever its name says.
+    fn is_text(&self) -> bool {
+        false
+    }
+
     /// How much was read, and of how much if that is known: bytes or rows.
     fn progress(&self) -> (u64, Option<u64>);
 

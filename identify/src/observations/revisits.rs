@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::correlation::step;
+use crate::next_steps::NextStep;
 
 /// Postures that are asked for.
 pub const COUNT: usize = 5;
@@ -46,6 +47,18 @@ impl Again {
             names.join(", ")
         );
         Some(Again { poses, sentence })
+    }
+
+    /// The same as a step to take.
+    pub(crate) fn step(&self) -> NextStep {
+        let poses: Vec<String> = self.poses.iter().map(i64::to_string).collect();
+        NextStep::by_hand(
+            format!(
+                "Reach poses {} once more, and log their readings under the same `pose`",
+                poses.join(", ")
+            ),
+            "nothing states the noise, and repeats tell it",
+        )
     }
 
     /// What no log gives, in a file that was read.

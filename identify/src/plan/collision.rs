@@ -91,6 +91,11 @@ impl Collisions {
         all
     }
 
+    /// Whether any bodies are watched.
+    pub fn is_checked(&self) -> bool {
+        self.shapes > 0
+    }
+
     /// What is watched, in words.
     pub fn sentence(&self) -> String {
         match (self.shapes, self.watched) {

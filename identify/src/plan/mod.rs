@@ -26,8 +26,10 @@ pub mod geometry;
 #[cfg(not(feature = "nalgebra"))]
 pub(crate) mod geometry;
 pub mod joint_use;
+mod lessons;
 pub mod limits;
 mod mesh;
+mod next_steps;
 pub(crate) mod order;
 pub(crate) mod poses;
 mod report;
@@ -47,6 +49,7 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::{Function, Model};
 
 pub use candidates::Counts;
+pub use lessons::Lesson;
 pub use report::{Motion, Plan, TwoFeet};
 pub use request::{COP_BOX, Request};
 pub use revisits::Revisits;
@@ -125,6 +128,12 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let (rank, condition_number) = conditioning(&regressor, &choice.chosen);
     let told = prior.is_some() || rank >= rows.directions();
     let chosen = ordered(&q, dof, &choice.chosen);
+    // Without a prior the first postures would teach from nothing: from what CAD usually knows.
+    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
+    let known_before = prior.clone().or_else(usual);
+    let lessons = known_before
+        .map(|factor| lessons::lessons(model, &regressor, &factor, noise, &chosen))
+        .unwrap_or_default();
     let curve = match told {
         true => efficiency::curve(&rows, &choice, noise, request.seed, prior.is_some()),
         false => Vec::new(),
@@ -169,7 +178,9 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         },
         clearance: scene.clearance.sentence(),
         collision: scene.collisions.sentence(),
+        collision_checked: scene.collisions.is_checked(),
         collision_exempt: scene.collisions.exempt.clone(),
+        next_steps: next_steps::after(model),
         notes,
         corners: request.region.corners.clone(),
         margin: request.region.margin,
@@ -186,6 +197,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         log_det: choice.log_det,
         exchanges: choice.exchanges,
         curve,
+        lessons,
         chosen,
         q,
     })

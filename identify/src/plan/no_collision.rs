@@ -22,6 +22,11 @@ impl Collisions {
         None
     }
 
+    /// Whether any bodies are watched.
+    pub fn is_checked(&self) -> bool {
+        false
+    }
+
     /// What is watched, in words.
     pub fn sentence(&self) -> String {
         "not checked: built without the feature `collision`".to_string()

@@ -7,10 +7,12 @@ use serde::Serialize;
 use super::candidates::Counts;
 use super::efficiency::Efficiency;
 use super::joint_use::JointUse;
+use super::lessons::Lesson;
 use super::revisits::Revisits;
 use crate::Error;
 use crate::feet::Offset;
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
+use crate::next_steps::NextStep;
 
 /// Postures to take, in their order, and what a fit of them will know.
 #[derive(Debug, Clone, Serialize)]
@@ -47,6 +49,8 @@ pub struct Plan {
     pub expected_error_random: Option<f64>,
     /// Both over the number of postures.
     pub curve: Vec<Efficiency>,
+    /// What each posture teaches, in their order, after those before it.
+    pub lessons: Vec<Lesson>,
     /// log det of the information over the prior's: greedy, then per round of exchanges.
     pub log_det: Vec<f64>,
     /// Exchanges that improved the greedy choice.
@@ -57,10 +61,14 @@ pub struct Plan {
     pub clearance: String,
     /// What was kept from colliding, in words.
     pub collision: String,
+    /// Whether any two bodies were kept from colliding.
+    pub collision_checked: bool,
     /// Pairs of bodies that touch at rest and are not watched.
     pub collision_exempt: Vec<[String; 2]>,
     /// What was noticed.
     pub notes: Vec<String>,
+    /// What to do with the postures.
+    pub next_steps: Vec<NextStep>,
     /// Corners of where the CoP may be, counter-clockwise, m.
     pub corners: Vec<[f64; 2]>,
     /// How far the CoP is kept from their edges, m.
@@ -120,6 +128,22 @@ pub struct Motion {
 }
 
 impl Plan {
+    /// What became of the draws, in words.
+    pub fn drawn(&self) -> String {
+        let draws = &self.draws;
+        let clear = format!(
+            "{}: {} balanced, {} of them clear of the ground",
+            draws.drawn, draws.balanced, draws.clear
+        );
+        match self.collision_checked {
+            true => format!(
+                "{clear}, {} of these free of self-collision",
+                draws.collision_free
+            ),
+            false => clear,
+        }
+    }
+
     /// The postures as a log in memory, those that come back included.
     pub fn log(&self) -> LogSource {
         let rows: Vec<usize> = self.rows().collect();

@@ -73,6 +73,8 @@ pub struct Capsule {
 pub struct Skeleton {
     /// Name of the robot.
     pub robot: String,
+    /// Hash of its URDF, in hexadecimal.
+    pub hash: String,
     /// Link on the ground.
     pub support: String,
     /// Independent joints, in the order of postures.
@@ -123,6 +125,7 @@ impl Skeleton {
             .collect();
         Skeleton {
             robot: tree.robot.clone(),
+            hash: tree.hash.clone(),
             support: tree.links[tree.support].name.clone(),
             dofs: tree.dofs.clone(),
             capsules: capsules::of(model, description, &geometry, &bodies),

@@ -9,10 +9,13 @@ use super::{count, effect, parameters, robot, servo, where_to};
 use crate::report::data::Data;
 use crate::report::figures::diagnose as figures;
 use crate::report::html::render;
-use crate::report::soles;
+use crate::report::origin::Origin;
 use crate::report::table::mm;
+use crate::report::{next_steps, soles};
 use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 use sesc_identify::diagnose::view::DiagnosisView;
+use sesc_identify::diagnose::{CLASS_SCORE, OVER_NOTHING};
+use sesc_identify::next_steps::{NextStep, Output};
 use sesc_model::ModelFile;
 
 /// Poses and blind spots in a row, at most.
@@ -34,14 +37,22 @@ pub fn page(
     let poses = found.outliers.iter().take(POSES);
     let context = context! {
         found => Serde(found),
-        made => Serde(made),
-        command,
+        origin => Origin {
+            robot: [&made.robot, &made.hash],
+            logs: made.data.iter().map(|log| (&*log.file, log.rows, &*log.hash)).collect(),
+            times: found.times,
+            command,
+        }
+        .context(),
         last => Serde(&found.last),
         headline => headline(found, view),
         robot => robot::card(found, view).context(),
         verdict => verdict(found.verdict),
         postures => count(found.postures, "posture"),
         data => data(found, view).context(),
+        class_score => CLASS_SCORE,
+        class_odds => (0.5 * CLASS_SCORE).exp().round(),
+        over_nothing => OVER_NOTHING,
         class_size => found.class.len(),
         noise_source => found.noise_source.phrase(),
         soles => found.closure.as_ref().map(soles),
@@ -53,10 +64,12 @@ pub fn page(
         blind => Serde(&found.blind[..found.blind.len().min(BLIND)]),
         experiments => experiments(found),
         next_file => file_name(found),
+        next => next_steps::context(&steps_of(found), &asked(found)),
         where_to => where_to(found.verdict),
         changes => changes(found),
         model_use => model_use(found),
         rest => view.trends_of_rest,
+        named => view.by_position.iter().any(|trend| trend.named),
         rms => view.spread.rms.to_vec(),
         many => found.postures_used > view.postures.len(),
         shown => view.postures.len(),
@@ -64,6 +77,10 @@ pub fn page(
             waterfall => figure(figures::waterfall(&view.stages)),
             course => figure(figures::course(&view.postures)),
             arrows => figures::arrows(view).map(figure).to_vec(),
+            predicted => match view.predicted.is_empty() {
+                true => Value::from(()),
+                false => figure(figures::predicted(&view.predicted)),
+            },
             by_position => figure(figures::trends(&view.by_position, "joint position")),
             by_moment => figure(figures::trends(&view.by_moment, "gravity moment")),
             rest => figure(figures::rest(view)),
@@ -120,15 +137,19 @@ fn headline(found: &Diagnosis, view: &DiagnosisView) -> String {
         Verdict::Absorbed => "Masses take the gap: nothing else is visible".to_string(),
         Verdict::Named => format!("The simulation misses {subjects}"),
         Verdict::Class => format!(
-            "The simulation misses {subjects}, or one of {} that look alike",
-            count(found.class.len().saturating_sub(1), "other")
+            "The simulation misses {subjects}, or {}",
+            match found.class.len().saturating_sub(1) {
+                1 => "the other explanation that looks alike".to_string(),
+                n => format!("one of {n} others that look alike"),
+            }
         ),
         Verdict::Unusable => "These data cannot be used".to_string(),
         Verdict::Unexplained if subjects.is_empty() => {
             "No known effect explains the gap".to_string()
         }
         Verdict::Unexplained => {
-            format!("No known effect explains the gap; {subjects} is part of it")
+            let are = if view.subjects.len() > 1 { "are" } else { "is" };
+            format!("No known effect explains the gap; {subjects} {are} part of it")
         }
     }
 }
@@ -211,6 +232,23 @@ fn experiments(found: &Diagnosis) -> Vec<Value> {
         }
     };
     all.take(EXPERIMENTS).map(row).collect()
+}
+
+/// Files that are there, or are this one.
+fn asked(found: &Diagnosis) -> Vec<Output> {
+    let model = found.model_use.as_ref().map(|_| Output::Model);
+    [Output::Page].into_iter().chain(model).collect()
+}
+
+/// The next steps without the folders of this machine.
+fn steps_of(found: &Diagnosis) -> Vec<NextStep> {
+    let mut steps = found.next_steps.clone();
+    if let (Some(path), Some(name)) = (&found.next_postures.file, file_name(found)) {
+        steps
+            .iter_mut()
+            .for_each(|step| step.what = step.what.replace(path, &name));
+    }
+    steps
 }
 
 /// Without the folders of this machine.

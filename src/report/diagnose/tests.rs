@@ -13,6 +13,7 @@ use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{Request, diagnose};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::logs::{LogSource, Sidecar};
+use sesc_identify::next_steps::Output;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 
@@ -126,6 +127,49 @@ fn sound(found: &Diagnosis, view: &DiagnosisView) -> String {
     html
 }
 
+/// Console, page and JSON say the same next steps; the sentences of JSON.
+fn one_voice(found: &Diagnosis, html: &str) -> String {
+    assert!(!found.next_steps.is_empty());
+    let console = text(found, Asked::default());
+    let console: String = console.split_whitespace().collect::<Vec<_>>().join(" ");
+    let json = serde_json::to_value(found).unwrap();
+    for (step, json) in found
+        .next_steps
+        .iter()
+        .zip(json["next_steps"].as_array().unwrap())
+    {
+        assert_eq!(json["what"], step.what.as_str());
+        assert_eq!(json["why"], step.why.as_str());
+        assert!(
+            console.contains(&step.sentence()),
+            "{}\n{console}",
+            step.sentence()
+        );
+        let first = step.what.split('`').next().unwrap();
+        let on_page = step.makes != Some(Output::Page);
+        assert_eq!(html.contains(first), on_page, "{first}");
+    }
+    let sentences = found.next_steps.iter().map(|step| {
+        format!(
+            "{} {}\n",
+            step.sentence(),
+            step.command.as_deref().unwrap_or_default()
+        )
+    });
+    sentences.collect()
+}
+
+#[test]
+fn a_log_with_times_of_day_is_dated_by_them() {
+    let (mut found, view) = small((12, true), |_, _| [0.0; 2]);
+    // Every half second.
+    assert_eq!(found.times, Some([0.0, 5.5]));
+    assert!(!sound(&found, &view).contains("recorded"));
+    found.times = Some([1_735_689_600.0, 1_735_693_260.0]);
+    let html = sound(&found, &view);
+    assert!(html.contains("2025-01-01 00:00 to 2025-01-01 01:01 UTC"));
+}
+
 #[test]
 fn a_named_effect_is_told_with_its_size_and_all_figures() {
     let (found, view) = small((60, true), |_, q| [0.02 * (q[0] + q[1]), 0.004]);
@@ -134,7 +178,11 @@ fn a_named_effect_is_told_with_its_size_and_all_figures() {
     let confusion = usize::from(found.class.len() > 1);
     // The robot and its gaps, ten figures, and a bar for each joint.
     let joints = view.skeleton.dofs.len();
-    assert_eq!(html.matches("<svg ").count(), 3 + 10 + joints + confusion);
+    assert_eq!(html.matches("<svg ").count(), 3 + 11 + joints + confusion);
+    assert!(html.contains("Gap in mm against the change that the named effect predicts"));
+    let evidence = format!("Evidence {:.0}: with the effect", found.steps[0].evidence);
+    assert!(html.contains(&evidence) && html.contains("to be missing from 4 on"));
+    one_voice(&found, &html);
     // Part s of the correction: χ² of CAD at 0, of the explanation at 1.
     let [a, b, c] = view.chi2;
     let rms = [a, a + b + c].map(|chi2| (chi2 / view.chi2_readings as f64).sqrt());
@@ -191,6 +239,17 @@ fn what_nothing_explains_is_called_so() {
     assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
     let html = sound(&found, &view);
     assert!(html.contains("What nothing explains") && html.contains("No known effect"));
+    // What to check by hand, in every voice; no postures would tell anything.
+    let all = one_voice(&found, &html);
+    for words in [
+        "`knee`",
+        "edges of the foot sole",
+        "link lengths",
+        "Record the log once more",
+    ] {
+        assert!(all.contains(words), "{words}\n{all}");
+    }
+    assert!(!all.contains("--next") && found.next_postures.why.contains("by hand"));
     assert!(view.trends_of_rest);
     assert_eq!(view.by_position[0].joint, "knee");
 }
@@ -232,6 +291,8 @@ fn a_class_of_twenty_is_numbered_and_mapped() {
     }
     assert!(!html.contains("/a/folder"));
     assert!(html.contains("20 complete explanations") && html.contains("How far apart"));
+    // The threshold of criteria, with its odds: e^5.
+    assert!(html.contains("worse by more than 10 units of χ², odds of more than 148 to 1"));
     assert!(html.contains("19 others that look alike"));
     let said = text(&found, Asked::default());
     assert!(said.contains("cannot tell apart") && said.contains("and 12 more, see --json"));

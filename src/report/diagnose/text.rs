@@ -3,15 +3,18 @@
 use std::fmt::Write as _;
 
 use super::{count, parameters, servo, where_to};
-use crate::report::soles;
 use crate::report::table::{Table, mm, wrapped};
-use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
+use crate::report::{next_steps, soles};
+use sesc_identify::diagnose::findings::Diagnosis;
+use sesc_identify::next_steps::Output;
 
 /// Explanations and poses in a row, at most.
 const LISTED: usize = 8;
 const POSES: usize = 12;
+/// As wide as the column of names.
+const INDENT: &str = "                 ";
 
-/// Which files were asked for; what was not is hinted at.
+/// Which files were asked for; what was not stands among the next steps.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Asked {
     /// A corrected model file.
@@ -20,6 +23,19 @@ pub struct Asked {
     pub next: bool,
     /// A page.
     pub page: bool,
+}
+
+impl Asked {
+    fn outputs(self) -> Vec<Output> {
+        let all = [
+            (self.model, Output::Model),
+            (self.next, Output::Postures),
+            (self.page, Output::Page),
+        ];
+        all.into_iter()
+            .filter_map(|(asked, output)| asked.then_some(output))
+            .collect()
+    }
 }
 
 /// The sentence, and what it stands on.
@@ -40,10 +56,15 @@ pub fn text(found: &Diagnosis, asked: Asked) -> String {
             changes(found)
         );
     }
-    for hint in hints(found, asked) {
-        let _ = writeln!(out, "{:<16} {hint}", "next");
+    if found.class.len() > 1 {
+        let _ = writeln!(
+            out,
+            "{:<16} {}",
+            "experiments",
+            wrapped(&found.next_postures.why, INDENT)
+        );
     }
-    out
+    out + &next_steps::text(&found.next_steps, &asked.outputs())
 }
 
 fn steps(found: &Diagnosis) -> Table {
@@ -190,22 +211,4 @@ fn changes(found: &Diagnosis) -> String {
         fact("C", &format!("{}   after {}", model.c, model.generate));
     }
     out
-}
-
-/// What to do with it.
-fn hints(found: &Diagnosis, asked: Asked) -> Vec<String> {
-    let mut hints = Vec::new();
-    if found.class.len() > 1 && !found.next_postures.why.is_empty() {
-        hints.push(found.next_postures.why.clone());
-    }
-    if !asked.next && found.verdict == Verdict::Class {
-        hints.push("--next next.csv writes postures that would tell these apart".to_string());
-    }
-    if !asked.model && matches!(found.verdict, Verdict::Named | Verdict::Class) {
-        hints.push("--out model.toml keeps the corrected model".to_string());
-    }
-    if !asked.page {
-        hints.push("--report report.html shows where the gap is, and what closes it".to_string());
-    }
-    hints
 }

@@ -16,6 +16,7 @@ use sesc_identify::fit::corrected::Corrected;
 use sesc_identify::fit::residuals::{Residual, Sample};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::health::Finding;
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
 
 pub use correction::corrections;
@@ -43,6 +44,8 @@ pub struct Unusable<'a> {
     pub verdict: &'static str,
     /// Why.
     pub health: &'a [Finding],
+    /// What to do next.
+    pub next_steps: &'a [NextStep],
 }
 
 impl<'a> Unusable<'a> {
@@ -51,6 +54,7 @@ impl<'a> Unusable<'a> {
         Unusable {
             verdict: "unusable",
             health: &found.health,
+            next_steps: &found.next_steps,
         }
     }
 }

@@ -7,7 +7,8 @@ use super::{FitReport, Shown, robot};
 use crate::report::data::Data;
 use crate::report::figures::fit as figures;
 use crate::report::html::render;
-use crate::report::soles;
+use crate::report::origin::Origin;
+use crate::report::{next_steps, soles};
 
 /// Parameters whose correlations fit on a map.
 const MAPPED: usize = 150;
@@ -29,7 +30,19 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         }),
         robot => robot::card(report, shown).map(|card| card.context()),
         data => data(report, shown).context(),
-        command => &shown.command,
+        origin => Origin {
+            robot: [&found.robot, &found.hash],
+            logs: found.data.iter().map(|log| (&*log.file, log.rows, &*log.hash)).collect(),
+            times: found
+                .data
+                .iter()
+                .filter_map(|log| log.times)
+                .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]),
+            command: &shown.command,
+        }
+        .context(),
+        next => next_steps::context(&found.next_steps, &[]),
+        noise_source => found.noise_source.phrase(),
         soles => found.closure.as_ref().map(soles),
         again => found.again.as_ref().map(|again| &again.sentence),
         residuals => shown.residuals.len(),

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::report::soles;
-use crate::report::table::{Table, wrapped};
+use crate::report::table::{Table, chance, wrapped};
+use crate::report::{next_steps, soles};
 use sesc_identify::fit::Identification;
 
 /// Fewer degrees of freedom than this are mentioned.
@@ -24,7 +24,7 @@ pub fn text(found: &Identification) -> String {
         let _ = writeln!(out, "{}\n", wrapped(&finding.sentence, ""));
     }
     if !found.is_usable() {
-        return out;
+        return out + &next_steps::text(&found.next_steps, &[]);
     }
     let _ = write!(out, "{}", parameters(found));
     let _ = writeln!(out, "\n{}", facts(found));
@@ -60,13 +60,7 @@ pub fn text(found: &Identification) -> String {
     for warning in &found.warnings {
         let _ = writeln!(out, "warning          {warning}");
     }
-    if found.misses_something() {
-        let _ = writeln!(
-            out,
-            "next             sesc diagnose with the same robot and log says what the model misses"
-        );
-    }
-    out
+    out + &next_steps::text(&found.next_steps, &[])
 }
 
 /// What cannot be seen; what no such data ever tell only as a number.
@@ -155,8 +149,9 @@ fn facts(found: &Identification) -> String {
         fact(
             "lack of fit",
             format!(
-                "{:.2} times the noise's mean square (p = {:.2}): {verdict}",
-                test.ratio, test.p_value
+                "{:.2} times the noise's mean square ({}): {verdict}",
+                test.ratio,
+                chance(test.p_value)
             ),
         );
     }

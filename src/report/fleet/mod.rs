@@ -9,6 +9,7 @@ mod tests;
 mod text;
 
 pub use page::{Pages, pages};
+pub(in crate::report) use picture::mark;
 pub use picture::skeleton;
 pub use text::text;
 

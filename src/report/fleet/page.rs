@@ -12,6 +12,7 @@ use sesc_identify::fleet::{Fleet, Row};
 use sesc_identify::skeleton::Skeleton;
 
 use super::super::html::render;
+use super::super::origin::Origin;
 use super::line::line;
 use super::picture::card;
 use super::robot::robot_page;
@@ -119,11 +120,15 @@ pub fn pages(
         links => Serde(&links),
         folder => address(&folder),
         left_out => robots.len().saturating_sub(ROBOTS),
-        command => command,
+        hashes => Serde(hashes(fleet.rows.iter())),
+        inputs => fleet.rows.iter().map(|row| row.inputs.len()).sum::<usize>(),
+        first_day => Serde(fleet.rows.iter().map(|row| &row.day).min()),
+        last_day => Serde(fleet.rows.iter().map(|row| &row.day).max()),
+        origin => Origin { command, ..Origin::default() }.context(),
     };
     let own = robots.iter().filter(|(name, _)| shown.contains(*name));
     let own = own.map(|(name, rows)| {
-        let page = robot_page(name, rows, summary, (&address(file), command))?;
+        let page = robot_page(name, rows, summary, drawn, (&address(file), command))?;
         Ok((file_of(name), page))
     });
     Ok(Pages {
@@ -131,6 +136,12 @@ pub fn pages(
         folder,
         robots: own.collect::<Result<_, Error>>()?,
     })
+}
+
+/// Hashes of the URDFs of rows.
+pub(super) fn hashes<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<&'r str> {
+    let all: BTreeSet<&str> = rows.map(|row| row.urdf_hash.as_str()).collect();
+    all.into_iter().filter(|hash| !hash.is_empty()).collect()
 }
 
 /// What the days of a robot came to: `none on 5 days, named on 2`.

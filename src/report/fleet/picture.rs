@@ -5,11 +5,11 @@ use std::path::Path;
 
 use minijinja::Value;
 use sesc_identify::fleet::summary::Summary;
-use sesc_identify::fleet::{Fleet, Options};
+use sesc_identify::fleet::{Fleet, Options, Row};
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 
-use super::count;
+use super::{count, label};
 use crate::report::figures::robot::Marks;
 use crate::report::robot::{Card, Correction};
 
@@ -65,8 +65,47 @@ pub(super) fn card(fleet: &Fleet, summary: &Summary, skeleton: &Skeleton) -> Val
         let robots = robots.into_iter().collect::<Vec<&str>>().join(", ");
         point("encoder_stuck", joint, format!("encoder stuck in {robots}"));
     }
+    still(
+        skeleton,
+        marks,
+        &said,
+        "No joint and no link is shared, changed or stuck.",
+    )
+}
+
+/// One robot of a fleet: joints and links of its last result, and encoders that are stuck on any
+/// day; none where its last result is of another URDF than `skeleton`.
+pub(super) fn of_robot(rows: &[&Row], skeleton: &Skeleton) -> Option<Value> {
+    let last = rows.iter().rev().find(|row| row.has_result())?;
+    if last.urdf_hash != skeleton.hash {
+        return None;
+    }
+    let mut marks = Marks::default();
+    let mut said = Vec::new();
+    for effect in &last.effects {
+        if mark(&mut marks, skeleton, &effect.effect, &effect.target) {
+            said.push(format!("`{}`", label(effect)));
+        }
+    }
+    let stuck: BTreeSet<&str> = rows
+        .iter()
+        .flat_map(|row| &row.health)
+        .filter(|finding| finding.kind.name() == "encoder_stuck")
+        .map(|finding| finding.target.as_str())
+        .collect();
+    for joint in stuck {
+        if mark(&mut marks, skeleton, "encoder_stuck", joint) {
+            said.push(format!("`{joint}` (encoder stuck)"));
+        }
+    }
+    let nothing = "No joint and no link is suspected.";
+    Some(still(skeleton, marks, &said, nothing))
+}
+
+/// The robot with all joints at zero, with what is said of the marks on it.
+fn still(skeleton: &Skeleton, marks: Marks, said: &[String], nothing: &str) -> Value {
     let caption = match said.is_empty() {
-        true => "No joint and no link is shared, changed or stuck.".to_string(),
+        true => nothing.to_string(),
         false => format!("Orange: {}.", said.join("; ")),
     };
     let card = Card {
@@ -100,7 +139,12 @@ fn stuck<'f>(fleet: &'f Fleet, summary: &Summary) -> BTreeMap<&'f str, BTreeSet<
 }
 
 /// Mark what an effect acts on; whether that is a joint or a link of the robot.
-fn mark(marks: &mut Marks, skeleton: &Skeleton, effect: &str, target: &str) -> bool {
+pub(in crate::report) fn mark(
+    marks: &mut Marks,
+    skeleton: &Skeleton,
+    effect: &str,
+    target: &str,
+) -> bool {
     let of_link = matches!(effect, "payload" | "external_force");
     let before = marks.clone();
     for target in target.split(',') {

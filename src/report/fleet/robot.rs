@@ -5,11 +5,15 @@ use minijinja::{Error, context};
 use serde::Serialize;
 use sesc_identify::fleet::Row;
 use sesc_identify::fleet::summary::Summary;
+use sesc_identify::skeleton::Skeleton;
 use sesc_model::effects::Unit;
 
 use super::super::html::render;
+use super::super::origin::Origin;
 use super::label;
 use super::line::{Line, line};
+use super::page::hashes;
+use super::picture::of_robot;
 
 /// An effect with its size on every day.
 #[derive(Serialize)]
@@ -19,11 +23,13 @@ struct Course {
     days: Vec<Option<(f64, f64)>>,
 }
 
-/// The page of the robot `name`; it stands in a folder beside the page `fleet`.
+/// The page of the robot `name`; it stands in a folder beside the page `fleet`. `drawn` is the
+/// robot of the fleet.
 pub(super) fn robot_page(
     name: &str,
     rows: &[&Row],
     summary: &Summary,
+    drawn: Option<&Skeleton>,
     (fleet, command): (&str, &str),
 ) -> Result<String, Error> {
     let reason = summary.reasons.iter().find(|reason| reason.robot == name);
@@ -39,6 +45,7 @@ pub(super) fn robot_page(
         .collect();
     let last = rows.iter().rev().find(|row| row.has_result());
     let context = context! {
+        robot => drawn.and_then(|drawn| of_robot(rows, drawn)),
         name => name,
         fleet => fleet,
         why => reason.map(|reason| reason.why.as_str()),
@@ -48,7 +55,9 @@ pub(super) fn robot_page(
         courses => Serde(courses(rows)),
         days => Serde(rows.iter().map(|row| &row.day).collect::<Vec<&String>>()),
         last => Serde(last.map(|row| (&row.day, &row.sentence))),
-        command => command,
+        hashes => Serde(hashes(rows.iter().copied())),
+        logs => Serde(rows.iter().map(|row| (&row.day, &row.inputs)).collect::<Vec<_>>()),
+        origin => Origin { command, ..Origin::default() }.context(),
     };
     render("fleet_robot.html", context)
 }

@@ -2,6 +2,9 @@
 
 use sesc_identify::fleet::summary::summary;
 use sesc_identify::fleet::{Fleet, Row};
+use sesc_identify::robot::Robot;
+use sesc_identify::skeleton::Skeleton;
+use sesc_model::Snapping;
 
 use super::*;
 
@@ -106,4 +109,36 @@ fn every_size_is_told_in_the_unit_that_people_read() {
     ] {
         assert!(page.contains(text), "{text}\n{page}");
     }
+}
+
+/// The robot stands on the page of a robot whose last result is of its URDF, and on no other.
+#[test]
+fn the_page_of_a_robot_shows_what_is_suspected_on_it() {
+    let urdf = include_str!("../../../robots/two_link/two_link.urdf");
+    let robot = Robot::parse(urdf, "robot.urdf").unwrap();
+    let model = robot.model("foot", Snapping::default(), None).unwrap();
+    let drawn = Skeleton::of(&model, &robot.description, None);
+    let offset = r#"{"effect": "joint_offset", "target": "knee", "evidence": 90.0,
+        "parameters": {"offset_rad": {"value": 0.05, "std": 0.001}}}"#;
+    let mut fleet = Fleet::default();
+    for (name, hash) in [("r1", drawn.hash.as_str()), ("r2", "another")] {
+        let mut own = row(name, "1", offset);
+        own.urdf_hash = hash.to_string();
+        fleet.rows.push(own);
+    }
+    let summary = summary(&fleet.rows, &Default::default(), None);
+    let words = ("sesc fleet", "fleet.html");
+    let all = pages(&fleet, &summary, Some(&drawn), words).unwrap();
+    let [first, second] = [&all.robots[0].1, &all.robots[1].1];
+    assert_eq!(first.matches("<svg ").count(), 2);
+    assert!(
+        first.contains("Orange: <code>joint_offset:knee</code>."),
+        "{first}"
+    );
+    assert_eq!(second.matches("<svg ").count(), 0);
+    for (page, hash) in [(first, drawn.hash.as_str()), (second, "another")] {
+        assert!(page.contains(&format!("<dd>hash {hash}</dd>")), "{page}");
+        assert!(page.contains("log with hash 0") && page.contains("<pre>sesc fleet</pre>"));
+    }
+    assert!(all.fleet.contains("2 logs, 1 to 1"), "{}", all.fleet);
 }

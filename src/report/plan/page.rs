@@ -6,12 +6,33 @@ use minijinja::{Error, context};
 use crate::report::figures;
 use crate::report::figures::robot::Marks;
 use crate::report::html::render;
+use crate::report::next_steps;
+use crate::report::origin::Origin;
 use crate::report::robot::{Card, Correction, Shown};
-use sesc_identify::plan::Plan;
+use crate::report::table::mm;
+use sesc_identify::plan::{Lesson, Plan};
 use sesc_identify::skeleton::Skeleton;
+use sesc_model::text::shortened;
 
 /// Postures on the contact sheet, at most.
 const SHEET: usize = 120;
+/// Letters of a parameter under a posture.
+const LETTERS: usize = 17;
+
+/// What a posture teaches.
+fn lesson(own: &Lesson) -> Value {
+    let number = |x: f64| match own.unit {
+        "m" => mm(x),
+        _ => format!("{:.2}", 1e3 * x),
+    };
+    context! {
+        name => &own.parameter,
+        short => shortened(&own.parameter, LETTERS),
+        before => number(own.before),
+        after => number(own.after),
+        unit => if own.unit == "m" { "mm" } else { "‰" },
+    }
+}
 
 /// The page of a plan, alone in one file; `command` makes it again, `file` holds the
 /// postures.
@@ -47,12 +68,20 @@ pub fn page(plan: &Plan, skeleton: &Skeleton, file: &str, command: &str) -> Resu
     let context = context! {
         robot => card.context(),
         sheet => sheet.into_iter().map(Value::from_safe_string).collect::<Vec<Value>>(),
+        lessons => plan.lessons.iter().take(SHEET).map(lesson).collect::<Vec<Value>>(),
         more => postures.len().saturating_sub(SHEET),
         plan => Serde(plan),
+        drawn => plan.drawn(),
         less => errors.map(|(planned, random)| (100.0 * (1.0 - planned / random)).round()),
+        next => next_steps::context(&plan.next_steps, &[]),
         idle,
         file,
-        command,
+        origin => Origin {
+            robot: [&plan.robot, &plan.hash],
+            command,
+            ..Origin::default()
+        }
+        .context(),
         figures => context! {
             efficiency => figure(figures::plan::efficiency(&plan.curve)),
             joints => figure(figures::plan::joints(&plan.joints)),

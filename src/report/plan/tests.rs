@@ -2,7 +2,7 @@
 
 use sesc_model::Snapping;
 
-use super::page;
+use super::{page, text};
 use crate::OP2_URDF;
 use crate::report::table::mm;
 use crate::report::tests::still;
@@ -49,11 +49,49 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     ] {
         assert!(html.contains(words), "{words}");
     }
+    // What to record, under which names, in every voice.
+    let said: String = text(&found)
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    let json = serde_json::to_value(&found).unwrap();
+    for (k, words) in [
+        "`cop_x`, `cop_y` (m, in the frame of `r_sole`)",
+        "Fit the log",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert!(found.next_steps[k].what.contains(words), "{words}");
+        assert!(said.contains(&found.next_steps[k].sentence()), "{said}");
+        assert_eq!(
+            json["next_steps"][k]["what"],
+            found.next_steps[k].what.as_str()
+        );
+    }
+    assert!(said.contains("sesc fit URDF --data LOG"));
+    assert!(html.contains("<code>cop_x</code>") && html.contains("sesc fit URDF --data LOG"));
+    // Without shapes nothing is said of collisions but that they are not checked.
+    assert!(
+        !found.collision_checked && !said.contains("self-collision"),
+        "{said}"
+    );
+    assert!(said.contains("not checked"));
     // Two of the robot, three of the plan, and a contact sheet.
     assert_eq!(html.matches("<svg ").count(), 2 + 3 + 25);
     // A dot per posture in the sole plane.
     assert_eq!(html.matches("<g data-p=").count(), 25);
     assert_eq!(html.matches("<li data-p=").count(), 25);
+    // The first posture is marked, and each says what it teaches.
+    let first = &found.lessons[0];
+    assert_eq!(found.lessons.len(), 25);
+    assert!(found.lessons.iter().all(|own| own.after < own.before));
+    let said = format!("from {} to {} mm", mm(first.before), mm(first.after));
+    assert!(
+        html.contains(&said) && html.contains("<span>1 next</span>"),
+        "{said}"
+    );
+    assert_eq!(html.matches("<small>").count(), 25 + 4);
     assert!(html.contains("\\u003c/script\\u003e\\u003chip\\u003e\\u2028"));
     assert!(!html.contains("NaN") && !html.contains("op<2>") && !html.contains("<hip>"));
     still(&html, 2);

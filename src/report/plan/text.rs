@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::report::next_steps;
 use crate::report::table::mm;
 use sesc_identify::plan::Plan;
 
@@ -13,24 +14,17 @@ pub fn text(plan: &Plan) -> String {
         "{} on {}: {} postures of {} candidates\n",
         plan.robot, plan.support, plan.poses, plan.candidates
     );
-    let draws = &plan.draws;
     let mut line = |name: &str, text: String| {
         let _ = writeln!(out, "{name:<17}{text}");
     };
-    line(
-        "drawn",
-        format!(
-            "{}: {} balanced, {} of them clear of the ground, {} of these of themselves",
-            draws.drawn, draws.balanced, draws.clear, draws.collision_free
-        ),
-    );
+    line("drawn", plan.drawn());
     line(
         "CoP",
         format!(
             "{}, with {} standard deviations to spare ({} mm each on average)",
             plan.cop_region,
             plan.sigmas,
-            mm(draws.cop_std)
+            mm(plan.draws.cop_std)
         ),
     );
     if let Some(feet) = &plan.both_feet {
@@ -70,9 +64,12 @@ pub fn text(plan: &Plan) -> String {
         line(
             "",
             format!(
-                "{} mm with postures chosen at random: {:.0} % less",
+                "{} mm with postures chosen at random: {}",
                 mm(random),
-                100.0 * (1.0 - error / random)
+                match 100.0 * (1.0 - error / random) {
+                    less if less >= 0.5 => format!("{less:.0} % less"),
+                    _ => "here any postures do".to_string(),
+                }
             ),
         );
     }
@@ -106,5 +103,5 @@ pub fn text(plan: &Plan) -> String {
         "note",
         "only the postures are checked, not the way from one to the next".to_string(),
     );
-    out
+    out + &next_steps::text(&plan.next_steps, &[])
 }

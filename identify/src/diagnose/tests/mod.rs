@@ -12,6 +12,7 @@ mod problem;
 mod remedy;
 mod request;
 mod verdict;
+mod view;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;

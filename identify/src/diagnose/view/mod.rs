@@ -6,9 +6,11 @@
 //! χ²(s) = Σ (before + s (after − before))² / σ²            part s of the explanation
 //! ```
 
+mod predicted;
 mod spread;
 mod trends;
 
+pub use predicted::{Predicted, PredictedPoint};
 pub use spread::{EDGE, Region, Regions, Spread};
 pub use trends::{Middle, Point, Quantity, Trend};
 
@@ -20,6 +22,8 @@ use crate::skeleton::Skeleton;
 
 /// Postures that a figure shows one by one; evenly chosen of more.
 pub const MOST: usize = 400;
+/// Postures of a small panel; evenly chosen of more.
+const PER_PANEL: usize = 200;
 
 /// One posture: its reading, and what was simulated there.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,9 +77,13 @@ pub struct DiagnosisView {
     pub rms_lengths: [f64; 2],
     /// Corners of the smallest box around the foot's cells.
     pub foot: Option<[[f64; 2]; 2]>,
-    /// Strongest first.
+    /// The gap against what each effect predicts of it, two axes an effect, in the order of
+    /// the steps.
+    pub predicted: Vec<Predicted>,
+    /// Trends over the joints' positions: joints that the explanation names first, then the
+    /// strongest.
     pub by_position: Vec<Trend>,
-    /// Trends over the joints' gravity moments.
+    /// Trends over the joints' gravity moments, in the same order.
     pub by_moment: Vec<Trend>,
     /// What the trends were chosen by is what the explanation leaves, not the gap.
     pub trends_of_rest: bool,
@@ -174,8 +182,9 @@ impl DiagnosisView {
             timed: data.t.is_some(),
             rms_lengths: residuals.rms_lengths(),
             foot: foot(&data.cells),
-            by_position: trends::strongest(problem, &residuals, Quantity::Position, rest),
-            by_moment: trends::strongest(problem, &residuals, Quantity::Moment, rest),
+            predicted: predicted::predicted(problem, found, &residuals),
+            by_position: trends::strongest(problem, found, &residuals, Quantity::Position),
+            by_moment: trends::strongest(problem, found, &residuals, Quantity::Moment),
             trends_of_rest: rest,
             spread: Spread::of(problem, &residuals),
             regions: Regions::of(problem, &residuals),

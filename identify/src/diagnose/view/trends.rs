@@ -5,11 +5,10 @@
 //! share = 1 − Σ_bins Σ (e − ē_bin)² / Σ (e − ē)² · (n − 1)/(n − bins)
 //! ```
 
+use super::super::findings::{ActsOn, Found};
 use super::super::problem::Problem;
-use super::{MOST, Residuals, chosen};
+use super::{MOST, PER_PANEL, Residuals, chosen};
 
-/// Postures of a small panel; evenly chosen of more.
-const PER_PANEL: usize = 200;
 /// Joints that are shown.
 const SHOWN: usize = 6;
 /// Bins of a trend, at most, and postures that each has to have.
@@ -60,6 +59,8 @@ pub struct Middle {
 pub struct Trend {
     /// Name of the joint.
     pub joint: String,
+    /// Whether the explanation names it.
+    pub named: bool,
     /// Unit of positions or moments.
     pub unit: &'static str,
     /// 0: x, 1: y.
@@ -72,13 +73,25 @@ pub struct Trend {
     pub means: Vec<Middle>,
 }
 
-/// The joints that the gap, or what is left of it, goes with most.
+/// The joints that the explanation names, and then those that the gap, or what is left of it,
+/// goes with most.
 pub(super) fn strongest(
     problem: &Problem,
+    found: &Found,
     residuals: &Residuals,
     quantity: Quantity,
-    of_rest: bool,
 ) -> Vec<Trend> {
+    let of_rest = found.diagnosis.unexplained;
+    let named = |joint: &str| {
+        found
+            .diagnosis
+            .steps
+            .iter()
+            .position(|step| match &step.acts_on {
+                ActsOn::Joints(joints) => joints.iter().any(|own| own == joint),
+                _ => false,
+            })
+    };
     let data = &problem.data;
     let dofs = &problem.context.robot.tree.dofs;
     let (n, dof) = (data.len(), dofs.len());
@@ -121,19 +134,21 @@ pub(super) fn strongest(
             after: residuals.after[2 * k + axis],
             outlier: residuals.outlier[k],
         };
+        let step = named(&joint.joint);
         let trend = Trend {
             joint: joint.joint.clone(),
+            named: step.is_some(),
             unit,
             axis,
             share: followed[axis].map(|(share, _)| share),
             points: points.map(point).collect(),
             means: bins.means(&values, residuals, axis),
         };
-        ranked.push((worth[axis], trend));
+        ranked.push((step.unwrap_or(usize::MAX), worth[axis], trend));
     }
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
     ranked.truncate(SHOWN);
-    ranked.into_iter().map(|(_, trend)| trend).collect()
+    ranked.into_iter().map(|(.., trend)| trend).collect()
 }
 
 /// Postures by the size of a quantity, equally many in each; outliers in none.

@@ -149,6 +149,10 @@ impl CsvSource {
 }
 
 impl Source for CsvSource {
+    fn is_text(&self) -> bool {
+        true
+    }
+
     fn header(&self) -> &[String] {
         &self.header
     }

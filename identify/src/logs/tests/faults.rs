@@ -157,3 +157,20 @@ fn absurd_sizes_end_in_words() {
         assert!(message.len() < 500, "{}", message.len());
     }
 }
+
+/// Text is read as CSV under any name; where its columns are wrong, the name is what is odd.
+#[test]
+fn text_under_the_name_of_another_format_is_said_to_be_text() {
+    for (name, promised) in [
+        ("log.parquet", "not a Parquet file but text"),
+        ("log.MCAP", "not an MCAP recording but text"),
+    ] {
+        let (_folder, path) = log(name, b"this is\nno log\n", "");
+        let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
+        let message = error.to_string();
+        assert!(message.contains(promised), "{message}");
+    }
+    let (_folder, path) = log("log.csv", b"this is\nno log\n", "");
+    let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
+    assert!(!error.to_string().contains("but text"), "{error}");
+}

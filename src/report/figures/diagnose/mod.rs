@@ -5,6 +5,7 @@
 
 mod confusion;
 mod course;
+mod predicted;
 mod regions;
 mod rest;
 mod spread;
@@ -19,6 +20,7 @@ use sesc_identify::diagnose::view::{DiagnosisView, Posture, Stage, StageKind};
 
 pub use confusion::confusion;
 pub use course::course;
+pub use predicted::predicted;
 pub use regions::regions;
 pub use rest::rest;
 pub use spread::spread;

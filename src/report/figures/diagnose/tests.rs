@@ -1,9 +1,10 @@
 //! Odd rows in: still trees of shapes.
 
-use super::{arrows, confusion, course, regions, rest, spread, trends, waterfall};
+use super::{arrows, confusion, course, predicted, regions, rest, spread, trends, waterfall};
 use crate::report::svg::tests::sound;
 use sesc_identify::diagnose::view::{
-    DiagnosisView, Middle, Point, Posture, Region, Regions, Spread, Stage, StageKind, Trend,
+    DiagnosisView, Middle, Point, Posture, Predicted, PredictedPoint, Region, Regions, Spread,
+    Stage, StageKind, Trend,
 };
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
@@ -23,6 +24,7 @@ fn empty() -> DiagnosisView {
         timed: false,
         rms_lengths: [f64::NAN; 2],
         foot: None,
+        predicted: Vec::new(),
         by_position: Vec::new(),
         by_moment: Vec::new(),
         trends_of_rest: false,
@@ -52,6 +54,7 @@ fn all(view: &DiagnosisView) {
     for svg in [
         course(&view.postures),
         rest(view),
+        predicted(&view.predicted),
         trends(&view.by_position, "joint position"),
         regions(&view.regions, true),
         spread(&view.spread),
@@ -84,6 +87,7 @@ fn figures_of_nothing_and_of_no_numbers() {
     };
     let trend = Trend {
         joint: "a<b> & a name that is too long for a panel".to_string(),
+        named: true,
         unit: "°",
         axis: 1,
         share: [f64::NAN, 0.5],
@@ -94,6 +98,19 @@ fn figures_of_nothing_and_of_no_numbers() {
             after: 0.0,
         }],
     };
+    let row = |axis, slope| Predicted {
+        subject: "an offset of a<b> & a name that is too long for a panel".to_string(),
+        axis,
+        slope,
+        points: [f64::NAN, f64::INFINITY, 0.002]
+            .map(|change| PredictedPoint {
+                posture: 0,
+                change,
+                gap: f64::NAN,
+                outlier: change.is_nan(),
+            })
+            .to_vec(),
+    };
     let stage = |rmse, kind| Stage {
         name: "+ joint_offset <a & b> of a robot with long names".to_string(),
         rmse,
@@ -102,6 +119,7 @@ fn figures_of_nothing_and_of_no_numbers() {
     all(&DiagnosisView {
         postures: vec![posture(0.01), posture(f64::NAN), posture(f64::INFINITY)],
         foot: Some([[-0.03, -0.02], [0.03, 0.02]]),
+        predicted: vec![row(0, f64::NAN), row(1, 40.0)],
         by_position: vec![trend],
         regions: Regions {
             side: 0.01,

@@ -1,4 +1,5 @@
-//! The gap against what a joint does: six small panels, the strongest first.
+//! The gap against what a joint does: six small panels, joints that the explanation names
+//! first and marked, then the strongest.
 
 use super::super::super::svg::{Anchor, Axes, BLUE, Figure, HEADING, INK, MUTED, Mark, NAME};
 use super::super::super::svg::{ORANGE, key, span};
@@ -66,7 +67,12 @@ fn panel(figure: &mut Figure, row: &Trend, [left, top]: [f64; 2]) {
     let axis = ["x", "y"][row.axis];
     let name = format!("{} ({axis})", shortened(&row.joint, LETTERS));
     let place = [left, top - HEADING + 6.0];
-    figure.text(place, Anchor::Start, NAME, INK, &name);
+    let color = if row.named { ORANGE } else { INK };
+    figure.text(place, Anchor::Start, NAME, color, &name);
+    if row.named {
+        let end = [left + PLANE[0], place[1]];
+        figure.note(end, Anchor::End, ORANGE, "named");
+    }
     let zero = [along.start, along.end].map(|x| plane.at([x, 0.0]));
     figure.line(zero, INK, 1.0);
     for point in &row.points {

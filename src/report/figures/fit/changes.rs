@@ -1,4 +1,4 @@
-//! How far each parameter moved from CAD, in units of what it is known to.
+//! How far each parameter moved, from CAD or from another day, in units of what it is known to.
 
 use super::super::super::svg::{Anchor, Axes, BAND, BLUE, Figure, GRID, HEADING, INK, Mark};
 use super::super::super::svg::{key, span};
@@ -18,22 +18,23 @@ pub fn changes(parameters: &[ParameterFound]) -> String {
         let std = parameter.std.filter(|std| *std > 0.0)?;
         Some((parameter.value - parameter.cad) / std).filter(|change| change.is_finite())
     };
-    let mut rows: Vec<(&str, f64)> = parameters
-        .iter()
-        .filter_map(|parameter| Some((parameter.name.as_str(), change(parameter)?)))
-        .collect();
+    let rows = parameters.iter();
+    let rows = rows.filter_map(|parameter| Some((parameter.name.as_str(), change(parameter)?)));
+    deviations("Change from CAD, std", rows.collect())
+}
+
+/// One bar per name, the largest deviations first.
+pub fn deviations(title: &str, mut rows: Vec<(&str, f64)>) -> String {
+    rows.retain(|row| row.1.is_finite());
     rows.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     rows.truncate(MOST);
     let count = rows.len().max(1) as f64;
     let bottom = TOP + ROW * count;
-    let label = format!(
-        "Change from CAD of {} parameters in standard deviations",
-        rows.len()
-    );
+    let label = format!("{title}: {} parameters in standard deviations", rows.len());
     let mut figure = Figure::new([480.0, bottom + 24.0], &label);
     let range = span(rows.iter().map(|row| row.1).chain([-2.2, 2.2]));
     let plane = Axes {
-        title: "Change from CAD, std",
+        title,
         x: range.clone(),
         y: -count..0.0,
         x_name: "",

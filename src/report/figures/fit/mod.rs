@@ -13,7 +13,7 @@ use sesc_identify::fit::Identification;
 use sesc_identify::fit::residuals::{Residual, rms_lengths};
 
 pub use bodies::bodies;
-pub use changes::changes;
+pub use changes::{changes, deviations};
 pub use correlation::correlation;
 
 /// Letters of a name that fit beside a plane.

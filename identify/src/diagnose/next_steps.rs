@@ -1,0 +1,178 @@
+//! What a diagnosis leaves to be done, by its verdict.
+
+use sesc_model::tree::Dof;
+
+use super::findings::{Diagnosis, Verdict};
+use crate::next_steps::{NextStep, Output};
+use crate::observations::revisits::Again;
+
+/// The verdict in things to do, the most useful first. `proposal` is the experiment that tells
+/// most, where one tells anything.
+pub(super) fn after(found: &Diagnosis, dofs: &[Dof], proposal: Option<&str>) -> Vec<NextStep> {
+    let mut steps = Vec::new();
+    match found.verdict {
+        Verdict::Unusable => {
+            return vec![NextStep::repair()];
+        }
+        Verdict::Unexplained => steps.extend(by_hand(found, dofs)),
+        Verdict::Class => {
+            steps.push(apart(found, proposal));
+            steps.push(keep());
+        }
+        Verdict::Named => {
+            steps.push(NextStep::by_hand(
+                "Change what is said under `change` in one place, record a new log and diagnose it",
+                "nothing should be missing from it",
+            ));
+            steps.push(keep());
+        }
+        Verdict::Absorbed => steps.push(
+            NextStep::by_hand(
+                "Give the tolerances of masses that you trust, or weigh links",
+                "masses that are known better do not hide an effect",
+            )
+            .by("sesc diagnose URDF --data LOG --prior PRIOR.toml"),
+        ),
+        Verdict::None => steps.extend(larger(found)),
+    }
+    steps.extend(found.again.as_ref().map(Again::step));
+    if found.verdict != Verdict::None {
+        steps.push(
+            NextStep::by_hand(
+                "Look at the page of the diagnosis",
+                "it shows where the gap is, and what closes it",
+            )
+            .by("sesc diagnose URDF --data LOG --report report.html")
+            .makes(Output::Page),
+        );
+    }
+    steps
+}
+
+/// How to tell the explanations of a class apart.
+fn apart(found: &Diagnosis, proposal: Option<&str>) -> NextStep {
+    let why = "the explanations predict other readings there";
+    match (proposal, &found.next_postures.file) {
+        (Some(what), Some(file)) => NextStep::by_hand(
+            format!("Take the postures of {file} ({what}), and diagnose their log with the first"),
+            why,
+        )
+        .by("sesc diagnose URDF --data LOG --then NEXT_LOG"),
+        (Some(what), None) => {
+            NextStep::by_hand(format!("Write the postures that tell most: {what}"), why)
+                .by("sesc diagnose URDF --data LOG --next next.csv")
+                .makes(Output::Postures)
+        }
+        (None, _) => NextStep::by_hand(
+            "Look on the robot which of the explanations holds",
+            "no experiment that is known here would tell them apart",
+        ),
+    }
+}
+
+fn keep() -> NextStep {
+    NextStep::by_hand(
+        "Keep the corrected model",
+        "predict, simulate, generate and build.rs read it",
+    )
+    .by("sesc diagnose URDF --data LOG --out model.toml")
+    .makes(Output::Model)
+}
+
+/// What else could have been seen.
+fn larger(found: &Diagnosis) -> Option<NextStep> {
+    let first = found.blind.first()?;
+    let name = first.effect.rsplit(':').next().unwrap_or(&first.effect);
+    Some(NextStep::by_hand(
+        format!("Record postures with larger ranges of joints, first of all `{name}`"),
+        format!("this log shows an offset of it from {} on", first.size),
+    ))
+}
+
+/// What to check on the robot where nothing known explains the log, by what is left over.
+fn by_hand(found: &Diagnosis, dofs: &[Dof]) -> Vec<NextStep> {
+    let mut steps = Vec::new();
+    let strongest = found.leftover.strongest.as_deref().unwrap_or_default();
+    let followed = found.leftover.formula.as_deref().unwrap_or_default();
+    if found
+        .closure
+        .as_ref()
+        .is_some_and(|closure| !closure.closes)
+    {
+        steps.push(NextStep::by_hand(
+            "Check that both soles lie flat on one floor: edges, dirt, carpet, loose soles",
+            "the soles lie otherwise than the joints say",
+        ));
+    }
+    let joint = [strongest, followed]
+        .into_iter()
+        .find_map(|text| joint_in(text, dofs));
+    match joint {
+        Some(joint) if strongest.contains("moment") => steps.push(NextStep::by_hand(
+            format!("Check `{joint}` under load: play, bending, screws, its cables and connectors"),
+            "the gap goes most with the load of this joint",
+        )),
+        Some(joint) => steps.push(NextStep::by_hand(
+            format!("Check cables and connectors at `{joint}`, its encoder, its screws and covers"),
+            "the gap goes most with the position of this joint",
+        )),
+        None if strongest.contains("place in the log") => steps.push(NextStep::by_hand(
+            "Check what changed while the log was recorded: a battery or cover that moved, a \
+             sensor that warmed up, another floor",
+            "the gap goes most with the place in the log",
+        )),
+        None => {}
+    }
+    steps.push(NextStep::by_hand(
+        "Check the edges of the foot sole, and that no cover, cable or support frame touches the \
+         ground or holds the robot",
+        "what carries load beside the sole moves the CoP, and no posture predicts it",
+    ));
+    steps.push(NextStep::by_hand(
+        "Compare link lengths and joint axes of the URDF with the robot, and where its battery sits",
+        "no effect of the list changes a length",
+    ));
+    steps.push(NextStep::by_hand(
+        "Record the log once more",
+        "what comes again belongs to the robot, what does not to the recording",
+    ));
+    steps
+}
+
+/// The joint that a text names: the longest name that stands in it as a word.
+fn joint_in<'d>(text: &str, dofs: &'d [Dof]) -> Option<&'d str> {
+    let part = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+    let is_word = |name: &str| {
+        text.match_indices(name).any(|(at, _)| {
+            let before = text[..at].chars().next_back();
+            let after = text[at + name.len()..].chars().next();
+            !before.is_some_and(part) && !after.is_some_and(part)
+        })
+    };
+    let named = dofs
+        .iter()
+        .map(|dof| dof.joint.as_str())
+        .filter(|name| is_word(name));
+    named.max_by_key(|name| name.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_is_found_as_a_word() {
+        let dof = |joint: &str| Dof {
+            joint: joint.to_string(),
+            prismatic: false,
+            continuous: false,
+            lower: -1.0,
+            upper: 1.0,
+            speed: 1.0,
+        };
+        let dofs = [dof("knee"), dof("r_knee")];
+        assert_eq!(joint_in("x: +2.98 mm sin(3 r_knee)", &dofs), Some("r_knee"));
+        assert_eq!(joint_in("moment of knee²", &dofs), Some("knee"));
+        assert_eq!(joint_in("place in the log", &dofs), None);
+    }
+}

@@ -1,0 +1,122 @@
+//! The page of `sesc compare --report`.
+
+use minijinja::value::{Serde, Value};
+use minijinja::{Error, context};
+
+use super::{change, judged, of};
+use crate::report::figures::fit::deviations;
+use crate::report::figures::robot::Marks;
+use crate::report::fleet::mark;
+use crate::report::html::render;
+use crate::report::robot::{Card, Correction};
+use crate::report::table::chance;
+use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
+use sesc_identify::skeleton::Skeleton;
+use sesc_model::ModelFile;
+use sesc_model::effects::Unit;
+
+/// The page of a comparison, alone in one file: `files` are the models before and after, `drawn`
+/// is their robot where its URDF is at hand, `command` makes the page again.
+///
+/// # Errors
+/// When the template cannot be filled.
+pub fn page(
+    comparison: &Comparison,
+    files: [&ModelFile; 2],
+    drawn: Option<&Skeleton>,
+    command: &str,
+) -> Result<String, Error> {
+    let named = files.map(|file| {
+        let logs = file.data.iter();
+        context! {
+            name => file_name(&file.file),
+            robot => &file.robot,
+            hash => &file.hash,
+            logs => Serde(logs.map(|log| (&log.file, log.rows, &log.hash)).collect::<Vec<_>>()),
+        }
+    });
+    let rows = comparison.parameters.iter().filter_map(|own| {
+        let sign = (own.after? - own.before?).signum();
+        Some((own.name.as_str(), sign * own.deviations?))
+    });
+    let context = context! {
+        robot => drawn.map(|drawn| card(comparison, drawn)),
+        name => &comparison.robot,
+        support => &comparison.support,
+        changed => comparison.changed,
+        sentence => &comparison.sentence,
+        files => named.to_vec(),
+        chance => comparison.chance.map(chance),
+        chi2 => comparison.chi2,
+        directions => comparison.directions,
+        noise => comparison.noise_floor.to_vec(),
+        effects => comparison.effects.iter().map(effect).collect::<Vec<Value>>(),
+        figure => Value::from_safe_string(deviations("From before to after, std", rows.collect())),
+        parameters => comparison.parameters.iter().map(parameter).collect::<Vec<Value>>(),
+        origin => context! { command },
+    };
+    render("compare.html", context)
+}
+
+/// Without the folders of this machine.
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+/// What changed, on the robot.
+fn card(comparison: &Comparison, skeleton: &Skeleton) -> Value {
+    let mut marks = Marks::default();
+    let mut said = Vec::new();
+    for own in comparison
+        .effects
+        .iter()
+        .filter(|own| own.change != Change::Same)
+    {
+        if mark(&mut marks, skeleton, &own.effect, &own.target) {
+            said.push(format!("`{}:{}` {}", own.effect, own.target, change(own)));
+        }
+    }
+    let said = match said.is_empty() {
+        true => "No joint and no link has an effect that changed.".to_string(),
+        false => format!("Orange: {}.", said.join("; ")),
+    };
+    let card = Card {
+        skeleton,
+        postures: Vec::new(),
+        beside: None,
+        caption: format!(
+            "{said} Quartered disc: centre of mass by CAD, with its plumb line; all joints at zero."
+        ),
+        marks,
+        correction: Correction::default(),
+    };
+    card.context()
+}
+
+fn effect(own: &EffectChange) -> Value {
+    let size = |parameter: &Difference| {
+        let value = |value: Option<f64>| value.map_or("–".to_string(), |x| of(parameter, x));
+        context! {
+            name => Unit::stem(&parameter.name),
+            before => value(parameter.before),
+            after => value(parameter.after),
+            z => judged(parameter),
+        }
+    };
+    context! {
+        effect => &own.effect,
+        target => &own.target,
+        change => change(own),
+        sizes => own.parameters.iter().map(size).collect::<Vec<Value>>(),
+    }
+}
+
+fn parameter(own: &Difference) -> Value {
+    context! {
+        name => &own.name,
+        before => own.before,
+        after => own.after,
+        std => own.std,
+        z => judged(own),
+    }
+}

@@ -1,0 +1,73 @@
+//! The page of two small models.
+
+use sesc_identify::compare::compare;
+use sesc_identify::robot::Robot;
+use sesc_identify::skeleton::Skeleton;
+use sesc_model::{ModelFile, Snapping};
+
+use super::page;
+use crate::report::tests::still;
+
+const TWO_LINK: &str = include_str!("../../../robots/two_link/two_link.urdf");
+
+/// A model whose thigh is `mm` long, with an offset of the knee where there is one.
+fn file(name: &str, mm: f64, offset: Option<f64>) -> ModelFile {
+    let mut text = format!(
+        "robot = \"two<link>\"\nhash = \"00c0ffee00c0ffee\"\nsupport = \"foot\"\n\
+         [[parameters]]\nname = \"thigh.z\"\nvalue = {}\nstd = 0.0001\nsource = \"data\"\n\
+         [[data]]\nfile = \"{name}.csv\"\nhash = \"1234\"\nrows = 40\n",
+        mm / 1000.0
+    );
+    if let Some(offset) = offset {
+        text += &format!(
+            "[[effects]]\neffect = \"joint_offset\"\ntarget = \"knee\"\n\
+             [effects.parameters.offset_rad]\nvalue = {offset}\nstd = 0.001\n"
+        );
+    }
+    ModelFile::parse(&text, &format!("/a/folder/{name}.toml")).unwrap()
+}
+
+#[test]
+fn the_page_says_what_changed_and_whether_it_is_more_than_chance() {
+    let robot = Robot::parse(TWO_LINK, "robot.urdf").unwrap();
+    let model = robot.model("foot", Snapping::default(), None).unwrap();
+    let skeleton = Skeleton::of(&model, &robot.description, None);
+    let (monday, friday) = (
+        file("monday", 100.0, None),
+        file("friday", 103.0, Some(0.05)),
+    );
+    let found = compare(&monday, &friday).unwrap();
+    let made = |drawn| page(&found, [&monday, &friday], drawn, "sesc compare a b").unwrap();
+    let html = made(Some(&skeleton));
+    for words in [
+        "friday.toml differs from monday.toml by more than chance",
+        "<td class=\"name\">appeared</td>",
+        // 0.05 rad ± 0.001 rad.
+        "2.86°",
+        // 3 mm over 0.1 √2 mm.
+        "<td>21.2</td>",
+        "p &lt; 0.005",
+        "monday.csv, 40 rows, hash 1234",
+        "hash 00c0ffee00c0ffee",
+        "<pre>sesc compare a b</pre>",
+        "Orange: <code>joint_offset:knee</code> appeared.",
+        "two&lt;link&gt;",
+    ] {
+        assert!(html.contains(words), "{words}\n{html}");
+    }
+    assert!(!html.contains("/a/folder") && !html.contains("two<link>") && !html.contains("NaN"));
+    // Two of the robot, and the deviations.
+    assert_eq!(html.matches("<svg ").count(), 3);
+    still(&html, 2);
+    assert_eq!(html, made(Some(&skeleton)));
+    assert_eq!(made(None).matches("<svg ").count(), 1);
+}
+
+#[test]
+fn nothing_changed_is_said_so() {
+    let (monday, friday) = (file("monday", 100.0, None), file("friday", 100.1, None));
+    let found = compare(&monday, &friday).unwrap();
+    let html = page(&found, [&monday, &friday], None, "sesc compare a b").unwrap();
+    assert!(html.contains("Nothing changed by more than chance"));
+    assert!(html.contains("Neither model has an effect."));
+}
