@@ -1,5 +1,6 @@
 //! What one robot on one day comes to.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -52,6 +53,42 @@ impl EffectFound {
             instead,
         }
     }
+}
+
+/// The order of robots and days: runs of digits by their number, all else as text, so that
+/// `day=9` is before `day=10`, and dates such as `2031-05-01` stay in their order.
+pub(super) fn by_number(a: &str, b: &str) -> Ordering {
+    let (mut left, mut right) = (a, b);
+    loop {
+        let (own, other) = (digits(left), digits(right));
+        let of_first = match (own.is_empty(), other.is_empty()) {
+            (false, false) => {
+                (left, right) = (&left[own.len()..], &right[other.len()..]);
+                let own = own.trim_start_matches('0');
+                let other = other.trim_start_matches('0');
+                own.len().cmp(&other.len()).then_with(|| own.cmp(other))
+            }
+            _ => {
+                let (mut rest, mut rest_of_other) = (left.chars(), right.chars());
+                let pair = (rest.next(), rest_of_other.next());
+                (left, right) = (rest.as_str(), rest_of_other.as_str());
+                match pair {
+                    // The same but for leading zeros.
+                    (None, None) => return a.cmp(b),
+                    (one, another) => one.cmp(&another),
+                }
+            }
+        };
+        if of_first.is_ne() {
+            return of_first;
+        }
+    }
+}
+
+/// The digits that a text begins with.
+fn digits(text: &str) -> &str {
+    let end = text.find(|c: char| !c.is_ascii_digit());
+    &text[..end.unwrap_or(text.len())]
 }
 
 /// One row of the fleet's table: a robot on a day.
@@ -170,4 +207,29 @@ impl Row {
 /// A JSON text of something that always is one.
 pub(super) fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod order_tests {
+    use super::by_number;
+
+    #[test]
+    fn days_are_in_the_order_of_their_numbers() {
+        let of = |days: &[&str]| {
+            let mut sorted = days.to_vec();
+            sorted.sort_by(|a, b| by_number(a, b));
+            sorted.join(" ")
+        };
+        assert_eq!(of(&["10", "9", "1", "12", "2"]), "1 2 9 10 12");
+        assert_eq!(
+            of(&["2031-05-10", "2030-12-31", "2031-05-09"]),
+            "2030-12-31 2031-05-09 2031-05-10"
+        );
+        assert_eq!(
+            of(&["week 10", "week 9b", "week 9"]),
+            "week 9 week 9b week 10"
+        );
+        // Equal numbers are told apart by how they are written, whatever comes first.
+        assert_eq!(of(&["01", "1", "001", ""]), of(&["1", "", "001", "01"]));
+    }
 }

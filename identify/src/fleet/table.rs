@@ -8,7 +8,7 @@ use std::path::Path;
 
 use sesc_model::files::{self, NewFile};
 
-use super::row::{Row, json};
+use super::row::{Row, by_number, json};
 use crate::Error;
 
 /// The columns, in their order.
@@ -32,13 +32,14 @@ pub const COLUMNS: [&str; 17] = [
     "version",
 ];
 
-/// The rows sorted by robot, day, URDF and support; a robot that has several URDFs is told so
+/// The rows sorted by robot and day, URDF and support; a robot that has several URDFs is told so
 /// in a sentence of its rows.
 pub fn assembled(mut rows: Vec<Row>) -> Vec<Row> {
     rows.sort_by(|a, b| {
-        let key =
-            |row: &Row| [&row.robot, &row.day, &row.urdf_hash, &row.support].map(String::clone);
-        key(a).cmp(&key(b))
+        let urdf = |row: &Row| [&row.urdf_hash, &row.support].map(String::clone);
+        by_number(&a.robot, &b.robot)
+            .then_with(|| by_number(&a.day, &b.day))
+            .then_with(|| urdf(a).cmp(&urdf(b)))
     });
     let mut urdfs: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for row in rows.iter().filter(|row| !row.urdf_hash.is_empty()) {

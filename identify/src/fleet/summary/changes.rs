@@ -12,13 +12,19 @@
 //! effects, and sizes of effects. On days on which an effect is in no explanation it is
 //! 0 ± [`UNSEEN`] of its deviations, since a smaller one would hardly be seen.
 //!
+//! The days before a change and those from it on are split again in the same way (binary
+//! segmentation), unless a straight line explains them: a drift is one change. Each time the
+//! chance counts twice as many numbers, so that a robot with a change gets a second one by
+//! chance no more often than a sound robot gets its first.
+//!
 //! Deviations are widened by what the days of the whole fleet scatter: by the median of the
 //! squared differences between neighbouring days, parameter by parameter.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF as _, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF as _, StudentsT};
 
 use super::criteria::FALSE_ALARM;
 use super::criteria::changes::{DIFFERENCES, HYPOTHESES, LEAST_FREEDOM, ONSET, UNSEEN};
@@ -56,11 +62,30 @@ struct Course<'r> {
     freedom: f64,
 }
 
-/// Where a course changes.
+impl Course<'_> {
+    /// The days of a range alone.
+    fn part(&self, days: &Range<usize>) -> Self {
+        Course {
+            days: self.days[days.clone()].to_vec(),
+            sizes: self.sizes[days.clone()].to_vec(),
+            freedom: self.freedom,
+        }
+    }
+}
+
+/// Where a course can be split best.
 struct Split {
     /// Place of the first day on which it is so.
     onset: usize,
     ln_p: f64,
+}
+
+/// A change of a course.
+struct Step {
+    /// Days since the change up to the next one.
+    days: Range<usize>,
+    /// The most that chance would make of it.
+    chance: f64,
 }
 
 pub(super) fn changes(
@@ -153,44 +178,34 @@ fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
             continue;
         };
         let course = course_of_effect(rows, &key, &parameter);
-        let tests = HYPOTHESES * robots;
-        let Some((onset, chance)) = change(&course, tests) else {
-            continue;
-        };
-        let (first, last) = (
-            course.sizes[onset - 1],
-            course.sizes[course.sizes.len() - 1],
-        );
-        let say = |size: Size| {
-            named(&Found {
+        let say = |size: Size| match size.value {
+            // An effect that no explanation has is not there, whatever it might be.
+            0.0 => "not seen".to_string(),
+            _ => named(&Found {
                 name: &parameter,
                 value: size.value,
                 std: size.std,
-            })
+            }),
         };
-        // An effect that no explanation has is not there, whatever it might be.
-        let before = match first.value {
-            0.0 => "not seen".to_string(),
-            _ => say(first),
-        };
-        let after = match last.value {
-            0.0 => "not seen".to_string(),
-            _ => say(last),
-        };
-        found.push(Change {
-            robot: history.robot.to_string(),
-            day: course.days[onset].to_string(),
-            what: format!(
-                "{} changes: {before} on {}, {after} on {}. Chance would make it in {} fleets.",
-                label((&key.0, &key.1)),
-                course.days[onset - 1],
-                course.days[course.days.len() - 1],
-                one_in(chance)
-            ),
-            kind: "effect",
-            target: label((&key.0, &key.1)),
-            chance: Some(chance),
-        });
+        for step in steps(&course, HYPOTHESES * robots) {
+            let (before, last) = (step.days.start - 1, step.days.end - 1);
+            found.push(Change {
+                robot: history.robot.to_string(),
+                day: course.days[step.days.start].to_string(),
+                what: format!(
+                    "{} changes: {} on {}, {} on {}. Chance would make it in {} fleets.",
+                    label((&key.0, &key.1)),
+                    say(course.sizes[before]),
+                    course.days[before],
+                    say(course.sizes[last]),
+                    course.days[last],
+                    one_in(step.chance)
+                ),
+                kind: "effect",
+                target: label((&key.0, &key.1)),
+                chance: Some(step.chance),
+            });
+        }
     }
     found
 }
@@ -234,22 +249,24 @@ fn freedom(rows: &[&Row]) -> f64 {
     rows.iter().map(of).sum()
 }
 
-/// Parameters that change, the clearest of them named.
+/// When parameters change, the clearest of them named.
 fn parameters(
     history: &History,
     rows: &[&Row],
     widening: &[f64],
     names: &BTreeMap<(String, String), Vec<String>>,
     robots: f64,
-) -> Option<Change> {
-    let count = rows.iter().map(|row| row.params.len()).max()?;
+) -> Vec<Change> {
+    let count = rows.iter().map(|row| row.params.len()).max().unwrap_or(0);
     let rows: Vec<&Row> = rows
         .iter()
         .copied()
         .filter(|row| row.params.len() == count)
         .collect();
-    let first = rows.first()?;
-    let mut changed: Vec<(f64, usize, usize, Course)> = Vec::new();
+    let Some(first) = rows.first() else {
+        return Vec::new();
+    };
+    let mut changed: Vec<(usize, Course, Vec<Step>)> = Vec::new();
     for k in 0..count {
         let known: Vec<(&Row, Size)> = rows
             .iter()
@@ -261,37 +278,50 @@ fn parameters(
             sizes: known.iter().map(|(_, size)| *size).collect(),
             freedom: freedom(&used),
         };
-        if let Some((onset, chance)) = change(&course, count as f64 * robots) {
-            changed.push((chance, k, onset, course));
+        let steps = steps(&course, count as f64 * robots);
+        if !steps.is_empty() {
+            changed.push((k, course, steps));
         }
     }
-    let others = changed.len().saturating_sub(1);
-    let (chance, k, onset, course) = changed.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let others = match changed.len().saturating_sub(1) {
+        0 => String::new(),
+        1 => " Another parameter changes, too.".to_string(),
+        n => format!(" {n} other parameters change, too."),
+    };
+    let clearest = |steps: &[Step]| {
+        let chances = steps.iter().map(|step| step.chance);
+        chances.fold(f64::INFINITY, f64::min)
+    };
+    let named = changed
+        .into_iter()
+        .min_by(|a, b| clearest(&a.2).total_cmp(&clearest(&b.2)));
+    let Some((k, course, steps)) = named else {
+        return Vec::new();
+    };
     let key = (first.urdf_hash.clone(), first.support.clone());
     let name = names.get(&key).and_then(|names| names.get(k)).cloned();
     let name = name.unwrap_or_else(|| format!("parameter {}", k + 1));
     let say = |size: Size| format!("{:.3} ± {:.3} mm", 1e3 * size.value, 1e3 * size.std);
-    let others = match others {
-        0 => String::new(),
-        1 => " Another parameter changes with it.".to_string(),
-        n => format!(" {n} other parameters change with it."),
+    let of = |step: &Step| {
+        let (before, last) = (step.days.start - 1, step.days.end - 1);
+        Change {
+            robot: history.robot.to_string(),
+            day: course.days[step.days.start].to_string(),
+            what: format!(
+                "{name} changes: {} on {}, {} on {}; no effect is named for it.{others} Chance \
+                 would make it in {} fleets.",
+                say(course.sizes[before]),
+                course.days[before],
+                say(course.sizes[last]),
+                course.days[last],
+                one_in(step.chance)
+            ),
+            kind: "parameter",
+            target: name.clone(),
+            chance: Some(step.chance),
+        }
     };
-    Some(Change {
-        robot: history.robot.to_string(),
-        day: course.days[onset].to_string(),
-        what: format!(
-            "{name} changes: {} on {}, {} on {}; no effect is named for it.{others} Chance would \
-             make it in {} fleets.",
-            say(course.sizes[onset - 1]),
-            course.days[onset - 1],
-            say(course.sizes[course.sizes.len() - 1]),
-            course.days[course.days.len() - 1],
-            one_in(chance)
-        ),
-        kind: "parameter",
-        target: name,
-        chance: Some(chance),
-    })
+    steps.iter().map(of).collect()
 }
 
 /// A parameter of a row with its widened deviation.
@@ -337,14 +367,56 @@ fn widening(histories: &[History]) -> Vec<f64> {
     each.collect()
 }
 
-/// Where a number changes, and the chance of it, where that is below the limit. `tests` are
-/// the numbers that are looked at, besides days.
-fn change(course: &Course, tests: f64) -> Option<(usize, f64)> {
-    let Split { onset, ln_p } = split(course)?;
-    let days = course.sizes.len() as f64 - 1.0;
+/// Where a number changes, day after day. `tests` are the numbers that are looked at, besides
+/// days.
+fn steps(course: &Course, tests: f64) -> Vec<Step> {
+    let days = course.sizes.len();
     // Of two kinds of numbers.
-    let chance = (ln_p + (2.0 * tests * days).ln()).exp().min(1.0);
-    (chance < FALSE_ALARM).then_some((onset, chance))
+    let looks = 2.0 * tests * (days as f64 - 1.0);
+    let mut onsets: Vec<(usize, f64)> = Vec::new();
+    let mut parts = vec![(0..days, looks)];
+    while let Some((part, looks)) = parts.pop() {
+        let own = course.part(&part);
+        let again = part.len() < days;
+        if again && is_straight(&own.sizes) {
+            continue;
+        }
+        let Some(Split { onset, ln_p }) = split(&own) else {
+            continue;
+        };
+        let chance = (ln_p + looks.ln()).exp().min(1.0);
+        if chance < FALSE_ALARM {
+            let onset = part.start + onset;
+            onsets.push((onset, chance));
+            parts.push((part.start..onset, 2.0 * looks));
+            parts.push((onset..part.end, 2.0 * looks));
+        }
+    }
+    onsets.sort_by_key(|(onset, _)| *onset);
+    let ends = onsets.iter().skip(1).map(|(onset, _)| *onset).chain([days]);
+    let steps = onsets.iter().zip(ends).map(|(&(onset, chance), end)| Step {
+        days: onset..end,
+        chance,
+    });
+    steps.collect()
+}
+
+/// Whether a straight line over the days, weighted by 1/s², explains the sizes.
+fn is_straight(sizes: &[Size]) -> bool {
+    let days = sizes.iter().enumerate().map(|(day, size)| {
+        let weight = 1.0 / (size.std * size.std);
+        (day as f64, size.value, weight)
+    });
+    let sum =
+        |of: &dyn Fn(f64, f64) -> f64| days.clone().map(|(t, x, w)| w * of(t, x)).sum::<f64>();
+    let weight = sum(&|_, _| 1.0);
+    let (mean_t, mean_x) = (sum(&|t, _| t) / weight, sum(&|_, x| x) / weight);
+    let slope = sum(&|t, x| (t - mean_t) * (x - mean_x)) / sum(&|t, _| (t - mean_t).powi(2));
+    let line = |t: f64| mean_x + slope * (t - mean_t);
+    let chi2 = sum(&|t, x| (x - line(t)).powi(2));
+    // Two days always lie on a line.
+    let law = ChiSquared::new(sizes.len() as f64 - 2.0);
+    law.is_ok_and(|law| law.sf(chi2) > FALSE_ALARM) || sizes.len() < 3
 }
 
 fn split(course: &Course) -> Option<Split> {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::fleet::row::{EffectFound, Row, Size};
+use crate::fleet::row::{EffectFound, Row, Size, by_number};
 use crate::health::Kind;
 
 /// Effect and target.
@@ -23,7 +23,7 @@ pub(super) fn histories(rows: &[Row]) -> Vec<History<'_>> {
     }
     let mut histories = Vec::with_capacity(robots.len());
     for (robot, mut rows) in robots {
-        rows.sort_by(|a, b| (&a.day, &a.urdf_hash).cmp(&(&b.day, &b.urdf_hash)));
+        rows.sort_by(|a, b| by_number(&a.day, &b.day).then_with(|| a.urdf_hash.cmp(&b.urdf_hash)));
         histories.push(History { robot, rows });
     }
     histories

@@ -67,7 +67,11 @@ struct Member<'r> {
 struct Candidate<'r> {
     key: Key,
     parameter: String,
+    /// Robots that no group of this effect and target holds yet.
     members: Vec<Member<'r>>,
+    /// Groups of this effect and target, and their robots.
+    groups: usize,
+    grouped: usize,
 }
 
 pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
@@ -86,10 +90,14 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
         let Some(at) = (0..open.len()).find(|at| open[*at].members.len() > 1) else {
             break;
         };
-        let candidate = open.remove(at);
+        let mut candidate = open.remove(at);
         let (range, robots, targets) = scale[&candidate.key.0];
-        let group = group(&candidate, range, (robots, targets), looked_at as f64);
-        let Some(group) = group else { continue };
+        let robots = robots - candidate.grouped;
+        // Whoever looks for a second group looks once more.
+        let looks = (looked_at * (1 + candidate.groups)) as f64;
+        let Some(group) = group(&candidate, range, (robots, targets), looks) else {
+            continue;
+        };
         for other in &mut open {
             let taken = |member: &Member| {
                 let robot = histories
@@ -102,6 +110,12 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
             let mut kept = kept.collect::<Vec<bool>>().into_iter();
             other.members.retain(|_| kept.next().unwrap_or(true));
         }
+        // Robots with another size of the same may be a batch of their own.
+        let holds = |member: &Member| group.robots.iter().any(|name| name == member.robot);
+        candidate.members.retain(|member| !holds(member));
+        candidate.groups += 1;
+        candidate.grouped += group.robots.len();
+        open.push(candidate);
         found.push(group);
     }
     found.sort_by(|a, b| {
@@ -155,6 +169,8 @@ fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
         key,
         parameter,
         members,
+        groups: 0,
+        grouped: 0,
     })
     .filter(|candidate| !candidate.members.is_empty())
 }

@@ -235,3 +235,81 @@ fn rows_of_a_stuck_encoder_say_nothing_of_effects() {
         ("r05", "It is stuck.")
     );
 }
+
+/// Six robots of one batch, six of another with the opposite offset of the same joint.
+#[test]
+fn two_batches_of_one_joint_are_two_groups() {
+    let mut fleet = Drawn::fleet(40, 3, 13);
+    let (one, other) = ([1, 4, 9, 16, 25, 36], [2, 3, 5, 7, 11, 13]);
+    for robot in one {
+        fleet.offset(robot, "l_hip_roll", 0.035, 1);
+    }
+    for robot in other {
+        fleet.offset(robot, "l_hip_roll", -0.052, 1);
+    }
+    let found = fleet.summary();
+    let mut groups: Vec<(f64, Vec<String>)> = found
+        .shared
+        .iter()
+        .map(|group| (group.size, group.robots.clone()))
+        .collect();
+    groups.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert_eq!(groups.len(), 2, "{:?}", found.shared);
+    let names = |robots: [usize; 6]| robots.map(|robot| format!("r{robot:02}")).to_vec();
+    assert_eq!((&groups[0].1, &groups[1].1), (&names(other), &names(one)));
+    assert!((groups[0].0 + 0.052).abs() < 0.002 && (groups[1].0 - 0.035).abs() < 0.002);
+    let alone = |reason: &&Reason| reason.why.contains("no group shares");
+    assert_eq!(found.reasons.iter().find(alone), None);
+}
+
+/// Steps of a joint's offset on the days of a robot: (first day, what is added from then on).
+fn stepped(seed: u64, days: usize, steps: &[(usize, f64)]) -> Vec<(String, String)> {
+    let mut fleet = Drawn::fleet(20, days, seed);
+    for (k, (from, size)) in steps.iter().enumerate() {
+        let to = steps.get(k + 1).map_or(days + 1, |next| next.0);
+        if *size == 0.0 {
+            continue;
+        }
+        let before = fleet.rows.clone();
+        fleet.offset(7, "l_knee", *size, *from);
+        for (row, old) in fleet.rows.iter_mut().zip(before) {
+            if !(*from..to).contains(&row.day.parse().unwrap()) {
+                *row = old;
+            }
+        }
+    }
+    let changes = fleet.summary().changes.into_iter();
+    changes.map(|change| (change.day, change.what)).collect()
+}
+
+#[test]
+fn a_second_step_is_told_beside_the_first() {
+    let told = stepped(14, 12, &[(3, 0.035), (10, 0.105)]);
+    let days: Vec<&str> = told.iter().map(|(day, _)| day.as_str()).collect();
+    assert_eq!(days, ["3", "10"], "{told:?}");
+    assert!(
+        told[0].1.contains("not seen on 2") && told[0].1.contains("on 9."),
+        "{told:?}"
+    );
+    assert!(
+        told[1].1.contains("on 9,") && told[1].1.contains("on 12."),
+        "{told:?}"
+    );
+}
+
+#[test]
+fn what_came_and_went_is_two_changes() {
+    let told = stepped(15, 12, &[(3, 0.035), (10, 0.0)]);
+    let days: Vec<&str> = told.iter().map(|(day, _)| day.as_str()).collect();
+    assert_eq!(days, ["3", "10"], "{told:?}");
+    assert!(told[1].1.contains("not seen on 12"), "{told:?}");
+}
+
+/// A robot that changed once seems to change again no more often than a sound one does.
+#[test]
+fn one_step_is_one_change() {
+    let more = (0..100)
+        .filter(|seed| stepped(2000 + seed, 9, &[(4, 0.035)]).len() > 1)
+        .count();
+    assert!(more <= 4, "{more} of 100 robots");
+}
