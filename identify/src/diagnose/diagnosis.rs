@@ -197,6 +197,18 @@ fn believed(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
             Some(_) => {}
         }
     }
+    // Masses that end far from CAD's move the effects beside them: what is told and written
+    // is where both have settled.
+    while let Some(fit) = believed.first() {
+        let settled = settled_masses::settle(problem, fit);
+        let Some(sentence) = settled.and_then(|(own, fit)| implausible(&own, &fit)) else {
+            break;
+        };
+        if best.as_ref().is_none_or(|(score, _)| fit.score() < *score) {
+            best = Some((fit.score(), sentence));
+        }
+        believed.remove(0);
+    }
     if believed.is_empty() {
         believed.push(nothing.clone());
     }
