@@ -14,6 +14,7 @@ same rows in Parquet.
 from __future__ import annotations
 
 import importlib
+import os
 import re
 import subprocess
 import sys
@@ -125,9 +126,10 @@ def fits(urdf: str, support: str) -> None:
             "sesc fit of Parquet": lambda: subprocess.run(command, check=True, capture_output=True),
         }
         for name, call in times.items():
-            start = time.perf_counter()
+            start, processor = time.perf_counter(), sum(os.times()[:4])
             call()
-            print(f"{name:28} {time.perf_counter() - start:6.2f} s")
+            taken, used = time.perf_counter() - start, sum(os.times()[:4]) - processor
+            print(f"{name:28} {taken:6.2f} s, of processors {used:6.2f} s")
 
 
 def main(arguments: list[str]) -> None:

@@ -16,8 +16,8 @@ use crate::calls::EVERY;
 /// Additions from which on the interpreter's lock is released: below ten microseconds' worth
 /// where postures come one by one, and far below where they come in blocks.
 const LONG: usize = 4_000;
-/// Additions of a chunk: about a millisecond.
-const CHUNK: usize = 4_000_000;
+/// Additions of a chunk: a fraction of a millisecond.
+const CHUNK: usize = 1_000_000;
 
 /// A batch, and how it is shared out.
 pub struct Batch {

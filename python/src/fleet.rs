@@ -242,7 +242,7 @@ impl FleetFound {
             Ok(request)
         };
         let request = request().map_err(|failure| failure.raise(py))?;
-        let (found, _) = watched(py, show, Stopped::Awaited, move |watch| {
+        let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
             let found = fleet::run(&request, watch);
             let found = found.map_err(|error| Failure::of(&error, Doing::Fit))?;
             Ok(FleetFound::of(found, asked))

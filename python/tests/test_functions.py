@@ -140,8 +140,9 @@ def test_a_batch_is_its_postures(model: sesc.Model, name: str, n: int) -> None:
     function = getattr(model, name)
     q = RNG.uniform(-1, 1, (n, 20))
     batch = function(q)
-    single = np.array([function(row) for row in q]).reshape(batch.shape)
-    np.testing.assert_array_equal(batch, single)
+    some = RNG.integers(0, n, 1000) if n > 1000 else np.arange(n)
+    single = np.array([function(row) for row in q[some]]).reshape(batch[some].shape)
+    np.testing.assert_array_equal(batch[some], single)
     np.testing.assert_array_equal(function(q, threads=3), batch)
     out = np.full_like(batch, np.nan)
     assert function(q, out=out) is out

@@ -16,7 +16,7 @@ use super::options::Options;
 use super::row::Row;
 use super::store::Store;
 use crate::robot::Robot;
-use crate::watch::Watch;
+use crate::watch::{Watch, tell};
 use crate::{Error, ErrorKind};
 
 /// The error of logs that made the library panic; such a row is not kept.
@@ -125,6 +125,8 @@ pub fn work(job: Job, group: &Group, watch: &mut dyn Watch) -> Result<Done, Erro
         }
         None => {
             let found = made(&robot, &options, name, &logs.in_memory(), watch)?;
+            // Who stopped the run may be gone: nothing is written any more.
+            tell(watch, "diagnosing", 1, 1)?;
             let sound = found.error.as_deref() != Some(DEFECT);
             if let Some((store, key)) = key.filter(|_| sound) {
                 store.put(disk, (&key, &found), group, &logs.seen)?;
