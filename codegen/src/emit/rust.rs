@@ -46,8 +46,9 @@ const METHOD: [&str; 2] = [
 /// The module of a robot, named `name`.
 ///
 /// # Errors
-/// When `name` is no Rust module name.
+/// When `name` is no Rust module name or too long for a file.
 pub fn module(facts: &Facts, name: &str) -> Result<String, Error> {
+    names::check_length(name, names::suggest(name))?;
     if !names::is_module_name(name) {
         return Err(Problem::BadName {
             name: name.to_string(),
