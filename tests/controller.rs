@@ -203,3 +203,57 @@ fn a_controller_with_a_model_file_has_its_effects() {
         }
     }
 }
+
+/// Calls the page's function with postures of the robot and readings that its CAD predicts.
+const OF_LOG: &str = r#"
+fn main() {
+    let q: Vec<[f64; DOF]> = (0..100)
+        .map(|k| std::array::from_fn(|j| 0.3 * (f64::from(k) * (1.0 + j as f64)).sin()))
+        .collect();
+    let cop: Vec<[f64; 2]> = q.iter().map(|q| op2::cop(q, &CAD_PARAMS)).collect();
+    let (heights, params) = of_log(&q, &cop).unwrap();
+    for (q, height) in q.iter().zip(&heights) {
+        assert!((op2::com(q, &CAD_PARAMS)[2] - height).abs() < 1e-14);
+    }
+    for (found, cad) in params.iter().zip(&CAD_PARAMS) {
+        assert!((found - cad).abs() < 1e-9, "{found} {cad}");
+    }
+}
+"#;
+
+/// The examples of `docs/controller.md`: generated text as it is, and a crate that runs.
+#[test]
+fn the_examples_of_the_page_are_a_controller_that_runs() {
+    let page = fs::read_to_string(Path::new(ROOT).join("docs/controller.md")).unwrap();
+    let fences = page.split("```rust\n").skip(1);
+    let blocks: Vec<&str> = fences
+        .map(|block| block.split("```").next().unwrap())
+        .collect();
+    let [generated, crate_text, of_log] = blocks[..] else {
+        panic!("the page has {} examples in Rust", blocks.len())
+    };
+    assert!(
+        !page.contains("```text"),
+        "an example that nothing compiles"
+    );
+    let module = fs::read_to_string(Path::new(ROOT).join("generated/src/op2_r_sole.rs")).unwrap();
+    assert!(module.contains(generated), "{generated}");
+
+    let crate_ = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller_of_the_page");
+    let _ = fs::remove_dir_all(&crate_);
+    fs::create_dir_all(crate_.join("src")).unwrap();
+    for file in ["Cargo.toml", "Cargo.lock"] {
+        let text = fs::read_to_string(Path::new(ROOT).join("examples/controller").join(file));
+        let text = text.unwrap().replace("../../", &format!("{ROOT}/"));
+        let text = text.replace("name = \"controller\"", "name = \"of_the_page\"");
+        fs::write(crate_.join(file), text).unwrap();
+    }
+    let urdf = Path::new(ROOT).join("robots/op2/op2.urdf");
+    fs::copy(urdf, crate_.join("op2.urdf")).unwrap();
+    let (build, main) = crate_text.split_once("// src/main.rs\n").unwrap();
+    fs::write(crate_.join("build.rs"), build).unwrap();
+    let main = format!("{main}{of_log}{OF_LOG}");
+    fs::write(crate_.join("src/main.rs"), main).unwrap();
+    let output = cargo(&crate_, &["run", "--quiet"]);
+    assert!(output.status.success(), "{}", said(&output));
+}

@@ -60,9 +60,10 @@ impl Error {
         match *self.0 {
             Problem::Model(sesc_model::Error::Write { .. }) => ErrorKind::Write,
             Problem::Model(_) => ErrorKind::Model,
-            Problem::BadName { .. } | Problem::BadPrefix { .. } | Problem::TakenName { .. } => {
-                ErrorKind::Name
-            }
+            Problem::BadName { .. }
+            | Problem::BadPrefix { .. }
+            | Problem::LongName { .. }
+            | Problem::TakenName { .. } => ErrorKind::Name,
             Problem::Servos { .. } => ErrorKind::Servos,
             Problem::Overflow { .. }
             | Problem::NoFixedPoint { .. }
@@ -82,6 +83,11 @@ impl Error {
 
 impl ErrorKind {
     /// One word, stable: for programs that read it.
+    ///
+    /// ```
+    /// let error = sesc_codegen::Builder::new("op2.urdf").emit().unwrap_err();
+    /// assert_eq!(error.kind().name(), "request");
+    /// ```
     pub fn name(self) -> &'static str {
         match self {
             ErrorKind::Model => "model",
@@ -101,6 +107,15 @@ impl ErrorKind {
 
 impl Error {
     /// What is wrong with the robot or its model file, if it is that.
+    ///
+    /// ```
+    /// use sesc_codegen::Builder;
+    ///
+    /// let missing = Builder::new("no_such.urdf").support("foot").out_dir(".").emit().unwrap_err();
+    /// assert!(missing.model().is_some());
+    /// let no_support = Builder::new("op2.urdf").emit().unwrap_err();
+    /// assert!(no_support.model().is_none());
+    /// ```
     pub fn model(&self) -> Option<&sesc_model::Error> {
         match &*self.0 {
             Problem::Model(error) => Some(error),
@@ -157,6 +172,16 @@ pub(crate) enum Problem {
     BadName { name: String, suggestion: String },
     #[error("`{name}` is no prefix for C names; `{suggestion}` would be")]
     BadPrefix { name: String, suggestion: String },
+    #[error(
+        "`{name}` has {length} characters, and {longest} are the most for the names of files; \
+         give a name of your own, such as `{suggestion}`"
+    )]
+    LongName {
+        name: String,
+        length: usize,
+        longest: usize,
+        suggestion: String,
+    },
     #[error("`{name}` means something else to {layout}; `{suggestion}` would do")]
     TakenName {
         name: String,

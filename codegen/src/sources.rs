@@ -56,9 +56,9 @@ fn usual(facts: &Facts) -> String {
 /// The Rust module `name`; `<robot>_<support>` unless given.
 ///
 /// # Errors
-/// When `name` is no name of a module.
+/// When `name`, or that of robot and support, is no name of a module or too long for a file.
 pub fn rust(facts: &Facts, name: Option<&str>) -> Result<Sources, Error> {
-    let name = name.map_or_else(|| names::suggest(&usual(facts)), str::to_string);
+    let name = name.map_or_else(|| names::whole(&usual(facts)), str::to_string);
     let text = rust::module(facts, &name)?;
     Ok(Sources {
         files: vec![(PathBuf::from(format!("{name}.rs")), text)],
@@ -72,7 +72,7 @@ pub fn rust(facts: &Facts, name: Option<&str>) -> Result<Sources, Error> {
 /// Those of [`c::package`] and [`layout::files`].
 #[cfg(feature = "c99")]
 pub fn c99(facts: &Facts, name: Option<&str>, wanted: &C99) -> Result<Sources, Error> {
-    let name = name.map_or_else(|| c::suggest(&usual(facts)), str::to_string);
+    let name = name.map_or_else(|| c::whole(&usual(facts)), str::to_string);
     let mut options = Options::of(wanted.scalar);
     options.estimator = wanted.estimator;
     options.lanes = wanted.lanes;

@@ -1,8 +1,10 @@
-//! Generated Rust is made to be read: `generated/` as a person sees it.
+//! Generated code is made to be read: `generated/` as a person sees it.
 
 /// The OP2 on its right sole; `tests/fresh.rs` sees to it that it is what is written today.
 const OP2: &str = include_str!("../../generated/src/op2_r_sole.rs");
 const TWO_LINK: &str = include_str!("../../generated/src/two_link_foot.rs");
+const OP2_HEADER: &str = include_str!("../../generated/c/op2_r_sole.h");
+const OP2_FIXED: &str = include_str!("../../generated/c/op2_r_sole_fixed.c");
 
 #[test]
 fn lines_fit_into_100_columns() {
@@ -45,9 +47,21 @@ fn only_bodies_behind_the_traits_are_forced_inline() {
 }
 
 #[test]
-fn the_paper_is_cited_once() {
-    let title = "Three-dimensional identification of a humanoid robot";
-    assert_eq!(OP2.matches(title).count(), 1);
+fn the_paper_is_cited_once_in_every_file() {
+    let title = "\"Three-dimensional identification of a humanoid robot\"";
+    for text in [OP2, OP2_HEADER, OP2_FIXED] {
+        assert_eq!(text.matches(title).count(), 1);
+        assert!(text.contains(&format!("{title} (LAB-SCA, ITA)")));
+    }
+}
+
+/// No number of 2^30 stands in a body, and a mass is known by its kilograms.
+#[test]
+fn fixed_point_says_what_its_integers_are() {
+    let bodies = OP2_FIXED.split("_total_mass_kg = ").nth(1).unwrap();
+    assert!(bodies.contains("/* 2.925325253 kg, 29 bits below the point */"));
+    assert!(bodies.contains("rows[0] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);"));
+    assert!(!bodies.contains("= 1073741824;"));
 }
 
 /// A robot that does not move has a centre of mass all the same.

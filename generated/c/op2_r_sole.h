@@ -7,7 +7,7 @@
  * snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
- *                "Three-dimensional identification of a humanoid robot", eq. (4)
+ *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         f32 (float); double is never touched
  *
  * function                   mul     add   sin_cos   look_up   proven |rounding error|
@@ -61,7 +61,7 @@ extern "C" {
 typedef float op2_r_sole_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define op2_r_sole_PAIR_6e87f537ab29ff96
+#define op2_r_sole_PAIR_fef1ecd1b232a600
 
 /** Number of independent joints. */
 #define op2_r_sole_DOF 20
@@ -590,10 +590,10 @@ int op2_r_sole_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int op2_r_sole_selftest_6e87f537ab29ff96(void);
+int op2_r_sole_selftest_fef1ecd1b232a600(void);
 #ifndef op2_r_sole_SOURCE
 #define op2_r_sole_selftest() \
-    op2_r_sole_selftest_6e87f537ab29ff96()
+    op2_r_sole_selftest_fef1ecd1b232a600()
 #endif
 
 #ifdef __cplusplus

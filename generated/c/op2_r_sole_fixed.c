@@ -7,7 +7,7 @@
  * snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
- *                "Three-dimensional identification of a humanoid robot", eq. (4)
+ *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
  * function                   mul     add   sin_cos   look_up   proven |rounding error|
@@ -46,13 +46,14 @@
 /* The self-test is defined here, by its own name, too. */
 #define op2_r_sole_fixed_SOURCE
 #include "op2_r_sole_fixed.h"
-#ifndef op2_r_sole_fixed_PAIR_bb0920ecc63eaff9
+#ifndef op2_r_sole_fixed_PAIR_18f0b39451e117a0
 #error "op2_r_sole_fixed.h is not the header that was written with this source: generate both again"
 #endif
 
 #include <stdint.h>
 
 const op2_r_sole_fixed_real op2_r_sole_fixed_total_mass_kg = 1570522036;
+    /* 2.925325253 kg, 29 bits below the point */
 
 const char *const op2_r_sole_fixed_joint_names[op2_r_sole_fixed_DOF] = {
     "head_pan",
@@ -2098,7 +2099,7 @@ void op2_r_sole_fixed_regressor(
         + ((int64_t)bz_r_sho_pitch_x * s_r_el), 30u);
     const int32_t bz_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * c_r_el)
         - ((int64_t)e21 * s_r_el), 30u);
-    rows[0] = 1073741824;
+    rows[0] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[1] = 0;
     rows[2] = 0;
     rows[3] = 0;
@@ -2142,7 +2143,7 @@ void op2_r_sole_fixed_regressor(
     rows[41] = bx_r_el_x;
     rows[42] = bx_r_el_y;
     rows[43] = 0;
-    rows[44] = 1073741824;
+    rows[44] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[45] = 0;
     rows[46] = c_r_ank_roll;
     rows[47] = s_r_ank_roll;
@@ -2186,7 +2187,7 @@ void op2_r_sole_fixed_regressor(
     rows[85] = by_r_el_y;
     rows[86] = 0;
     rows[87] = 0;
-    rows[88] = 1073741824;
+    rows[88] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[89] = bz_r_ank_roll_x;
     rows[90] = c_r_ank_roll;
     rows[91] = bz_r_ank_pitch_x;
@@ -2475,7 +2476,7 @@ void op2_r_sole_fixed_regressor_cop(
         + ((int64_t)by_r_sho_pitch_x * s_r_el), 30u);
     const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * c_r_el)
         - ((int64_t)e15 * s_r_el), 30u);
-    rows[0] = 1073741824;
+    rows[0] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[1] = 0;
     rows[2] = 0;
     rows[3] = 0;
@@ -2519,7 +2520,7 @@ void op2_r_sole_fixed_regressor_cop(
     rows[41] = bx_r_el_x;
     rows[42] = bx_r_el_y;
     rows[43] = 0;
-    rows[44] = 1073741824;
+    rows[44] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[45] = 0;
     rows[46] = c_r_ank_roll;
     rows[47] = s_r_ank_roll;
@@ -2891,10 +2892,10 @@ void op2_r_sole_fixed_regressor_full(
         + ((int64_t)bz_r_sho_pitch_x * s_r_el), 30u);
     const int32_t bz_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * c_r_el)
         - ((int64_t)e23 * s_r_el), 30u);
-    rows[0] = 1073741824;
+    rows[0] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[1] = 0;
     rows[2] = 0;
-    rows[3] = 1073741824;
+    rows[3] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[4] = 0;
     rows[5] = 0;
     rows[6] = c_r_ank_pitch;
@@ -2957,7 +2958,7 @@ void op2_r_sole_fixed_regressor_full(
     rows[61] = bx_r_sho_roll_x;
     rows[62] = bx_r_el_y;
     rows[63] = 0;
-    rows[64] = 1073741824;
+    rows[64] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[65] = 0;
     rows[66] = 0;
     rows[67] = c_r_ank_roll;
@@ -3023,7 +3024,7 @@ void op2_r_sole_fixed_regressor_full(
     rows[125] = by_r_el_y;
     rows[126] = 0;
     rows[127] = 0;
-    rows[128] = 1073741824;
+    rows[128] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[129] = 0;
     rows[130] = bz_r_ank_roll_x;
     rows[131] = c_r_ank_roll;
@@ -4628,7 +4629,7 @@ void op2_r_sole_fixed_regressor_sc(
         + ((int64_t)bz_r_sho_pitch_x * sin_q[19]), 30u);
     const int32_t bz_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * cos_q[19])
         - ((int64_t)e19 * sin_q[19]), 30u);
-    rows[0] = 1073741824;
+    rows[0] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[1] = 0;
     rows[2] = 0;
     rows[3] = 0;
@@ -4672,7 +4673,7 @@ void op2_r_sole_fixed_regressor_sc(
     rows[41] = bx_r_el_x;
     rows[42] = bx_r_el_y;
     rows[43] = 0;
-    rows[44] = 1073741824;
+    rows[44] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[45] = 0;
     rows[46] = cos_q[16];
     rows[47] = sin_q[16];
@@ -4716,7 +4717,7 @@ void op2_r_sole_fixed_regressor_sc(
     rows[85] = by_r_el_y;
     rows[86] = 0;
     rows[87] = 0;
-    rows[88] = 1073741824;
+    rows[88] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[89] = bz_r_ank_roll_x;
     rows[90] = cos_q[16];
     rows[91] = bz_r_ank_pitch_x;
@@ -4950,7 +4951,7 @@ void op2_r_sole_fixed_regressor_cop_sc(
         + ((int64_t)by_r_sho_pitch_x * sin_q[19]), 30u);
     const int32_t by_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)by_r_sho_pitch_x * cos_q[19])
         - ((int64_t)e13 * sin_q[19]), 30u);
-    rows[0] = 1073741824;
+    rows[0] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[1] = 0;
     rows[2] = 0;
     rows[3] = 0;
@@ -4994,7 +4995,7 @@ void op2_r_sole_fixed_regressor_cop_sc(
     rows[41] = bx_r_el_x;
     rows[42] = bx_r_el_y;
     rows[43] = 0;
-    rows[44] = 1073741824;
+    rows[44] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[45] = 0;
     rows[46] = cos_q[16];
     rows[47] = sin_q[16];
@@ -5311,10 +5312,10 @@ void op2_r_sole_fixed_regressor_full_sc(
         + ((int64_t)bz_r_sho_pitch_x * sin_q[19]), 30u);
     const int32_t bz_r_el_y = -op2_r_sole_fixed_narrow(((int64_t)bz_r_sho_pitch_x * cos_q[19])
         - ((int64_t)e21 * sin_q[19]), 30u);
-    rows[0] = 1073741824;
+    rows[0] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[1] = 0;
     rows[2] = 0;
-    rows[3] = 1073741824;
+    rows[3] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[4] = 0;
     rows[5] = 0;
     rows[6] = cos_q[15];
@@ -5377,7 +5378,7 @@ void op2_r_sole_fixed_regressor_full_sc(
     rows[61] = bx_r_sho_roll_x;
     rows[62] = bx_r_el_y;
     rows[63] = 0;
-    rows[64] = 1073741824;
+    rows[64] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[65] = 0;
     rows[66] = 0;
     rows[67] = cos_q[16];
@@ -5443,7 +5444,7 @@ void op2_r_sole_fixed_regressor_full_sc(
     rows[125] = by_r_el_y;
     rows[126] = 0;
     rows[127] = 0;
-    rows[128] = 1073741824;
+    rows[128] = (int32_t)op2_r_sole_fixed_shift_up(1, 30u);
     rows[129] = 0;
     rows[130] = bz_r_ank_roll_x;
     rows[131] = cos_q[16];
@@ -5734,7 +5735,7 @@ static int op2_r_sole_fixed_differs(
     return differs;
 }
 
-int op2_r_sole_fixed_selftest_bb0920ecc63eaff9(void)
+int op2_r_sole_fixed_selftest_18f0b39451e117a0(void)
 {
     static const op2_r_sole_fixed_real q[20] = {
         299663360,
@@ -5845,5 +5846,5 @@ int op2_r_sole_fixed_selftest_bb0920ecc63eaff9(void)
 
 int op2_r_sole_fixed_selftest(void)
 {
-    return op2_r_sole_fixed_selftest_bb0920ecc63eaff9();
+    return op2_r_sole_fixed_selftest_18f0b39451e117a0();
 }

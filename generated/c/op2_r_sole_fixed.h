@@ -7,7 +7,7 @@
  * snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
- *                "Three-dimensional identification of a humanoid robot", eq. (4)
+ *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
  * function                   mul     add   sin_cos   look_up   proven |rounding error|
@@ -56,7 +56,7 @@ extern "C" {
 typedef int32_t op2_r_sole_fixed_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define op2_r_sole_fixed_PAIR_bb0920ecc63eaff9
+#define op2_r_sole_fixed_PAIR_18f0b39451e117a0
 
 /** Number of independent joints. */
 #define op2_r_sole_fixed_DOF 20
@@ -492,10 +492,10 @@ int op2_r_sole_fixed_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int op2_r_sole_fixed_selftest_bb0920ecc63eaff9(void);
+int op2_r_sole_fixed_selftest_18f0b39451e117a0(void);
 #ifndef op2_r_sole_fixed_SOURCE
 #define op2_r_sole_fixed_selftest() \
-    op2_r_sole_fixed_selftest_bb0920ecc63eaff9()
+    op2_r_sole_fixed_selftest_18f0b39451e117a0()
 #endif
 
 #ifdef __cplusplus

@@ -36,7 +36,7 @@
 // weight.
 //
 // method         statically equivalent serial chain (SESC); equations as numbered in
-//                "Three-dimensional identification of a humanoid robot"
+//                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA)
 
 use sesc_runtime::__private::v1;
 use sesc_runtime::{Real, Sesc as _, SescFromSinCos as _};

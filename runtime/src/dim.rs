@@ -30,6 +30,12 @@ use crate::scalar::{Scalar, sealed::Machine};
 /// ```
 pub trait Dim: sealed::Sealed {
     /// The number itself.
+    ///
+    /// ```
+    /// use sesc_runtime::{Const, Dim};
+    ///
+    /// assert_eq!(<Const<20> as Dim>::LEN, 20);
+    /// ```
     const LEN: usize;
 
     /// The array of this length: `[T; N]`.

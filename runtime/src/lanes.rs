@@ -37,8 +37,21 @@ use crate::real::Real;
 pub struct Lanes<S, const N: usize>(pub [S; N]);
 
 /// Eight postures in double precision: a register of AVX-512, a cache line.
+///
+/// ```
+/// use sesc_runtime::F64x8;
+///
+/// assert_eq!((F64x8::splat(0.5) + F64x8::splat(0.25)).0, [0.75; 8]);
+/// assert_eq!((size_of::<F64x8>(), align_of::<F64x8>()), (64, 64));
+/// ```
 pub type F64x8 = Lanes<f64, 8>;
 /// Sixteen postures in single precision: a register of AVX-512, a cache line.
+///
+/// ```
+/// use sesc_runtime::F32x16;
+///
+/// assert_eq!((F32x16::splat(0.5) * F32x16::splat(3.0)).0, [1.5; 16]);
+/// ```
 pub type F32x16 = Lanes<f32, 16>;
 
 impl<S: Real, const N: usize> Lanes<S, N> {

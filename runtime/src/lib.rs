@@ -15,8 +15,8 @@
 //!   [`Posture<R>`](Posture) and parameters as [`Params<R>`](Params), and no array length;
 //! * [`Real`]: the scalars that these functions accept: `f64` and `f32` ([`Scalar`]), and
 //!   [`Lanes`] of either, one posture per lane;
-//! * [`Batch`] and [`Single`]: the same functions on the widest registers
-//!   that [`Simd`] finds;
+//! * [`Many`], [`Batch`] and [`Single`]: the same functions on the widest registers
+//!   that [`Simd`] finds, of any number of postures, of blocks of them and of one;
 //! * [`trig`]: the sine and cosine behind [`Real::sin_cos`], free of branches
 //!   and tables, the same to the last bit on every machine and in every lane;
 //! * [`power`]: the powers behind [`Real::power`], by the same rules;
@@ -64,4 +64,4 @@ pub use lanes::{F32x16, F64x8, Lanes, pack, unpack};
 pub use model::{CorrectCop, FullParams, Params, Posture, Sesc, SescFromSinCos};
 pub use real::Real;
 pub use scalar::{Block, Scalar, Simd};
-pub use simd::{Batch, Single};
+pub use simd::{Batch, Many, Single, UnequalLengths};

@@ -27,12 +27,38 @@ use crate::dim::Dim;
 use crate::real::Real;
 
 /// Joint positions of the robot `R`, or other numbers of its joints: `[T; DOF]`.
+///
+/// ```
+/// use sesc_generated::two_link_foot::TwoLinkFoot;
+/// use sesc_runtime::Posture;
+///
+/// let q: Posture<TwoLinkFoot> = [0.2, -0.4]; // rad
+/// let single: Posture<TwoLinkFoot, f32> = q.map(|q| q as f32);
+/// assert_eq!(single.len(), 2);
+/// ```
 pub type Posture<R, T = f64> = <<R as Sesc>::Dof as Dim>::Array<T>;
 
 /// Base parameters of the robot `R`, or a row of its regressor: `[T; BASE_PARAMS]`.
+///
+/// ```
+/// use sesc_generated::two_link_foot::TwoLinkFoot;
+/// use sesc_runtime::{Params, Sesc};
+///
+/// let mut r: Params<TwoLinkFoot> = TwoLinkFoot::CAD_PARAMS; // m
+/// r[0] += 1e-3;
+/// assert!(TwoLinkFoot::com(&[0.0, 0.0], &r)[0] > 0.01);
+/// ```
 pub type Params<R, T = f64> = <<R as Sesc>::Base as Dim>::Array<T>;
 
 /// Full parameters of the robot `R`, or a row of their regressor: `[T; FULL_PARAMS]`.
+///
+/// ```
+/// use sesc_generated::two_link_foot::TwoLinkFoot;
+/// use sesc_runtime::{FullParams, Sesc};
+///
+/// let [x, _, _]: [FullParams<TwoLinkFoot>; 3] = TwoLinkFoot::regressor_full(&[0.3, -0.5]);
+/// assert_eq!(x.len(), 9);
+/// ```
 pub type FullParams<R, T = f64> = <<R as Sesc>::Full as Dim>::Array<T>;
 
 /// A robot seen from one support link: what every generated unit struct is.
@@ -79,21 +105,68 @@ pub trait Sesc: Sized {
     type Generated: v1::Robot<Dof = Self::Dof, Base = Self::Base, Full = Self::Full>;
 
     /// Names of the joints, in the order of `q`.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::Sesc;
+    /// assert_eq!(TwoLinkFoot::JOINT_NAMES, ["ankle", "knee"]);
+    /// ```
     const JOINT_NAMES: Posture<Self, &'static str>;
 
     /// Which joints are prismatic: their position is in metres.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::Sesc;
+    /// assert_eq!(TwoLinkFoot::PRISMATIC, [false, false]);
+    /// ```
     const PRISMATIC: Posture<Self, bool>;
 
     /// Lower joint limits, rad or m; -∞ where a joint has none.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::Sesc;
+    /// /// A posture inside the limits of any robot.
+    /// fn inside<R: Sesc>(q: &mut sesc_runtime::Posture<R>) {
+    ///     for (j, q) in q.as_mut().iter_mut().enumerate() {
+    ///         *q = q.max(R::JOINT_LOWER[j]).min(R::JOINT_UPPER[j]);
+    ///     }
+    /// }
+    ///
+    /// let mut q = [-9.0, -0.1];
+    /// inside::<TwoLinkFoot>(&mut q);
+    /// assert_eq!(q, [TwoLinkFoot::JOINT_LOWER[0], -0.1]);
+    /// ```
     const JOINT_LOWER: Posture<Self>;
 
     /// Upper joint limits, rad or m; ∞ where a joint has none.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::Sesc;
+    /// assert!(TwoLinkFoot::JOINT_UPPER[0] > TwoLinkFoot::JOINT_LOWER[0]);
+    /// ```
     const JOINT_UPPER: Posture<Self>;
 
     /// Total mass, kg: what CAD says, and the loads of the model file.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::Sesc;
+    /// assert_eq!(TwoLinkFoot::TOTAL_MASS_KG, 10.0);
+    /// ```
     const TOTAL_MASS_KG: f64;
 
     /// Base parameters from CAD, metres.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::Sesc;
+    /// // Upright, the CoM is over the first parameter.
+    /// let [x, ..] = TwoLinkFoot::com(&[0.0, 0.0], &TwoLinkFoot::CAD_PARAMS);
+    /// assert!((x - TwoLinkFoot::CAD_PARAMS[0]).abs() < 1e-15);
+    /// ```
     const CAD_PARAMS: Params<Self>;
 
     /// Centre of mass, metres, in the support frame: `r_0 + Σ B_i(q) r_i`.
@@ -297,6 +370,15 @@ pub trait SescFromSinCos: Sesc {
     type GeneratedSinCos: v1::SinCosRobot<Dof = Self::Dof, Base = Self::Base, Full = Self::Full>;
 
     /// [`Sesc::com`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let com = TwoLinkFoot::com_sc(&sin, &cos, &CAD_PARAMS);
+    /// assert_eq!(com, TwoLinkFoot::com(&q, &CAD_PARAMS));
+    /// ```
     #[inline]
     fn com_sc<T: Real>(
         sin: &Posture<Self, T>,
@@ -307,6 +389,15 @@ pub trait SescFromSinCos: Sesc {
     }
 
     /// [`Sesc::com_jacobian`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let jacobian = TwoLinkFoot::com_jacobian_sc(&sin, &cos, &CAD_PARAMS);
+    /// assert_eq!(jacobian, TwoLinkFoot::com_jacobian(&q, &CAD_PARAMS));
+    /// ```
     #[inline]
     fn com_jacobian_sc<T: Real>(
         sin: &Posture<Self, T>,
@@ -317,6 +408,16 @@ pub trait SescFromSinCos: Sesc {
     }
 
     /// [`Sesc::com_velocity`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let qd = [0.5, 0.0]; // rad/s
+    /// let velocity = TwoLinkFoot::com_velocity_sc(&sin, &cos, &qd, &CAD_PARAMS);
+    /// assert_eq!(velocity, TwoLinkFoot::com_velocity(&q, &qd, &CAD_PARAMS));
+    /// ```
     #[inline]
     fn com_velocity_sc<T: Real>(
         sin: &Posture<Self, T>,
@@ -328,6 +429,15 @@ pub trait SescFromSinCos: Sesc {
     }
 
     /// [`Sesc::gravity_moments`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let moments = TwoLinkFoot::gravity_moments_sc(&sin, &cos, &CAD_PARAMS);
+    /// assert_eq!(moments, TwoLinkFoot::gravity_moments(&q, &CAD_PARAMS));
+    /// ```
     #[inline]
     fn gravity_moments_sc<T: Real>(
         sin: &Posture<Self, T>,
@@ -338,6 +448,15 @@ pub trait SescFromSinCos: Sesc {
     }
 
     /// [`Sesc::regressor`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let rows = TwoLinkFoot::regressor_sc(&sin, &cos);
+    /// assert_eq!(rows, TwoLinkFoot::regressor(&q));
+    /// ```
     #[inline]
     fn regressor_sc<T: Real>(
         sin: &Posture<Self, T>,
@@ -347,6 +466,15 @@ pub trait SescFromSinCos: Sesc {
     }
 
     /// [`Sesc::regressor_cop`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let rows = TwoLinkFoot::regressor_cop_sc(&sin, &cos);
+    /// assert_eq!(rows, TwoLinkFoot::regressor_cop(&q));
+    /// ```
     #[inline]
     fn regressor_cop_sc<T: Real>(
         sin: &Posture<Self, T>,
@@ -356,6 +484,15 @@ pub trait SescFromSinCos: Sesc {
     }
 
     /// [`Sesc::regressor_full`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::TwoLinkFoot;
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let rows = TwoLinkFoot::regressor_full_sc(&sin, &cos);
+    /// assert_eq!(rows, TwoLinkFoot::regressor_full(&q));
+    /// ```
     #[inline]
     fn regressor_full_sc<T: Real>(
         sin: &Posture<Self, T>,
@@ -365,6 +502,15 @@ pub trait SescFromSinCos: Sesc {
     }
 
     /// [`Sesc::cop`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let cop = TwoLinkFoot::cop_sc(&sin, &cos, &CAD_PARAMS);
+    /// assert_eq!(cop, TwoLinkFoot::cop(&q, &CAD_PARAMS));
+    /// ```
     #[inline]
     fn cop_sc<T: Real>(
         sin: &Posture<Self, T>,
@@ -375,6 +521,16 @@ pub trait SescFromSinCos: Sesc {
     }
 
     /// [`Sesc::zmp`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let (still, qdd) = ([0.0, 0.0], [1.0, 0.0]); // rad/s, rad/s²
+    /// let zmp = TwoLinkFoot::zmp_sc(&sin, &cos, &still, &qdd, &CAD_PARAMS);
+    /// assert_eq!(zmp, TwoLinkFoot::zmp(&q, &still, &qdd, &CAD_PARAMS));
+    /// ```
     #[inline]
     fn zmp_sc<T: Real>(
         sin: &Posture<Self, T>,
@@ -407,6 +563,17 @@ pub trait CorrectCop: Sesc {
     /// [`Sesc::cop`] would be without the effects of the sensor (a wrong cell, a
     /// gain, a rotation, an offset, swapped axes, the unit of the record). It means nothing
     /// where no CoP on the foot has that reading.
+    ///
+    /// ```
+    /// use sesc_runtime::CorrectCop;
+    ///
+    /// /// The readings of a log, metres, freed of the effects of the sensor.
+    /// fn correct<R: CorrectCop>(readings: &mut [[f64; 2]]) {
+    ///     for reading in readings {
+    ///         *reading = R::correct_cop(reading);
+    ///     }
+    /// }
+    /// ```
     fn correct_cop<T: Real>(reading: &[T; 2]) -> [T; 2];
 }
 

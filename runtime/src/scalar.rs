@@ -24,34 +24,88 @@ pub trait Scalar: Real + Default + PartialOrd + sealed::Dispatch {
     /// A number of each posture of a block.
     type Block: Block<Scalar = Self>;
     /// 0.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// assert_eq!(<f64 as Scalar>::ZERO, 0.0);
+    /// ```
     const ZERO: Self;
     /// 1.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// assert_eq!(<f32 as Scalar>::ONE, 1.0);
+    /// ```
     const ONE: Self;
     /// +∞: the variance of a parameter that no reading has shown.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// use sesc_runtime::fit::Estimator;
+    ///
+    /// let nothing_shown = Estimator::<f64, 1>::with_nominal(&[0.1])?;
+    /// assert_eq!(nothing_shown.variance(0), Some(<f64 as Scalar>::INFINITY));
+    /// # Ok::<(), sesc_runtime::fit::Error>(())
+    /// ```
     const INFINITY: Self;
     /// Largest entry of a row, and largest distance of a reading from the nominal
     /// parameters' prediction, in standard deviations: 2¹⁰⁰ and 2²⁰.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// assert_eq!(<f32 as Scalar>::LIMIT, 1_048_576.0);
+    /// ```
     const LIMIT: Self;
     /// Least information that is kept, (standard deviations per unit of the
     /// parameter)²: 2⁻²⁰⁰ and 2⁻⁴⁰.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// assert_eq!(f64::LEAST * f64::LIMIT * f64::LIMIT, 1.0);
+    /// ```
     const LEAST: Self;
     /// Most information that a column can hold: `LIMIT²`, times the number of equal
     /// terms at which a sum stops growing.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// assert!(f64::MOST > f64::LIMIT * f64::LIMIT && f64::MOST.is_finite());
+    /// ```
     const MOST: Self;
     /// A column is observable when more than this share of it, as a length, is
     /// independent of the columns before it: 2⁻³⁶ ≈ 1.5e-11 and 2⁻¹⁷ ≈ 7.6e-6.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// assert!(f64::INDEPENDENT < 1e-10 && f32::INDEPENDENT < 1e-5);
+    /// ```
     const INDEPENDENT: Self;
     /// Below this weight a row is rewritten with a larger one.
     #[doc(hidden)]
     const LIGHT: Self;
 
     /// |x|.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// assert_eq!(Scalar::abs(-0.25_f32), 0.25);
+    /// ```
     fn abs(self) -> Self;
 
     /// Neither NaN nor infinite.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// assert!(Scalar::is_finite(0.5_f64) && !Scalar::is_finite(f64::NAN));
+    /// ```
     fn is_finite(self) -> bool;
 
     /// The same number in double precision.
+    ///
+    /// ```
+    /// # use sesc_runtime::Scalar;
+    /// assert_eq!(Scalar::to_f64(0.1_f32), f64::from(0.1_f32));
+    /// ```
     fn to_f64(self) -> f64;
 
     /// √x of a normal number, within one unit in the last place: half the exponent, then
@@ -73,6 +127,14 @@ pub trait Scalar: Real + Default + PartialOrd + sealed::Dispatch {
 pub trait Block: Real {
     /// Its numbers.
     type Scalar: Scalar<Block = Self>;
+
+    /// The numbers of its postures.
+    #[doc(hidden)]
+    fn lanes(&self) -> &[Self::Scalar];
+
+    /// The same, to be written.
+    #[doc(hidden)]
+    fn lanes_mut(&mut self) -> &mut [Self::Scalar];
 }
 
 pub(crate) mod sealed {

@@ -5,5 +5,6 @@ mod cmake;
 mod header;
 mod output;
 mod pairs;
+mod shared;
 mod symbols;
 mod user;

@@ -1,37 +1,11 @@
-//! Symbols of the C packages: exactly the documented names, and no two alike.
+//! Symbols of the C packages: no two alike.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use sesc_identify::robot::Robot;
-use sesc_model::{ModelFile, Snapping};
-
 use crate::user::*;
-use sesc_test_support::command::{ROOT, op2, write};
-
-/// Every name of DESIGN.md, section 4, behind the prefix; with `--model` and ticks.
-const DATA: [&str; 7] = [
-    "joint_names",
-    "joint_lower",
-    "joint_upper",
-    "total_mass_kg",
-    "param_names",
-    "cad_params",
-    "model_params",
-];
-const FUNCTIONS: [&str; 9] = [
-    "com",
-    "com_jacobian",
-    "com_velocity",
-    "gravity_moments",
-    "regressor",
-    "regressor_cop",
-    "regressor_full",
-    "cop",
-    "zmp",
-];
-const BAKED: [&str; 2] = ["model_com", "model_cop"];
+use sesc_test_support::command::{ROOT, op2, refused, sesc, stdout, write};
 
 /// Headers of `generated/c`, by name.
 fn shipped() -> Vec<String> {
@@ -95,189 +69,99 @@ fn shipped_c_packages_link_together() {
     run(&mut Command::new(binary));
 }
 
-/// What Python's ctypes and every other FFI do: look up a name, call what is there.
+/// Prefixes are whole names of robot and support: two supports of a robot with a long name have
+/// files and symbols of their own.
 #[test]
-fn every_documented_name_is_found_in_a_shared_library() {
-    let folder = fresh("shared");
-    // No prefix is longer.
-    let name = "op2_on_its_right_sole_r_sole_f64";
-    let model = Robot::read(Path::new(&op2())).unwrap();
-    let model = model.model("r_sole", Snapping::default(), None).unwrap();
-    let file = ModelFile::from_values(&model, &model.cad_params(), None, "prior");
-    let file = write(&folder, "model.toml", toml::to_string(&file).unwrap());
-    for (scalar, real) in [("f64", "double"), ("f32", "float"), ("fixed32", "int32_t")] {
-        let out = folder.join(scalar);
-        let options = [
-            "--scalar", scalar, "--name", name, "--ticks", "true", "--model", &file,
-        ];
-        generate(&out, &op2(), "r_sole", &options);
-        let library = out.join("library.so");
-        run(Command::new("cc")
-            .args(["-std=c99", "-O1", "-shared", "-fPIC"])
-            .arg(out.join(format!("{name}.c")))
-            .arg("-o")
-            .arg(&library));
-        let main = write(&out, "main.c", caller(name, real));
-        let binary = out.join("caller");
-        // Where the library of C holds dlopen, there is still a libdl to ask for.
-        run(Command::new("cc")
-            .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-I"])
-            .arg(&out)
-            .arg(main)
-            .args(["-ldl", "-lm", "-o"])
-            .arg(&binary));
-        let printed = run(Command::new(&binary).arg(&library));
-        let turned = |k: i32| f64::from(37 * k) * std::f64::consts::TAU / 4096.0;
-        let q: Vec<f64> = (0..20).map(turned).collect();
-        near(&printed, reference(&q), F32_M);
+fn two_supports_of_a_robot_with_a_long_name_link_together() {
+    let folder = fresh("long_name");
+    let robot = "unitree_g1_29dof_with_dex3_hands";
+    let text = fs::read_to_string(op2()).unwrap();
+    let renamed = text.replacen(
+        "<robot name=\"op2\"",
+        &format!("<robot name=\"{robot}\""),
+        1,
+    );
+    assert_ne!(text, renamed);
+    let urdf = write(&folder, "robot.urdf", renamed);
+    let q: Vec<f64> = posture().into_iter().map(f64::from).collect();
+    let values: Vec<String> = q.iter().map(|q| format!("{q:?}")).collect();
+    let (mut includes, mut calls) = (String::new(), String::new());
+    let (mut sources, mut expected) = (Vec::new(), Vec::new());
+    for support in ["r_sole", "l_sole"] {
+        let name = format!("{robot}_{support}");
+        let files = generate(&folder, &urdf, support, &[]);
+        let ends = ["h", "c"].map(|end| folder.join(format!("{name}.{end}")));
+        assert_eq!(files, ends);
+        let [_, source] = ends;
+        sources.push(source);
+        includes += &format!("#include \"{name}.h\"\n");
+        calls += &format!(
+            "    {name}_com(q, {name}_cad_params, com);\n    \
+             printf(\"%.9g %.9g %.9g\\n\", com[0], com[1], com[2]);\n    \
+             failed |= {name}_selftest();\n"
+        );
+        let robot = sesc_reference::Robot::from_file(&urdf).unwrap();
+        let reference = sesc_reference::Reference::new(&robot, support).unwrap();
+        expected.push(reference.com(&q).into());
+    }
+    let main = format!(
+        "{includes}#include <stdio.h>\n\nint main(void)\n{{\n    \
+         const double q[] = {{{}}};\n    double com[3];\n    int failed = 0;\n{calls}    \
+         return failed;\n}}\n",
+        values.join(", ")
+    );
+    let main = PathBuf::from(write(&folder, "main.c", main));
+    let (object, binary) = (folder.join("main.o"), folder.join("both"));
+    compile_c(&main, &folder, &object);
+    run(Command::new("cc")
+        .args(["-std=c99", "-O1"])
+        .args(&sources)
+        .arg(&object)
+        .args(["-lm", "-o"])
+        .arg(&binary));
+    let printed = run(&mut Command::new(binary));
+    assert_ne!(expected[0], expected[1]);
+    assert_eq!(printed.lines().count(), 2);
+    for (line, com) in printed.lines().zip(expected) {
+        near(line, com, 1e-8);
     }
 }
 
-/// Opens the library, finds every name, compares q, sines and ticks; prints the CoM in m.
-fn caller(name: &str, real: &str) -> String {
-    let mut calls = String::new();
-    for data in DATA {
-        calls += &format!("    (void)find(\"{name}_{data}\");\n");
+/// A name that is too long for a file is refused, in both languages: it is not cut.
+#[test]
+fn names_too_long_for_files_are_refused() {
+    let folder = fresh("too_long");
+    let text = fs::read_to_string(op2()).unwrap();
+    let (most, robot) = ("n".repeat(100), "n".repeat(95));
+    let renamed = text.replacen(
+        "<robot name=\"op2\"",
+        &format!("<robot name=\"{robot}\""),
+        1,
+    );
+    let urdf = write(&folder, "robot.urdf", renamed);
+    let out = folder.join("out").display().to_string();
+    for lang in ["rust", "c"] {
+        let usual = [
+            "generate",
+            &urdf,
+            "--support",
+            "r_sole",
+            "--lang",
+            lang,
+            "--out",
+            &out,
+        ];
+        // Robot, `_` and support are 102 characters.
+        let name = format!("{robot}_r_sole");
+        refused(
+            &sesc(&usual),
+            &[&name, "102 characters", "100", "give a name"],
+        );
+        let given = format!("{most}n");
+        let longer = [&usual[..], &["--name", &given]].concat();
+        refused(&sesc(&longer), &["101 characters", &format!("`{most}`")]);
+        assert!(!folder.join("out").exists(), "{lang}");
+        stdout(&sesc(&[&usual[..], &["--name", &most]].concat()));
+        fs::remove_dir_all(&out).unwrap();
     }
-    let fixed = real == "int32_t";
-    for function in FUNCTIONS.into_iter().chain(BAKED) {
-        // It divides, which fixed point does not.
-        let is_zmp = function == "zmp";
-        if is_zmp && fixed {
-            continue;
-        }
-        let r = !(function.starts_with("regressor") || function.starts_with("model"));
-        let rates = i32::from(function == "com_velocity") + 2 * i32::from(is_zmp);
-        let r = i32::from(r);
-        calls += &format!("    compare(\"{function}\", {rates}, {r});\n");
-    }
-    let bits = |quantity: &str| match fixed {
-        true => format!("ldexp(1.0, {name}_{quantity}_FRACTION_BITS)"),
-        false => "1.0".to_string(),
-    };
-    let tolerance = if fixed { "64.0" } else { "1e-5" };
-    format!(
-        r#"#include "{name}.h"
-#include <dlfcn.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-enum {{ DOF = {name}_DOF, LARGEST = 3 * {name}_FULL_PARAMS }};
-typedef {real} real;
-
-static void *library;
-static real q[DOF], sines[DOF], cosines[DOF], qd[DOF], r[{name}_BASE_PARAMS];
-static int32_t ticks[DOF];
-
-static void *find(const char *symbol)
-{{
-    void *found = dlsym(library, symbol);
-    if (found == NULL) {{
-        fprintf(stderr, "%s is not there\n", symbol);
-        exit(1);
-    }}
-    return found;
-}}
-
-/* A function, by its name; as POSIX asks, its address is copied. */
-static void call(const char *function, const char *suffix, int inputs, const void *const *in,
-    real *out)
-{{
-    char symbol[128];
-    void *found;
-    void (*of_1)(const void *, real *);
-    void (*of_2)(const void *, const void *, real *);
-    void (*of_3)(const void *, const void *, const void *, real *);
-    void (*of_4)(const void *, const void *, const void *, const void *, real *);
-    void (*of_5)(const void *, const void *, const void *, const void *, const void *, real *);
-    snprintf(symbol, sizeof symbol, "{name}_%s%s", function, suffix);
-    found = find(symbol);
-    memcpy(&of_1, &found, sizeof found);
-    memcpy(&of_2, &found, sizeof found);
-    memcpy(&of_3, &found, sizeof found);
-    memcpy(&of_4, &found, sizeof found);
-    memcpy(&of_5, &found, sizeof found);
-    if (inputs == 1) {{
-        of_1(in[0], out);
-    }} else if (inputs == 2) {{
-        of_2(in[0], in[1], out);
-    }} else if (inputs == 3) {{
-        of_3(in[0], in[1], in[2], out);
-    }} else if (inputs == 4) {{
-        of_4(in[0], in[1], in[2], in[3], out);
-    }} else {{
-        of_5(in[0], in[1], in[2], in[3], in[4], out);
-    }}
-}}
-
-/* Of a function that takes so many arrays of how joints move. */
-static void compare(const char *function, int rates, int takes_r)
-{{
-    static real of_q[LARGEST], of_sc[LARGEST], of_ticks[LARGEST];
-    const void *in[5] = {{sines, NULL, NULL, NULL, NULL}};
-    int k;
-    int more = 1;
-    for (k = 0; k < rates; k += 1) {{
-        in[++more] = qd;
-    }}
-    if (takes_r) {{
-        in[++more] = r;
-    }}
-    in[1] = cosines;
-    call(function, "_sc", more + 1, in, of_sc);
-    in[1] = q;
-    call(function, "", more, in + 1, of_q);
-    in[1] = ticks;
-    call(function, "_ticks", more, in + 1, of_ticks);
-    for (k = 0; k < LARGEST; k += 1) {{
-        if (fabs((double)of_q[k] - (double)of_sc[k]) > {tolerance}
-            || fabs((double)of_q[k] - (double)of_ticks[k]) > {tolerance}) {{
-            fprintf(stderr, "%s[%d]: %g %g %g\n", function, k, (double)of_q[k],
-                (double)of_sc[k], (double)of_ticks[k]);
-            exit(1);
-        }}
-    }}
-}}
-
-int main(int count, char **arguments)
-{{
-    int (*selftest)(void);
-    void *found;
-    real com[3], model_com[3];
-    const void *in[2] = {{q, r}};
-    int k;
-    library = dlopen(arguments[count - 1], RTLD_NOW);
-    if (library == NULL) {{
-        fprintf(stderr, "%s\n", dlerror());
-        return 1;
-    }}
-    for (k = 0; k < DOF; k += 1) {{
-        const double angle = 37.0 * k * 6.283185307179586 / 4096.0;
-        ticks[k] = 2048 + 37 * k;
-        q[k] = (real)(angle * {q_unit});
-        sines[k] = (real)(sin(angle) * {sc_unit});
-        cosines[k] = (real)(cos(angle) * {sc_unit});
-        qd[k] = (real)(((k % 3) - 1) * 0.5 * {qd_unit});
-    }}
-    memcpy(r, find("{name}_cad_params"), sizeof r);
-{calls}    call("com", "", 2, in, com);
-    call("model_com", "", 1, in, model_com);
-    found = find("{name}_selftest");
-    memcpy(&selftest, &found, sizeof found);
-    for (k = 0; k < 3; k += 1) {{
-        if (fabs((double)com[k] - (double)model_com[k]) > {tolerance}) {{
-            return 1;
-        }}
-        printf("%.9g ", com[k] / {com_unit});
-    }}
-    return selftest();
-}}
-"#,
-        q_unit = bits("Q"),
-        qd_unit = bits("QD"),
-        sc_unit = bits("SC"),
-        com_unit = bits("COM"),
-    )
 }

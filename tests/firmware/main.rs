@@ -12,37 +12,25 @@ mod results;
 use std::process::Command;
 use std::time::Duration;
 
+use sesc_model::Function;
 use sesc_test_support::machine;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const LIMIT: Duration = Duration::from_secs(300);
 
-const FUNCTIONS: [&str; 8] = [
-    "com",
-    "com_jacobian",
-    "com_velocity",
-    "gravity_moments",
-    "regressor",
-    "regressor_cop",
-    "regressor_full",
-    "cop",
-];
-
-/// Floats alone have this one: it divides.
-pub const OF_FLOATS: &str = "zmp";
-
 impl build::Config {
-    /// Every name that is called: `com_jacobian`, `com_jacobian_sc`, `com_jacobian_ticks`, …
+    /// Every name that is called: `com_jacobian`, `com_jacobian_sc`, `com_jacobian_ticks`, …;
+    /// floats alone have the ZMP, which divides.
     pub fn names(self) -> impl Iterator<Item = (String, &'static str, &'static str)> {
-        let kinds = ["", "_sc", "_ticks"];
-        let in_floats = if self.fixed { None } else { Some(OF_FLOATS) };
-        let of = move |functions: Vec<&'static str>| {
-            kinds.into_iter().flat_map(move |kind| {
-                let functions = functions.clone().into_iter();
-                functions.map(move |function| (format!("{function}{kind}"), function, kind))
+        let (of_floats, of_all): (Vec<_>, Vec<_>) =
+            (Function::ALL.into_iter()).partition(|function| *function == Function::Zmp);
+        let of = |functions: Vec<Function>| {
+            ["", "_sc", "_ticks"].into_iter().flat_map(move |kind| {
+                let names = functions.clone().into_iter().map(Function::name);
+                names.map(move |name| (format!("{name}{kind}"), name, kind))
             })
         };
-        of(FUNCTIONS.to_vec()).chain(of(in_floats.into_iter().collect()))
+        of(of_all).chain(of(if self.fixed { Vec::new() } else { of_floats }))
     }
 }
 

@@ -24,6 +24,10 @@ pub const GENERATOR: &str = concat!(
     "; do not edit."
 );
 
+/// Where equations and their numbers come from: the SESC paper, by its title and laboratory
+/// (Laboratório de Sistemas Computacionais Autônomos, ITA), as the project's README cites it.
+pub const PAPER: &str = "\"Three-dimensional identification of a humanoid robot\" (LAB-SCA, ITA)";
+
 /// Where the bounds hold.
 pub const BOUNDS_HOLD: [&str; 3] = [
     "Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for",

@@ -4,6 +4,8 @@
 //! Generated names use ASCII letters, digits and `_` only; names that collide
 //! after conversion are numbered in document order.
 
+use crate::Error;
+use crate::error::Problem;
 use sesc_model::names::{cut, word};
 
 /// `op2_r_sole` for a module, from words of any kind.
@@ -28,16 +30,20 @@ pub fn type_name(module: &str) -> String {
         .collect()
 }
 
-/// Longest name: a file of it, and its symbols, can be had everywhere.
-const LONGEST: usize = 100;
+/// Longest name: files of it can be had in every file system, with the ends that layouts add.
+pub const LONGEST: usize = 100;
 
 /// Names of generated items that a module's type must not take.
 const TAKEN: [&str; 3] = ["Real", "DOF", "PRISMATIC"];
 
 /// Whether `name` serves as a module and its type serves beside what is in it.
 pub fn is_module_name(name: &str) -> bool {
-    name.len() <= LONGEST
-        && !is_device(name)
+    name.len() <= LONGEST && is_spelled(name)
+}
+
+/// Whether `name` is a module's but for its length.
+fn is_spelled(name: &str) -> bool {
+    !is_device(name)
         && name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         && syn::parse_str::<syn::Ident>(name).is_ok()
@@ -54,13 +60,35 @@ pub(crate) fn is_device(name: &str) -> bool {
     matches!(&*name, "con" | "prn" | "aux" | "nul") || numbered("com") || numbered("lpt")
 }
 
+/// The module of what is called `name`, whole however long it is: a part of it might be that of
+/// another robot or support.
+pub fn whole(name: &str) -> String {
+    let word = module(name);
+    match is_spelled(&word) {
+        true => word,
+        false => format!("{word}_robot"),
+    }
+}
+
 /// A name like `name` that serves.
 pub fn suggest(name: &str) -> String {
-    let word = cut(&module(name), LONGEST - "_robot".len());
-    if is_module_name(&word) {
-        word
-    } else {
-        format!("{word}_robot")
+    cut(&whole(name), LONGEST)
+}
+
+/// Refuses a name that is too long for files.
+///
+/// # Errors
+/// When `name` has more than [`LONGEST`] characters.
+pub fn check_length(name: &str, suggestion: String) -> Result<(), Error> {
+    match name.chars().count() {
+        ..=LONGEST => Ok(()),
+        length => Err(Problem::LongName {
+            name: name.to_string(),
+            length,
+            longest: LONGEST,
+            suggestion,
+        }
+        .into()),
     }
 }
 

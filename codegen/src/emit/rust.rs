@@ -5,9 +5,10 @@
 //! ```
 //!
 //! Bodies stand in the implementation of the runtime's hidden traits, forced inline: the
-//! SIMD layer compiles them for registers that no call can carry. The functions that a
-//! controller calls forward to them through the public traits and are inlined where the
-//! compiler finds it worth while.
+//! SIMD layer compiles them for registers that no call can carry. Without that, a posture of a
+//! batch takes up to 41 times as long (`docs/perf.md`, "Every set of instructions"). The
+//! functions that a controller calls forward to them through the public traits and are inlined
+//! where the compiler finds it worth while.
 //!
 //! Tokens are made by `quote`, checked by `syn`, printed by `prettyplease` (`printed`).
 
@@ -37,17 +38,12 @@ use signature::{documentation, matrix, result, signature};
 /// compile where it has another.
 const INTERFACE: usize = 1;
 
-/// Where the equations come from.
-const METHOD: [&str; 2] = [
-    "method         statically equivalent serial chain (SESC); equations as numbered in",
-    "               \"Three-dimensional identification of a humanoid robot\"",
-];
-
 /// The module of a robot, named `name`.
 ///
 /// # Errors
-/// When `name` is no Rust module name.
+/// When `name` is no Rust module name or too long for a file.
 pub fn module(facts: &Facts, name: &str) -> Result<String, Error> {
+    names::check_length(name, names::suggest(name))?;
     if !names::is_module_name(name) {
         return Err(Problem::BadName {
             name: name.to_string(),
@@ -78,7 +74,10 @@ pub fn module(facts: &Facts, name: &str) -> Result<String, Error> {
     };
     let mut about = header::lines(facts, &routines);
     about.push(String::new());
-    about.extend(METHOD.map(str::to_string));
+    about.push(
+        "method         statically equivalent serial chain (SESC); equations as numbered in".into(),
+    );
+    about.push(format!("               {}", header::PAPER));
     printed::file(items, &about, &notes)
 }
 

@@ -1,8 +1,9 @@
 //! Generated functions on the vector registers of this machine.
 //!
 //! Generated code is generic over [`Real`], and registers are one kind of it. [`Simd`] names
-//! a set of instructions, [`Batch`] evaluates blocks of postures with it, one posture
-//! per lane, and [`Single`] evaluates one posture, its sines and cosines side by side.
+//! a set of instructions, [`Many`] evaluates any number of postures with it, a row each,
+//! [`Batch`] blocks of postures, one posture per lane, and [`Single`] one posture, its sines
+//! and cosines side by side.
 //!
 //! | set      | lanes (f64, f32) | a·b + c | sine and cosine                      |
 //! |----------|------------------|---------|--------------------------------------|
@@ -14,6 +15,7 @@
 //! the generated file states. The portable one gives the same bits on every machine.
 
 mod batch;
+mod many;
 mod moments;
 pub(crate) mod normal;
 mod reflect;
@@ -28,10 +30,20 @@ use crate::scalar::{Block, Scalar, Set, Simd, sealed};
 use crate::trig;
 
 pub use batch::Batch;
+pub use many::{Many, UnequalLengths};
 pub use single::Single;
 
 impl Simd {
     /// What every machine has: the same bits everywhere.
+    ///
+    /// ```
+    /// use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// use sesc_runtime::{Sesc, Simd, Single};
+    ///
+    /// let q = [0.2, -0.4];
+    /// let com = TwoLinkFoot::com_single(Simd::PORTABLE, &q, &CAD_PARAMS);
+    /// assert_eq!(com.map(f64::to_bits), TwoLinkFoot::com(&q, &CAD_PARAMS).map(f64::to_bits));
+    /// ```
     pub const PORTABLE: Simd = Simd(Set::Portable);
 
     /// The widest set of this machine: asked of the processor with the feature `std`, of
@@ -127,6 +139,16 @@ macro_rules! portable {
     ($scalar:ty, $block:ty, $sin_cos:path, $avx2:path, $avx512:path) => {
         impl Block for $block {
             type Scalar = $scalar;
+
+            #[inline(always)]
+            fn lanes(&self) -> &[$scalar] {
+                &self.0
+            }
+
+            #[inline(always)]
+            fn lanes_mut(&mut self) -> &mut [$scalar] {
+                &mut self.0
+            }
         }
 
         impl sealed::Machine<$scalar> for Portable {

@@ -17,6 +17,13 @@
 use core::f64::consts::FRAC_2_PI;
 
 /// The largest angle, in radians and of either sign, that [`sin_cos`] accepts: 2^20.
+///
+/// ```
+/// use sesc_runtime::trig;
+///
+/// assert!(trig::sin_cos(trig::LIMIT_RAD).0.is_finite());
+/// assert!(trig::sin_cos(trig::LIMIT_RAD + 1.0).0.is_nan());
+/// ```
 pub const LIMIT_RAD: f64 = 1_048_576.0;
 
 const SIGN: u64 = 1 << 63;

@@ -12,6 +12,13 @@
 use core::f32::consts::FRAC_2_PI;
 
 /// The largest angle, in radians and of either sign, that [`sin_cos_f32`] accepts: 2^10.
+///
+/// ```
+/// use sesc_runtime::trig;
+///
+/// assert!(trig::sin_cos_f32(trig::LIMIT_RAD_F32).0.is_finite());
+/// assert!(trig::sin_cos_f32(trig::LIMIT_RAD_F32 + 1.0).0.is_nan());
+/// ```
 pub const LIMIT_RAD_F32: f32 = 1024.0;
 
 const SIGN: u32 = 1 << 31;

@@ -7,12 +7,6 @@ use crate::emit::header::printable;
 use crate::facts::Facts;
 use sesc_model::Function;
 
-/// Where the method comes from.
-const SOURCE: [&str; 2] = [
-    "method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:",
-    "               \"Three-dimensional identification of a humanoid robot\", eq. (4)",
-];
-
 /// What is to be said of functions of ticks.
 const OF_TICKS: [&str; 2] = [
     "Functions of ticks are compared with the angles and positions that the ticks stand for;",
@@ -21,7 +15,11 @@ const OF_TICKS: [&str; 2] = [
 
 pub(super) fn about(facts: &Facts, routines: &[Exported], scalar: Scalar) -> Vec<String> {
     let mut lines = header::about(facts);
-    lines.extend(SOURCE.map(str::to_string));
+    lines.push(
+        "method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:"
+            .to_string(),
+    );
+    lines.push(format!("               {}, eq. (4)", header::PAPER));
     lines.push(format!(
         "scalar         {}",
         match scalar {

@@ -105,12 +105,16 @@ fn scale(scalar: Scalar, name: &str, quantity: &str) -> String {
 fn total_mass(facts: &Facts, scalar: Scalar, name: &str) -> Constant {
     let mass = facts.total_mass_kg;
     let unit = scale(scalar, name, "TOTAL_MASS");
+    let bits = mass_bits(mass);
     Constant {
         brief: format!("Total mass, kg{unit}: gravity_moments times this and g are N m."),
         declaration: format!("const {name}_real {name}_total_mass_kg"),
         values: vec![Entry {
-            value: number(mass, scalar, mass_bits(mass)),
-            comment: String::new(),
+            value: number(mass, scalar, bits),
+            comment: match scalar {
+                Scalar::Fixed32 => format!("{mass:?} kg, {bits} bits below the point"),
+                Scalar::F64 | Scalar::F32 => String::new(),
+            },
         }],
         is_array: false,
     }

@@ -87,6 +87,10 @@ fn number(x: f64, bits: i32) -> (String, Strength) {
     (literal(x, bits), strength)
 }
 
+/// Powers of two from this one on are written as such: 1 with 30 bits below its point is no
+/// number that a reader knows by its digits.
+const SHIFTED: i32 = 10;
+
 struct Spelling<'l, 'p> {
     listing: &'l Listing<'p>,
     formats: &'l Formats,
@@ -132,7 +136,7 @@ impl Spelling<'_, '_> {
             }
             Expr::Clamp(a) => {
                 let bits = self.formats.of(a);
-                let [one, unit] = [bits, 30 - bits].map(|bits| 1_i64 << bits);
+                let [(one, _), (unit, _)] = [bits, 30 - bits].map(|bits| self.addend(1.0, bits));
                 let arguments = format!("{}, {one}, {unit}", self.operand(a));
                 (self.calls.call(Helper::Clamp, &arguments), Strength::Atom)
             }
@@ -162,7 +166,7 @@ impl Spelling<'_, '_> {
     /// An operand rounded to `bits` fraction bits.
     fn in_format(&self, id: Id, bits: i32) -> (String, Strength) {
         if let Expr::Const(x) = self.expr(id) {
-            return number(x, bits);
+            return self.addend(x, bits);
         }
         let value = match self.formats.of(id) - bits {
             0 => self.operand(id),
@@ -281,6 +285,17 @@ impl Spelling<'_, '_> {
             };
         }
         Some(self.narrow(&text, common - self.formats.of(id)))
+    }
+
+    /// `x` with `bits` fraction bits in 32 bits, where it is no factor.
+    fn addend(&self, x: f64, bits: i32) -> (String, Strength) {
+        match odd_part(x, bits) {
+            (one @ (1 | -1), exponent @ SHIFTED..) => {
+                let (wide, _) = self.shift_up(&one.to_string(), exponent);
+                (format!("(int32_t){wide}"), Strength::Atom)
+            }
+            _ => number(x, bits),
+        }
     }
 
     /// A value in 64 bits with `bits` more below its point.

@@ -29,10 +29,11 @@ use minijinja::{Environment, context};
 use serde::Serialize;
 
 use crate::Error;
+use crate::emit::names;
 use crate::error::Problem;
 use crate::facts::Facts;
 use helpers::Calls;
-pub use prefix::{is_prefix, suggest};
+pub use prefix::{is_prefix, suggest, whole};
 pub use servos::{Scale, Servo, Servos, Setting};
 use sesc_model::bounds::Precision;
 use sesc_model::{Function, hash};
@@ -116,10 +117,11 @@ pub struct Package {
 /// Header and source of a robot, every name beginning with `name`.
 ///
 /// # Errors
-/// When `name` is no prefix of C names, a servo setting makes no sense, a quantity does not
+/// When `name` is no prefix of C names or too long for a file, a servo setting makes no sense, a quantity does not
 /// fit 32-bit fixed point, the estimator or lanes are wanted there, or there are not 4, 8 or 16
 /// lanes.
 pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, Error> {
+    names::check_length(name, suggest(name))?;
     if !is_prefix(name) {
         return Err(Problem::BadPrefix {
             name: name.to_string(),

@@ -6,7 +6,7 @@
  * parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
  * snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
- *                "Three-dimensional identification of a humanoid robot", eq. (4)
+ *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         f32 (float); double is never touched
  *
  * function                   mul     add   sin_cos   look_up   proven |rounding error|
@@ -47,7 +47,7 @@ extern "C" {
 typedef float lift_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define lift_PAIR_427a62f64a76fc53
+#define lift_PAIR_ec8b5079d627a603
 
 /** Number of independent joints. */
 #define lift_DOF 2
@@ -324,10 +324,10 @@ int lift_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int lift_selftest_427a62f64a76fc53(void);
+int lift_selftest_ec8b5079d627a603(void);
 #ifndef lift_SOURCE
 #define lift_selftest() \
-    lift_selftest_427a62f64a76fc53()
+    lift_selftest_ec8b5079d627a603()
 #endif
 
 #ifdef __cplusplus

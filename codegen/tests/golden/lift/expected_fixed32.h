@@ -6,7 +6,7 @@
  * parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
  * snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
- *                "Three-dimensional identification of a humanoid robot", eq. (4)
+ *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
  * function                   mul     add   sin_cos   look_up   proven |rounding error|
@@ -45,7 +45,7 @@ extern "C" {
 typedef int32_t lift_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define lift_PAIR_131bab78ccee4df5
+#define lift_PAIR_1850fc25709fc08e
 
 /** Number of independent joints. */
 #define lift_DOF 2
@@ -323,10 +323,10 @@ int lift_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int lift_selftest_131bab78ccee4df5(void);
+int lift_selftest_1850fc25709fc08e(void);
 #ifndef lift_SOURCE
 #define lift_selftest() \
-    lift_selftest_131bab78ccee4df5()
+    lift_selftest_1850fc25709fc08e()
 #endif
 
 #ifdef __cplusplus

@@ -5,7 +5,7 @@
  * support frame  foot
  * parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
- *                "Three-dimensional identification of a humanoid robot", eq. (4)
+ *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         f32 (float); double is never touched
  *
  * function                   mul     add   sin_cos   look_up   proven |rounding error|
@@ -59,7 +59,7 @@ extern "C" {
 typedef float two_link_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define two_link_PAIR_b5ce11a26f6d9e35
+#define two_link_PAIR_2ac8247b7419e5fd
 
 /** Number of independent joints. */
 #define two_link_DOF 2
@@ -454,10 +454,10 @@ int two_link_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int two_link_selftest_b5ce11a26f6d9e35(void);
+int two_link_selftest_2ac8247b7419e5fd(void);
 #ifndef two_link_SOURCE
 #define two_link_selftest() \
-    two_link_selftest_b5ce11a26f6d9e35()
+    two_link_selftest_2ac8247b7419e5fd()
 #endif
 
 #ifdef __cplusplus

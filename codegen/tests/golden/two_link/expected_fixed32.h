@@ -5,7 +5,7 @@
  * support frame  foot
  * parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
- *                "Three-dimensional identification of a humanoid robot", eq. (4)
+ *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
  * function                   mul     add   sin_cos   look_up   proven |rounding error|
@@ -54,7 +54,7 @@ extern "C" {
 typedef int32_t two_link_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define two_link_PAIR_6e7ceab8946ac444
+#define two_link_PAIR_ff3ce86995b452de
 
 /** Number of independent joints. */
 #define two_link_DOF 2
@@ -434,10 +434,10 @@ int two_link_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int two_link_selftest_6e7ceab8946ac444(void);
+int two_link_selftest_ff3ce86995b452de(void);
 #ifndef two_link_SOURCE
 #define two_link_selftest() \
-    two_link_selftest_6e7ceab8946ac444()
+    two_link_selftest_ff3ce86995b452de()
 #endif
 
 #ifdef __cplusplus

@@ -13,7 +13,8 @@
 {%- endfor %}
 };
 {% else %}
-{{ constant.declaration }} = {{ constant.values[0].value }};
+{%- set entry = constant.values[0] %}
+{{ constant.declaration }} = {{ entry.value }};{{ " /* " ~ entry.comment ~ " */" if entry.comment }}
 {% endif %}
 {%- endfor %}
 {%- include "helpers.c" %}
