@@ -50,7 +50,7 @@ pub mod tree;
 pub mod urdf;
 pub mod wide;
 
-pub use error::Error;
+pub use error::{Error, ErrorKind};
 pub use functions::{differentiate_com, motion_parts, motion_rows};
 pub use interface::{Extent, Function, Given, Interface};
 pub use model::{

@@ -20,6 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
 use crate::Error;
+use crate::error::Problem;
 use crate::snap::{self, Snapping};
 use crate::text;
 use crate::urdf::nearest::suggest;
@@ -207,7 +208,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         .enumerate()
         .map(|(i, link)| (link.name.as_str(), i))
         .collect();
-    let support = *index.get(support).ok_or_else(|| Error::UnknownSupport {
+    let support = *index.get(support).ok_or_else(|| Problem::UnknownSupport {
         file: description.file.clone(),
         name: support.to_string(),
         links: name_some(support, robot.link_names()),
@@ -219,7 +220,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
     let (count, most) = (moving.count(), urdf::limits::MOVING);
     if count > most {
         let file = description.file.clone();
-        return Err(Error::TooManyJoints { file, count, most });
+        return Err(Problem::TooManyJoints { file, count, most }.into());
     }
     let links: Vec<Link> = robot
         .links
@@ -300,9 +301,8 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         notes,
     };
     if tree.mass.is_nan() || tree.mass < urdf::limits::LEAST_KG {
-        return Err(Error::NoMass {
-            file: tree.file.clone(),
-        });
+        let file = tree.file.clone();
+        return Err(Problem::NoMass { file }.into());
     }
     tree.snaps = snaps(&tree, &errors);
     Ok(tree)
@@ -451,11 +451,12 @@ fn drop_beyond(
     let mut stack = vec![(other(near, joint), joint)];
     while let Some((link, from)) = stack.pop() {
         if links[link].mass > 0.0 {
-            return Err(Error::MassBeyondFreeJoint {
+            let beyond = Problem::MassBeyondFreeJoint {
                 joint: name.clone(),
                 kind,
                 link: links[link].name.clone(),
-            });
+            };
+            return Err(beyond.into());
         }
         stack.extend(
             neighbours[link]

@@ -56,7 +56,7 @@ mod xml;
 
 pub use com::Reference;
 pub use dynamics::Motion;
-pub use error::Error;
+pub use error::{Error, ErrorKind};
 pub use joint::{Joint, JointKind, Link, Mimic, Pose};
 pub use regressor::numeric_rank;
 pub use robot::Robot;

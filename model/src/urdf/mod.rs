@@ -54,8 +54,8 @@ pub use collision::{Collision, Shape, collisions};
 pub use description::{Description, Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
 pub use edit_joints::{Load, Shift, add_loads, edit_joints};
 pub use edit_masses::{Weight, edit_masses};
-pub use error::Error;
-use error::{too_large, unreadable};
+pub use error::{Error, ErrorKind};
+use error::{directory, too_large, unreadable};
 pub use extent::{Extent, extents};
 pub use report::Complaint;
 use report::{Lines, Report};
@@ -76,7 +76,7 @@ pub fn read(path: &Path) -> Result<Description, Error> {
     }
     let file = path.display().to_string();
     if path.is_dir() {
-        return Err(Error::Directory { file });
+        return Err(directory(file));
     }
     let unreadable = |source| unreadable(&file, source);
     let opened = std::fs::File::open(path).map_err(unreadable)?;
