@@ -29,11 +29,14 @@ use dofs::coordinates;
 use snaps::snaps;
 
 /// Velocities of joints that bounds of the ZMP hold for, rad/s and m/s.
+#[doc(hidden)]
 pub const MODERATE_SPEED: [f64; 2] = [1.0, 0.25];
 /// Accelerations of joints that bounds of the ZMP hold for, rad/s² and m/s².
+#[doc(hidden)]
 pub const MODERATE_ACCELERATION: [f64; 2] = [10.0, 2.5];
 
 /// A link: what it weighs and where.
+#[doc(hidden)]
 #[derive(Debug, Clone)]
 pub struct Link {
     /// Its name in the URDF.
@@ -54,6 +57,7 @@ impl Link {
 }
 
 /// A joint's position as a function of one independent joint: `factor·q[dof] + offset`.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinate {
     /// Index in [`Tree::dofs`].
@@ -65,6 +69,7 @@ pub struct Coordinate {
 }
 
 /// A unit vector along a joint.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis(pub(crate) Vector3<f64>);
 
@@ -76,6 +81,7 @@ impl Axis {
 }
 
 /// How an edge moves.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
     /// Not at all.
@@ -97,6 +103,7 @@ pub enum Motion {
 }
 
 /// A joint, walked away from the support.
+#[doc(hidden)]
 #[derive(Debug, Clone)]
 pub struct Edge {
     /// Name of the joint.
@@ -179,10 +186,13 @@ pub struct Tree {
     /// [`Description::file`]
     pub file: String,
     /// In document order.
+    #[doc(hidden)]
     pub links: Vec<Link>,
     /// Index of the support link.
+    #[doc(hidden)]
     pub support: usize,
     /// In preorder; children in the document order of their joints.
+    #[doc(hidden)]
     pub edges: Vec<Edge>,
     /// Independent joints in document order.
     pub dofs: Vec<Dof>,
@@ -199,6 +209,7 @@ pub struct Tree {
 /// # Errors
 /// When no link has that name, too many joints move, or mass hangs on a planar or floating
 /// joint.
+#[doc(hidden)]
 pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> Result<Tree, Error> {
     let robot = description;
     let mut notes = description.notes.clone();
@@ -320,6 +331,7 @@ fn inertia(inertial: &urdf::Inertial) -> Matrix3<f64> {
 const SUPPORTS: [&str; 3] = ["sole", "foot", "ankle"];
 
 /// How unlikely a robot stands on the link of this name: 0 for a sole.
+#[doc(hidden)]
 pub fn support_rank(link: &str) -> usize {
     let name = link.to_lowercase();
     let first = SUPPORTS.iter().position(|word| name.contains(word));

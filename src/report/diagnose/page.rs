@@ -11,8 +11,8 @@ use crate::report::figures::diagnose as figures;
 use crate::report::html::render;
 use crate::report::soles;
 use crate::report::table::mm;
-use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 use sesc_identify::diagnose::view::DiagnosisView;
+use sesc_identify::diagnose::{Diagnosis, Verdict};
 use sesc_model::ModelFile;
 
 /// Poses and blind spots in a row, at most.
@@ -145,7 +145,7 @@ fn verdict(verdict: Verdict) -> &'static str {
 }
 
 fn steps(found: &Diagnosis) -> Vec<Value> {
-    let row = |step: &sesc_identify::diagnose::findings::Step| {
+    let row = |step: &sesc_identify::diagnose::Step| {
         context! {
             effect => effect(step),
             target => &step.target,
@@ -172,7 +172,7 @@ fn model_use(found: &Diagnosis) -> Option<Value> {
 
 /// What to change for each effect.
 fn changes(found: &Diagnosis) -> Vec<Value> {
-    let row = |step: &sesc_identify::diagnose::findings::Step| {
+    let row = |step: &sesc_identify::diagnose::Step| {
         let remedy = &step.remedy;
         context! {
             effect => effect(step),
@@ -188,7 +188,7 @@ fn changes(found: &Diagnosis) -> Vec<Value> {
 
 /// Each explanation with the odds against it, the best one's being even.
 fn class(found: &Diagnosis) -> Vec<Value> {
-    let row = |member: &sesc_identify::diagnose::findings::Member| {
+    let row = |member: &sesc_identify::diagnose::Member| {
         context! {
             effects => member.effects.join(" + "),
             sentence => &member.sentence,
@@ -203,7 +203,7 @@ fn class(found: &Diagnosis) -> Vec<Value> {
 /// What could be done to tell the class apart, the best first.
 fn experiments(found: &Diagnosis) -> Vec<Value> {
     let all = found.next_postures.experiments.iter();
-    let row = |experiment: &sesc_identify::diagnose::findings::ExperimentProposal| {
+    let row = |experiment: &sesc_identify::diagnose::ExperimentProposal| {
         context! {
             what => &experiment.what,
             splits => experiment.splits,

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::{count, parameters, servo, where_to};
 use crate::report::soles;
 use crate::report::table::{Table, mm, wrapped};
-use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
+use sesc_identify::diagnose::{Diagnosis, Verdict};
 
 /// Explanations and poses in a row, at most.
 const LISTED: usize = 8;
