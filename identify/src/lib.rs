@@ -11,7 +11,7 @@
 //!
 //! * [`robot::Robot`]: a URDF; [`logs::LogSource`]: a posture log by its path or from memory;
 //!   [`stance::Stance`]: a robot on its support link.
-//! * [`fit::fit`]: the base parameters with their uncertainty; [`fit::gather`]: a part of a
+//! * [`fit::fit`]: the base parameters with their uncertainty; [`fit::gather()`]: a part of a
 //!   fit, to be joined elsewhere.
 //! * [`diagnose::diagnose`]: what the model misses, and what to do about it.
 //! * [`plan::plan`]: postures that tell most; [`simulate::simulate`]: a log of a virtual robot;
