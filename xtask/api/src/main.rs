@@ -101,7 +101,8 @@ fn lists(root: &Path) -> Result<Vec<(String, String)>, Box<dyn Error>> {
         .env("RUSTDOC", root.join("xtask/api/rustdoc-json"))
         .env(
             "RUSTDOCFLAGS",
-            "-Zunstable-options --output-format json --document-hidden-items",
+            "-Zunstable-options --output-format json --document-hidden-items \
+             -Arustdoc::private-intra-doc-links",
         )
         .status()?;
     if !status.success() {

@@ -35,6 +35,29 @@ pub fn leave_hidden_out(crate_: &mut Value) {
         .filter_map(id)
         .collect();
     hidden.extend(uses);
+    // What implements a hidden item of a trait carries no attribute of its own.
+    let holds = |item: &Value, kind: &str| -> Vec<u64> {
+        let items = item["inner"][kind]["items"]
+            .as_array()
+            .into_iter()
+            .flatten();
+        items.filter_map(Value::as_u64).collect()
+    };
+    let mut implemented = Vec::new();
+    for item in index.values() {
+        let of = &item["inner"]["impl"]["trait"]["id"];
+        let Some(of) = of.as_u64().and_then(|of| index.get(&of.to_string())) else {
+            continue;
+        };
+        let name = |id: &u64| index.get(&id.to_string()).map(|item| item["name"].clone());
+        let of_trait = holds(of, "trait")
+            .into_iter()
+            .filter(|id| hidden.contains(id));
+        let names: Vec<Value> = of_trait.filter_map(|id| name(&id)).collect();
+        let own = holds(item, "impl").into_iter();
+        implemented.extend(own.filter(|id| name(id).is_some_and(|name| names.contains(&name))));
+    }
+    hidden.extend(implemented);
     for item in index.values_mut() {
         leave_out(&mut item["inner"], &hidden);
     }
@@ -90,6 +113,10 @@ mod tests {
             "6": {"id": 6, "attrs": [], "inner": {"struct": {"kind": {"tuple": [7, 8]}}}},
             "7": {"id": 7, "attrs": hides, "inner": {}},
             "8": {"id": 8, "attrs": [], "inner": {}},
+            "9": {"id": 9, "attrs": [], "inner": {"trait": {"items": [10]}}},
+            "10": {"id": 10, "name": "ones", "attrs": hides, "inner": {}},
+            "11": {"id": 11, "attrs": [], "inner": {"impl": {"trait": {"id": 9}, "items": [12, 8]}}},
+            "12": {"id": 12, "name": "ones", "attrs": [], "inner": {}},
         }});
         leave_hidden_out(&mut crate_);
         let of = |id: &str| crate_["index"][id]["inner"].clone();
@@ -97,6 +124,10 @@ mod tests {
         assert_eq!(
             of("4"),
             json!({"struct": {"kind": {"plain": {"fields": [8], "has_stripped_fields": true}}}})
+        );
+        assert_eq!(
+            of("11"),
+            json!({"impl": {"trait": {"id": 9}, "items": [8]}})
         );
         assert_eq!(of("6"), json!({"struct": {"kind": {"tuple": [null, 8]}}}));
     }
