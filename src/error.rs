@@ -4,6 +4,7 @@ use std::io;
 
 /// Bad input or usage (exit code 2).
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A URDF or model file that cannot be used.
     #[error(transparent)]
@@ -33,9 +34,13 @@ impl Error {
     /// the libraries.
     pub fn kind(&self) -> &'static str {
         match self {
-            Error::Model(sesc_model::Error::Read { .. }) => "read",
-            Error::Model(sesc_model::Error::Write { .. }) | Error::Stdout(_) => "write",
-            Error::Model(_) | Error::Reference(_) => "model",
+            Error::Model(error) => match error.kind() {
+                sesc_model::ErrorKind::Read => "read",
+                sesc_model::ErrorKind::Write => "write",
+                _ => "model",
+            },
+            Error::Stdout(_) => "write",
+            Error::Reference(_) => "model",
             Error::Codegen(error) => error.kind().name(),
             Error::Identify(error) => error.kind().name(),
             Error::Usage(_) => "usage",

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_identify::diagnose::findings::Diagnosis;
+use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::logs::{LogSource, Sidecar, Table};

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use sesc_identify::diagnose::findings::Diagnosis;
+use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;

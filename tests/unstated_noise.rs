@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use sesc_identify::diagnose::findings::Diagnosis;
+use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;

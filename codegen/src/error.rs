@@ -58,8 +58,10 @@ impl Error {
     /// ```
     pub fn kind(&self) -> ErrorKind {
         match *self.0 {
-            Problem::Model(sesc_model::Error::Write { .. }) => ErrorKind::Write,
-            Problem::Model(_) => ErrorKind::Model,
+            Problem::Model(ref error) => match error.kind() {
+                sesc_model::ErrorKind::Write => ErrorKind::Write,
+                _ => ErrorKind::Model,
+            },
             Problem::BadName { .. }
             | Problem::BadPrefix { .. }
             | Problem::LongName { .. }

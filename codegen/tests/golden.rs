@@ -9,12 +9,24 @@ use std::path::Path;
 use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::emit::rust;
 use sesc_codegen::facts::Facts;
+use sesc_model::chain::Body;
 use sesc_model::{Model, Snapping, urdf};
 
 /// Folder under `golden/`, support link.
 const CASES: [(&str, &str); 2] = [("two_link", "foot"), ("lift", "base")];
 
+/// Names of the full parameters: `shank.x`, or `lift.s` for a share of mass.
+fn full_names(model: &Model) -> Vec<String> {
+    let of = |body: &Body| {
+        let r = ["x", "y", "z"].map(|axis| format!("{}.{axis}", body.name));
+        r.into_iter()
+            .chain(body.s.map(|_| format!("{}.s", body.name)))
+    };
+    model.chain.bodies.iter().flat_map(of).collect()
+}
+
 fn chain_text(model: &Model) -> String {
+    let full = full_names(model);
     let mut text = String::new();
     for (i, body) in model.chain.bodies.iter().enumerate() {
         let orientation = model.chain.orientation_product(i);
@@ -29,7 +41,7 @@ fn chain_text(model: &Model) -> String {
         let terms: Vec<String> = param
             .terms
             .iter()
-            .map(|(k, w)| format!("{w:+} {}", model.chain.full_names()[*k]))
+            .map(|(k, w)| format!("{w:+} {}", full[*k]))
             .collect();
         let _ = writeln!(text, "{} = {}", param.name, terms.join(" "));
     }

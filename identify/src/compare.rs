@@ -125,10 +125,8 @@ pub struct Comparison {
 /// then they describe different robots.
 pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Error> {
     let refused = |reason: String| {
-        Err(Error::from(sesc_model::Error::ModelFile {
-            file: after.file.clone(),
-            reason,
-        }))
+        let refused = sesc_model::Error::model_file(&after.file, reason);
+        Err(Error::from(refused))
     };
     if before.support != after.support {
         return refused(format!(

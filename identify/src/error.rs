@@ -154,7 +154,10 @@ impl Error {
     /// What kind of thing went wrong.
     pub fn kind(&self) -> ErrorKind {
         match &*self.0 {
-            Cause::Model(_) => ErrorKind::Model,
+            Cause::Model(error) => match error.kind() {
+                sesc_model::ErrorKind::Write => ErrorKind::Write,
+                _ => ErrorKind::Model,
+            },
             Cause::Other { kind, .. } => *kind,
         }
     }
@@ -189,8 +192,8 @@ impl Error {
     /// What is wrong with the robot or its model file, if it is that.
     pub fn model(&self) -> Option<&sesc_model::Error> {
         match &*self.0 {
-            Cause::Model(error) => Some(error),
-            Cause::Other { .. } => None,
+            Cause::Model(error) if self.kind() == ErrorKind::Model => Some(error),
+            _ => None,
         }
     }
 
@@ -236,9 +239,6 @@ impl std::error::Error for Error {
 
 impl From<sesc_model::Error> for Error {
     fn from(error: sesc_model::Error) -> Error {
-        match error {
-            sesc_model::Error::Write { file, source } => Error::write(file, source),
-            error => Error(Box::new(Cause::Model(error))),
-        }
+        Error(Box::new(Cause::Model(error)))
     }
 }

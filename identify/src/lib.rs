@@ -5,6 +5,22 @@
 //! ```text
 //! logs → observations → health → lsq → fit → plan → diagnose → fleet
 //! ```
+//!
+//! Each call takes a `Request` and a [`Watch`], which shows progress and may stop it, and
+//! returns all that is found:
+//!
+//! * [`robot::Robot`]: a URDF; [`logs::LogSource`]: a posture log by its path or from memory;
+//!   [`stance::Stance`]: a robot on its support link.
+//! * [`fit::fit`]: the base parameters with their uncertainty; [`fit::gather()`]: a part of a
+//!   fit, to be joined elsewhere.
+//! * [`diagnose::diagnose`]: what the model misses, and what to do about it.
+//! * [`plan::plan`]: postures that tell most; [`simulate::simulate`]: a log of a virtual robot;
+//!   [`predict::predict`]: CoM and CoP of logged postures; [`evaluate`]: of many postures.
+//! * [`compare::compare`]: two model files; [`health::of_log`]: what is wrong with a log;
+//!   [`fleet::run`]: many robots and days.
+//!
+//! What else is reachable serves the command line, the bindings for Python and the project's
+//! tests; it stays out of the documentation and may change in any release.
 
 #![forbid(unsafe_code)]
 // The rooms whose signatures hold matrices are public with the feature `nalgebra` alone; what
@@ -19,6 +35,7 @@ pub mod feet;
 pub mod fit;
 pub mod fleet;
 pub mod health;
+#[doc(hidden)]
 pub mod hide;
 pub mod logs;
 #[cfg(feature = "nalgebra")]
@@ -36,6 +53,7 @@ pub mod plan;
 pub mod predict;
 pub mod robot;
 pub mod simulate;
+#[doc(hidden)]
 pub mod skeleton;
 pub mod stance;
 mod svd;
@@ -44,5 +62,7 @@ mod watch;
 mod words;
 
 pub use error::{Error, ErrorKind};
-pub use watch::{Progress, Watch, tell};
+#[doc(hidden)]
+pub use watch::tell;
+pub use watch::{Progress, Watch};
 pub use words::{Message, Piece, Setting};

@@ -199,6 +199,7 @@ impl From<Setting> for Piece {
 }
 
 /// A [`Message`] of texts and [`Setting`]s.
+#[doc(hidden)]
 #[macro_export]
 macro_rules! message {
     ($($piece:expr),+ $(,)?) => {

@@ -209,16 +209,6 @@ impl Chain {
         values
     }
 
-    /// Names of the full parameters, `r_knee_link.x` or `s_lift_link`.
-    pub fn full_names(&self) -> Vec<String> {
-        let mut names = Vec::with_capacity(self.full_params);
-        for body in &self.bodies {
-            names.extend(["x", "y", "z"].map(|axis| format!("{}.{axis}", body.name)));
-            names.extend(body.s.map(|_| format!("{}.s", body.name)));
-        }
-        names
-    }
-
     /// Bodies carried directly by each body.
     pub fn children(&self) -> Vec<Vec<usize>> {
         let mut children = vec![Vec::new(); self.bodies.len()];

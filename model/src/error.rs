@@ -3,108 +3,113 @@
 use std::error::Error as _;
 use std::{fmt, io};
 
-/// What went wrong, with its remedy.
-#[derive(thiserror::Error)]
+use crate::urdf;
+
+/// Why no functions come of a robot: a sentence with its remedy, and what caused it.
+///
+/// ```
+/// use sesc_model::{Error, ErrorKind, urdf};
+///
+/// let error = Error::from(urdf::parse("<robot name=\"r\"/>", "r.urdf").unwrap_err());
+/// assert_eq!(error.kind(), ErrorKind::Urdf);
+/// assert_eq!(error.file(), Some("r.urdf"));
+/// ```
+pub struct Error(Box<Problem>);
+
+/// What an [`Error`] is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum Error {
-    /// The robot description has faults.
-    #[error(transparent)]
-    Urdf(#[from] crate::urdf::Error),
+pub enum ErrorKind {
+    /// The robot description has faults, or cannot be read: [`Error::urdf`] says which.
+    Urdf,
     /// The support link is none of the robot's.
-    #[error("{file}: no link `{name}` to stand on; the robot has {links}")]
-    UnknownSupport {
-        /// The URDF.
-        file: String,
-        /// The name that was asked for.
-        name: String,
-        /// Names of the robot's links.
-        links: String,
-    },
+    UnknownSupport,
     /// A planar or floating joint has mass on its far side.
-    #[error(
-        "{kind} joint `{joint}` carries `{link}`, which has mass; a statically equivalent chain \
-         needs revolute, continuous, prismatic or fixed joints: fix the joint, or choose a \
-         support on the side of the mass"
-    )]
-    MassBeyondFreeJoint {
-        /// The joint.
-        joint: String,
-        /// `planar` or `floating`.
-        kind: &'static str,
-        /// A link with mass that it carries.
-        link: String,
-    },
+    MassBeyondFreeJoint,
     /// No link has mass.
-    #[error("{file}: the robot has no mass; give at least one link an <inertial> with a <mass>")]
-    NoMass {
-        /// The URDF.
-        file: String,
-    },
+    NoMass,
     /// More joints move than functions can be generated for.
-    #[error(
-        "{file}: {count} joints move (mimics included), more than {most}; fix those that do not \
-         matter, or describe a part of the robot"
-    )]
-    TooManyJoints {
-        /// The URDF.
-        file: String,
-        /// Joints that move.
-        count: usize,
-        /// The most that are taken.
-        most: usize,
-    },
+    TooManyJoints,
     /// A file cannot be read.
-    #[error("cannot read {file}")]
-    Read {
-        /// The file.
-        file: String,
-        /// Why.
-        #[source]
-        source: io::Error,
-    },
+    Read,
     /// A file cannot be written.
-    #[error("cannot write {file}")]
-    Write {
-        /// The file.
-        file: String,
-        /// Why.
-        #[source]
-        source: io::Error,
-    },
+    Write,
     /// A model file has faults, or belongs to another robot.
-    #[error("{file}: {reason}")]
-    ModelFile {
-        /// The model file.
-        file: String,
-        /// What is wrong with it and what to do.
-        reason: String,
-    },
+    ModelFile,
 }
 
 impl Error {
+    /// What it is about.
+    pub fn kind(&self) -> ErrorKind {
+        match *self.0 {
+            Problem::Urdf(_) => ErrorKind::Urdf,
+            Problem::UnknownSupport { .. } => ErrorKind::UnknownSupport,
+            Problem::MassBeyondFreeJoint { .. } => ErrorKind::MassBeyondFreeJoint,
+            Problem::NoMass { .. } => ErrorKind::NoMass,
+            Problem::TooManyJoints { .. } => ErrorKind::TooManyJoints,
+            Problem::Read { .. } => ErrorKind::Read,
+            Problem::Write { .. } => ErrorKind::Write,
+            Problem::ModelFile { .. } => ErrorKind::ModelFile,
+        }
+    }
+
+    /// What is wrong with the robot description, if it is that.
+    pub fn urdf(&self) -> Option<&urdf::Error> {
+        match &*self.0 {
+            Problem::Urdf(error) => Some(error),
+            _ => None,
+        }
+    }
+
     /// The file with the fault.
     pub fn file(&self) -> Option<&str> {
-        match self {
-            Error::Urdf(error) => error.file(),
-            Error::UnknownSupport { file, .. }
-            | Error::NoMass { file }
-            | Error::TooManyJoints { file, .. }
-            | Error::Read { file, .. }
-            | Error::Write { file, .. }
-            | Error::ModelFile { file, .. } => Some(file),
-            Error::MassBeyondFreeJoint { .. } => None,
+        match &*self.0 {
+            Problem::Urdf(error) => error.file(),
+            Problem::UnknownSupport { file, .. }
+            | Problem::NoMass { file }
+            | Problem::TooManyJoints { file, .. }
+            | Problem::Read { file, .. }
+            | Problem::Write { file, .. }
+            | Problem::ModelFile { file, .. } => Some(file),
+            Problem::MassBeyondFreeJoint { .. } => None,
         }
     }
 
     /// The line of the first fault, from 1.
     pub fn line(&self) -> Option<u64> {
-        match self {
-            Error::Urdf(error) => {
-                let lines = error.complaints().iter().find_map(|fault| fault.line);
-                lines.map(u64::from)
-            }
-            _ => None,
-        }
+        let faults = self.urdf()?.complaints();
+        faults.iter().find_map(|fault| fault.line).map(u64::from)
+    }
+
+    /// What is wrong with the model file `file`.
+    #[doc(hidden)]
+    pub fn model_file(file: impl Into<String>, reason: impl Into<String>) -> Error {
+        let (file, reason) = (file.into(), reason.into());
+        Problem::ModelFile { file, reason }.into()
+    }
+}
+
+impl From<Problem> for Error {
+    fn from(problem: Problem) -> Error {
+        Error(Box::new(problem))
+    }
+}
+
+impl From<urdf::Error> for Error {
+    fn from(error: urdf::Error) -> Error {
+        Problem::Urdf(error).into()
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.0.source()
     }
 }
 
@@ -119,4 +124,60 @@ impl fmt::Debug for Error {
         }
         Ok(())
     }
+}
+
+/// What went wrong, with all that its sentence names.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Problem {
+    /// The robot description has faults.
+    #[error(transparent)]
+    Urdf(urdf::Error),
+    /// The support link is none of the robot's.
+    #[error("{file}: no link `{name}` to stand on; the robot has {links}")]
+    UnknownSupport {
+        file: String,
+        name: String,
+        links: String,
+    },
+    /// A planar or floating joint has mass on its far side.
+    #[error(
+        "{kind} joint `{joint}` carries `{link}`, which has mass; a statically equivalent chain \
+         needs revolute, continuous, prismatic or fixed joints: fix the joint, or choose a \
+         support on the side of the mass"
+    )]
+    MassBeyondFreeJoint {
+        joint: String,
+        kind: &'static str,
+        link: String,
+    },
+    /// No link has mass.
+    #[error("{file}: the robot has no mass; give at least one link an <inertial> with a <mass>")]
+    NoMass { file: String },
+    /// More joints move than functions can be generated for.
+    #[error(
+        "{file}: {count} joints move (mimics included), more than {most}; fix those that do not \
+         matter, or describe a part of the robot"
+    )]
+    TooManyJoints {
+        file: String,
+        count: usize,
+        most: usize,
+    },
+    /// A file cannot be read.
+    #[error("cannot read {file}")]
+    Read {
+        file: String,
+        #[source]
+        source: io::Error,
+    },
+    /// A file cannot be written.
+    #[error("cannot write {file}")]
+    Write {
+        file: String,
+        #[source]
+        source: io::Error,
+    },
+    /// A model file has faults, or belongs to another robot.
+    #[error("{file}: {reason}")]
+    ModelFile { file: String, reason: String },
 }

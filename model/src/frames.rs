@@ -24,7 +24,7 @@ use crate::tree::{Axis, Coordinate, Motion};
 
 /// A constant orthogonal map between canonical frames, by its cheapest form.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Twist {
+pub(crate) enum Twist {
     /// Entries, at most two in a row; the zeros and ones cost nothing.
     Sparse(Matrix3<f64>),
     /// `I − k u uᵀ`
@@ -50,7 +50,7 @@ impl Twist {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotation {
     /// The constant part.
-    pub twist: Twist,
+    pub(crate) twist: Twist,
     /// The angle κ q + θ, rotating the first two coordinates.
     pub angle: Coordinate,
     /// The second coordinate is mirrored before the rotation.

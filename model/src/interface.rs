@@ -249,6 +249,7 @@ impl Function {
     }
 
     /// Its arguments, in order.
+    #[doc(hidden)]
     pub fn arguments(self, given: Given) -> Vec<Argument> {
         if self == Function::CorrectCop {
             return vec![Argument::Reading];
@@ -300,6 +301,7 @@ pub enum Extent {
 
 impl Extent {
     /// The length of an input array of generated functions; none for those of fits.
+    #[doc(hidden)]
     pub fn of(argument: Argument) -> Extent {
         match argument {
             Argument::Positions

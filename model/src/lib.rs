@@ -17,45 +17,92 @@
 //! expr → program → bounds | wide → tape                            straight-line code
 //! interface → functions → measurement → effects → model            what is computed
 //! ```
+//!
+//! What a program calls:
+//!
+//! * [`urdf::read`] and [`urdf::parse`]: a URDF, with all that is wrong with it.
+//! * [`Robot`]: it stands on a link, with its [`base`] parameters and its [`tree::Dof`]s.
+//! * [`Model`]: a robot with the parameters and effects of a [`ModelFile`];
+//!   [`Model::evaluate`] computes a [`Function`] in one posture.
+//! * [`Model::program`]: a [`program`] of a function, [`Model::rounding`] its proven
+//!   [`bounds`], and [`tape`] runs it over many postures.
+//!
+//! ```
+//! use sesc_model::tape::{Kernels, Tape, Values};
+//! use sesc_model::{Function, Given, Model, Snapping, urdf};
+//!
+//! let pole = urdf::parse(
+//!     r#"<robot name="pole">
+//!          <link name="foot"/>
+//!          <link name="rod"><inertial><origin xyz="0 0 0.5"/><mass value="2"/></inertial></link>
+//!          <joint name="ankle" type="continuous">
+//!            <parent link="foot"/><child link="rod"/><axis xyz="0 1 0"/>
+//!          </joint>
+//!        </robot>"#,
+//!     "pole.urdf",
+//! )?;
+//! let model = Model::new(&pole, "foot", Snapping::default())?;
+//! let program = model.program(Function::Com, Given::Positions).unwrap();
+//! assert_eq!(program.counts().sin_cos, 1);
+//!
+//! let (q, r) = ([0.0, 0.3], model.params());
+//! let mut com = [0.0; 6];
+//! let arguments = [Values::PerPosture(&q), Values::Shared(&r)];
+//! Tape::new(&program).run(&arguments, 2, &mut com, Kernels::LIBM);
+//! assert_eq!(com, [0.0, 0.0, 0.5, 0.5 * 0.3_f64.sin(), 0.0, 0.5 * 0.3_f64.cos()]);
+//! # Ok::<(), sesc_model::Error>(())
+//! ```
+//!
+//! What stands beside these serves `sesc-codegen`, `sesc-identify` and the command line;
+//! it stays out of the documentation and may change in any release.
 
 #![deny(unsafe_code)]
 
 pub mod base;
 pub mod bounds;
+#[doc(hidden)]
 pub mod chain;
+#[doc(hidden)]
 pub mod effects;
 mod error;
+#[doc(hidden)]
 pub mod expr;
 #[doc(hidden)]
 pub mod files;
+#[doc(hidden)]
 pub mod frames;
 mod functions;
 #[doc(hidden)]
 pub mod hash;
+#[doc(hidden)]
 pub mod inertia;
 mod interface;
 mod measurement;
 mod model;
+#[doc(hidden)]
 pub mod names;
+#[doc(hidden)]
 pub mod numeric;
 pub mod program;
 mod robot;
-pub mod snap;
+mod snap;
 mod stamp;
+#[doc(hidden)]
 pub mod standard;
 pub mod tape;
 #[doc(hidden)]
 pub mod text;
 pub mod tree;
 pub mod urdf;
+#[doc(hidden)]
 pub mod wide;
 
-pub use error::Error;
+pub use error::{Error, ErrorKind};
+#[doc(hidden)]
 pub use functions::{differentiate_com, motion_parts, motion_rows};
 pub use interface::{Extent, Function, Given, Interface};
-pub use model::{
-    DataUsed, EffectRecord, Information, Model, ModelFile, Parameter, Quantity, sensor_reading,
-    tilted_com, tilted_cop,
-};
+pub use model::{DataUsed, EffectRecord, Information, Model, ModelFile, Parameter, Quantity};
+#[doc(hidden)]
+pub use model::{sensor_reading, tilted_com, tilted_cop};
 pub use robot::Robot;
 pub use snap::Snapping;

@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::expr::{Argument, Expr, Graph, Id, Product, Vector, VectorId};
 
 /// An input array.
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
     /// What it is.
@@ -27,6 +28,7 @@ impl Array {
 }
 
 /// Shape of the result.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     /// A vector with this many entries.
@@ -68,6 +70,7 @@ fn is_zero(count: &usize) -> bool {
 }
 
 /// One node of a program.
+#[doc(hidden)]
 #[derive(Debug, Clone)]
 pub struct Node {
     /// What it computes.
@@ -82,14 +85,19 @@ pub struct Node {
 #[derive(Debug, Clone)]
 pub struct Program {
     /// In the order in which values are given.
+    #[doc(hidden)]
     pub inputs: Vec<Array>,
     /// How outputs are arranged.
+    #[doc(hidden)]
     pub shape: Shape,
     /// Operands stand before their users; ids index this list.
+    #[doc(hidden)]
     pub nodes: Vec<Node>,
     /// In row-major order of `shape`.
+    #[doc(hidden)]
     pub outputs: Vec<Id>,
     /// Titles, each with the node it stands before.
+    #[doc(hidden)]
     pub sections: Vec<(usize, String)>,
     pub(crate) vectors: Vec<Vector>,
     pub(crate) products: Vec<Product>,
@@ -98,6 +106,7 @@ pub struct Program {
 }
 
 /// The nodes that `expr` reads.
+#[doc(hidden)]
 pub fn operands(expr: Expr) -> impl Iterator<Item = Id> {
     let (a, b) = match expr {
         Expr::Const(_) | Expr::Input { .. } => (None, None),
@@ -127,6 +136,7 @@ fn rename(expr: Expr, to: impl Fn(Id) -> Id) -> Expr {
 
 impl Program {
     /// Keep what `outputs` need.
+    #[doc(hidden)]
     pub fn new(mut graph: Graph, inputs: Vec<Array>, shape: Shape, outputs: &[Id]) -> Program {
         let mut live = vec![false; graph.nodes.len()];
         for id in outputs {
@@ -224,6 +234,7 @@ impl Program {
     ///
     /// # Panics
     /// When the program has no such input: its expressions were made of others.
+    #[doc(hidden)]
     pub fn slot(&self, argument: Argument) -> usize {
         let place = self
             .inputs
@@ -233,17 +244,20 @@ impl Program {
     }
 
     /// Whether any node reads this input array.
+    #[doc(hidden)]
     pub fn reads(&self, array: Argument) -> bool {
         let of = |expr| matches!(expr, Expr::Input { argument, .. } if argument == array);
         self.nodes.iter().any(|node| of(node.expr))
     }
 
     /// What node `id` is.
+    #[doc(hidden)]
     pub fn expr(&self, id: Id) -> Expr {
         self.nodes[id.index()].expr
     }
 
     /// Nodes in order, with their ids.
+    #[doc(hidden)]
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = (Id, &Node)> {
         self.nodes
             .iter()
@@ -252,6 +266,7 @@ impl Program {
     }
 
     /// Sine and cosine nodes of each angle that has either.
+    #[doc(hidden)]
     pub fn angles(&self) -> HashMap<Id, (Option<Id>, Option<Id>)> {
         let mut angles: HashMap<Id, (Option<Id>, Option<Id>)> = HashMap::new();
         for (id, node) in self.iter() {

@@ -28,8 +28,10 @@ pub struct Robot {
     /// Links and joints, re-rooted at the support.
     pub tree: Tree,
     /// The statically equivalent serial chain.
+    #[doc(hidden)]
     pub chain: Chain,
     /// Canonical axes of each body.
+    #[doc(hidden)]
     pub frames: Vec<Frame>,
     /// Base parameters: what data can determine.
     pub base: Base,
@@ -89,6 +91,7 @@ impl Robot {
     }
 
     /// How far the CoM can be from the support, m: Σ‖r_i‖ and every stroke.
+    #[doc(hidden)]
     pub fn reach(&self) -> f64 {
         let reach = |body: &chain::Body| match (body.motion, body.s) {
             (tree::Motion::Prismatic { by, .. }, Some(s)) => {
@@ -101,6 +104,7 @@ impl Robot {
 
     /// How far mass of the robot may be from the support, m: places of joints one after the
     /// other, and the largest link.
+    #[doc(hidden)]
     pub fn extent(&self) -> f64 {
         let bodies = self.chain.bodies.iter();
         let to_joints = bodies.map(|body| match body.motion {
@@ -116,6 +120,7 @@ impl Robot {
     }
 
     /// Largest Σ|factor| of the joints that one independent joint moves.
+    #[doc(hidden)]
     pub fn largest_tie(&self) -> f64 {
         let mut sums = vec![1.0; self.dof()];
         for body in self
@@ -135,6 +140,7 @@ impl Robot {
 
     /// A posture inside the limits with every joint off its ends and its middle,
     /// in steps of 2^-16: the same in every scalar.
+    #[doc(hidden)]
     pub fn self_test_posture(&self) -> Vec<f64> {
         // Not the first of the sequence: some way in, no joint is near another.
         let mut postures = numeric::postures(&self.tree.dofs, 8);
@@ -155,6 +161,7 @@ impl Robot {
 
     /// CoM as the plain sum r_0 + Σ B_i r_i over full CAD parameters, m; by
     /// numeric rotations, without frames, expressions or programs.
+    #[doc(hidden)]
     pub fn com_by_sum(&self, q: &[f64]) -> [f64; 3] {
         let cad = DVector::from_vec(self.chain.full_cad());
         let com = numeric::full_regressor(&self.chain, q) * cad;

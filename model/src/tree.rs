@@ -20,6 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
 use crate::Error;
+use crate::error::Problem;
 use crate::snap::{self, Snapping};
 use crate::text;
 use crate::urdf::nearest::suggest;
@@ -28,11 +29,14 @@ use dofs::coordinates;
 use snaps::snaps;
 
 /// Velocities of joints that bounds of the ZMP hold for, rad/s and m/s.
+#[doc(hidden)]
 pub const MODERATE_SPEED: [f64; 2] = [1.0, 0.25];
 /// Accelerations of joints that bounds of the ZMP hold for, rad/s² and m/s².
+#[doc(hidden)]
 pub const MODERATE_ACCELERATION: [f64; 2] = [10.0, 2.5];
 
 /// A link: what it weighs and where.
+#[doc(hidden)]
 #[derive(Debug, Clone)]
 pub struct Link {
     /// Its name in the URDF.
@@ -53,6 +57,7 @@ impl Link {
 }
 
 /// A joint's position as a function of one independent joint: `factor·q[dof] + offset`.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinate {
     /// Index in [`Tree::dofs`].
@@ -64,6 +69,7 @@ pub struct Coordinate {
 }
 
 /// A unit vector along a joint.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis(pub(crate) Vector3<f64>);
 
@@ -75,6 +81,7 @@ impl Axis {
 }
 
 /// How an edge moves.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
     /// Not at all.
@@ -96,6 +103,7 @@ pub enum Motion {
 }
 
 /// A joint, walked away from the support.
+#[doc(hidden)]
 #[derive(Debug, Clone)]
 pub struct Edge {
     /// Name of the joint.
@@ -178,10 +186,13 @@ pub struct Tree {
     /// [`Description::file`]
     pub file: String,
     /// In document order.
+    #[doc(hidden)]
     pub links: Vec<Link>,
     /// Index of the support link.
+    #[doc(hidden)]
     pub support: usize,
     /// In preorder; children in the document order of their joints.
+    #[doc(hidden)]
     pub edges: Vec<Edge>,
     /// Independent joints in document order.
     pub dofs: Vec<Dof>,
@@ -198,6 +209,7 @@ pub struct Tree {
 /// # Errors
 /// When no link has that name, too many joints move, or mass hangs on a planar or floating
 /// joint.
+#[doc(hidden)]
 pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> Result<Tree, Error> {
     let robot = description;
     let mut notes = description.notes.clone();
@@ -207,7 +219,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         .enumerate()
         .map(|(i, link)| (link.name.as_str(), i))
         .collect();
-    let support = *index.get(support).ok_or_else(|| Error::UnknownSupport {
+    let support = *index.get(support).ok_or_else(|| Problem::UnknownSupport {
         file: description.file.clone(),
         name: support.to_string(),
         links: name_some(support, robot.link_names()),
@@ -219,7 +231,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
     let (count, most) = (moving.count(), urdf::limits::MOVING);
     if count > most {
         let file = description.file.clone();
-        return Err(Error::TooManyJoints { file, count, most });
+        return Err(Problem::TooManyJoints { file, count, most }.into());
     }
     let links: Vec<Link> = robot
         .links
@@ -300,9 +312,8 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         notes,
     };
     if tree.mass.is_nan() || tree.mass < urdf::limits::LEAST_KG {
-        return Err(Error::NoMass {
-            file: tree.file.clone(),
-        });
+        let file = tree.file.clone();
+        return Err(Problem::NoMass { file }.into());
     }
     tree.snaps = snaps(&tree, &errors);
     Ok(tree)
@@ -320,6 +331,7 @@ fn inertia(inertial: &urdf::Inertial) -> Matrix3<f64> {
 const SUPPORTS: [&str; 3] = ["sole", "foot", "ankle"];
 
 /// How unlikely a robot stands on the link of this name: 0 for a sole.
+#[doc(hidden)]
 pub fn support_rank(link: &str) -> usize {
     let name = link.to_lowercase();
     let first = SUPPORTS.iter().position(|word| name.contains(word));
@@ -451,11 +463,12 @@ fn drop_beyond(
     let mut stack = vec![(other(near, joint), joint)];
     while let Some((link, from)) = stack.pop() {
         if links[link].mass > 0.0 {
-            return Err(Error::MassBeyondFreeJoint {
+            let beyond = Problem::MassBeyondFreeJoint {
                 joint: name.clone(),
                 kind,
                 link: links[link].name.clone(),
-            });
+            };
+            return Err(beyond.into());
         }
         stack.extend(
             neighbours[link]

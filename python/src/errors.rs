@@ -9,7 +9,7 @@ use std::path::Path;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use sesc_identify::{Error, ErrorKind, Setting};
-use sesc_model::Error as ModelError;
+use sesc_model::{Error as ModelError, ErrorKind as ModelErrorKind, urdf};
 
 /// What was being done: it names the class of errors that say nothing of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,26 +150,18 @@ impl Failure {
 }
 
 fn class_of_model(error: &ModelError, doing: Doing) -> &'static str {
-    match error {
-        ModelError::Urdf(_) | ModelError::NoMass { .. } => "UrdfError",
-        ModelError::UnknownSupport { .. } | ModelError::MassBeyondFreeJoint { .. } => {
-            "SupportError"
-        }
-        ModelError::ModelFile { .. } => "ModelFileError",
+    match error.kind() {
+        ModelErrorKind::Urdf | ModelErrorKind::NoMass => "UrdfError",
+        ModelErrorKind::UnknownSupport | ModelErrorKind::MassBeyondFreeJoint => "SupportError",
+        ModelErrorKind::ModelFile => "ModelFileError",
         _ => doing.class(),
     }
 }
 
 fn complaints(error: &ModelError) -> Vec<(Option<u32>, String)> {
-    match error {
-        ModelError::Urdf(error) => {
-            let complaints = error.complaints().iter();
-            complaints
-                .map(|complaint| (complaint.line, complaint.message.clone()))
-                .collect()
-        }
-        _ => Vec::new(),
-    }
+    let complaints = error.urdf().map_or(&[][..], urdf::Error::complaints);
+    let of = |complaint: &urdf::Complaint| (complaint.line, complaint.message.clone());
+    complaints.iter().map(of).collect()
 }
 
 /// A sentence and what caused it, which a person has to read together.
@@ -186,7 +178,8 @@ fn sentence(mut text: String, mut cause: Option<&(dyn std::error::Error + 'stati
 
 /// The number that the system gives to why a file cannot be read or written.
 fn system_of(error: &Error) -> Option<i32> {
-    if let Some(ModelError::Urdf(sesc_model::urdf::Error::Missing { .. })) = error.model() {
+    let urdf = error.model().and_then(ModelError::urdf);
+    if urdf.is_some_and(|error| error.kind() == urdf::ErrorKind::Missing) {
         return Some(NO_SUCH_FILE);
     }
     let mut cause = std::error::Error::source(error);

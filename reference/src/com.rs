@@ -17,7 +17,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 use crate::joint::Pose;
 use crate::robot::Robot;
 
@@ -39,25 +39,26 @@ impl Reference {
     /// Stands a robot on a link.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`]; [`Error::MassBeyondFreeJoint`] where mass has no
-    /// known place; [`Error::NoMass`].
+    /// `ErrorKind::UnknownLink`; `ErrorKind::MassBeyondFreeJoint` where mass has no
+    /// known place; `ErrorKind::NoMass`.
     pub fn new(robot: &Robot, support: &str) -> Result<Self, Error> {
         let support_index = robot.link_index(support)?;
         let beyond = find_free_joints(robot, support_index);
         for (link, joint) in robot.links().iter().zip(&beyond) {
             if let (Some(joint), true) = (*joint, link.mass_kg != 0.0) {
                 let joint = &robot.joints()[joint];
-                return Err(Error::MassBeyondFreeJoint {
+                return Err(Problem::MassBeyondFreeJoint {
                     link: link.name.clone(),
                     joint: joint.name.clone(),
                     kind: joint.kind.as_str(),
                     support: support.to_owned(),
-                });
+                }
+                .into());
             }
         }
         let total_mass_kg: f64 = robot.links().iter().map(|link| link.mass_kg).sum();
         if total_mass_kg == 0.0 {
-            return Err(Error::NoMass);
+            return Err(Problem::NoMass.into());
         }
         Ok(Self {
             robot: robot.clone(),

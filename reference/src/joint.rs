@@ -49,6 +49,7 @@ impl Link {
 
 /// How a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum JointKind {
     /// Not at all.
     Fixed,

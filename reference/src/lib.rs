@@ -21,6 +21,10 @@
 //!
 //! Lengths are metres, masses kilograms, angles radians.
 //!
+//! The crate is published because `sesc verify` compares with it. Its items serve the
+//! project's own commands and tests: they stay out of the documentation and may change
+//! in any release.
+//!
 //! ```
 //! use sesc_reference::{Reference, Robot};
 //!
@@ -54,11 +58,19 @@ mod urdf;
 mod world;
 mod xml;
 
+#[doc(hidden)]
 pub use com::Reference;
+#[doc(hidden)]
 pub use dynamics::Motion;
-pub use error::Error;
+#[doc(hidden)]
+pub use error::{Error, ErrorKind};
+#[doc(hidden)]
 pub use joint::{Joint, JointKind, Link, Mimic, Pose};
+#[doc(hidden)]
 pub use regressor::numeric_rank;
+#[doc(hidden)]
 pub use robot::Robot;
+#[doc(hidden)]
 pub use tree::Coordinate;
+#[doc(hidden)]
 pub use world::{GRAVITY, Place, Reading, Track, World};

@@ -136,7 +136,7 @@ impl Reference {
     /// The orientation `B` of a link in the support frame.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`].
+    /// `ErrorKind::UnknownLink`.
     pub fn body_orientation(&self, link: &str, q: &[f64]) -> Result<Rotation3<f64>, Error> {
         Ok(self.link_poses(q)[self.robot.link_index(link)?].rotation)
     }

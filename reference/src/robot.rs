@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix3, Point3, Unit, Vector3};
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 use crate::joint::{Joint, JointKind, Link, Pose};
 use crate::tree::{Coordinate, join, resolve_mimics, sort_from_root};
 
@@ -37,7 +37,7 @@ impl Robot {
     /// mimic on a joint without a coordinate is dropped.
     ///
     /// # Errors
-    /// [`Error::NoLinks`], [`Error::NotATree`], and the mimic errors.
+    /// `ErrorKind::NoLinks`, `ErrorKind::NotATree`, and the mimic errors.
     ///
     /// # Panics
     /// Where a joint's link index is out of range.
@@ -95,24 +95,30 @@ impl Robot {
     /// Index of a link.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`].
+    /// `ErrorKind::UnknownLink`.
     pub fn link_index(&self, name: &str) -> Result<usize, Error> {
         let found = self.links.iter().position(|link| link.name == name);
-        found.ok_or_else(|| Error::UnknownLink {
-            name: name.to_owned(),
-            links: join(self.links.iter().map(|link| link.name.as_str())),
+        found.ok_or_else(|| {
+            Problem::UnknownLink {
+                name: name.to_owned(),
+                links: join(self.links.iter().map(|link| link.name.as_str())),
+            }
+            .into()
         })
     }
 
     /// Index of a joint in the posture.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`], also for joints without an entry of their own.
+    /// `ErrorKind::UnknownJoint`, also for joints without an entry of their own.
     pub fn dof_index(&self, name: &str) -> Result<usize, Error> {
         let found = self.movable_joints().position(|joint| joint.name == name);
-        found.ok_or_else(|| Error::UnknownJoint {
-            name: name.to_owned(),
-            joints: join(self.movable_joints().map(|joint| joint.name.as_str())),
+        found.ok_or_else(|| {
+            Problem::UnknownJoint {
+                name: name.to_owned(),
+                joints: join(self.movable_joints().map(|joint| joint.name.as_str())),
+            }
+            .into()
         })
     }
 
@@ -157,7 +163,7 @@ impl Robot {
     /// frame; a negative mass takes away.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`]; [`Error::Payload`] where nothing remains.
+    /// `ErrorKind::UnknownLink`; `ErrorKind::Payload` where nothing remains.
     pub fn with_point_mass(&self, link: &str, mass_kg: f64, at_m: [f64; 3]) -> Result<Self, Error> {
         let mut robot = self.clone();
         let link = &mut robot.links[self.link_index(link)?];
@@ -166,11 +172,12 @@ impl Robot {
             return Ok(robot);
         }
         if !(left_kg > 0.0 && left_kg.is_finite()) {
-            return Err(Error::Payload {
+            return Err(Problem::Payload {
                 link: link.name.clone(),
                 payload_kg: mass_kg,
                 left_kg,
-            });
+            }
+            .into());
         }
         *link = link.with_point(mass_kg, Vector3::from(at_m));
         Ok(robot)
@@ -180,15 +187,16 @@ impl Robot {
     /// it grows as the mass does.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`]; [`Error::NegativeMass`].
+    /// `ErrorKind::UnknownLink`; `ErrorKind::NegativeMass`.
     pub fn with_mass(&self, link: &str, mass_kg: f64, com_m: Point3<f64>) -> Result<Self, Error> {
         let mut robot = self.clone();
         let link = &mut robot.links[self.link_index(link)?];
         if mass_kg < 0.0 {
-            return Err(Error::NegativeMass {
+            return Err(Problem::NegativeMass {
                 link: link.name.clone(),
                 mass_kg,
-            });
+            }
+            .into());
         }
         if link.mass_kg > 0.0 {
             link.inertia_kg_m2 *= mass_kg / link.mass_kg;
@@ -201,15 +209,16 @@ impl Robot {
     /// about `axis` of the joint's frame: the last entry of the posture.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`]; [`Error::Duplicate`] where the joint has one.
+    /// `ErrorKind::UnknownJoint`; `ErrorKind::Duplicate` where the joint has one.
     pub fn with_hinge(&self, joint: &str, axis: Unit<Vector3<f64>>) -> Result<Self, Error> {
         let at = self.movable[self.dof_index(joint)?];
         let (mut links, mut joints) = (self.links.clone(), self.joints.clone());
         let name = format!("{joint} hinge");
         if joints.iter().any(|joint| joint.name == name) {
-            return Err(Error::Duplicate {
+            return Err(Problem::Duplicate {
                 place: format!("joint `{name}`"),
-            });
+            }
+            .into());
         }
         let seat = links.len();
         links.push(Link {

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 use crate::joint::{Joint, Link};
 
 /// A joint's position as a function of the posture: `factor · q[dof] + offset`,
@@ -23,7 +23,7 @@ pub struct Coordinate {
 
 /// Joints in an order that meets every parent link before its children.
 pub(crate) fn sort_from_root(links: &[Link], joints: &[Joint]) -> Result<Vec<usize>, Error> {
-    let not_a_tree = |why: String| Err(Error::NotATree { why });
+    let not_a_tree = |why: String| Err(Problem::NotATree { why }.into());
     let mut carrier: Vec<Option<usize>> = vec![None; links.len()];
     let mut outward: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
     for (j, joint) in joints.iter().enumerate() {
@@ -38,7 +38,7 @@ pub(crate) fn sort_from_root(links: &[Link], joints: &[Joint]) -> Result<Vec<usi
     let roots: Vec<usize> = (0..links.len()).filter(|&l| carrier[l].is_none()).collect();
     let root = match roots[..] {
         [root] => root,
-        [] if links.is_empty() => return Err(Error::NoLinks),
+        [] if links.is_empty() => return Err(Problem::NoLinks.into()),
         [] => return not_a_tree("the joints form a closed circle".to_owned()),
         _ => {
             let names = join(roots.iter().map(|&l| links[l].name.as_str()));
@@ -88,25 +88,28 @@ pub(crate) fn resolve_mimics(
                     offset,
                 });
             };
-            let master = *index
-                .get(mimic.master.as_str())
-                .ok_or_else(|| Error::UnknownMaster {
-                    joint: joints[at].name.clone(),
-                    master: mimic.master.clone(),
-                })?;
+            let master =
+                *index
+                    .get(mimic.master.as_str())
+                    .ok_or_else(|| Problem::UnknownMaster {
+                        joint: joints[at].name.clone(),
+                        master: mimic.master.clone(),
+                    })?;
             if joints[master].kind.is_free() {
-                return Err(Error::FreeMaster {
+                return Err(Problem::FreeMaster {
                     joint: joints[at].name.clone(),
                     master: mimic.master.clone(),
-                });
+                }
+                .into());
             }
             offset += factor * mimic.offset;
             factor *= mimic.multiplier;
             at = master;
         }
-        Err(Error::MimicCircle {
+        Err(Problem::MimicCircle {
             joint: joints[start].name.clone(),
-        })
+        }
+        .into())
     };
     (0..joints.len()).map(resolve).collect()
 }

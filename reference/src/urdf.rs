@@ -18,7 +18,7 @@ use nalgebra::{
 };
 use roxmltree::Node;
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 use crate::joint::{Joint, JointKind, Link, Mimic, Pose};
 use crate::robot::Robot;
 use crate::xml::{
@@ -41,10 +41,10 @@ impl Robot {
     /// Reads a URDF file; see [`Robot::from_urdf`].
     ///
     /// # Errors
-    /// As [`Robot::from_urdf`], and [`Error::File`] where it cannot be read.
+    /// As [`Robot::from_urdf`], and `ErrorKind::File` where it cannot be read.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|source| Error::File {
+        let bytes = std::fs::read(path).map_err(|source| Problem::File {
             path: path.to_owned(),
             source,
         })?;
@@ -55,12 +55,13 @@ impl Robot {
 /// Reads the text of a URDF.
 fn read(text: &str) -> Result<Robot, Error> {
     let text = declare_prefixes(strip_comments(text))?;
-    let document = parse(&text)?;
+    let document = parse(&text).map_err(Problem::Xml)?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
-        return Err(Error::NotARobot {
+        return Err(Problem::NotARobot {
             root: root.tag_name().name().to_owned(),
-        });
+        }
+        .into());
     }
 
     let version = version(root);
@@ -69,9 +70,10 @@ fn read(text: &str) -> Result<Robot, Error> {
     for node in children(root, "link") {
         let link = read_link(node, version)?;
         if link_index.insert(link.name.clone(), links.len()).is_some() {
-            return Err(Error::Duplicate {
+            return Err(Problem::Duplicate {
                 place: format!("link `{}`", link.name),
-            });
+            }
+            .into());
         }
         links.push(link);
     }
@@ -81,9 +83,10 @@ fn read(text: &str) -> Result<Robot, Error> {
     for node in children(root, "joint") {
         let joint = read_joint(node, version, &link_index)?;
         if !joint_names.insert(joint.name.clone()) {
-            return Err(Error::Duplicate {
+            return Err(Problem::Duplicate {
                 place: format!("joint `{}`", joint.name),
-            });
+            }
+            .into());
         }
         joints.push(joint);
     }
@@ -112,10 +115,11 @@ fn read_link(node: Node, version: (u32, u32)) -> Result<Link, Error> {
     let [mass_kg] =
         numbers(mass, &place, "value")?.ok_or_else(|| missing(&place, "the value of <mass>"))?;
     if mass_kg < 0.0 {
-        return Err(Error::NegativeMass {
+        return Err(Problem::NegativeMass {
             link: link.name,
             mass_kg,
-        });
+        }
+        .into());
     }
     link.mass_kg = mass_kg;
     link.inertia_kg_m2 = read_inertia(inertial, &place, version);
@@ -156,22 +160,21 @@ fn read_joint(
         "floating" => JointKind::Floating,
         "planar" => JointKind::Planar,
         _ => {
-            return Err(Error::UnknownJointKind {
+            return Err(Problem::UnknownJointKind {
                 joint: name.to_owned(),
                 kind: kind.to_owned(),
-            });
+            }
+            .into());
         }
     };
-    let link = |tag: &str, what| {
+    let link = |tag: &str, what| -> Result<usize, Error> {
         let node = child(node, tag).ok_or_else(|| missing(&place, what))?;
         let link = text_of(node, &place, "link")?.ok_or_else(|| missing(&place, what))?;
-        link_index
-            .get(link)
-            .copied()
-            .ok_or_else(|| Error::UnknownLinkOfJoint {
-                joint: name.to_owned(),
-                link: link.to_owned(),
-            })
+        let found = link_index.get(link).copied();
+        Ok(found.ok_or_else(|| Problem::UnknownLinkOfJoint {
+            joint: name.to_owned(),
+            link: link.to_owned(),
+        })?)
     };
     let parent = link("parent", "<parent link>")?;
     let child_link = link("child", "<child link>")?;
@@ -204,7 +207,7 @@ fn read_motion(
 ) -> Result<(), Error> {
     if let Some(axis) = child(node, "axis") {
         let xyz = numbers(axis, place, "xyz")?.unwrap_or([1.0, 0.0, 0.0]);
-        joint.axis = direction(Vector3::from(xyz)).ok_or_else(|| Error::ZeroAxis {
+        joint.axis = direction(Vector3::from(xyz)).ok_or_else(|| Problem::ZeroAxis {
             joint: joint.name.clone(),
         })?;
     }
@@ -243,14 +246,15 @@ fn read_origin(node: Node, place: &str, version: (u32, u32)) -> Result<Pose, Err
     };
     let rotation = match (rpy, quaternion) {
         (Some(_), Some(_)) => {
-            return Err(Error::TwoOrientations {
+            return Err(Problem::TwoOrientations {
                 place: place.to_owned(),
-            });
+            }
+            .into());
         }
         (Some([roll, pitch, yaw]), None) => Rotation3::from_euler_angles(roll, pitch, yaw),
         (None, Some([x, y, z, w])) => UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.0)
             .filter(|unit| unit.norm() > 0.5) // zero where the length overflows
-            .ok_or_else(|| Error::ZeroQuaternion {
+            .ok_or_else(|| Problem::ZeroQuaternion {
                 place: place.to_owned(),
             })?
             .to_rotation_matrix(),

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 
 /// The children of that name in the parent's own namespace: `<xacro:joint>`
 /// is no joint.
@@ -27,10 +27,11 @@ pub(crate) fn child<'a, 'input: 'a>(
 }
 
 pub(crate) fn missing(place: &str, what: &'static str) -> Error {
-    Error::Missing {
+    Problem::Missing {
         place: place.to_owned(),
         what,
     }
+    .into()
 }
 
 /// An attribute that is read; a macro expression in it is an error.
@@ -40,10 +41,11 @@ pub(crate) fn text_of<'a>(
     name: &str,
 ) -> Result<Option<&'a str>, Error> {
     match node.attribute(name) {
-        Some(text) if text.contains("${") => Err(Error::Xacro {
+        Some(text) if text.contains("${") => Err(Problem::Xacro {
             place: place.to_owned(),
             text: text.to_owned(),
-        }),
+        }
+        .into()),
         text => Ok(text),
     }
 }
@@ -81,15 +83,18 @@ fn read_numbers<const N: usize>(
         .and_then(|values| <[f64; N]>::try_from(values).ok())
         .filter(|values| values.iter().copied().all(admits))
         .map(Some)
-        .ok_or_else(|| Error::Number {
-            place: place.to_owned(),
-            attribute,
-            text: text.to_owned(),
-            expected: match N {
-                1 => "one number",
-                3 => "three numbers",
-                _ => "four numbers",
-            },
+        .ok_or_else(|| {
+            Problem::Number {
+                place: place.to_owned(),
+                attribute,
+                text: text.to_owned(),
+                expected: match N {
+                    1 => "one number",
+                    3 => "three numbers",
+                    _ => "four numbers",
+                },
+            }
+            .into()
         })
 }
 
@@ -127,11 +132,12 @@ pub(crate) fn declare_prefixes(mut text: String) -> Result<String, Error> {
             Ok(_) => return Ok(text),
             Err(roxmltree::Error::UnknownNamespace(prefix, at)) => {
                 if !declared.insert(prefix.clone()) {
-                    return Err(roxmltree::Error::UnknownNamespace(prefix, at).into());
+                    let twice = roxmltree::Error::UnknownNamespace(prefix, at);
+                    return Err(Problem::Xml(twice).into());
                 }
                 prefix
             }
-            Err(error) => return Err(error.into()),
+            Err(error) => return Err(Problem::Xml(error).into()),
         };
         let tag = text
             .match_indices('<')

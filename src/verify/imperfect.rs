@@ -5,7 +5,7 @@
 
 use sesc_model::Robot;
 use sesc_model::effects::{Instance, Target};
-use sesc_reference::{Place, World};
+use sesc_reference::{ErrorKind, Place, World};
 
 use crate::Error;
 
@@ -23,13 +23,12 @@ pub fn with_effect(
     let known = place(robot, &instance.target).map(|place| world.named(name, place, values));
     match known {
         Some(Ok(world)) => Ok(world),
-        None | Some(Err(sesc_reference::Error::UnknownImperfection { .. })) => {
-            Err(Error::Usage(format!(
-                "the virtual robot has no effect `{name}` to compare with; verify the model \
-                 without it"
-            )))
+        Some(Err(refused)) if refused.kind() != ErrorKind::UnknownImperfection => {
+            Err(refused.into())
         }
-        Some(Err(refused)) => Err(refused.into()),
+        None | Some(Err(_)) => Err(Error::Usage(format!(
+            "the virtual robot has no effect `{name}` to compare with; verify the model without it"
+        ))),
     }
 }
 

@@ -1,5 +1,5 @@
 //! Public faces can grow: enums and options are `#[non_exhaustive]`, and no type of
-//! another library stands where a caller would have to name it.
+//! another library stands in what the documentation shows, wherever it is declared.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -7,12 +7,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::imports::code;
+use crate::signatures::{Signature, imported, is_hidden, signatures};
 
 /// Crates that are published as libraries.
-const LIBRARIES: [&str; 4] = ["model", "runtime", "codegen", "identify"];
+/// The root package is "".
+const LIBRARIES: [&str; 6] = ["model", "runtime", "codegen", "identify", "reference", ""];
 
 /// Enums of which every use must decide when a case is added, as CONTRIBUTING.md says.
-const DECIDED: [&str; 22] = [
+const DECIDED: [&str; 21] = [
     // Functions, what they are given, and how far their rows reach.
     "Function",
     "Given",
@@ -30,7 +32,6 @@ const DECIDED: [&str; 22] = [
     "Expr",
     "Shape",
     "Column",
-    "Twist",
     // Text in the making, of emitters alone.
     "Line",
     "Results",
@@ -45,48 +46,29 @@ const DECIDED: [&str; 22] = [
 /// Structs that say how something is to be done.
 const OPTIONS: [&str; 4] = ["Options", "Settings", "Request", "Tolerances"];
 
-/// Types of other libraries, as our sources spell them.
-const FOREIGN: [&str; 15] = [
-    "DMatrix<",
-    "DVector<",
-    "SMatrix<",
-    "SVector<",
-    "Matrix2<",
-    "Matrix3<",
-    "Vector2<",
-    "Vector3<",
-    "Isometry3<",
-    "Cholesky<",
-    "urdf_rs::",
-    "roxmltree::",
-    "toml::",
-    "serde_json::",
-    "parquet::",
-];
-
-/// Whether an attribute asks for matrices.
-fn is_gate(attributes: &str) -> bool {
-    attributes.contains("feature = \"nalgebra\"") && !attributes.contains("not(")
-}
+/// Libraries whose types may stand in signatures: results are written with serde's traits.
+const ALLOWED: [&str; 1] = ["serde"];
 
 /// A file whose items are named from outside.
 struct Face {
     file: PathBuf,
     text: String,
-    /// Whether items are named by the module's own path; else they are passed on one by one.
-    whole: bool,
+    /// Whether documentation shows the module's path; else items are passed on one by one, or
+    /// not at all.
+    shown: bool,
 }
 
 /// Files of modules that can be named from outside without a feature of matrices, and of
-/// private ones that items are passed on from.
-fn public_files(file: &Path, whole: bool, found: &mut Vec<Face>) {
+/// private ones that items are passed on from. `whole`: items are named by the module's own
+/// path; `shown`: documentation has it.
+fn public_files(file: &Path, (whole, shown): (bool, bool), found: &mut Vec<Face>) {
     let text = code(&fs::read_to_string(file).unwrap());
     let stem = file.file_stem().unwrap().to_str().unwrap();
     let folder = match stem {
         "lib" | "mod" => file.parent().unwrap().to_path_buf(),
         _ => file.with_extension(""),
     };
-    let mut gated = false;
+    let (mut gated, mut hidden) = (false, false);
     for line in text.lines().map(str::trim) {
         let module = line.strip_suffix(';').and_then(|line| {
             let named = line.strip_prefix("pub mod ").map(|name| (name, whole));
@@ -98,17 +80,21 @@ fn public_files(file: &Path, whole: bool, found: &mut Vec<Face>) {
         {
             let flat = folder.join(format!("{name}.rs"));
             let deep = folder.join(name).join("mod.rs");
-            public_files(if flat.exists() { &flat } else { &deep }, whole, found);
+            let file = if flat.exists() { &flat } else { &deep };
+            public_files(file, (whole, shown && whole && !hidden), found);
         }
-        gated = match line.starts_with("#[") {
-            true => gated || line.contains("nalgebra") || line == "#[cfg(test)]",
-            false => false,
+        (gated, hidden) = match line.starts_with("#[") {
+            true => (
+                gated || line.contains("nalgebra") || line == "#[cfg(test)]",
+                hidden || is_hidden(line),
+            ),
+            false => (false, false),
         };
     }
     found.push(Face {
         file: file.to_path_buf(),
         text,
-        whole,
+        shown,
     });
 }
 
@@ -135,70 +121,86 @@ fn passed_on(member: &str, faces: &[Face]) -> Vec<PathBuf> {
     paths.map(file).collect()
 }
 
+fn faces_of(member: &str) -> Vec<Face> {
+    let lib = Path::new(crate::ROOT).join(member).join("src/lib.rs");
+    let mut own = Vec::new();
+    public_files(&lib, (true, true), &mut own);
+    for file in passed_on(member, &own) {
+        if own.iter().all(|face| face.file != file) {
+            public_files(&file, (false, false), &mut own);
+        }
+    }
+    own
+}
+
 fn faces() -> Vec<Face> {
+    LIBRARIES.into_iter().flat_map(faces_of).collect()
+}
+
+/// Names that documentation shows because a shown module passes them on.
+fn passed_on_by_name(faces: &[Face]) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for face in faces.iter().filter(|face| face.shown) {
+        for Signature { hidden, text, .. } in signatures(&face.text) {
+            let Some(path) = text.strip_prefix("pub use ").filter(|_| !hidden) else {
+                continue;
+            };
+            let words = path.split(|c: char| !c.is_alphanumeric() && c != '_');
+            names.extend(words.filter(|word| !word.is_empty()).map(str::to_string));
+        }
+    }
+    names
+}
+
+/// Signatures of a library that documentation shows with types of other libraries.
+fn foreign_types(member: &str) -> Vec<String> {
+    let manifest = Path::new(crate::ROOT).join(member).join("Cargo.toml");
+    let manifest = fs::read_to_string(manifest).unwrap();
+    let sections = manifest
+        .split("\n[")
+        .filter(|part| part.starts_with("dependencies]"));
+    let keys = sections.flat_map(|part| part.lines().skip(1));
+    let libraries: Vec<String> = keys
+        .filter_map(|line| Some(line.split_once(['=', '.'])?.0.trim().replace('-', "_")))
+        .filter(|name| !name.starts_with("sesc") && !ALLOWED.contains(&name.as_str()))
+        .collect();
+    let faces = faces_of(member);
+    let passed_on = passed_on_by_name(&faces);
     let mut found = Vec::new();
-    for member in LIBRARIES {
-        let lib = Path::new(crate::ROOT).join(member).join("src/lib.rs");
-        let mut own = Vec::new();
-        public_files(&lib, true, &mut own);
-        for file in passed_on(member, &own) {
-            if own.iter().all(|face| face.file != file) {
-                public_files(&file, false, &mut own);
+    for face in &faces {
+        let foreign = imported(&face.text, &libraries);
+        for signature in signatures(&face.text) {
+            let shown = face.shown || passed_on.contains(&signature.owner);
+            if shown && !signature.hidden && signature.names_one_of(&foreign, &libraries) {
+                found.push(format!("{}: {}", face.file.display(), signature.text));
             }
         }
-        found.append(&mut own);
     }
     found
 }
 
-/// Public items of a text, each from `pub` to its body, with the attributes before it.
-fn items(text: &str) -> Vec<(String, String)> {
-    let mut items = Vec::new();
-    let (mut attributes, mut lines) = (String::new(), text.lines());
-    while let Some(line) = lines.next() {
-        if is_gate(&attributes) && line.ends_with(" {") && !line.starts_with(' ') {
-            lines.find(|line| *line == "}");
-        }
-        let line = line.trim();
-        if line.starts_with("#[") {
-            attributes += line;
-            continue;
-        }
-        if line.starts_with("pub ")
-            && !line.starts_with("pub mod ")
-            && !line.starts_with("pub use ")
-        {
-            let mut item = line.to_string();
-            while !item.contains(['{', ';']) && !item.ends_with(',') {
-                let Some(more) = lines.next() else { break };
-                item += more.trim();
-            }
-            items.push((attributes.clone(), item));
-        }
-        if !line.is_empty() {
-            attributes.clear();
-        }
-    }
+/// Public enums and options of a text that are not `#[non_exhaustive]`.
+fn cannot_grow(text: &str) -> Vec<String> {
+    let grows = |item: &Signature| item.attributes.contains("non_exhaustive");
+    let is_one = |item: &Signature| {
+        item.text.starts_with("pub enum ")
+            || item.text.starts_with("pub struct ") && OPTIONS.contains(&item.owner.as_str())
+    };
+    let items = signatures(text).into_iter();
     items
+        .filter(|item| is_one(item) && !grows(item))
+        .map(|item| item.owner)
+        .collect()
 }
 
 #[test]
 fn enums_and_options_can_grow() {
     let (mut complaints, mut decided) = (String::new(), BTreeSet::new());
     for Face { file, text, .. } in faces() {
-        for (attributes, item) in items(&text) {
-            let named = |kind: &str| {
-                let name = item.strip_prefix("pub ")?.strip_prefix(kind)?;
-                let end = name.find(|c: char| !c.is_alphanumeric())?;
-                Some(name[..end].to_string())
-            };
-            let of_options = named("struct ").filter(|name| OPTIONS.contains(&name.as_str()));
-            let Some(name) = named("enum ").or(of_options) else {
-                continue;
-            };
+        for name in cannot_grow(&text) {
             if DECIDED.contains(&name.as_str()) {
                 decided.insert(name);
-            } else if !attributes.contains("non_exhaustive") {
+            } else {
                 let _ = writeln!(complaints, "{}: `{name}`", file.display());
             }
         }
@@ -213,19 +215,8 @@ fn enums_and_options_can_grow() {
 
 #[test]
 fn no_signature_has_a_type_of_another_library() {
-    let mut complaints = String::new();
-    for Face { file, text, .. } in faces().into_iter().filter(|face| face.whole) {
-        for (attributes, item) in items(&text) {
-            // What stands behind `pub(crate)` in a tuple is not named outside.
-            let signature = item.split('{').next().unwrap();
-            let signature = signature.split("(pub(crate)").next().unwrap();
-            let foreign = FOREIGN.iter().any(|foreign| signature.contains(foreign));
-            if foreign && !is_gate(&attributes) {
-                let _ = writeln!(complaints, "{}: {signature}", file.display());
-            }
-        }
-    }
-    assert!(complaints.is_empty(), "\n{complaints}");
+    let found: Vec<String> = LIBRARIES.into_iter().flat_map(foreign_types).collect();
+    assert!(found.is_empty(), "\n{}", found.join("\n"));
 }
 
 #[test]
@@ -243,15 +234,13 @@ fn what_is_passed_on_and_what_stands_below_tests_is_looked_at() {
 }
 
 #[test]
-fn what_cannot_grow_and_foreign_types_are_seen() {
-    let text = "#[derive(Debug)]\npub enum Open {\n}\n/// Rows.\npub fn rows(\n    of: &DMatrix<f64>,\n) -> f64 {\n}\n";
-    let found = items(text);
-    assert_eq!(
-        found[0],
-        (
-            "#[derive(Debug)]".to_string(),
-            "pub enum Open {".to_string()
-        )
-    );
-    assert!(found[1].1.contains("DMatrix<"), "{found:?}");
+fn errors_of_the_root_and_joints_of_the_reference_are_looked_at() {
+    let root = faces_of("");
+    assert!(root.iter().any(|face| face.text.contains("pub enum Error")));
+    let reference = faces_of("reference");
+    let joint = reference
+        .iter()
+        .find(|face| face.text.contains("enum JointKind"));
+    let text = joint.unwrap().text.replace("#[non_exhaustive]", "");
+    assert_eq!(cannot_grow(&text), ["JointKind"]);
 }

@@ -10,6 +10,7 @@ mod faces;
 mod imports;
 mod instructions;
 mod options;
+mod signatures;
 mod words;
 
 use std::fmt::Write as _;

@@ -176,7 +176,7 @@ fn said(diagnosis: &Diagnosis) -> String {
 /// The explanations that a log leaves, each as its effects with their targets.
 fn explanations(diagnosis: &Diagnosis) -> BTreeSet<Vec<String>> {
     let steps = diagnosis.steps.iter();
-    let label = |step: &diagnose::findings::Step| match step.target.as_str() {
+    let label = |step: &diagnose::Step| match step.target.as_str() {
         "-" => step.effect.to_string(),
         target => format!("{}:{target}", step.effect),
     };

@@ -88,6 +88,7 @@ pub(crate) fn of(
 ///
 /// # Errors
 /// When a text cannot be read again.
+#[doc(hidden)]
 pub fn of_model_file(
     file: &ModelFile,
     robot: &Robot,

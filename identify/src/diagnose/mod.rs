@@ -14,7 +14,8 @@ mod diagnosis;
 mod dictionary;
 mod exact;
 mod experiment;
-pub mod findings;
+mod findings;
+#[doc(hidden)]
 pub mod footprint;
 mod further_logs;
 mod held_out;
@@ -40,12 +41,17 @@ mod settled_masses;
 #[cfg(test)]
 mod tests;
 mod verdict;
+#[doc(hidden)]
 pub mod view;
 mod wiring;
+#[doc(hidden)]
 pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use criteria::{CLASS_SCORE, OVER_NOTHING};
-pub use findings::{Diagnosis, Verdict};
+pub use findings::{
+    ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
+    ModelUse, NextPostures, Quantity, Remedy, Step, UrdfChange, Verdict,
+};
 pub(crate) use hypothesis::FREE_MASSES;
 pub use request::{FLOOR_M, NextLog, Report, Request, diagnose, look};

@@ -63,7 +63,7 @@ pub struct Problem<'m> {
     /// What of them is motion's; none of standing robots.
     motion_rows: Option<Rc<DMatrix<f64>>>,
     /// Both soles on one floor, where the log is of both feet.
-    pub closure: Option<Rc<Closure>>,
+    pub(crate) closure: Option<Rc<Closure>>,
     /// Shared by copies of the problem, whose noise may be another.
     tapes: Rc<RefCell<HashMap<Vec<Instance>, Rc<Tapes>>>>,
     target_weights: HashMap<Term, f64>,

@@ -57,6 +57,7 @@ pub struct Request {
     /// Unit of revolute joints; the sidecar's, else rad, unless given.
     pub angles: Option<Angles>,
     /// The effects that may be the cause.
+    #[doc(hidden)]
     pub effects: Catalog,
     /// How far masses may be off CAD.
     pub prior: PriorChoice,
@@ -83,6 +84,7 @@ pub struct Request {
     /// What the robot without its loads weighs in the corrected URDF, kg; as in CAD unless given.
     pub total_mass: Option<f64>,
     /// Whether the rows of figures are wanted.
+    #[doc(hidden)]
     pub view: bool,
 }
 
@@ -130,6 +132,7 @@ pub struct Report {
     /// What of the explanation belongs to the log alone, a sentence each.
     pub of_the_log: Vec<String>,
     /// Where it was wanted.
+    #[doc(hidden)]
     pub view: Option<DiagnosisView>,
     /// Postures of the experiment that would tell most, if one would tell explanations apart.
     pub next: Option<NextLog>,

@@ -22,7 +22,7 @@ use crate::observations::postures::rms;
 
 /// The equations of a log, posture by posture, and their noise.
 #[derive(Debug, Clone)]
-pub struct Closure {
+pub(crate) struct Closure {
     /// The other sole.
     pub other: OtherFoot,
     /// Standard deviation of each equation in one posture as the log counts it, m, rad, rad.
@@ -92,11 +92,6 @@ impl Closure {
     /// Postures.
     pub fn len(&self) -> usize {
         self.values.len() / ROWS
-    }
-
-    /// Whether there are no postures.
-    pub fn is_empty(&self) -> bool {
-        self.values.is_empty()
     }
 
     /// 1/σ of a row: posture by posture, equation by equation.

@@ -17,8 +17,10 @@ mod soles;
 #[cfg(test)]
 mod tests;
 
-pub use closure::Closure;
-pub use noise::ROWS;
-pub use one_foot::of_one_foot;
-pub use other::{Feet, OtherFoot};
+pub(crate) use closure::Closure;
+pub(crate) use noise::ROWS;
+pub(crate) use one_foot::of_one_foot;
+pub use other::Feet;
+#[doc(hidden)]
+pub use other::OtherFoot;
 pub use soles::{ClosureFound, Lies, Offset};

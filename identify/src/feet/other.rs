@@ -37,6 +37,7 @@ impl Feet {
     ///
     /// # Errors
     /// A link that is none, or that no joint moves; no link that must be it.
+    #[doc(hidden)]
     pub fn of(&self, sidecar: &Sidecar, model: &Model) -> Result<Option<OtherFoot>, Error> {
         let named = self.other.as_deref().or(sidecar.other_foot.as_deref());
         let said = self.both.or(self.other.as_ref().map(|_| true));

@@ -101,6 +101,7 @@ const LONGEST: usize = 10_000;
 
 impl ClosureFound {
     /// Returns the one of two logs whose soles lie worse.
+    #[doc(hidden)]
     pub fn worse(self, other: ClosureFound) -> ClosureFound {
         let ratio = |found: &ClosureFound| {
             let open = if found.closes { 0.0 } else { 1e9 };
@@ -174,6 +175,7 @@ impl ClosureFound {
     }
 
     /// What a diagnosis says, whose explanation leaves `after`; `changed` where there is one.
+    #[doc(hidden)]
     pub fn explained(mut self, changed: bool) -> ClosureFound {
         let apart = self.apart();
         let flat = "check that both soles are flat on one floor, and that their frames lie in \

@@ -58,6 +58,7 @@ impl Change {
 ///
 /// # Errors
 /// When no masses give the identified parameters.
+#[doc(hidden)]
 pub fn correct(
     robot: &Robot,
     model: &Model,
@@ -84,6 +85,7 @@ pub fn correct(
 ///
 /// # Errors
 /// When a text cannot be read.
+#[doc(hidden)]
 pub fn towards(
     robot: &Robot,
     model: &Model,

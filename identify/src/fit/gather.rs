@@ -389,12 +389,8 @@ impl Gathered {
         all
     }
 
-    /// The log that was read has ended: poses of the next one are others.
-    pub fn end_log(&mut self) {
-        self.end_log_without(0);
-    }
-
-    /// The same, `left_out` of whose rows do not know their motion.
+    /// The log that was read, `left_out` of whose rows do not know their motion, has ended:
+    /// poses of the next one are others.
     pub fn end_log_without(&mut self, left_out: u64) {
         self.stream.end();
         self.take_independent();

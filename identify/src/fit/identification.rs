@@ -194,12 +194,14 @@ pub struct Identification {
     #[serde(skip)]
     pub(super) plans: Vec<Option<Plan>>,
     /// The estimate with its covariance.
+    #[doc(hidden)]
     #[serde(skip)]
     pub estimate: Estimate,
     /// Inverse covariance of the parameters, prior included.
     #[serde(skip)]
     pub information: Information,
     /// Masses of a bounded fit.
+    #[doc(hidden)]
     #[serde(skip)]
     pub masses: Option<Masses>,
 }

@@ -12,7 +12,7 @@ mod estimate;
 pub mod gather;
 #[cfg(not(feature = "nalgebra"))]
 mod gather;
-pub mod identification;
+mod identification;
 mod joined;
 mod limits;
 #[cfg(feature = "nalgebra")]
@@ -41,12 +41,19 @@ mod summary;
 mod timing;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
+pub use crate::observations::noise::NoiseSource;
+pub use crate::observations::repeats::{LackOfFit, Visits};
+pub use crate::observations::revisits::Again;
+pub use crate::observations::samples::Samples;
 #[cfg(any(test, feature = "nalgebra"))]
+#[doc(hidden)]
 pub use estimate::identify;
 #[cfg(test)]
 use estimate::identify_within;
-pub use gather::LogUsed;
-pub use identification::{Identification, Settings};
+pub use gather::{DownWeighted, LogUsed};
+pub use identification::{
+    BodyLength, Correlation, HeightConstant, Identification, ParameterFound, Settings, Unseen,
+};
 pub use joined::gather;
 pub(crate) use report::check_result;
 pub use report::{Report, fit, residuals};

@@ -45,6 +45,7 @@ pub struct Sample {
 }
 
 /// RMS lengths of what CAD and the fit leave, m.
+#[doc(hidden)]
 pub fn rms_lengths(rows: &[Residual]) -> [f64; 2] {
     let square = |row: &Residual, predicted: [f64; 2]| {
         (predicted[0] - row.measured[0]).powi(2) + (predicted[1] - row.measured[1]).powi(2)

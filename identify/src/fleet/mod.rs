@@ -36,16 +36,29 @@ pub mod summary;
 mod table;
 mod work;
 
-pub use content::{Log, content_hash};
+pub use content::Log;
+#[doc(hidden)]
+pub use content::content_hash;
+#[doc(hidden)]
 pub use disk::{Disk, Local, Stamp};
 pub use evaluate::row;
-pub use gathering::{Fleet, Gathering, Twice};
+#[doc(hidden)]
+pub use gathering::Gathering;
+pub use gathering::{Fleet, Twice};
 pub use groups::{Group, groups};
-pub use manifest::{Input, inputs, is_address};
+#[doc(hidden)]
+pub use manifest::is_address;
+pub use manifest::{Input, inputs};
 pub use options::{Only, Options};
-pub use population::{check_population, population};
+#[doc(hidden)]
+pub use population::check_population;
+pub use population::population;
 pub use row::{EffectFound, Row, Size};
 pub use run::{Request, run};
 pub use store::Store;
-pub use table::{COLUMNS, assembled, check_table, write};
-pub use work::{Done, Failed, Job, work};
+pub use table::{COLUMNS, write};
+#[doc(hidden)]
+pub use table::{assembled, check_table};
+pub use work::Failed;
+#[doc(hidden)]
+pub use work::{Done, Job, work};

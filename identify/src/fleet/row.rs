@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Diagnosis;
-use crate::diagnose::findings::Step;
+use crate::diagnose::Step;
 use crate::fit::Identification;
 use crate::health::{Finding, Kind};
 
@@ -40,7 +40,7 @@ pub struct EffectFound {
 
 impl EffectFound {
     fn of(step: &Step, instead: Vec<Vec<String>>) -> EffectFound {
-        let size = |q: &crate::diagnose::findings::Quantity| Size {
+        let size = |q: &crate::diagnose::Quantity| Size {
             value: q.value,
             std: q.std,
         };

@@ -112,6 +112,7 @@ pub struct Finding {
     /// What was seen and what to do.
     pub sentence: String,
     /// What a figure shows of it.
+    #[doc(hidden)]
     #[serde(skip)]
     pub picture: Option<Picture>,
 }

@@ -35,12 +35,16 @@ use crate::observations::postures::Postures;
 use crate::robot::Robot;
 use crate::watch::Watch;
 pub use finding::{Finding, KINDS, Kind};
+#[doc(hidden)]
 pub use leftover::Leftover;
+#[doc(hidden)]
 pub use look::{Reading, look};
+#[doc(hidden)]
 pub use picture::Picture;
 use wirings::Wirings;
 
 /// What is found.
+#[doc(hidden)]
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Health {
     /// Each finding; data that cannot be used have one.
@@ -52,6 +56,7 @@ pub struct Health {
 }
 
 /// Where readings have a joint whose encoder does not follow it.
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Whereabouts {
     /// Number of the joint.
@@ -101,6 +106,7 @@ struct Look<'a> {
 ///
 /// # Errors
 /// What is wrong with the log; when `watch` stops it.
+#[doc(hidden)]
 pub fn screen(
     log: &LogSource,
     (robot, model): (&Robot, &Model),

@@ -79,6 +79,7 @@ impl LogSource {
     }
 
     /// The same log without what the screen leaves out.
+    #[doc(hidden)]
     pub fn screened(self, screen: Arc<dyn Screen>) -> LogSource {
         LogSource {
             screen: Some(screen),
@@ -91,6 +92,7 @@ impl LogSource {
     ///
     /// # Errors
     /// When the file cannot be opened.
+    #[doc(hidden)]
     pub fn unchanged(self) -> Result<LogSource, Error> {
         let was = self.watched()?.map(|(_, stamp)| stamp);
         Ok(LogSource { was, ..self })
@@ -148,6 +150,7 @@ impl LogSource {
     }
 
     /// The bytes of the file, if the log is given by them.
+    #[doc(hidden)]
     pub fn content(&self) -> Option<&[u8]> {
         match &self.place {
             Place::Bytes(bytes) => Some(bytes.as_ref()),

@@ -47,12 +47,16 @@ pub(crate) use ahead::Ahead;
 pub(crate) use block::keep_some;
 pub use block::{Block, Cells};
 pub(crate) use bounds::LEAST_LOAD_N;
-pub use columns::{COLUMNS, Column, Need, columns_text};
+#[doc(hidden)]
+pub use columns::columns_text;
+pub use columns::{COLUMNS, Column, Need};
+#[doc(hidden)]
 pub use guard::panic_becomes_error;
 pub use input::LogSource;
 pub use options::{Hold, Options, Readings, Stays};
 pub use reader::{PostureReader, Summary};
 pub use row::{Row, Written};
+#[doc(hidden)]
 pub use screen::{Screen, Screening};
 pub use sidecar::{Angles, Sidecar};
 pub use table::{Table, Values};

@@ -52,7 +52,7 @@ impl Share {
     /// Least squares of whitened rows `residual ≈ columns · x`, of which the first column is
     /// what motion adds and `left` what is left of vectors beside masses; `rows_per_sample`
     /// rows are worth one. `None` where readings do not tell.
-    pub fn of(
+    pub(crate) fn of(
         columns: &DMatrix<f64>,
         residual: &DVector<f64>,
         left: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
@@ -91,7 +91,7 @@ impl Share {
 }
 
 /// What motion adds to readings, beside what masses do.
-pub struct Column {
+pub(crate) struct Column {
     /// Shift of the readings that CAD predicts, x and y in turn, m or over deviations.
     pub shift: Vec<f64>,
     /// Readings less those of CAD in motion, likewise.
@@ -105,7 +105,7 @@ pub struct Column {
 impl Column {
     /// The share of it in readings, with constants of both axes and what `rows` are of within
     /// `unsure` (F, p × m); `rows_per_sample` rows are worth one.
-    pub fn share(&self, unsure: &DMatrix<f64>, rows_per_sample: f64) -> Option<Share> {
+    pub(crate) fn share(&self, unsure: &DMatrix<f64>, rows_per_sample: f64) -> Option<Share> {
         let n = self.residual.len();
         let columns = DMatrix::from_fn(n, 3, |row, column| match column {
             0 => self.shift[row],

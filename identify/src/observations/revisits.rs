@@ -31,7 +31,7 @@ impl Again {
     /// Choose postures to repeat in a log of `poses` whose regressor rows (two per posture)
     /// are `rows`, at times `t` (s); none of recordings, nor of fewer postures than are asked
     /// for.
-    pub fn of(rows: &DMatrix<f64>, poses: &[i64], t: Option<&[f64]>) -> Option<Again> {
+    pub(crate) fn of(rows: &DMatrix<f64>, poses: &[i64], t: Option<&[f64]>) -> Option<Again> {
         let recorded = t.and_then(step).is_some_and(|step| step < RECORDING_S);
         if recorded || poses.len() < 2 * COUNT {
             return None;

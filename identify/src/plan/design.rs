@@ -84,11 +84,6 @@ impl Rows {
         self.columns.ncols() / 2
     }
 
-    /// Whether there is no candidate.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// Directions there are to tell.
     pub fn directions(&self) -> usize {
         self.columns.nrows()

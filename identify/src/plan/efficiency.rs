@@ -27,7 +27,13 @@ pub struct Efficiency {
 /// The curve up to the postures chosen; `noise` is that of a reading, m.
 ///
 /// Without a prior it begins where postures can tell all directions.
-pub fn curve(rows: &Rows, choice: &Choice, noise: f64, seed: u64, prior: bool) -> Vec<Efficiency> {
+pub(crate) fn curve(
+    rows: &Rows,
+    choice: &Choice,
+    noise: f64,
+    seed: u64,
+    prior: bool,
+) -> Vec<Efficiency> {
     let all = choice.chosen.len();
     // A posture tells two.
     let least = match prior {

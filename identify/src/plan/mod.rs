@@ -9,7 +9,7 @@
 //! among many in which the robot stands surely, given what CAD does not know.
 
 pub mod balance;
-pub mod both_feet;
+pub(crate) mod both_feet;
 #[cfg(feature = "nalgebra")]
 #[doc(hidden)]
 pub mod candidates;

@@ -31,6 +31,7 @@ pub use types::{Base, BaseParam, Column, Unobservable};
 type Forms = [BTreeMap<usize, f64>; 3];
 
 /// Group the columns of `chain` into base parameters.
+#[doc(hidden)]
 pub fn group(tree: &Tree, chain: &Chain, frames: &[Frame]) -> Base {
     let mut forms: Vec<Forms> = chain
         .bodies

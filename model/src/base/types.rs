@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 /// Which column of the regressor a base parameter multiplies.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Column {
     /// Canonical axis `axis` of body `body` in the support frame.
@@ -25,8 +26,10 @@ pub struct BaseParam {
     /// Body and axis: `l_knee.x`.
     pub name: String,
     /// What it multiplies.
+    #[doc(hidden)]
     pub column: Column,
     /// Full parameter → weight; the parameter is their weighted sum.
+    #[doc(hidden)]
     pub terms: BTreeMap<usize, f64>,
     /// CAD value, m (or a mass fraction for a prismatic joint).
     pub cad: f64,
@@ -54,6 +57,7 @@ pub struct Base {
     /// Rank of stacked CoP rows (x and y), by structure.
     pub rank_cop: usize,
     /// What regrouping columns that are dependent up to rounding moves the CoM, m.
+    #[doc(hidden)]
     pub regrouping_error: f64,
 }
 

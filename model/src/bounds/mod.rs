@@ -24,7 +24,9 @@ mod range;
 
 use crate::program::Program;
 use analysis::Analysis;
+#[doc(hidden)]
 pub use fixed::{Formats, Overflow, Quantity, Unfit};
+#[doc(hidden)]
 pub use fixed::{fitting, kernel_error as fixed_kernel_error};
 
 /// Absolute error of sines and cosines in units of u: below 1 by runtime::trig (an ulp of
@@ -66,6 +68,7 @@ impl Precision {
 }
 
 /// What one element of an input array may be.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy)]
 pub struct Input {
     /// Least value.
@@ -114,6 +117,7 @@ enum Arithmetic<'f> {
 }
 
 /// Bound the rounding error of `program` for inputs in the given ranges.
+#[doc(hidden)]
 pub fn prove(program: &Program, inputs: &[Vec<Input>], precision: Precision) -> Bound {
     let arithmetic = Arithmetic::Float {
         precision,
@@ -123,6 +127,7 @@ pub fn prove(program: &Program, inputs: &[Vec<Input>], precision: Precision) -> 
 }
 
 /// Bound the rounding error of `program` in 32-bit fixed point with these formats.
+#[doc(hidden)]
 pub fn prove_fixed(program: &Program, inputs: &[Vec<Input>], formats: &Formats) -> Bound {
     let mut bound = bound(program, inputs, Arithmetic::Fixed(formats));
     for (error, id) in bound.outputs.iter_mut().zip(&program.outputs) {

@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::Error;
+use crate::error::Problem;
 pub use crate::stamp::Stamp;
 pub use places::Access;
 pub use read::{SETTINGS, SIDECAR, SUMS, read_bytes, read_text};
@@ -277,10 +278,8 @@ pub fn abandon(exit_code: i32) -> ! {
 
 /// An error about writing `path`.
 pub fn failed(path: &Path, source: io::Error) -> Error {
-    Error::Write {
-        file: path.display().to_string(),
-        source,
-    }
+    let file = path.display().to_string();
+    Problem::Write { file, source }.into()
 }
 
 #[cfg(test)]

@@ -29,6 +29,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Information;
 use crate::effects::Unit;
+use crate::error::Problem;
 use crate::text::{shortened, visible};
 use crate::urdf::limits;
 use crate::{Error, files};
@@ -170,7 +171,7 @@ impl ModelFile {
     /// When it cannot be read, is no model file, or holds values that are not finite.
     pub fn read(path: &Path) -> Result<ModelFile, Error> {
         let file = path.display().to_string();
-        let text = files::read_text(path, files::SUMS).map_err(|source| Error::Read {
+        let text = files::read_text(path, files::SUMS).map_err(|source| Problem::Read {
             file: file.clone(),
             source,
         })?;
@@ -179,10 +180,7 @@ impl ModelFile {
 
     /// Parse the text of a model file; `file` names it in messages.
     pub fn parse(text: &str, file: &str) -> Result<ModelFile, Error> {
-        let bad = |reason: String| Error::ModelFile {
-            file: file.to_string(),
-            reason,
-        };
+        let bad = |reason: String| Error::model_file(file, reason);
         newer(text).map_or(Ok(()), |reason| Err(bad(reason)))?;
         let mut model: ModelFile = toml::from_str(text).map_err(|error| bad(error.to_string()))?;
         model.file = file.to_string();
@@ -238,10 +236,7 @@ impl ModelFile {
     /// # Errors
     /// When it holds what TOML cannot.
     pub fn to_toml(&self) -> Result<String, Error> {
-        toml::to_string(self).map_err(|error| Error::ModelFile {
-            file: self.file.clone(),
-            reason: error.to_string(),
-        })
+        toml::to_string(self).map_err(|error| Error::model_file(&self.file, error.to_string()))
     }
 
     /// Values in the order of the base parameters (a model that takes the file has made sure
@@ -274,14 +269,12 @@ impl ModelFile {
         if self.hash == hash {
             return Ok(());
         }
-        Err(Error::ModelFile {
-            file: self.file.clone(),
-            reason: format!(
-                "made for robot hash {}, but {urdf} has {hash}; identify again or use the URDF it \
-                 was made with",
-                self.hash
-            ),
-        })
+        let reason = format!(
+            "made for robot hash {}, but {urdf} has {hash}; identify again or use the URDF it was \
+             made with",
+            self.hash
+        );
+        Err(Error::model_file(&self.file, reason))
     }
 }
 

@@ -44,8 +44,10 @@ pub struct Model {
     /// Identified parameters, if a model file was given.
     pub file: Option<ModelFile>,
     /// Effects of that file with their unknowns.
+    #[doc(hidden)]
     pub effects: Vec<(Instance, Vec<f64>)>,
     /// Largest |r_k| that bounds hold for, m (a mass fraction for a prismatic joint's).
+    #[doc(hidden)]
     pub param_limits: Vec<f64>,
 }
 
@@ -100,11 +102,13 @@ impl Model {
     }
 
     /// Effects that one posture shows, with their unknowns: those of [`Function::Cop`].
+    #[doc(hidden)]
     pub fn static_effects(&self) -> impl Iterator<Item = &(Instance, Vec<f64>)> {
         self.effects.iter().filter(|(i, _)| i.effect.is_static())
     }
 
     /// Effects that act on a function, with their unknowns.
+    #[doc(hidden)]
     pub fn effects_of(&self, function: Function) -> Vec<&(Instance, Vec<f64>)> {
         let acts = |(Instance { effect, target }, _): &&(Instance, Vec<f64>)| match function {
             Function::Cop => true,
@@ -182,13 +186,9 @@ impl Model {
     ///
     /// # Errors
     /// When a quantity does not fit, or an operation of effects is asked for.
+    #[doc(hidden)]
     pub fn fixed_point(&self, program: &Program) -> Result<Formats, Unfit> {
         Formats::choose(program, &self.input_ranges(program))
-    }
-
-    /// Proven bound on the rounding error in 32-bit fixed point.
-    pub fn rounding_fixed(&self, program: &Program, formats: &Formats) -> Bound {
-        bounds::prove_fixed(program, &self.input_ranges(program), formats)
     }
 
     /// Proven bound on the rounding error of each kind of output.
@@ -197,6 +197,7 @@ impl Model {
     }
 
     /// What the inputs of `program` may be: joint limits, parameters within theirs.
+    #[doc(hidden)]
     pub fn input_ranges(&self, program: &Program) -> Vec<Vec<bounds::Input>> {
         let joint = |dof: &tree::Dof| bounds::Input::exact(dof.lower, dof.upper);
         let full = self.chain.full_cad();

@@ -80,10 +80,7 @@ impl ModelFile {
     /// The effects as instances with their unknowns, in the file's order.
     pub(crate) fn instances(&self, robot: &Robot) -> Result<Vec<(Instance, Vec<f64>)>, Error> {
         let context = EffectContext::new(robot, &self.cells, true, Catalog::standard());
-        let bad = |reason: String| Error::ModelFile {
-            file: self.file.clone(),
-            reason,
-        };
+        let bad = |reason: String| Error::model_file(&self.file, reason);
         let of = |record: &EffectRecord| record.instance(&context).map_err(bad);
         self.effects.iter().map(of).collect()
     }
@@ -91,10 +88,7 @@ impl ModelFile {
     /// Whether the file belongs to this robot and support, parameter by parameter.
     pub(crate) fn check(&self, robot: &Robot) -> Result<(), Error> {
         let support = robot.support();
-        let bad = |reason: String| Error::ModelFile {
-            file: self.file.clone(),
-            reason,
-        };
+        let bad = |reason: String| Error::model_file(&self.file, reason);
         self.check_robot(&robot.tree.hash, &robot.tree.file)?;
         if self.support != support {
             return Err(bad(format!(

@@ -10,8 +10,10 @@ pub struct Description {
     /// Name of the robot.
     pub name: String,
     /// In document order.
+    #[doc(hidden)]
     pub links: Vec<Link>,
     /// In document order.
+    #[doc(hidden)]
     pub joints: Vec<Joint>,
     /// What was ignored or assumed, each `file:line: what`, in line order.
     pub notes: Vec<String>,
@@ -22,6 +24,7 @@ pub struct Description {
     /// The file as the caller named it; messages start with it.
     pub file: String,
     /// The text that was read.
+    #[doc(hidden)]
     pub text: String,
 }
 

@@ -23,6 +23,7 @@ mod error;
 mod extent;
 mod joint;
 mod joint_limit;
+#[doc(hidden)]
 pub mod limits;
 mod link;
 mod mimic;
@@ -50,12 +51,18 @@ use std::path::Path;
 
 use crate::hash;
 use crate::stamp::Stamp;
+#[doc(hidden)]
 pub use collision::{Collision, Shape, collisions};
-pub use description::{Description, Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
+pub use description::Description;
+#[doc(hidden)]
+pub use description::{Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
+#[doc(hidden)]
 pub use edit_joints::{Load, Shift, add_loads, edit_joints};
+#[doc(hidden)]
 pub use edit_masses::{Weight, edit_masses};
-pub use error::Error;
-use error::{too_large, unreadable};
+pub use error::{Error, ErrorKind};
+use error::{directory, too_large, unreadable};
+#[doc(hidden)]
 pub use extent::{Extent, extents};
 pub use report::Complaint;
 use report::{Lines, Report};
@@ -76,7 +83,7 @@ pub fn read(path: &Path) -> Result<Description, Error> {
     }
     let file = path.display().to_string();
     if path.is_dir() {
-        return Err(Error::Directory { file });
+        return Err(directory(file));
     }
     let unreadable = |source| unreadable(&file, source);
     let opened = std::fs::File::open(path).map_err(unreadable)?;

@@ -13,7 +13,7 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 
 use super::World;
 use super::statics::{GRAVITY, above_zero};
@@ -140,14 +140,15 @@ impl World {
     /// ones; they replace earlier cells.
     ///
     /// # Errors
-    /// [`Error::Cells`] where they cannot carry a load.
+    /// `ErrorKind::Cells` where they cannot carry a load.
     pub fn cells(mut self, places_m: &[[f64; 2]]) -> Result<Self, Error> {
         let places: Vec<Vector2<f64>> = places_m.iter().copied().map(Vector2::from).collect();
         let all = vec![true; places.len()];
         if plate(&places, &all, Vector2::zeros(), 1.0).is_none() {
-            return Err(Error::Cells {
+            return Err(Problem::Cells {
                 count: places.len(),
-            });
+            }
+            .into());
         }
         let cell = |at_m| Cell {
             at_m,
@@ -163,7 +164,7 @@ impl World {
     /// Cell `k` (from 1, as in `fsr_1`) reports `gain` times its load.
     ///
     /// # Errors
-    /// [`Error::UnknownCell`].
+    /// `ErrorKind::UnknownCell`.
     pub fn cell_gain(mut self, k: usize, gain: f64) -> Result<Self, Error> {
         self.cell(k)?.gain *= gain;
         Ok(self)
@@ -172,7 +173,7 @@ impl World {
     /// Cell `k` (from 1) reports `zero_n` newtons too much.
     ///
     /// # Errors
-    /// [`Error::UnknownCell`].
+    /// `ErrorKind::UnknownCell`.
     pub fn cell_offset(mut self, k: usize, zero_n: f64) -> Result<Self, Error> {
         self.cell(k)?.zero_n += zero_n;
         Ok(self)
@@ -182,7 +183,7 @@ impl World {
     /// the robot's weight as its URDF has it.
     ///
     /// # Errors
-    /// [`Error::UnknownCell`]; [`Error::Value`] unless it is above zero.
+    /// `ErrorKind::UnknownCell`; `ErrorKind::Value` unless it is above zero.
     pub fn cell_exponent(mut self, k: usize, exponent: f64) -> Result<Self, Error> {
         self.cell(k)?.exponent *= above_zero("exponent", exponent)?;
         Ok(self)
@@ -192,7 +193,7 @@ impl World {
     /// than `limit_n` newtons.
     ///
     /// # Errors
-    /// [`Error::UnknownCell`]; [`Error::Value`] unless it is above zero.
+    /// `ErrorKind::UnknownCell`; `ErrorKind::Value` unless it is above zero.
     pub fn cell_saturation(mut self, k: usize, limit_n: f64) -> Result<Self, Error> {
         self.cell(k)?.saturation_n = above_zero("largest load", limit_n)?;
         Ok(self)
@@ -208,6 +209,6 @@ impl World {
         let count = self.cells.0.len();
         k.checked_sub(1)
             .and_then(|at| self.cells.0.get_mut(at))
-            .ok_or(Error::UnknownCell { cell: k, count })
+            .ok_or(Problem::UnknownCell { cell: k, count }.into())
     }
 }

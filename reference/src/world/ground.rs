@@ -13,7 +13,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 use crate::joint::Pose;
 
 use super::World;
@@ -40,11 +40,11 @@ impl World {
     /// replaces an earlier gravity or slope.
     ///
     /// # Errors
-    /// [`Error::Gravity`] where it does not point below the support plane.
+    /// `ErrorKind::Gravity` where it does not point below the support plane.
     pub fn gravity(mut self, direction: [f64; 3]) -> Result<Self, Error> {
         let finite = direction.iter().all(|component| component.is_finite());
         if !finite || direction[2] >= 0.0 {
-            return Err(Error::Gravity { direction });
+            return Err(Problem::Gravity { direction }.into());
         }
         self.gravity = Vector3::from(direction);
         Ok(self)
@@ -55,7 +55,7 @@ impl World {
     /// moves the CoP by `z · slope`: gravity along `(slope_x, slope_y, -1)`.
     ///
     /// # Errors
-    /// [`Error::Gravity`] where a slope is not finite.
+    /// `ErrorKind::Gravity` where a slope is not finite.
     pub fn ground_slope(self, [x, y]: [f64; 2]) -> Result<Self, Error> {
         self.gravity([x, y, -1.0])
     }

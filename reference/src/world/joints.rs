@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 use crate::joint::JointKind;
 
 use super::World;
@@ -59,7 +59,7 @@ impl World {
     /// Joints that mimic it follow where it really is. Offsets add up.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`].
+    /// `ErrorKind::UnknownJoint`.
     pub fn joint_offset(mut self, joint: &str, offset: f64) -> Result<Self, Error> {
         let j = self.encoder(joint)?;
         self.encoders[j].offset += offset;
@@ -70,7 +70,7 @@ impl World {
     /// counted from its zero and before any offset. Factors multiply.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`].
+    /// `ErrorKind::UnknownJoint`.
     pub fn joint_scale(mut self, joint: &str, factor: f64) -> Result<Self, Error> {
         let j = self.encoder(joint)?;
         self.encoders[j].scale *= factor;
@@ -80,7 +80,7 @@ impl World {
     /// The encoder counts backwards: the joint stands at `-q`.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`].
+    /// `ErrorKind::UnknownJoint`.
     pub fn joint_sign(self, joint: &str) -> Result<Self, Error> {
         self.joint_scale(joint, -1.0)
     }
@@ -89,7 +89,7 @@ impl World {
     /// says. Scales and offsets stay with their joint.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`].
+    /// `ErrorKind::UnknownJoint`.
     pub fn joint_swap(mut self, one: &str, other: &str) -> Result<Self, Error> {
         let (one, other) = (self.encoder(one)?, self.encoder(other)?);
         let channel = self.encoders[one].channel;
@@ -118,7 +118,7 @@ impl World {
     /// centre. It replaces an earlier one. Not in the library of effects.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`].
+    /// `ErrorKind::UnknownJoint`.
     pub fn gear_error(
         mut self,
         joint: &str,
@@ -150,9 +150,10 @@ impl World {
         if j < self.dof() {
             Ok(j)
         } else {
-            Err(Error::HiddenJoint {
+            Err(Problem::HiddenJoint {
                 joint: joint.to_owned(),
-            })
+            }
+            .into())
         }
     }
 }

@@ -18,8 +18,8 @@ impl World {
     /// of the link's frame; a negative mass is missing from the link.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`]; [`Error::Payload`] where nothing of the link
-    /// remains; [`Error::MassBeyondFreeJoint`].
+    /// `ErrorKind::UnknownLink`; `ErrorKind::Payload` where nothing of the link
+    /// remains; `ErrorKind::MassBeyondFreeJoint`.
     pub fn payload(self, link: &str, mass_kg: f64, at_m: [f64; 3]) -> Result<Self, Error> {
         let robot = self.robot().with_point_mass(link, mass_kg, at_m)?;
         self.made_of(robot)
@@ -29,7 +29,7 @@ impl World {
     /// `shift_m` further, in the link's frame.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`]; [`Error::Value`] unless the factor is above
+    /// `ErrorKind::UnknownLink`; `ErrorKind::Value` unless the factor is above
     /// zero.
     pub fn link_mass(self, link: &str, factor: f64, shift_m: [f64; 3]) -> Result<Self, Error> {
         let factor = super::statics::above_zero("mass factor", factor)?;

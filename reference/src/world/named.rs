@@ -5,7 +5,7 @@
 //! another kind (a model, a study) brings name, place and values; nothing else is shared with
 //! the code that is checked.
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 use crate::joint::JointKind;
 
 use super::World;
@@ -48,7 +48,7 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// [`Error::UnknownImperfection`] where there is none of this name that acts on such a place
+    /// `ErrorKind::UnknownImperfection` where there is none of this name that acts on such a place
     /// with so many values; else as the method of the same name.
     pub fn named(self, name: &str, place: Place, values: &[f64]) -> Result<World, Error> {
         match (name, place, values) {
@@ -89,9 +89,10 @@ impl World {
             }
             ("units", Place::Way("millimetres"), []) => Ok(self.sensor_unit(1000.0)),
             ("units", Place::Way("centimetres"), []) => Ok(self.sensor_unit(100.0)),
-            _ => Err(Error::UnknownImperfection {
+            _ => Err(Problem::UnknownImperfection {
                 name: name.to_owned(),
-            }),
+            }
+            .into()),
         }
     }
 

@@ -111,7 +111,7 @@ impl World {
     /// `size_m` in any direction. Which ones, the seed decides.
     ///
     /// # Errors
-    /// [`Error::Value`] unless the fraction is above zero.
+    /// `ErrorKind::Value` unless the fraction is above zero.
     pub fn cop_outliers(mut self, fraction: f64, size_m: f64, seed: u64) -> Result<Self, Error> {
         self.sensor.outliers = Some(Outliers {
             fraction: above_zero("fraction", fraction)?,

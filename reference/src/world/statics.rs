@@ -19,7 +19,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::error::Error;
+use crate::error::{Error, Problem};
 use crate::joint::{JointKind, Pose};
 use crate::robot::Robot;
 
@@ -114,7 +114,7 @@ impl World {
     /// [loose](World::backlash).
     ///
     /// # Errors
-    /// [`Error::UnknownLink`].
+    /// `ErrorKind::UnknownLink`.
     pub fn external_force(self, link: &str, force_n: [f64; 3]) -> Result<Self, Error> {
         self.external_force_at(link, force_n, [0.0; 3])
     }
@@ -123,7 +123,7 @@ impl World {
     /// frame.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`].
+    /// `ErrorKind::UnknownLink`.
     pub fn external_force_at(
         mut self,
         link: &str,
@@ -142,7 +142,7 @@ impl World {
     /// second one sits in series.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`]; [`Error::Value`] unless it is above zero.
+    /// `ErrorKind::UnknownJoint`; `ErrorKind::Value` unless it is above zero.
     pub fn joint_compliance(mut self, joint: &str, stiffness: f64) -> Result<Self, Error> {
         let j = self.encoder(joint)?;
         self.yielding[j].compliance += 1.0 / above_zero("stiffness", stiffness)?;
@@ -152,7 +152,7 @@ impl World {
     /// Every joint is held by a spring of this stiffness.
     ///
     /// # Errors
-    /// [`Error::Value`] unless it is above zero.
+    /// `ErrorKind::Value` unless it is above zero.
     pub fn joint_compliance_all(mut self, stiffness: f64) -> Result<Self, Error> {
         let compliance = 1.0 / above_zero("stiffness", stiffness)?;
         for joint in &mut self.yielding[..self.encoders.len()] {
@@ -165,7 +165,7 @@ impl World {
     /// middle is what the encoder says.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`]; [`Error::Value`] unless it is above zero.
+    /// `ErrorKind::UnknownJoint`; `ErrorKind::Value` unless it is above zero.
     pub fn backlash(mut self, joint: &str, width: f64) -> Result<Self, Error> {
         let j = self.encoder(joint)?;
         self.yielding[j].slack += above_zero("dead band", width)?;
@@ -175,7 +175,7 @@ impl World {
     /// Every joint moves freely within a band of this width.
     ///
     /// # Errors
-    /// [`Error::Value`] unless it is above zero.
+    /// `ErrorKind::Value` unless it is above zero.
     pub fn backlash_all(mut self, width: f64) -> Result<Self, Error> {
         let width = above_zero("dead band", width)?;
         for joint in &mut self.yielding[..self.encoders.len()] {
@@ -292,6 +292,6 @@ pub(super) fn above_zero(what: &'static str, value: f64) -> Result<f64, Error> {
     if value > 0.0 && value.is_finite() {
         Ok(value)
     } else {
-        Err(Error::Value { what, value })
+        Err(Problem::Value { what, value }.into())
     }
 }

@@ -77,7 +77,7 @@ impl World {
     /// length. The CoP cannot tell it from a payload at its hinge.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`]; [`Error::Value`] unless its mass is above zero.
+    /// `ErrorKind::UnknownLink`; `ErrorKind::Value` unless its mass is above zero.
     pub fn hanging_load(
         mut self,
         link: &str,
@@ -99,7 +99,7 @@ impl World {
     /// friction keeps it from the end until the rod is steep.
     ///
     /// # Errors
-    /// [`Error::UnknownLink`]; [`Error::Value`] unless its mass is above zero.
+    /// `ErrorKind::UnknownLink`; `ErrorKind::Value` unless its mass is above zero.
     pub fn loose_mass(
         mut self,
         link: &str,
@@ -125,7 +125,7 @@ impl World {
     /// an earlier one.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`]; [`Error::Value`] unless it is above zero.
+    /// `ErrorKind::UnknownJoint`; `ErrorKind::Value` unless it is above zero.
     pub fn cable(mut self, joint: &str, stiffness: f64, taut: f64) -> Result<Self, Error> {
         let j = self.encoder(joint)?;
         self.yielding[j].cable = Some(Cable {
@@ -139,7 +139,7 @@ impl World {
     /// `axis` of the joint's frame: N m/rad.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`]; [`Error::Value`] unless the stiffness and the
+    /// `ErrorKind::UnknownJoint`; `ErrorKind::Value` unless the stiffness and the
     /// axis are above zero.
     pub fn bending_link(
         mut self,
@@ -164,7 +164,7 @@ impl World {
     /// The reading is wrong by `amplitude_m · sin(harmonic · q)` of one joint.
     ///
     /// # Errors
-    /// [`Error::UnknownJoint`].
+    /// `ErrorKind::UnknownJoint`.
     pub fn cop_sine(
         mut self,
         joint: &str,

@@ -1,11 +1,16 @@
 //! Robots and postures that several tests share.
 #![allow(dead_code)] // each test binary uses its own part
 
-use sesc_reference::{Reference, Robot};
+use sesc_reference::{Error, ErrorKind, Reference, Robot};
 
 /// Reads a robot from its links and joints alone.
 pub fn robot(body: &str) -> Robot {
     Robot::from_urdf(&format!("<robot name='test'>{body}</robot>")).expect("the test robot reads")
+}
+
+/// What an error is about, of a call that must have one.
+pub fn kind<T>(found: Result<T, Error>) -> ErrorKind {
+    found.err().expect("this call is refused").kind()
 }
 
 /// A link with mass.

@@ -10,8 +10,8 @@ pub use page::page;
 pub(super) use robot::card;
 pub use text::{Asked, text};
 
+use sesc_identify::diagnose::Step;
 use sesc_identify::diagnose::Verdict;
-use sesc_identify::diagnose::findings::Step;
 use sesc_identify::diagnose::remedy::Remedy;
 use sesc_identify::diagnose::words::{Found, named};
 

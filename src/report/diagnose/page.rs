@@ -12,9 +12,8 @@ use crate::report::html::render;
 use crate::report::origin::Origin;
 use crate::report::table::mm;
 use crate::report::{next_steps, soles};
-use sesc_identify::diagnose::findings::{Diagnosis, Verdict};
 use sesc_identify::diagnose::view::DiagnosisView;
-use sesc_identify::diagnose::{CLASS_SCORE, OVER_NOTHING};
+use sesc_identify::diagnose::{CLASS_SCORE, Diagnosis, OVER_NOTHING, Verdict};
 use sesc_identify::next_steps::{NextStep, Output};
 use sesc_model::ModelFile;
 
@@ -166,7 +165,7 @@ fn verdict(verdict: Verdict) -> &'static str {
 }
 
 fn steps(found: &Diagnosis) -> Vec<Value> {
-    let row = |step: &sesc_identify::diagnose::findings::Step| {
+    let row = |step: &sesc_identify::diagnose::Step| {
         context! {
             effect => effect(step),
             target => &step.target,
@@ -193,7 +192,7 @@ fn model_use(found: &Diagnosis) -> Option<Value> {
 
 /// What to change for each effect.
 fn changes(found: &Diagnosis) -> Vec<Value> {
-    let row = |step: &sesc_identify::diagnose::findings::Step| {
+    let row = |step: &sesc_identify::diagnose::Step| {
         let remedy = &step.remedy;
         context! {
             effect => effect(step),
@@ -209,7 +208,7 @@ fn changes(found: &Diagnosis) -> Vec<Value> {
 
 /// Each explanation with the odds against it, the best one's being even.
 fn class(found: &Diagnosis) -> Vec<Value> {
-    let row = |member: &sesc_identify::diagnose::findings::Member| {
+    let row = |member: &sesc_identify::diagnose::Member| {
         context! {
             effects => member.effects.join(" + "),
             sentence => &member.sentence,
@@ -224,7 +223,7 @@ fn class(found: &Diagnosis) -> Vec<Value> {
 /// What could be done to tell the class apart, the best first.
 fn experiments(found: &Diagnosis) -> Vec<Value> {
     let all = found.next_postures.experiments.iter();
-    let row = |experiment: &sesc_identify::diagnose::findings::ExperimentProposal| {
+    let row = |experiment: &sesc_identify::diagnose::ExperimentProposal| {
         context! {
             what => &experiment.what,
             splits => experiment.splits,

@@ -4,8 +4,8 @@ use super::{effect, parameters};
 use crate::report::figures::diagnose as figures;
 use crate::report::figures::robot::Marks;
 use crate::report::robot::{Card, Correction, Shown};
-use sesc_identify::diagnose::findings::{ActsOn, Diagnosis, Step};
 use sesc_identify::diagnose::view::{DiagnosisView, Posture};
+use sesc_identify::diagnose::{ActsOn, Diagnosis, Step};
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::effects::Unit;
 

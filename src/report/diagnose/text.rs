@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::{count, parameters, servo, where_to};
 use crate::report::table::{Table, mm, wrapped};
 use crate::report::{next_steps, soles};
-use sesc_identify::diagnose::findings::Diagnosis;
+use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::next_steps::Output;
 
 /// Explanations and poses in a row, at most.

@@ -3,8 +3,11 @@
 //!     cargo api            rewrite docs/api/
 //!     cargo api --check    fail where a list is not that of the code
 //!
+//! What `#[doc(hidden)]` hides is not listed: it serves the project's own crates.
 //! The text is that of one toolchain, which docs/api/rustc.txt names; of another nothing is
 //! compared.
+
+mod shown;
 
 use std::error::Error;
 use std::fs;
@@ -96,13 +99,21 @@ fn lists(root: &Path) -> Result<Vec<(String, String)>, Box<dyn Error>> {
     let status = command
         .args(["--workspace", "--exclude", "sesc-python"])
         .env("RUSTDOC", root.join("xtask/api/rustdoc-json"))
-        .env("RUSTDOCFLAGS", "-Zunstable-options --output-format json")
+        .env(
+            "RUSTDOCFLAGS",
+            "-Zunstable-options --output-format json --document-hidden-items \
+             -Arustdoc::private-intra-doc-links",
+        )
         .status()?;
     if !status.success() {
         return Err("rustdoc failed".into());
     }
     let list = |library: &&str| -> Result<(String, String), Box<dyn Error>> {
-        let api = public_api::Builder::from_rustdoc_json(docs.join(format!("{library}.json")))
+        let file = docs.join(format!("{library}.json"));
+        let mut described = serde_json::from_slice(&fs::read(&file)?)?;
+        shown::leave_hidden_out(&mut described);
+        fs::write(&file, serde_json::to_vec(&described)?)?;
+        let api = public_api::Builder::from_rustdoc_json(file)
             .omit_blanket_impls(true)
             .omit_auto_trait_impls(true)
             .build()?;

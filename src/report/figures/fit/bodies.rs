@@ -4,7 +4,7 @@ use super::super::super::svg::{Anchor, Axes, BLUE, Figure, GRID, HEADING, INK, M
 use super::super::super::svg::{key, span};
 use super::super::to_mm;
 use super::NAME;
-use sesc_identify::fit::identification::BodyLength;
+use sesc_identify::fit::BodyLength;
 use sesc_model::text::shortened;
 
 /// Height of a body's row, pixels.

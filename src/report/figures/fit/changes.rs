@@ -3,7 +3,7 @@
 use super::super::super::svg::{Anchor, Axes, BAND, BLUE, Figure, GRID, HEADING, INK, Mark};
 use super::super::super::svg::{key, span};
 use super::NAME;
-use sesc_identify::fit::identification::ParameterFound;
+use sesc_identify::fit::ParameterFound;
 use sesc_model::text::shortened;
 
 const ROW: f64 = 15.0;

@@ -2,8 +2,8 @@
 
 use super::{bodies, changes, correlation, sole};
 use crate::report::svg::tests::sound;
-use sesc_identify::fit::identification::{BodyLength, ParameterFound};
 use sesc_identify::fit::residuals::Residual;
+use sesc_identify::fit::{BodyLength, ParameterFound};
 
 #[test]
 fn figures_of_nothing_and_of_no_numbers() {
