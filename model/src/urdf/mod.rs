@@ -57,6 +57,7 @@ pub use edit_masses::{Weight, edit_masses};
 pub use error::Error;
 use error::{too_large, unreadable};
 pub use extent::{Extent, extents};
+pub use nearest::suggestion;
 pub use report::Complaint;
 use report::{Lines, Report};
 use source::Source;
