@@ -161,7 +161,8 @@ pub fn write_postures(
                 support: Some(model.support().to_string()),
                 experiment,
                 ..Sidecar::default()
-            })
+            })?;
+            Ok(Sidecar::path(&path))
         };
         write().map_err(|error| Failure::of(&error, Doing::Plan))
     })

@@ -6,6 +6,7 @@ use clap::Args;
 use sesc_identify::compare;
 use sesc_model::ModelFile;
 
+use super::outputs::Files;
 use super::{Outcome, print_json, show};
 use crate::Error;
 use crate::report::compare::text;
@@ -28,6 +29,9 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    Files::default()
+        .reads([&arguments.before, &arguments.after])
+        .check()?;
     let before = ModelFile::read(&arguments.before)?;
     let after = ModelFile::read(&arguments.after)?;
     let comparison = compare::compare(&before, &after)?;
