@@ -251,7 +251,7 @@ fn factor_files_refuse_what_they_have_settled() {
 fn outputs_replace_neither_links_nor_folders() {
     let folder = folder();
     let (target, link) = (folder.path().join("t.csv"), folder.path().join("l.csv"));
-    fs::write(&target, "old").unwrap();
+    fs::write(&target, "pose,hip,cop_x,cop_y\n").unwrap();
     std::os::unix::fs::symlink(&target, &link).unwrap();
     let simulate = |out: &str| {
         let urdf = op2();

@@ -225,6 +225,10 @@ fn formats_name_every_key_of_json() {
         "effects",
         "compare model.toml model.toml",
         "fleet op2.urdf --data logs --out fleet.csv",
+        "simulate op2.urdf --support r_sole --poses 3 --rate 10 --out moving.csv",
+        "generate op2.urdf --support r_sole --name op2_r_sole --out src",
+        "predict op2.urdf --data poses.csv",
+        "predict op2.urdf --data poses.csv --out predicted.csv",
     ];
     for line in lines {
         let command = line.split(' ').next().unwrap();

@@ -158,7 +158,9 @@ mod tests {
     fn what_is_no_effect_is_refused_with_the_remedy() {
         let refused = |text: &str| hide(model(), &[text]).unwrap_err().to_string();
         assert!(refused("joint_ofset:hip=1").contains("known are sensor_offset"));
+        assert!(refused("joint_ofset:hip=1").ends_with("did you mean `joint_offset`?"));
         assert!(refused("joint_offset:hib=1").contains("it has hip, lift"));
+        assert!(refused("joint_offset:hib=1").ends_with("did you mean `hip`?"));
         assert!(refused("joint_offset:hip=1kg").contains("units deg, °, rad or none"));
         assert!(
             refused("joint_offset:hip").contains("has 0 values where 1 are wanted: offset_rad")

@@ -9,6 +9,7 @@
 
 use std::collections::HashMap;
 
+use serde::Serialize;
 use sesc_model::effects::PostureContext;
 use sesc_model::{Function, Model};
 
@@ -55,7 +56,7 @@ impl Request {
 }
 
 /// Predictions, one entry per row of the log.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Predictions {
     /// The row's pose.

@@ -12,7 +12,7 @@ use sesc_model::tree::support_rank;
 use sesc_model::urdf::{self, Description};
 use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 
-use crate::{Error, Setting, message};
+use crate::{Error, Message, Setting, message};
 
 /// Links named in a message.
 const NAMED: usize = 12;
@@ -93,15 +93,18 @@ impl Robot {
         &self.description.text
     }
 
-    /// What is said where nobody names the link on the ground: soles and feet first.
-    pub(crate) fn no_support(&self) -> Error {
+    /// What is said where nobody names the link on the ground: soles and feet first, and what
+    /// is odd about sidecars, which may have meant to name it.
+    pub(crate) fn no_support(&self, odd: &[Message]) -> Error {
         let mut names: Vec<&str> = self.description.link_names().collect();
         names.sort_by_key(|name| support_rank(name));
         let has = format!(" (the robot has {})", listed(names, NAMED));
+        let odd: String = odd.iter().map(|message| format!("; {message}")).collect();
         Error::request(message![
             "no support link given; add ",
             Setting::Support,
-            has
+            has,
+            odd
         ])
     }
 
@@ -173,7 +176,7 @@ mod tests {
         );
         let said = Robot::parse(&urdf, "r.urdf")
             .unwrap()
-            .no_support()
+            .no_support(&[])
             .to_string();
         assert!(
             said.ends_with("(the robot has R_Sole, l_foot, base, head)"),

@@ -76,7 +76,7 @@ impl Stance {
         let parameters = self.parameters.as_deref();
         let known = self.support.as_deref().or(logged);
         let known = known.or(parameters.map(|file| file.support.as_str()));
-        known.ok_or_else(|| self.robot.no_support())
+        known.ok_or_else(|| self.robot.no_support(&[]))
     }
 
     /// The model on its support.

@@ -177,7 +177,8 @@ pub fn write_postures(
                 both_feet: other_foot.as_ref().map(|_| true),
                 other_foot,
                 ..Sidecar::default()
-            })
+            })?;
+            Ok(Sidecar::path(&path))
         };
         write().map_err(|error| Failure::of(&error, Doing::Plan))
     })

@@ -7,16 +7,17 @@ use clap::Args;
 use sesc_identify::compare;
 use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::feet::Feet;
-use sesc_identify::fit::prior::{Prior, PriorChoice};
-use sesc_identify::logs::{Angles, LogSource, Stays};
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::logs::{LogSource, Stays};
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::{ModelFile, Snapping, files};
+use sesc_model::{ModelFile, files};
 
+use super::kinds::Kind;
 use super::outputs::Files;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, StaysArguments, command_line, message,
-    print_json, show,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, StandingArguments, StaysArguments,
+    command_line, message, print_json, show,
 };
 use crate::Error;
 use crate::report::compare::{page, text};
@@ -39,15 +40,8 @@ pub(super) struct Arguments {
     /// Robot description: logs are diagnosed with it, and the page shows it
     #[arg(long, value_name = "URDF")]
     urdf: Option<PathBuf>,
-    /// Link that stands on the ground in logs; the sidecar's unless given
-    #[arg(long, value_name = "LINK", requires = "urdf")]
-    support: Option<String>,
-    /// Take decimals of right angles (1.5708) literally
-    #[arg(long, requires = "urdf")]
-    no_snap: bool,
-    /// Revolute joints are logged in degrees
-    #[arg(long, requires = "urdf")]
-    degrees: bool,
+    #[command(flatten)]
+    standing: StandingArguments,
     #[command(flatten)]
     how: DiagnosisArguments,
     #[command(flatten)]
@@ -68,10 +62,11 @@ const LOGS: [&str; 4] = ["csv", "gz", "parquet", "mcap"];
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let both = [&arguments.before, &arguments.after];
     Files::default()
-        .reads(&arguments.urdf)
-        .may_read(&arguments.how.prior)
-        .reads(both)
-        .writes(&arguments.report)
+        .reads_robots(&arguments.urdf)
+        .may_read(&arguments.how.reading.prior)
+        .reads_logs(both)
+        .writes(Kind::Page, &arguments.report)
+        .prints(arguments.json)
         .check_writable()?;
     let robot = arguments.urdf.as_deref().map(Robot::read).transpose()?;
     let robot = robot.map(Arc::new);
@@ -118,18 +113,14 @@ fn model(
         };
     };
     let mut request = Request::new(Arc::clone(robot), LogSource::from(path));
-    request.support.clone_from(&arguments.support);
-    request.snapping = snapping(arguments);
-    request.angles = arguments.degrees.then_some(Angles::Deg);
-    let prior = arguments
-        .how
-        .prior
-        .as_deref()
-        .unwrap_or(Prior::OF_DIAGNOSES);
-    request.prior = PriorChoice::from(prior);
-    request.noise = arguments.how.noise;
+    request.support.clone_from(&arguments.standing.support);
+    request.snapping = arguments.standing.snapping();
+    let reading = &arguments.how.reading;
+    request.angles = reading.angles();
+    request.prior = reading.prior_or(Prior::OF_DIAGNOSES);
+    request.noise = reading.noise;
     request.floor = arguments.how.floor;
-    request.motion = arguments.how.motion.into();
+    request.motion = reading.motion.into();
     request.stays = Stays::from(&arguments.stays);
     request.feet = Feet::from(&arguments.feet);
     let report = diagnose(&request, &mut Bar::new("reading"))?;
@@ -147,15 +138,8 @@ fn model(
     Ok(Some(model))
 }
 
-fn snapping(arguments: &Arguments) -> Snapping {
-    match arguments.no_snap {
-        true => Snapping::Off,
-        false => Snapping::default(),
-    }
-}
-
 fn skeleton(arguments: &Arguments, robot: &Robot, support: &str) -> Result<Skeleton, Error> {
-    let model = robot.model(support, snapping(arguments), None)?;
+    let model = robot.model(support, arguments.standing.snapping(), None)?;
     let folder = arguments.urdf.as_ref().and_then(|path| path.parent());
     Ok(Skeleton::of(&model, &robot.description, folder))
 }

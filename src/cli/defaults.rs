@@ -65,7 +65,7 @@ pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Str
     let Some((name, matches)) = matches.subcommand() else {
         return Ok((words, None));
     };
-    let (Some(command), Some(file)) = (command.find_subcommand(name), beside(matches)) else {
+    let (Some(command), Some(file)) = (command.find_subcommand(name), of_robot(matches)) else {
         return Ok((words, None));
     };
     let Some(table) = read(&file)? else {
@@ -99,10 +99,14 @@ pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Str
 }
 
 /// Where the file of the command's robot would be.
-fn beside(matches: &ArgMatches) -> Option<PathBuf> {
+fn of_robot(matches: &ArgMatches) -> Option<PathBuf> {
     let values = |id| matches.try_get_raw(id).ok().flatten();
     let urdf = values("urdf").or_else(|| values("inputs"))?.next()?;
-    let urdf = Path::new(urdf);
+    beside(Path::new(urdf))
+}
+
+/// Where the file of the robot of this URDF would be; none beside what is no URDF by its name.
+pub(super) fn beside(urdf: &Path) -> Option<PathBuf> {
     let described = urdf.extension().and_then(OsStr::to_str);
     let described =
         described.is_some_and(|extension| ["urdf", "xacro", "xml"].contains(&extension));
@@ -153,14 +157,20 @@ fn wanted(command: &Command, matches: &ArgMatches, key: &str) -> bool {
         .get_arguments()
         .find(|own| own.get_long() == Some(&option));
     let Some(own) = own else { return false };
-    let typed = matches.value_source(own.get_id().as_str()) == Some(ValueSource::CommandLine);
+    let typed = is_typed(matches, own.get_id().as_str());
     let used = match key {
         "support" => command.get_name() != "fleet" && !logs_say_support(matches),
+        // Postures at rest have no motion.
+        "motion" => command.get_name() != "simulate" || is_typed(matches, "rate"),
         // Rust takes angles alone.
         "servos" => command.get_name() != "generate" || takes_ticks(matches),
         _ => true,
     };
     !typed && used
+}
+
+fn is_typed(matches: &ArgMatches, id: &str) -> bool {
+    matches.value_source(id) == Some(ValueSource::CommandLine)
 }
 
 fn takes_ticks(matches: &ArgMatches) -> bool {

@@ -4,17 +4,19 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde::Serialize;
 use sesc_identify::hide::hide;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate;
 use sesc_model::Snapping;
 use sesc_model::files::write_all_if_changed;
 
+use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Bar, Outcome, command_line, message, show};
+use super::{Bar, Outcome, command_line, message, print_json, show};
 use crate::demo::{self, Demo};
-use crate::report::html;
 use crate::report::table::{Table, wrapped};
+use crate::report::{DemoReport, html};
 use crate::{Error, OP2_URDF};
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
@@ -30,6 +32,18 @@ pub(super) struct Arguments {
     /// Seed of postures and noise
     #[arg(long, default_value_t = demo::SEED)]
     seed: u64,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What programs are told.
+#[derive(Serialize)]
+struct Answer<'a> {
+    pass: bool,
+    page: String,
+    #[serde(flatten)]
+    report: &'a DemoReport,
 }
 
 /// Noise of a reading in the logs that are kept, m.
@@ -41,6 +55,8 @@ const SAMPLES: [(&str, &[&str]); 2] = [
 ];
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    let files = Files::default().writes(Kind::Page, [&arguments.out]);
+    files.check()?;
     if let Some(folder) = &arguments.keep {
         keep(folder)?;
     }
@@ -48,11 +64,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let page = html::demo(&demo.report, &command_line())
         .map_err(|error| Error::Report(Box::new(error)))?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
-    show(&text(&demo))?;
-    show(&format!(
-        "\nreport with figures: {}\n",
-        arguments.out.display()
-    ))?;
+    let page = arguments.out.display().to_string();
+    match arguments.json {
+        true => print_json(&Answer {
+            pass: demo.verification.pass,
+            page,
+            report: &demo.report,
+        })?,
+        false => {
+            show(&text(&demo))?;
+            show(&format!("\nreport with figures: {page}\n"))?;
+        }
+    }
     if demo.verification.pass {
         Ok(Outcome::Ok)
     } else {
@@ -73,7 +96,8 @@ fn keep(folder: &Path) -> Result<(), Error> {
         )));
     }
     write_all_if_changed(&[(urdf.clone(), OP2_URDF.to_string())])?;
-    let files = Files::default().reads([&urdf]).writes_logs(&logs);
+    let files = Files::default().reads_robots([&urdf]);
+    let files = files.writes_logs(Kind::Readings, &logs);
     files.check_writable()?;
     let mut written = vec![urdf.display().to_string()];
     let robot = Robot::parse(OP2_URDF, "op2.urdf")?;

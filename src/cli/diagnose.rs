@@ -5,18 +5,19 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::kinds::Kind;
 use super::outputs::{Files, Together};
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, command_line,
-    message, print_json, show,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, cad_mass_kg,
+    command_line, message, print_json, show_beside, streams, units,
 };
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
 use crate::servos;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::feet::Feet;
-use sesc_identify::fit::prior::{Prior, PriorChoice};
-use sesc_identify::logs::{self, Angles, LogSource, Stays};
+use sesc_identify::fit::prior::Prior;
+use sesc_identify::logs::{self, Stays};
 use sesc_identify::robot::Robot;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -32,23 +33,21 @@ const EXAMPLES: &str = "Examples:\n  \
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// Posture log (CSV, gzip, Parquet, MCAP) with CoP or foot cells
+    /// Posture log (CSV, gzip, Parquet, MCAP; `-` is standard input) with CoP or foot cells
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
     /// Log of an experiment that --next asked for: every hypothesis is fitted
     /// to both logs
     #[arg(long, value_name = "FILE")]
     then: Vec<PathBuf>,
-    /// Revolute joints are logged in degrees
-    #[arg(long)]
-    degrees: bool,
     #[command(flatten)]
     how: DiagnosisArguments,
     #[command(flatten)]
     feet: FeetArguments,
     #[command(flatten)]
     stays: StaysArguments,
-    /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`
+    /// Model file to write: parameters and effects, for `generate`, `predict`, `simulate`; `-` is
+    /// standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// URDF to write: joint origins turned by what encoders are off, payloads as links of
@@ -82,16 +81,22 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    let streamed = arguments.out.as_deref().is_some_and(streams::is_standard);
+    if arguments.next.as_deref().is_some_and(streams::is_standard) {
+        let sentence = "--next -: the postures have a sidecar; give a file (`./-` is one)";
+        return Err(Error::Usage(sentence.to_string()));
+    }
     Files::default()
-        .reads([&arguments.robot.urdf])
+        .reads_robots([&arguments.robot.urdf])
         .reads(&arguments.servos)
-        .may_read(&arguments.how.prior)
+        .may_read(&arguments.how.reading.prior)
         .reads_logs([&arguments.data])
         .reads_logs(&arguments.then)
-        .writes(&arguments.out)
-        .writes(&arguments.corrected)
-        .writes_logs(&arguments.next)
-        .writes(&arguments.report)
+        .writes(Kind::Model, &arguments.out)
+        .writes(Kind::Urdf, &arguments.corrected)
+        .writes_logs(Kind::Postures, &arguments.next)
+        .writes(Kind::Page, &arguments.report)
+        .prints(arguments.json)
         .check_writable()?;
     let bar = &mut Bar::new("reading");
     let mut report = diagnose::diagnose(&request(arguments)?, bar)?;
@@ -130,7 +135,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     };
     match arguments.json {
         true => print_json(&report.diagnosis)?,
-        false => show(&text(&report.diagnosis, asked))?,
+        false => show_beside(&text(&report.diagnosis, asked), streamed)?,
     }
     let found = &report.diagnosis;
     Ok(match usable {
@@ -141,26 +146,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 
 fn request(arguments: &Arguments) -> Result<Request, Error> {
     let robot = Arc::new(Robot::read(&arguments.robot.urdf)?);
-    let mut request = Request::new(robot, &arguments.data);
-    request.then = arguments.then.iter().map(LogSource::from).collect();
-    request.support = arguments.robot.support.clone();
-    request.snapping = arguments.robot.snapping();
-    request.angles = arguments.degrees.then_some(Angles::Deg);
-    request.prior = PriorChoice::from(
-        arguments
-            .how
-            .prior
-            .as_deref()
-            .unwrap_or(Prior::OF_DIAGNOSES),
-    );
-    request.noise = arguments.how.noise;
+    units::check_mass(arguments.total_mass, cad_mass_kg(&robot))?;
+    let mut request = Request::new(robot, streams::log(&arguments.data)?);
+    let then = arguments.then.iter().map(|path| streams::log(path));
+    request.then = then.collect::<Result<_, _>>()?;
+    request.support = arguments.robot.standing.support.clone();
+    request.snapping = arguments.robot.standing.snapping();
+    let reading = &arguments.how.reading;
+    request.angles = reading.angles();
+    request.prior = reading.prior_or(Prior::OF_DIAGNOSES);
+    request.noise = reading.noise;
     request.floor = arguments.how.floor;
-    request.motion = arguments.how.motion.into();
+    request.motion = reading.motion.into();
     request.stays = Stays::from(&arguments.stays);
     request.feet = Feet::from(&arguments.feet);
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
-    request.model_path = arguments.out.clone();
+    let out = arguments.out.clone();
+    request.model_path = out.filter(|path| !streams::is_standard(path));
     if let Some(file) = &arguments.servos {
         request.servos = servos::read(file, &request.robot)?;
     }

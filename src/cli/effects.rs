@@ -4,6 +4,7 @@ use clap::Args;
 use serde::Serialize;
 use sesc_model::effects::Catalog;
 use sesc_model::effects::about::{EffectAbout, about};
+use sesc_model::urdf::suggestion;
 
 use super::{Outcome, print_json, show};
 use crate::Error;
@@ -39,9 +40,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(name) = &arguments.name {
         let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
         if !names.contains(&name.as_str()) {
+            let meant = suggestion(name, names.iter().copied());
             let names = names.join(", ");
             return Err(Error::Usage(format!(
-                "no effect `{name}`; the effects are {names}"
+                "no effect `{name}`; the effects are {names}{meant}"
             )));
         }
         effects.retain(|effect| effect.name == name);

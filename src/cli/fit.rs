@@ -4,20 +4,23 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use sesc_model::Snapping;
 
 use super::fit_outputs::Outputs;
+use super::kinds::Kind;
 use super::outputs::{Files, Together};
-use super::{Bar, FeetArguments, Motion, Outcome, StaysArguments, message, print_json, show};
+use super::{
+    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, message,
+    print_json, show, show_beside, streams,
+};
 use crate::Error;
 use crate::report;
 use crate::report::fit::{FitReport, Unusable};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::Loss;
 use sesc_identify::fit::part::Part;
-use sesc_identify::fit::prior::{Prior, PriorChoice};
+use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{self, Duplicates, Request};
-use sesc_identify::logs::{self, Angles, LogSource, Stays};
+use sesc_identify::logs::{self, Stays};
 use sesc_identify::robot::Robot;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -35,35 +38,13 @@ pub(super) struct Arguments {
     /// Robot description (`-` is standard input), or factor files of `--partial` to combine
     #[arg(value_name = "URDF|PART", required = true)]
     inputs: Vec<PathBuf>,
-    /// Posture log (CSV, gzip, Parquet, MCAP); may be given several times
+    /// Posture log (CSV, gzip, Parquet, MCAP; `-` is standard input); may be given several times
     #[arg(long, value_name = "FILE")]
     data: Vec<PathBuf>,
-    /// Link whose parameters are meant, and on the ground wherever a log has no `support` column
-    /// (it wins over the sidecar's); the first log's own unless given
-    #[arg(long, value_name = "LINK")]
-    support: Option<String>,
-    /// Take decimals of right angles (1.5708) literally
-    #[arg(long)]
-    no_snap: bool,
-    /// Revolute joints are logged in degrees
-    #[arg(long)]
-    degrees: bool,
-    /// Tolerances of CAD: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
-    /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise, and mass_kg
-    #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
-    prior: String,
-    /// Standard deviation of a single reading on one axis, m; from the log unless given
-    #[arg(
-        long,
-        value_name = "M",
-        allow_negative_numbers = true, value_parser = super::units::deviation_m,
-        conflicts_with = "partial"
-    )]
-    noise: Option<f64>,
-    /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
-    /// those of standing postures
-    #[arg(long, value_enum, default_value_t)]
-    motion: Motion,
+    #[command(flatten)]
+    standing: StandingArguments,
+    #[command(flatten)]
+    reading: ReadingArguments,
     #[command(flatten)]
     stays: StaysArguments,
     #[command(flatten)]
@@ -79,11 +60,12 @@ pub(super) struct Arguments {
         long,
         value_name = "DEG",
         allow_negative_numbers = true,
+        value_parser = super::units::range_deg,
         conflicts_with = "partial"
     )]
     range: Option<f64>,
     /// Only gather: write the factors of these logs, to combine them later
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "noise")]
     partial: Option<PathBuf>,
     /// Name of the robot that the logs are of, such as its serial number: factor files keep it,
     /// and those of another one are refused
@@ -92,7 +74,7 @@ pub(super) struct Arguments {
     /// Factor files whose logs are all in another one: refuse them, or leave them out
     #[arg(long, value_enum, default_value_t)]
     duplicates: DuplicateParts,
-    /// Model file to write
+    /// Model file to write; `-` is standard output
     #[arg(long, value_name = "FILE", conflicts_with = "partial")]
     out: Option<PathBuf>,
     /// Exit with 1 if the held-out error exceeds K noise floors
@@ -170,9 +152,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if arguments.json {
         print_json(&report)?;
     } else {
-        show(&report::fit::text(&found.identification))?;
+        let streamed = arguments.out.as_deref().is_some_and(streams::is_standard);
+        show_beside(&report::fit::text(&found.identification), streamed)?;
         if let Some(corrected) = &found.corrected {
-            show(&report::fit::corrections(corrected))?;
+            show_beside(&report::fit::corrections(corrected), streamed)?;
         }
     }
     let (error, floor) = (
@@ -209,20 +192,18 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         Some(path) => Some(Arc::new(Robot::read(path)?)),
         None => None,
     };
-    request.logs = arguments.data.iter().map(LogSource::from).collect();
-    request.support = arguments.support.clone();
-    request.snapping = match arguments.no_snap {
-        true => Snapping::Off,
-        false => Snapping::default(),
-    };
-    request.angles = arguments.degrees.then_some(Angles::Deg);
-    request.prior = PriorChoice::from(arguments.prior.as_str());
-    request.noise = arguments.noise;
+    let logs = arguments.data.iter().map(|path| streams::log(path));
+    request.logs = logs.collect::<Result<_, _>>()?;
+    request.support = arguments.standing.support.clone();
+    request.snapping = arguments.standing.snapping();
+    request.angles = arguments.reading.angles();
+    request.prior = arguments.reading.prior_or(Prior::DEFAULT);
+    request.noise = arguments.reading.noise;
     request.robust = arguments.robust.map(|robust| match robust {
         RobustLoss::Huber => Loss::Huber,
         RobustLoss::Tukey => Loss::Tukey,
     });
-    request.motion = arguments.motion.into();
+    request.motion = arguments.reading.motion.into();
     request.stays = Stays::from(&arguments.stays);
     request.feet = Feet::from(&arguments.feet);
     request.folds = arguments.folds.and_then(|k| usize::try_from(k).ok());
@@ -232,27 +213,19 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         DuplicateParts::Refuse => Duplicates::Refuse,
         DuplicateParts::Skip => Duplicates::Skip,
     };
-    arguments.outputs.ask(&mut request);
+    arguments.outputs.ask(&mut request)?;
     Ok(request)
 }
 
 /// Nothing that is read is written, nothing is written twice, and every folder
 /// takes a file: before a long fit, not after it.
 fn check_files(arguments: &Arguments) -> Result<(), Error> {
-    if let Some(path) = &arguments.partial
-        && path.extension().is_none_or(|end| end != "part")
-    {
-        return Err(Error::Usage(format!(
-            "--partial {}: factor files end in .part",
-            path.display()
-        )));
-    }
-    Files::default()
-        .reads(&arguments.inputs)
-        .may_read([&arguments.prior])
+    let files = Files::default()
+        .reads_robots(&arguments.inputs)
+        .may_read(&arguments.reading.prior)
         .reads_logs(&arguments.data)
-        .writes(&arguments.out)
-        .writes(&arguments.partial)
-        .writes(arguments.outputs.files())
-        .check_writable()
+        .writes(Kind::Model, &arguments.out)
+        .writes(Kind::Part, &arguments.partial);
+    let files = arguments.outputs.claimed(files);
+    files.prints(arguments.json).check_writable()
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::command_line;
-use super::outputs::Together;
+use super::kinds::Kind;
+use super::outputs::{Files, Together};
+use super::{cad_mass_kg, command_line, units};
 use crate::Error;
 use crate::report::fit::{FitReport, Shown, page};
 use sesc_identify::fit::{Report, Request};
@@ -35,17 +36,30 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
+    /// Say what is written.
+    pub(super) fn claimed(&self, files: Files) -> Files {
+        let files = files.writes(Kind::Urdf, &self.urdf);
+        files.writes(Kind::Page, &self.report)
+    }
+
     /// Files to write.
     pub(super) fn files(&self) -> impl Iterator<Item = &PathBuf> {
         [&self.urdf, &self.report].into_iter().flatten()
     }
 
     /// Ask for what they are made of.
-    pub(super) fn ask(&self, request: &mut Request) {
+    ///
+    /// # Errors
+    /// A total mass that can only have been meant in another unit.
+    pub(super) fn ask(&self, request: &mut Request) -> Result<(), Error> {
+        if let Some(robot) = &request.robot {
+            units::check_mass(self.total_mass, cad_mass_kg(robot))?;
+        }
         request.physical = self.physical;
         request.corrected_urdf = self.urdf.is_some();
         request.total_mass = self.total_mass;
         request.residuals = self.report.is_some();
+        Ok(())
     }
 
     /// What the page shows besides the fit, where one is asked for.

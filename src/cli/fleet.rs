@@ -1,21 +1,23 @@
 //! `sesc fleet`
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
+use super::kinds::Kind;
 use super::outputs::Files;
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, print_json,
-    show,
+    show, streams,
 };
 use crate::Error;
-use crate::report::fleet::{answer, pages, skeleton, text};
+use crate::report::fleet::{answer, page_of_robot, pages, skeleton, text};
 use sesc_identify::feet::Feet;
 use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{self, Fleet, Options, Row, Store};
-use sesc_identify::logs::{self, Angles};
+use sesc_identify::logs;
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::files;
@@ -51,9 +53,6 @@ pub(super) struct Arguments {
     /// made again
     #[arg(long, value_name = "DIR")]
     store: Option<PathBuf>,
-    /// Revolute joints are logged in degrees
-    #[arg(long)]
-    degrees: bool,
     #[command(flatten)]
     how: DiagnosisArguments,
     #[command(flatten)]
@@ -88,7 +87,6 @@ enum Only {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    fleet::check_table(&arguments.out)?;
     let data = arguments.data.iter().map(String::as_str);
     let others = [&arguments.out]
         .into_iter()
@@ -97,6 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .chain(&arguments.prior_out);
     let others = others.filter_map(|path| path.to_str());
     data.chain(others).try_for_each(here)?;
+    fleet::check_table(&arguments.out)?;
     let inputs = fleet::inputs(&arguments.data, &arguments.by)?;
     let places = inputs
         .iter()
@@ -105,14 +104,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     places.into_iter().try_for_each(here)?;
     let logs: Vec<PathBuf> = inputs.iter().map(|input| input.path.clone()).collect();
     let urdfs = inputs.iter().filter_map(|input| input.urdf.as_ref());
+    let names: BTreeSet<&str> = inputs.iter().map(|input| input.robot.as_str()).collect();
+    let of_robots = arguments.report.iter().flat_map(|page| {
+        let names = names.iter();
+        names.map(|robot| page_of_robot(page, robot))
+    });
+    let of_robots: Vec<PathBuf> = of_robots.collect();
     Files::default()
-        .reads([&arguments.robot.urdf])
+        .reads_robots([&arguments.robot.urdf])
         .reads(urdfs)
-        .may_read(&arguments.how.prior)
+        // Lists and manifests; patterns name no file.
+        .may_read(&arguments.data)
+        .may_read(&arguments.how.reading.prior)
         .reads_logs(&logs)
-        .writes([&arguments.out])
-        .writes(&arguments.report)
-        .writes(&arguments.prior_out)
+        .writes(Kind::Fleet, [&arguments.out])
+        .writes(Kind::Page, &arguments.report)
+        .makes(Kind::Page, &of_robots)
+        .writes(Kind::Population, &arguments.prior_out)
         .check_writable()?;
     let bar = &mut Bar::new("diagnosing");
     let request = request(arguments, &inputs)?;
@@ -175,6 +183,10 @@ fn write_pages(
 
 /// Only files of this machine are read here.
 fn here(path: &str) -> Result<(), Error> {
+    if streams::is_standard(Path::new(path)) {
+        let sentence = "`-`: a fleet reads and writes files; give their names (`./-` is one)";
+        return Err(Error::Usage(sentence.to_string()));
+    }
     match fleet::is_address(path) {
         false => Ok(()),
         true => Err(Error::Usage(format!(
@@ -187,13 +199,14 @@ fn here(path: &str) -> Result<(), Error> {
 fn request(arguments: &Arguments, inputs: &[fleet::Input]) -> Result<fleet::Request, Error> {
     let feet = Feet::from(&arguments.feet);
     let mut options = Options::default();
-    options.support = arguments.robot.support.clone();
-    options.snap = !arguments.robot.no_snap;
-    options.angles = arguments.degrees.then_some(Angles::Deg);
-    options.prior = arguments.how.prior.clone();
-    options.noise = arguments.how.noise;
+    let (standing, reading) = (&arguments.robot.standing, &arguments.how.reading);
+    options.support = standing.support.clone();
+    options.snap = !standing.no_snap;
+    options.angles = reading.angles();
+    options.prior = reading.prior.clone();
+    options.noise = reading.noise;
     options.floor = arguments.how.floor;
-    options.motion = matches!(arguments.how.motion, Motion::Auto);
+    options.motion = matches!(reading.motion, Motion::Auto);
     options.both_feet = feet.both;
     options.other_foot = feet.other;
     options.information = arguments.prior_out.is_some();

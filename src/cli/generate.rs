@@ -3,13 +3,15 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 use sesc_codegen::Servos;
 use sesc_codegen::facts::Facts;
 use sesc_codegen::sources::{self, C99};
 use sesc_model::files::write_all_if_changed;
 
+use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Outcome, RobotArguments, message, print};
+use super::{Outcome, RobotArguments, message, print, print_json};
 use crate::Error;
 
 /// Write the functions of a robot as source code
@@ -35,8 +37,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Identified parameters, and their support unless --support is given: MODEL_PARAMS in Rust,
-    /// functions with constants folded in C. Its effects are part of cop, the predicted reading;
-    /// correct_cop inverts the sensor effects, where there are any
+    /// functions with constants folded in C. Its effects of the body are part of every function,
+    /// those of ground and sensor of cop, the predicted reading; correct_cop inverts those of the
+    /// sensor, where there are any
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// C: what to put around the two files; bare unless given
@@ -58,6 +61,25 @@ pub(super) struct Arguments {
     /// posture i; side by side as many as a register of the target holds, at most N
     #[arg(long, value_name = "N", value_parser = lanes)]
     lanes: Option<u32>,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is told of a package that was written.
+#[derive(Serialize)]
+struct Answer<'a> {
+    robot: &'a str,
+    support: &'a str,
+    files: Vec<WrittenFile>,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct WrittenFile {
+    file: String,
+    /// Whether it was written; it was up to date otherwise.
+    changed: bool,
 }
 
 /// 4, 8 or 16.
@@ -97,6 +119,11 @@ enum Layout {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    let reads = Files::default()
+        .reads_robots([&arguments.robot.urdf])
+        .reads(&arguments.model)
+        .reads(&arguments.servos);
+    reads.check()?;
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
     let (facts, name) = (Facts::of(&model), arguments.name.as_deref());
     let written = match arguments.lang {
@@ -114,18 +141,28 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .into_iter()
         .map(|(file, text)| (arguments.out.join(file), text))
         .collect();
-    Files::default()
-        .reads([&arguments.robot.urdf])
-        .reads(&arguments.model)
-        .reads(&arguments.servos)
-        .writes(files.iter().map(|(path, _)| path))
+    reads
+        .writes(Kind::Source, files.iter().map(|(path, _)| path))
         .check()?;
     let changed = write_all_if_changed(&files)?;
+    let mut answer = Answer {
+        robot: &model.tree.robot,
+        support: model.support(),
+        files: Vec::new(),
+        notes: &written.notes,
+    };
     for ((path, _), changed) in files.iter().zip(changed) {
+        let file = path.display().to_string();
         if !changed {
-            message(&format!("{} is up to date", path.display()));
+            message(&format!("{file} is up to date"));
         }
-        print(&format!("{}\n", path.display()))?;
+        if !arguments.json {
+            print(&format!("{file}\n"))?;
+        }
+        answer.files.push(WrittenFile { file, changed });
+    }
+    if arguments.json {
+        print_json(&answer)?;
     }
     Ok(Outcome::Ok)
 }

@@ -1,5 +1,6 @@
 //! The command line: parse, call, print.
 
+mod arguments;
 mod compare;
 mod defaults;
 mod demo;
@@ -10,34 +11,37 @@ mod fit_outputs;
 mod fleet;
 mod generate;
 mod inspect;
+mod kinds;
 mod manners;
 mod outputs;
 mod plan;
 mod predict;
 mod shell;
 mod simulate;
+mod streams;
 mod units;
 mod verify;
+mod width;
 mod words;
 
 use std::ffi::OsString;
 use std::io::{IsTerminal as _, Write as _};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use arguments::{
+    DiagnosisArguments, FeetArguments, Motion, ReadingArguments, RobotArguments, StandingArguments,
+    StaysArguments,
+};
+use clap::error::{ContextKind, ErrorKind};
+use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sesc_model::Model;
 use sesc_model::text::{is_hidden, visible_lines};
-use sesc_model::{Model, ModelFile, Snapping};
 
 use crate::Error;
-use sesc_identify::feet::Feet;
-use sesc_identify::fit::MotionModel;
-use sesc_identify::logs::Stays;
 use sesc_identify::robot::Robot;
-use sesc_identify::stance::Stance;
 use sesc_identify::{Message, Progress, Watch};
 
 /// Centre of mass by the statically equivalent serial chain: from a URDF to
@@ -53,99 +57,21 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    // In the order of work, the demo before it.
+    Demo(demo::Arguments),
     Inspect(inspect::Arguments),
-    Generate(generate::Arguments),
-    Verify(verify::Arguments),
-    Simulate(simulate::Arguments),
     Plan(plan::Arguments),
-    Predict(predict::Arguments),
+    Simulate(simulate::Arguments),
     Fit(fit::Arguments),
     Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
     Compare(compare::Arguments),
+    Predict(predict::Arguments),
+    Generate(generate::Arguments),
+    Verify(verify::Arguments),
     Fleet(fleet::Arguments),
-    Demo(demo::Arguments),
     Completions(shell::Completions),
     Man(shell::Manual),
-}
-
-/// Whether the motion of the joints counts.
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum Motion {
-    #[default]
-    Auto,
-    Off,
-}
-
-impl From<Motion> for MotionModel {
-    fn from(motion: Motion) -> MotionModel {
-        match motion {
-            Motion::Auto => MotionModel::Auto,
-            Motion::Off => MotionModel::Off,
-        }
-    }
-}
-
-/// How a log is diagnosed.
-#[derive(Args)]
-struct DiagnosisArguments {
-    /// Tolerances of CAD: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
-    /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise; or what `fleet --prior-out`
-    /// wrote. Unless given, tight for diagnoses, and cad for the parameters of `fleet`
-    #[arg(long, value_name = "tight|cad|free|FILE")]
-    prior: Option<String>,
-    /// Standard deviation of a single reading on one axis, m; from the log unless given
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::deviation_m)]
-    noise: Option<f64>,
-    /// Added to the noise in quadrature, m: what encoder ticks do
-    #[arg(
-        long,
-        value_name = "M",
-        default_value = "0.0001",
-        allow_negative_numbers = true, value_parser = units::deviation_m
-    )]
-    floor: f64,
-    /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
-    /// those of standing postures
-    #[arg(long, value_enum, default_value_t)]
-    motion: Motion,
-}
-
-/// What becomes of rows in which the robot holds still.
-#[derive(Args)]
-struct StaysArguments {
-    /// Take only rows of stays: stretches of at least so many seconds in which every joint is
-    /// slower than 0.02 rad/s; each is one posture. Recordings of ROS have 0.3 s unless given.
-    /// Else rows of a stay of a second are one posture where a log has `t` and no `pose`
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = units::stays)]
-    settle: Option<Stays>,
-}
-
-impl From<&StaysArguments> for Stays {
-    fn from(arguments: &StaysArguments) -> Stays {
-        arguments.settle.unwrap_or_default()
-    }
-}
-
-/// Which feet are on the floor.
-#[derive(Args)]
-struct FeetArguments {
-    /// Both soles are flat on one floor in every row (`both_feet` in the sidecar): joint offsets
-    /// show in how they lie. The CoP is that of both feet together
-    #[arg(long)]
-    both_feet: bool,
-    /// The link that is the other sole (`other_foot` in the sidecar); by its name unless given
-    #[arg(long, value_name = "LINK")]
-    other_foot: Option<String>,
-}
-
-impl From<&FeetArguments> for Feet {
-    fn from(arguments: &FeetArguments) -> Feet {
-        Feet {
-            both: arguments.both_feet.then_some(true),
-            other: arguments.other_foot.clone(),
-        }
-    }
 }
 
 /// What became of a command that ran.
@@ -176,7 +102,11 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
         Ok(cli) => cli,
         // Help and version are answers.
         Err(error) if !error.use_stderr() => error.exit(),
-        Err(error) => {
+        Err(mut error) => {
+            // A word behind `--` is a file: no remedy for an option that is not there.
+            if error.kind() == ErrorKind::UnknownArgument {
+                error.remove(ContextKind::Suggested);
+            }
             if json {
                 let rendered = error.render().to_string();
                 print_error("usage", &rendered, None, None);
@@ -215,7 +145,7 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
         Ok(Outcome::Ok) => 0,
         Ok(Outcome::Failed) => 1,
         // A reader that went away (`| head`) is no fault.
-        Err(Error::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
+        Err(error) if streams::is_closed(&error) => 0,
         Err(error) => failed(&error, json),
     }
 }
@@ -272,48 +202,10 @@ fn complain(error: &Error) {
     message(text.trim_end());
 }
 
-/// The robot of a command.
-#[derive(Args)]
-struct RobotArguments {
-    /// Robot description; `-` is standard input
-    #[arg(value_name = "URDF")]
-    urdf: PathBuf,
-    /// Link that stands on the ground; its sole is z = 0 of its frame
-    #[arg(long, value_name = "LINK")]
-    support: Option<String>,
-    /// Take decimals of right angles (1.5708) literally
-    #[arg(long)]
-    no_snap: bool,
-}
-
-impl RobotArguments {
-    fn snapping(&self) -> Snapping {
-        if self.no_snap {
-            Snapping::Off
-        } else {
-            Snapping::default()
-        }
-    }
-
-    /// The robot, with the parameters of a model file if one is given.
-    fn stance(&self, model_file: Option<&Path>) -> Result<Stance, Error> {
-        let mut stance = Stance::new(Robot::read(&self.urdf)?);
-        stance.support.clone_from(&self.support);
-        stance.snapping = self.snapping();
-        Ok(match model_file {
-            Some(path) => stance.with_parameters(ModelFile::read(path)?)?,
-            None => stance,
-        })
-    }
-
-    /// Read the robot and build its model, saying on stderr what was noticed.
-    fn load(&self, model_file: Option<&Path>) -> Result<(Arc<Robot>, Model), Error> {
-        let stance = self.stance(model_file)?;
-        let model = stance.model()?;
-        notes(&model);
-        left_out(&model);
-        Ok((stance.robot, model))
-    }
+/// What the links of a robot weigh together in its URDF.
+fn cad_mass_kg(robot: &Robot) -> f64 {
+    let links = robot.description.links.iter();
+    links.map(|link| link.inertial.mass_kg).sum()
 }
 
 /// Notes about the robot, on stderr.
@@ -340,7 +232,22 @@ fn message(text: &str) {
 
 /// A result on stdout that people read: emphasised where a terminal shows it.
 fn show(text: &str) -> Result<(), Error> {
-    print_as_is(&manners::result(&visible_lines(text)))
+    let mut text = visible_lines(text);
+    if let Some(width) = width::of_terminal() {
+        text = width::fitted(&text, width);
+    }
+    print_as_is(&manners::result(&text))
+}
+
+/// A result that people read beside an output that has standard output for itself.
+fn show_beside(text: &str, streamed: bool) -> Result<(), Error> {
+    match streamed {
+        true => {
+            message(text.trim_end());
+            Ok(())
+        }
+        false => show(text),
+    }
 }
 
 /// A whole result on stdout that a program may read: a script, a page of a manual, a path.

@@ -4,13 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Bar, FeetArguments, Outcome, RobotArguments, command_line, message, print_json, show};
+use super::{
+    Bar, FeetArguments, Outcome, RobotArguments, command_line, message, print_json, show_beside,
+    streams,
+};
 use crate::Error;
 use crate::report;
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::logs::{LogSource, PostureWriter, Written};
+use sesc_identify::logs::{PostureWriter, Written};
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::{Request, plan};
@@ -69,7 +73,7 @@ pub(super) struct Arguments {
     /// unless --data knows it, and none is written
     #[arg(long, value_name = "N")]
     revisits: Option<usize>,
-    /// Log of this robot: its noise and what its visits differ by are taken for those to come
+    /// Log of this robot (`-` is standard input): its noise and what its visits differ by are taken for those to come
     #[arg(long, value_name = "FILE", conflicts_with = "noise")]
     data: Option<PathBuf>,
     /// Seed of the candidates
@@ -78,7 +82,8 @@ pub(super) struct Arguments {
     /// Parameters to balance with, and their support unless --support is given; else CAD
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Posture file to write (.csv, .csv.gz or .parquet); its sidecar is FILE.toml
+    /// Posture file to write (.csv, .csv.gz or .parquet); its sidecar is FILE.toml. `-` is standard
+    /// output, as CSV and without a sidecar
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Page to write: where the CoP is, the error to expect, what joints do
@@ -110,16 +115,28 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.clearance = arguments.clearance;
     request.seed = arguments.seed;
     request.revisits = arguments.revisits;
-    request.log = arguments.data.as_ref().map(LogSource::from);
+    let log = arguments.data.as_deref().map(streams::log);
+    request.log = log.transpose()?;
     request.feet = Feet::from(&arguments.feet);
     request.folder = folder.map(PathBuf::from);
     // A file that cannot be written is better known before than after.
     let dofs = &request.model.tree.dofs;
-    let log = PostureWriter::create(&arguments.out, dofs, Written::default())?;
+    let streamed = streams::is_standard(&arguments.out);
+    let log = (!streamed)
+        .then(|| PostureWriter::create(&arguments.out, dofs, Written::default()))
+        .transpose()?;
     let found = plan(&request, &mut Bar::new("planning"))?;
-    let sidecar = found.write(log)?;
     let out = arguments.out.display();
-    message(&format!("wrote {out} and {}", sidecar.display()));
+    let log = match log {
+        Some(log) => log,
+        None => {
+            let (name, to) = (streams::OUTPUT, streams::output());
+            PostureWriter::stream(name, to, dofs, Written::default())?
+        }
+    };
+    if let Some(sidecar) = found.write(log)? {
+        message(&format!("wrote {out} and {}", sidecar.display()));
+    }
     if let Some(path) = &arguments.report {
         let (description, folder) = (&request.robot.description, request.folder.as_deref());
         let skeleton = Skeleton::of(&request.model, description, folder);
@@ -130,7 +147,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     match arguments.json {
         true => print_json(&found)?,
-        false => show(&report::plan::text(&found))?,
+        false => show_beside(&report::plan::text(&found), streamed)?,
     }
     Ok(Outcome::Ok)
 }
@@ -138,13 +155,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 /// Nothing that is read is written, and nothing is written twice.
 fn check_files(arguments: &Arguments) -> Result<(), Error> {
     Files::default()
-        .reads([&arguments.robot.urdf])
+        .reads_robots([&arguments.robot.urdf])
         .reads(&arguments.limits)
         .reads(&arguments.model)
         .reads_logs(&arguments.data)
         .may_read(&arguments.sole)
         .may_read([&arguments.prior])
-        .writes_logs([&arguments.out])
-        .writes(&arguments.report)
+        .writes_logs(Kind::Postures, [&arguments.out])
+        .writes(Kind::Page, &arguments.report)
+        .prints(arguments.json)
         .check_writable()
 }

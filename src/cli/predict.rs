@@ -4,16 +4,20 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 
-use super::{Bar, Motion, Outcome, RobotArguments};
+use super::kinds::Kind;
+use super::outputs::Files;
+use super::{Bar, Motion, Outcome, RobotArguments, message, print_json, streams};
 use crate::Error;
-use sesc_identify::logs::{self, Angles};
-use sesc_identify::predict::{Predictor, Request};
+use sesc_identify::logs::{self, Angles, PREDICTED, PredictionWriter};
+use sesc_identify::predict::{Predictor, Request, predict};
 
-/// CoM and CoP of every posture in a log, as CSV on stdout
+/// CoM and CoP of every posture in a log
 #[derive(Args)]
 #[command(after_help = format!(
-    "Example:\n  sesc predict robots/op2/op2.urdf --support r_sole --data poses.csv > predicted.csv\n\n{}",
+    "Examples:\n  sesc predict robots/op2/op2.urdf --support r_sole --data poses.csv > predicted.csv\n  \
+    sesc predict op2.urdf --model model.toml --data log.parquet --out predicted.parquet\n\n{}",
     logs::columns_text()
 ))]
 pub(super) struct Arguments {
@@ -22,7 +26,7 @@ pub(super) struct Arguments {
     /// Identified parameters, and their support where neither --support nor the log says it; else CAD
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Posture log (CSV, gzip, Parquet, MCAP); its columns are listed below
+    /// Posture log (CSV, gzip, Parquet, MCAP; `-` is standard input); its columns are listed below
     #[arg(long, value_name = "FILE")]
     data: PathBuf,
     /// Revolute joints are logged in degrees
@@ -31,24 +35,82 @@ pub(super) struct Arguments {
     /// Predict the ZMP where a log with `t` knows accelerations, or the CoP of standing postures
     #[arg(long, value_enum, default_value_t)]
     motion: Motion,
+    /// Table to write (.csv, .csv.gz or .parquet); else CSV on standard output
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print the predictions as JSON; with --out, what was written
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is told of a table that was written.
+#[derive(Serialize)]
+struct Written {
+    file: String,
+    postures: u64,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    Files::default()
+        .reads_robots([&arguments.robot.urdf])
+        .reads(&arguments.model)
+        .reads_logs([&arguments.data])
+        .writes(Kind::Predictions, &arguments.out)
+        .prints(arguments.json)
+        .check_writable()?;
     let stance = arguments.robot.stance(arguments.model.as_deref())?;
-    let mut request = Request::new(stance, &arguments.data);
+    let mut request = Request::new(stance, streams::log(&arguments.data)?);
     request.angles = arguments.degrees.then_some(Angles::Deg);
     request.motion = arguments.motion.into();
-    let mut bar = Bar::new("predicting");
-    let mut predictor = Predictor::open(&request, &mut bar)?;
-    let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-    let mut header = "pose,com_x,com_y,com_z,cop_x,cop_y\n";
-    while let Some(found) = predictor.block(&mut bar)? {
-        let rows = found.pose.iter().zip(&found.com_m).zip(&found.cop_m);
-        for ((pose, [x, y, z]), [cop_x, cop_y]) in rows {
-            writeln!(out, "{header}{pose},{x},{y},{z},{cop_x},{cop_y}").map_err(Error::Stdout)?;
-            header = "";
+    let bar = &mut Bar::new("predicting");
+    let file = arguments.out.as_deref();
+    match (
+        file.filter(|path| !streams::is_standard(path)),
+        arguments.json,
+    ) {
+        (Some(path), json) => {
+            let mut table = PredictionWriter::create(path)?;
+            let mut postures = 0;
+            each(&request, bar, |pose, com_m, cop_m| {
+                postures += 1;
+                Ok(table.row(pose, com_m, cop_m)?)
+            })?;
+            table.finish()?;
+            bar.0.finish_and_clear();
+            let file = path.display().to_string();
+            message(&format!("wrote {file}"));
+            if json {
+                print_json(&Written { file, postures })?;
+            }
+        }
+        (None, true) => print_json(&predict(&request, bar)?)?,
+        (None, false) => {
+            let mut out = streams::output();
+            let mut begun = false;
+            each(&request, bar, |pose, [x, y, z], [cop_x, cop_y]| {
+                if !std::mem::replace(&mut begun, true) {
+                    writeln!(out, "{}", PREDICTED.join(",")).map_err(Error::Stdout)?;
+                }
+                writeln!(out, "{pose},{x},{y},{z},{cop_x},{cop_y}").map_err(Error::Stdout)
+            })?;
+            out.flush().map_err(Error::Stdout)?;
         }
     }
-    out.flush().map_err(Error::Stdout)?;
     Ok(Outcome::Ok)
+}
+
+/// Give the pose, CoM and CoP of every row to `take`.
+fn each(
+    request: &Request,
+    bar: &mut Bar,
+    mut take: impl FnMut(i64, &[f64; 3], [f64; 2]) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let mut predictor = Predictor::open(request, bar)?;
+    while let Some(found) = predictor.block(bar)? {
+        let rows = found.pose.iter().zip(&found.com_m).zip(&found.cop_m);
+        for ((pose, com_m), cop_m) in rows {
+            take(*pose, com_m, *cop_m)?;
+        }
+    }
+    Ok(())
 }

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 
+use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Bar, Motion, Outcome, RobotArguments, message};
+use super::{Bar, Motion, Outcome, RobotArguments, message, print_json, streams};
 use crate::Error;
 use sesc_identify::hide::hide;
 use sesc_identify::simulate::{self, Request};
@@ -22,14 +24,14 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     poses: u64,
     /// Draw revolute joints within ±DEG of zero (and their limits); else within their limits
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", value_parser = super::units::range_deg)]
     range: Option<f64>,
     /// Standard deviation of the CoP noise, m
     #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::deviation_m)]
     noise: f64,
     /// Let the robot move through the ranges of its joints and log so many rows per second,
     /// with a column `t`; else postures are at rest
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = super::units::rate_hz)]
     rate: Option<f64>,
     /// Log the ZMP of a robot that moves, or the CoP of standing postures
     #[arg(long, value_enum, default_value_t)]
@@ -43,16 +45,39 @@ pub(super) struct Arguments {
     /// Hidden effect of the robot, may be repeated; `sesc effects` lists them
     #[arg(long, value_name = "EFFECT[:TARGET]=VALUE")]
     hide: Vec<String>,
-    /// Log to write (.csv, .csv.gz or .parquet); its sidecar is FILE.toml
+    /// Log to write (.csv, .csv.gz or .parquet); its sidecar is FILE.toml. `-` is standard output,
+    /// as CSV and without a sidecar
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is told of a log that was written.
+#[derive(Serialize)]
+struct Written<'a> {
+    robot: &'a str,
+    support: &'a str,
+    postures: usize,
+    seed: u64,
+    noise: f64,
+    rate: Option<f64>,
+    log: String,
+    sidecar: String,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    if matches!(arguments.motion, Motion::Off) && arguments.rate.is_none() {
+        let sentence = "--motion off is about a robot that moves; add --rate HZ, or leave it out \
+                        (postures are at rest without it)";
+        return Err(Error::Usage(sentence.to_string()));
+    }
     Files::default()
-        .reads([&arguments.robot.urdf])
+        .reads_robots([&arguments.robot.urdf])
         .reads(&arguments.model)
-        .writes_logs([&arguments.out])
+        .writes_logs(Kind::Readings, [&arguments.out])
+        .prints(arguments.json)
         .check_writable()?;
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
     let model = hide(model, &arguments.hide)?;
@@ -63,11 +88,32 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.seed = arguments.seed;
     request.rate = arguments.rate;
     request.motion = arguments.motion.into();
-    let sidecar = simulate::write(&request, &arguments.out, &mut Bar::new("simulating"))?;
-    message(&format!(
-        "wrote {} and {}",
-        arguments.out.display(),
-        sidecar.display()
-    ));
+    let bar = &mut Bar::new("simulating");
+    let tree = &request.model.tree;
+    let support = &tree.links[tree.support].name;
+    if streams::is_standard(&arguments.out) {
+        simulate::stream(&request, streams::OUTPUT, streams::output(), bar)?;
+        bar.0.finish_and_clear();
+        message(&format!(
+            "note: the robot stands on `{support}`; give --support to what reads this"
+        ));
+        return Ok(Outcome::Ok);
+    }
+    let sidecar = simulate::write(&request, &arguments.out, bar)?;
+    bar.0.finish_and_clear();
+    let (log, sidecar) = (arguments.out.display(), sidecar.display());
+    message(&format!("wrote {log} and {sidecar}"));
+    if arguments.json {
+        print_json(&Written {
+            robot: &tree.robot,
+            support,
+            postures: request.poses,
+            seed: request.seed,
+            noise: request.noise,
+            rate: request.rate,
+            log: log.to_string(),
+            sidecar: sidecar.to_string(),
+        })?;
+    }
     Ok(Outcome::Ok)
 }

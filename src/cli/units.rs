@@ -1,12 +1,21 @@
-//! Units of options: a length that can only have been meant in millimetres is refused.
+//! Units of options: a value that can only have been meant in another unit, such as a length in
+//! millimetres, is refused with what was meant.
 
 use sesc_identify::logs::Stays;
+
+use crate::Error;
 
 /// No sensor of a robot that stands is noisier, m.
 const NOISIEST_M: f64 = 0.1;
 /// No sole, and no height above it that a plan keeps clear, is larger, m; who wants no bound
-/// gives a metre or more.
-const LARGEST_M: f64 = 10.0;
+/// gives a metre.
+const LARGEST_M: f64 = 2.0;
+/// No joint is drawn from more than a turn either way, degrees.
+const TURN_DEG: f64 = 360.0;
+/// No encoder of a robot is read more often, Hz.
+const FASTEST_HZ: f64 = 50_000.0;
+/// A robot does not weigh so many times what CAD says, or so small a part of it.
+const MASS_RATIO: f64 = 100.0;
 
 /// A standard deviation of a reading, m.
 pub(super) fn deviation_m(text: &str) -> Result<f64, String> {
@@ -22,6 +31,48 @@ pub(super) fn stays(text: &str) -> Result<Stays, String> {
 /// A length on the robot's scale, m.
 pub(super) fn length_m(text: &str) -> Result<f64, String> {
     metres(text, LARGEST_M)
+}
+
+/// A range of joint angles, degrees.
+pub(super) fn range_deg(text: &str) -> Result<f64, String> {
+    let value: f64 = text
+        .parse()
+        .map_err(|_| "give a number of degrees".to_string())?;
+    match value.abs() > TURN_DEG {
+        true => Err(format!(
+            "that is {value}°, more than a turn; give degrees: {:.4} for {value} mrad",
+            (value / 1000.0).to_degrees()
+        )),
+        false => Ok(value),
+    }
+}
+
+/// Rows per second.
+pub(super) fn rate_hz(text: &str) -> Result<f64, String> {
+    let value: f64 = text
+        .parse()
+        .map_err(|_| "give a number of rows per second".to_string())?;
+    match value > FASTEST_HZ {
+        true => Err(format!(
+            "that is {value} rows a second, more than any robot logs; give Hz: {} for a row every \
+             {value} ns",
+            1e9 / value
+        )),
+        false => Ok(value),
+    }
+}
+
+/// Whether a robot of `cad_kg` may weigh `kg`; what else is wrong with it is for the command to
+/// say.
+pub(super) fn check_mass(kg: Option<f64>, cad_kg: f64) -> Result<(), Error> {
+    let Some(kg) = kg.filter(|kg| *kg > MASS_RATIO * cad_kg && cad_kg > 0.0) else {
+        return Ok(());
+    };
+    Err(Error::Usage(format!(
+        "--total-mass {kg}: that is {kg} kg, and the robot weighs {cad_kg:.3} kg in its URDF; give \
+         kilograms: {} for {kg} g",
+        kg / 1000.0
+    )))
 }
 
 /// A number of metres, up to `most` either way; what else is wrong with it is for the command
@@ -52,6 +103,19 @@ mod tests {
         assert!(length_m("inf").is_err() && length_m("x").is_err());
         // What is not a number passes on to the command's own check.
         assert!(length_m("nan").unwrap().is_nan());
+        assert!(length_m("9").unwrap_err().contains("0.009 for 9 mm"));
+        assert!(
+            range_deg("3000")
+                .unwrap_err()
+                .contains("171.8873 for 3000 mrad")
+        );
+        assert_eq!(range_deg("360"), Ok(360.0));
+        let said = rate_hz("1000000").unwrap_err();
+        assert!(said.contains("1000 for a row every 1000000 ns"), "{said}");
+        assert_eq!(rate_hz("1000"), Ok(1000.0));
+        let said = check_mass(Some(2930.0), 2.9).unwrap_err().to_string();
+        assert!(said.contains("2.93 for 2930 g"), "{said}");
+        assert!(check_mass(Some(3.0), 2.9).is_ok() && check_mass(None, 0.0).is_ok());
         assert_eq!(stays("0.5"), Ok(Stays::Alone(0.5)));
         assert!(stays("0").is_err() && stays("nan").is_err() && stays("x").is_err());
     }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::outputs::Files;
 use super::{Bar, Outcome, RobotArguments, print_json, show};
 use crate::Error;
 use crate::report::table::Table;
@@ -38,6 +39,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    Files::default().reads(&arguments.model).check()?;
     let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
     let samples = usize::try_from(arguments.samples).unwrap_or(usize::MAX);
     let bar = &mut Bar::new("comparing");

@@ -37,8 +37,57 @@ fn effects_are_listed_and_explained() {
     );
     refused(
         &sesc(&["effects", "backlsh"]),
-        &["no effect `backlsh`", "backlash"],
+        &["no effect `backlsh`", "did you mean `backlash`?"],
     );
+}
+
+/// What writes files tells programs which.
+#[test]
+fn commands_that_write_say_what_as_json() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let json = |arguments: &[&str]| -> Value {
+        let json: Value = serde_json::from_str(&stdout(&sesc(arguments))).unwrap();
+        assert!(json["schema"].is_u64());
+        json
+    };
+    let log = at("log.csv");
+    let simulate = [
+        "simulate",
+        &op2(),
+        "--support",
+        "r_sole",
+        "--poses",
+        "5",
+        "--json",
+    ];
+    let found = json(&[&simulate[..], &["--seed", "3", "--out", &log]].concat());
+    assert_eq!(found["log"], log);
+    assert_eq!(found["sidecar"], format!("{log}.toml"));
+    assert_eq!((&found["postures"], &found["seed"]), (&5.into(), &3.into()));
+    assert_eq!(
+        (&found["robot"], &found["support"]),
+        (&"op2".into(), &"r_sole".into())
+    );
+    let generate = [
+        "generate",
+        &op2(),
+        "--support",
+        "r_sole",
+        "--name",
+        "m",
+        "--json",
+    ];
+    for changed in [true, false] {
+        let found = json(&[&generate[..], &["--out", &at("")]].concat());
+        assert_eq!(found["files"][0]["changed"], changed);
+        assert!(
+            found["files"][0]["file"]
+                .as_str()
+                .unwrap()
+                .ends_with("m.rs")
+        );
+    }
 }
 
 /// On stdout for programs, on stderr for people; with what is known of the place.

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use sesc_test_support::command::{folder, op2, program, refused, sesc, stdout};
+use sesc_test_support::command::{ROOT, folder, op2, program, refused, sesc, stdout};
 
 #[test]
 fn millimetres_for_metres_are_refused_with_what_was_meant() {
@@ -46,6 +46,119 @@ fn millimetres_for_metres_are_refused_with_what_was_meant() {
     ];
     let boxed = sesc(&[&plan[..], &["--cop-box", "23"]].concat());
     refused(&boxed, &["--cop-box", "0.023 for 23 mm"]);
+}
+
+#[test]
+fn other_units_are_refused_with_what_was_meant_too() {
+    let folder = folder();
+    let out = folder.path().join("log.csv").display().to_string();
+    let urdf = op2();
+    let simulate = ["simulate", &urdf, "--support", "r_sole", "--poses", "40"];
+    let simulated = |more: &[&str]| sesc(&[&simulate[..], &["--out", &out], more].concat());
+    refused(
+        &simulated(&["--range", "3000"]),
+        &["--range", "171.8873 for 3000 mrad"],
+    );
+    refused(
+        &simulated(&["--rate", "1000000"]),
+        &["--rate", "1000 for a row every 1000000 ns"],
+    );
+    refused(
+        &simulated(&["--motion", "off"]),
+        &["--motion off", "--rate HZ"],
+    );
+    let plan = [
+        "plan",
+        &urdf,
+        "--support",
+        "r_sole",
+        "--poses",
+        "3",
+        "--out",
+        &out,
+    ];
+    let boxed = sesc(&[&plan[..], &["--cop-box", "9"]].concat());
+    refused(&boxed, &["--cop-box", "0.009 for 9 mm"]);
+    stdout(&simulated(&["--noise", "0.0005"]));
+    let corrected = folder.path().join("c.urdf").display().to_string();
+    for command in ["fit", "diagnose"] {
+        let heavy = ["--urdf", &corrected, "--total-mass", "2930"];
+        let output = sesc(&[&[command, &urdf, "--data", &out][..], &heavy].concat());
+        refused(&output, &["--total-mass", "2.93 for 2930 g"]);
+    }
+}
+
+#[test]
+fn names_of_links_effects_and_targets_are_guessed() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let (urdf, log) = (op2(), at("log.csv"));
+    let simulate = [
+        "simulate",
+        &urdf,
+        "--support",
+        "r_sole",
+        "--poses",
+        "40",
+        "--out",
+        &log,
+    ];
+    let hidden = |what: &str| sesc(&[&simulate[..], &["--hide", what]].concat());
+    refused(
+        &hidden("joint_ofset:r_knee=1deg"),
+        &["did you mean `joint_offset`?"],
+    );
+    refused(
+        &hidden("joint_offset:r_kne=1deg"),
+        &["did you mean `r_knee`?"],
+    );
+    stdout(&sesc(&simulate));
+    let fit = |more: &[&str]| sesc(&[&["fit", &urdf, "--data", &log][..], more].concat());
+    let prior = at("prior.toml");
+    fs::write(&prior, "[links.body_lnik]\nmass = 0.1\n").unwrap();
+    refused(&fit(&["--prior", &prior]), &["did you mean `body_link`?"]);
+    refused(
+        &fit(&["--other-foot", "l_soel"]),
+        &["did you mean `l_sole`?"],
+    );
+    let servos = at("servos.toml");
+    fs::write(&servos, "[joints.l_kne]\nzero = 2050\n").unwrap();
+    let diagnose = ["diagnose", &urdf, "--data", &log, "--servos", &servos];
+    refused(&sesc(&diagnose), &["did you mean `l_knee`?"]);
+    // A misspelt key of the sidecar is not lost behind what is missing without it.
+    fs::write(format!("{log}.toml"), "suport = \"r_sole\"\n").unwrap();
+    for command in ["fit", "diagnose", "predict"] {
+        let output = sesc(&[command, &urdf, "--data", &log]);
+        refused(&output, &["no support link", "did you mean `support`?"]);
+    }
+}
+
+/// An option that is not there is no file behind `--`.
+#[test]
+fn unknown_options_have_no_remedy_that_is_none() {
+    let output = sesc(&["compare", "a.toml", "b.toml", "--jsn"]);
+    refused(&output, &["'--jsn'", "--json"]);
+    let output = sesc(&["simulate", &op2(), "--fast"]);
+    refused(&output, &["'--fast'"]);
+    assert!(!String::from_utf8_lossy(&output.stderr).contains("-- --fast"));
+}
+
+/// In the order of work, in help and in the book alike.
+#[test]
+fn commands_stand_in_the_order_of_work() {
+    let help = stdout(&sesc(&["--help"]));
+    let page = fs::read_to_string(format!("{ROOT}/docs/commands.md")).unwrap();
+    let order = [
+        "demo", "inspect", "plan", "simulate", "fit", "diagnose", "effects", "compare", "predict",
+        "generate", "verify", "fleet",
+    ];
+    let at = |text: &str, mark: &dyn Fn(&str) -> String| -> Vec<usize> {
+        let places = order.iter().map(|command| text.find(&mark(command)));
+        places.map(Option::unwrap).collect()
+    };
+    let in_help = at(&help, &|command| format!("\n  {command} "));
+    let in_page = at(&page, &|command| format!("\n| `sesc {command}"));
+    assert!(in_help.is_sorted() && in_page.is_sorted(), "{help}");
 }
 
 #[test]

@@ -127,7 +127,7 @@ fn a_model_file_says_what_stands_on_the_ground() {
             "--poses",
             "2",
             "--cop-box",
-            "9",
+            "1",
             "--sigmas",
             "0",
             "--out",

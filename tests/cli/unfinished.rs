@@ -86,13 +86,16 @@ fn a_file_that_cannot_be_written_is_the_one_named() {
     assert!(!message(&output, folder.path()).contains(".tmp"));
 }
 
+/// A log that is replaced, which it would not be by one of another kind.
+const OLD: &str = "pose,hip,cop_x,cop_y\n1,0,0,0\n";
+
 /// A file that may not grow stands for a disk that is full.
 #[test]
 #[cfg(unix)]
 fn a_disk_that_fills_up_leaves_no_file() {
     for log in ["log.csv", "log.csv.gz", "log.parquet"] {
         let folder = folder();
-        fs::write(folder.path().join("real.csv"), "old").unwrap();
+        fs::write(folder.path().join("real.csv"), OLD).unwrap();
         std::os::unix::fs::symlink("real.csv", folder.path().join(log)).unwrap();
         let simulate = long(&folder.path().join(log));
         let output = Command::new("sh")
@@ -113,7 +116,7 @@ fn a_disk_that_fills_up_leaves_no_file() {
         assert_eq!(left, [log, "real.csv"]);
         assert_eq!(
             fs::read_to_string(folder.path().join("real.csv")).unwrap(),
-            "old"
+            OLD
         );
     }
 }

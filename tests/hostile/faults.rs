@@ -110,7 +110,8 @@ fn on_a_full_disk_the_old_files_stay() {
         return;
     }
     let old = disk.join("log.csv");
-    fs::write(&old, "as it was\n").unwrap();
+    let log = "pose,ankle,knee,cop_x,cop_y\n1,0,0,0,0\n";
+    fs::write(&old, log).unwrap();
     let line = "simulate a.urdf --support foot --poses 20000 --out disk/log.csv";
     let output = inputs.run(line);
     let now = files(&disk);
@@ -118,7 +119,7 @@ fn on_a_full_disk_the_old_files_stay() {
     assert!(unmounted.success());
     refused(&output, line);
     assert!(String::from_utf8_lossy(&output.stderr).contains("disk/log.csv"));
-    assert_eq!(now, BTreeMap::from([(old, b"as it was\n".to_vec())]));
+    assert_eq!(now, BTreeMap::from([(old, log.as_bytes().to_vec())]));
 }
 
 /// Whoever may write everywhere is somebody else here.

@@ -159,6 +159,160 @@ fn generated_files_take_no_input_away() {
     assert!(inputs.all() == before);
 }
 
+/// The options beside a URDF, whether they are there or would be read by the next command.
+#[test]
+fn options_of_a_robot_are_no_output() {
+    let inputs = Inputs::new();
+    for text in ["", "support = \"foot\"\n"] {
+        let options = inputs.path("sesc.toml");
+        match text {
+            "" => drop(fs::remove_file(&options)),
+            _ => fs::write(&options, text).unwrap(),
+        }
+        let before = inputs.all();
+        for line in [
+            "fit a.urdf --data log.csv --out sesc.toml",
+            "fit a.urdf --data log.csv --urdf sesc.toml",
+            "diagnose a.urdf --data log.csv --report sesc.toml",
+            "simulate a.urdf --support foot --poses 3 --out sesc",
+        ] {
+            refused(
+                &inputs.run(line),
+                &["sesc.toml is read here as the options"],
+            );
+        }
+        assert!(inputs.all() == before);
+    }
+}
+
+#[test]
+fn lists_of_a_fleet_are_no_output() {
+    let inputs = Inputs::new();
+    fs::write(inputs.path("list.txt"), "log.csv\n").unwrap();
+    fs::write(inputs.path("manifest.csv"), "path,robot,day\nlog.csv,1,1\n").unwrap();
+    let before = inputs.all();
+    for line in [
+        "fleet a.urdf --data manifest.csv --out manifest.csv",
+        "fleet a.urdf --data list.txt --out f.csv --report list.txt",
+        "fleet a.urdf --data list.txt --out f.csv --prior-out list.txt",
+        "fleet a.urdf --data log.csv --out log.csv",
+    ] {
+        refused(&inputs.run(line), &["is read here"]);
+    }
+    assert!(inputs.all() == before);
+    // The page of the robot `log`, in the folder of the fleet's.
+    fs::create_dir(inputs.path("f")).unwrap();
+    fs::write(inputs.path("f/log.html"), "mine").unwrap();
+    let line = "fleet a.urdf --data log.csv --out f.csv --report f.html";
+    refused(&inputs.run(line), &["f/log.html is there already"]);
+    assert_eq!(
+        fs::read_to_string(inputs.path("f/log.html")).unwrap(),
+        "mine"
+    );
+    assert!(!inputs.path("f.csv").exists());
+}
+
+/// Files that a command did not read, and which are not what it writes.
+#[test]
+fn outputs_take_the_place_of_their_like_alone() {
+    let inputs = Inputs::new();
+    for (name, text) in [
+        ("notes.toml", "remember = \"the milk\"\n"),
+        (
+            "thesis.html",
+            "<!DOCTYPE html><html><body>my thesis</body></html>\n",
+        ),
+        ("page.urdf", "<html><body>robot</body></html>\n"),
+        ("main.rs", "fn main() {}\n"),
+        ("foot.stl", "solid foot\nendsolid foot\n"),
+        ("table.csv", "a,b\n1,2\n"),
+        ("mine.part", "a novel\n"),
+        (
+            "r.csv.toml",
+            "support = \"foot\"\nreadings_per_pose = 100\n",
+        ),
+    ] {
+        fs::write(inputs.path(name), text).unwrap();
+    }
+    fs::copy(inputs.path("log.csv"), inputs.path("precious.csv")).unwrap();
+    stdout(&inputs.run("fit a.urdf --data log.csv --urdf b.urdf --out b.toml"));
+    let plan = "plan a.urdf --support foot --poses 3 --cop-box 0.2 --candidates 50 --out";
+    stdout(&inputs.run(&format!("{plan} poses.csv")));
+    let before = inputs.all();
+    let is_there = "is there already and is not";
+    for (line, said) in [
+        ("fit a.urdf --data log.csv --out notes.toml", is_there),
+        ("fit a.urdf --data log.csv --out prior.toml", is_there),
+        ("fit a.urdf --data log.csv --report thesis.html", is_there),
+        ("fit a.urdf --data log.csv --urdf page.urdf", is_there),
+        ("fit a.urdf --data log.csv --partial mine.part", is_there),
+        (
+            "diagnose a.urdf --data log.csv --next precious.csv",
+            is_there,
+        ),
+        (&format!("{plan} precious.csv"), is_there),
+        (&format!("{plan} free.csv --report thesis.html"), is_there),
+        (
+            "simulate a.urdf --support foot --poses 3 --out poses.csv",
+            is_there,
+        ),
+        (
+            "simulate a.urdf --support foot --poses 3 --out table.csv",
+            is_there,
+        ),
+        // The sidecar of a recording.
+        (
+            "simulate a.urdf --support foot --poses 3 --out r.csv",
+            is_there,
+        ),
+        (
+            "simulate a.urdf --support foot --poses 3 --out notes",
+            is_there,
+        ),
+        (
+            "generate a.urdf --support foot --name main --out .",
+            is_there,
+        ),
+        ("fleet a.urdf --data log.csv --out table.csv", is_there),
+        (
+            "fleet a.urdf --data log.csv --out f.csv --prior-out model.toml",
+            is_there,
+        ),
+        ("demo --out thesis.html", is_there),
+        // Ends of names.
+        ("fit a.urdf --data log.csv --out b.urdf", "written as .toml"),
+        (
+            "fit a.urdf --data log.csv --urdf c.txt",
+            "written as .urdf or .xml",
+        ),
+        (
+            "fit a.urdf --data log.csv --report r.pdf",
+            "written as .html or .htm",
+        ),
+        (
+            "fit a.urdf --data log.csv --partial a.txt",
+            "written as .part",
+        ),
+        (
+            &format!("{plan} free.csv --report foot.stl"),
+            ".html or .htm",
+        ),
+    ] {
+        refused(&inputs.run(line), &[said]);
+    }
+    assert!(inputs.all() == before);
+    // Empty files are nobody's, and what a command wrote it writes again.
+    fs::write(inputs.path("empty.html"), "").unwrap();
+    for line in [
+        "fit a.urdf --data log.csv --out b.toml --urdf b.urdf --report empty.html",
+        "fit a.urdf --data log.csv --out b.toml --urdf b.urdf --report empty.html",
+        &format!("{plan} poses.csv --report empty.html"),
+        "simulate a.urdf --support foot --poses 3 --out precious.csv",
+    ] {
+        stdout(&inputs.run(line));
+    }
+}
+
 /// A shell that appends to a file hands it to the command as `/dev/stdout`.
 #[cfg(target_os = "linux")]
 #[test]

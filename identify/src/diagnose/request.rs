@@ -218,9 +218,9 @@ impl NextLog {
 pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     check_noise(request)?;
     let robot = &request.robot;
-    let (sidecar, _) = request.log.sidecar()?;
+    let (sidecar, odd) = request.log.sidecar()?;
     let support = request.support.clone().or(sidecar.support.clone());
-    let support = support.ok_or_else(|| robot.no_support())?;
+    let support = support.ok_or_else(|| robot.no_support(&odd))?;
     let model = robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
@@ -354,9 +354,9 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
 /// As [`diagnose`].
 pub fn look(request: &Request, watch: &mut dyn Watch) -> Result<Vec<Finding>, Error> {
     check_noise(request)?;
-    let (sidecar, _) = request.log.sidecar()?;
+    let (sidecar, odd) = request.log.sidecar()?;
     let support = request.support.clone().or(sidecar.support);
-    let support = support.ok_or_else(|| request.robot.no_support())?;
+    let support = support.ok_or_else(|| request.robot.no_support(&odd))?;
     let model = request.robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let (_, rows, data) = screened(request, &model, &prior, watch)?;

@@ -3,6 +3,7 @@
 use sesc_model::Model;
 use sesc_model::text::listed;
 use sesc_model::tree::support_rank;
+use sesc_model::urdf::suggestion;
 
 use crate::logs::Sidecar;
 use crate::{Error, Setting, message};
@@ -56,7 +57,10 @@ impl Feet {
             Err(Error::request(message![Setting::OtherFoot, why]))
         };
         let Some(link) = links.iter().position(|link| link.name == name) else {
-            return wrong("is no link of the robot");
+            let meant = suggestion(&name, links.iter().map(|link| link.name.as_str()));
+            let has = soles(model);
+            let why = format!(" `{name}` is no link of the robot; the robot has {has}{meant}");
+            return Err(Error::request(message![Setting::OtherFoot, why]));
         };
         match model.chain.places[link].as_ref().map(|place| place.body) {
             None => wrong("hangs on a joint that no log knows"),

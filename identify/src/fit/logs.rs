@@ -168,11 +168,16 @@ impl<'r> Logs<'r> {
         }
         match named.filter(|link| !link.is_empty()) {
             Some(link) => Ok(link.to_string()),
-            None => Err(Error::request(message![
-                "no support link: add ",
-                Setting::Support,
-                ", `support = \"LINK\"` to the log's sidecar or a column `support`"
-            ])),
+            None => {
+                let mut end =
+                    ", `support = \"LINK\"` to the log's sidecar or a column `support`".to_string();
+                if let Some(file) = self.files.first() {
+                    let odd = file.sidecar()?.1.into_iter();
+                    end.extend(odd.map(|message| format!("; {message}")));
+                }
+                let start = "no support link: add ";
+                Err(Error::request(message![start, Setting::Support, end]))
+            }
         }
     }
 

@@ -18,6 +18,7 @@ use sesc_model::Model;
 use sesc_model::files;
 use sesc_model::standard::PER_LINK;
 use sesc_model::text::listed;
+use sesc_model::urdf::suggestion;
 
 use super::population::Population;
 use crate::svd::svd;
@@ -228,8 +229,9 @@ impl Tolerances {
             .keys()
             .find(|k| names().all(|name| name != *k))
         {
+            let meant = suggestion(stray, names());
             return Err(bad(format!(
-                "no link `{stray}`; the robot has {}",
+                "no link `{stray}`; the robot has {}{meant}",
                 listed(names(), 12)
             )));
         }

@@ -147,12 +147,15 @@ fn support(robot: &Robot, options: &Options, sources: &[LogSource]) -> Result<St
     if let Some(support) = &options.support {
         return Ok(support.clone());
     }
+    let mut odd = Vec::new();
     for source in sources {
-        if let Some(support) = source.sidecar()?.0.support {
+        let (sidecar, own) = source.sidecar()?;
+        if let Some(support) = sidecar.support {
             return Ok(support);
         }
+        odd.extend(own);
     }
-    Err(robot.no_support())
+    Err(robot.no_support(&odd))
 }
 
 fn reading(robot: &Robot, options: &Options) -> Reading {

@@ -150,8 +150,8 @@ pub fn of_log(
     let Some(robot) = robot else {
         return rows::alone(log, watch);
     };
-    let (sidecar, _) = log.sidecar()?;
-    let support = sidecar.support.ok_or_else(|| robot.no_support())?;
+    let (sidecar, odd) = log.sidecar()?;
+    let support = sidecar.support.ok_or_else(|| robot.no_support(&odd))?;
     let model = robot.model(&support, snapping, None)?;
     let links = robot.description.link_names();
     let options = Options {

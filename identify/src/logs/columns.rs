@@ -204,11 +204,11 @@ impl Columns {
             columns.take_readings(&mut at)?;
         }
         if readings == Readings::Required && columns.cop.is_none() && columns.cells.is_empty() {
-            return Err(
+            let near = suggestion(&COP, at.keys().copied());
+            return Err(format!(
                 "no readings; add the columns `cop_x` and `cop_y` (m, support frame), \
-                 or `fsr_1`, `fsr_2`, … (N)"
-                    .into(),
-            );
+                 or `fsr_1`, `fsr_2`, … (N){near}"
+            ));
         }
         columns.ignored = header
             .iter()
@@ -281,8 +281,9 @@ impl Columns {
             return Ok(None);
         }
         if !missing.is_empty() {
+            let near = suggestion(&missing, at.keys().copied());
             return Err(format!(
-                "no column {}; {what} needs all of {}",
+                "no column {}; {what} needs all of {}{near}",
                 list(&missing),
                 list(names)
             ));
@@ -406,6 +407,11 @@ mod tests {
             ("hip", "no readings"),
             ("hip,x,x", "`x` appears twice"),
             ("hop,cop_x,cop_y", "did you mean `hop` for `hip`"),
+            (
+                "hip,CoP_x,CoP_y",
+                "did you mean `CoP_x` for `cop_x`, `CoP_y` for `cop_y`?",
+            ),
+            ("hip,cop_x,COP-y", "did you mean `COP-y` for `cop_y`?"),
         ] {
             let error = Columns::of(&header(names), &dofs(&["hip"]), Readings::Required);
             let message = error.unwrap_err();

@@ -30,6 +30,7 @@ pub(crate) mod names;
 mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod predictions;
 mod reader;
 mod row;
 mod screen;
@@ -54,7 +55,8 @@ pub use columns::{COLUMNS, Column, Need};
 pub use guard::panic_becomes_error;
 pub use input::LogSource;
 pub use options::{Hold, Options, Readings, Stays};
-pub use reader::{PostureReader, Summary};
+pub use predictions::{PREDICTED, PredictionWriter};
+pub use reader::{PostureReader, Summary, column_names};
 pub use row::{Row, Written};
 #[doc(hidden)]
 pub use screen::{Screen, Screening};

@@ -301,6 +301,15 @@ impl PostureReader {
     }
 }
 
+/// Names of a log's columns as they stand in it, also of a table that is no log.
+///
+/// # Errors
+/// Files that cannot be read or are no table.
+pub fn column_names(log: &LogSource) -> Result<Vec<String>, Error> {
+    let source = open_source(log, &[], &Options::default(), &Sidecar::default())?;
+    Ok(source.header().to_vec())
+}
+
 /// The right source for what `log` holds.
 fn open_source(
     log: &LogSource,

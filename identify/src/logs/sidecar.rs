@@ -27,6 +27,9 @@ const KEYS: [&str; 11] = [
     "columns",
 ];
 
+/// What the sidecar of a log that this library writes may say.
+const WRITTEN: [&str; 5] = ["robot", "support", "both_feet", "other_foot", "experiment"];
+
 /// No foot is so large: cells further out were hardly given in metres, m.
 const FOOT: f64 = 2.0;
 
@@ -141,6 +144,14 @@ impl Sidecar {
             }
             Err(source) => Err(Error::read(file, source)),
         }
+    }
+
+    /// Whether this may be the text of a sidecar that came with a log of
+    /// [`PostureWriter`](super::PostureWriter): it says nothing that only who recorded a log
+    /// knows, such as places of cells.
+    pub fn is_of_a_written_log(text: &str) -> bool {
+        let table = text.parse::<toml::Table>();
+        table.is_ok_and(|table| table.keys().all(|key| WRITTEN.contains(&key.as_str())))
     }
 
     pub(crate) fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), String> {

@@ -23,8 +23,11 @@ pub struct PostureWriter {
     text: Vec<u8>,
 }
 
-enum Sink {
+/// Where rows go, in the format that it was begun in.
+pub(super) enum Sink {
     Plain(NewFile),
+    /// CSV on a stream, which nobody renames.
+    Stream(Box<dyn Write + Send>),
     Packed(flate2::write::GzEncoder<NewFile>),
     #[cfg(feature = "parquet")]
     Parquet(super::parquet::ParquetSink),
@@ -39,14 +42,63 @@ impl PostureWriter {
     /// something else, folders that cannot be written to.
     pub fn create(path: &Path, dofs: &[Dof], columns: Written) -> Result<PostureWriter, Error> {
         check_joints(dofs).map_err(Error::request)?;
-        let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
         let header = header(dofs, columns);
-        let mut text = Vec::new();
-        for (k, name) in header.iter().enumerate() {
-            text.extend(if k > 0 { "," } else { "" }.bytes());
-            text.extend(quoted(name).bytes());
+        let sink = Sink::create(path, &header)?;
+        Ok(PostureWriter::into_sink(path, columns, sink))
+    }
+
+    /// Start a log of `dofs` as CSV on a stream; `name` stands for it in messages.
+    ///
+    /// # Errors
+    ///
+    /// Joints whose names a log cannot carry, a stream that takes nothing.
+    pub fn stream(
+        name: &str,
+        to: impl Write + Send + 'static,
+        dofs: &[Dof],
+        columns: Written,
+    ) -> Result<PostureWriter, Error> {
+        check_joints(dofs).map_err(Error::request)?;
+        let path = Path::new(name);
+        let sink = Sink::stream(path, Box::new(to), &header(dofs, columns))?;
+        Ok(PostureWriter::into_sink(path, columns, sink))
+    }
+
+    fn into_sink(path: &Path, columns: Written, sink: Sink) -> PostureWriter {
+        PostureWriter {
+            path: path.to_path_buf(),
+            columns,
+            sink,
+            text: Vec::new(),
         }
-        text.push(b'\n');
+    }
+
+    /// Append a row.
+    pub fn row(&mut self, row: &Row) -> Result<(), Error> {
+        self.sink.row(&self.path, row, self.columns, &mut self.text)
+    }
+
+    /// Complete the log and write its sidecar, whose path is given back; a log on a stream has
+    /// none.
+    pub fn finish(self, sidecar: &Sidecar) -> Result<Option<PathBuf>, Error> {
+        let text = toml::to_string(sidecar).map_err(Error::serialise)?;
+        let Some(log) = self.sink.finish(&self.path)? else {
+            return Ok(None);
+        };
+        let path = Sidecar::path(&self.path);
+        // The sidecar first: a log is never there without what it means.
+        files::finish_together(vec![files::begun(&path, &text)?, log])?;
+        Ok(Some(path))
+    }
+}
+
+impl Sink {
+    /// Start a table with the columns `header`, of which `support` alone has text.
+    ///
+    /// # Errors
+    /// Ends of names that stand for something else, folders that cannot be written to.
+    pub(super) fn create(path: &Path, header: &[String]) -> Result<Sink, Error> {
+        let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
         let mut sink = match end.to_ascii_lowercase().as_str() {
             "toml" => {
                 return Err(Error::request(format!(
@@ -67,8 +119,7 @@ impl PostureWriter {
             )),
             #[cfg(feature = "parquet")]
             "parquet" => {
-                let sink = super::parquet::ParquetSink::create(path, &header, columns.support)?;
-                Sink::Parquet(sink)
+                return super::parquet::ParquetSink::create(path, header).map(Sink::Parquet);
             }
             #[cfg(not(feature = "parquet"))]
             "parquet" => {
@@ -88,50 +139,62 @@ impl PostureWriter {
                 )));
             }
         };
-        sink.write(&text)
-            .map_err(|source| files::failed(path, source))?;
-        Ok(PostureWriter {
-            path: path.to_path_buf(),
-            columns,
-            sink,
-            text,
-        })
+        sink.begin(path, header)?;
+        Ok(sink)
     }
 
-    /// Append a row.
-    pub fn row(&mut self, row: &Row) -> Result<(), Error> {
+    /// Start a table as CSV on a stream; `name` stands for it in messages.
+    fn stream(name: &Path, to: Box<dyn Write + Send>, header: &[String]) -> Result<Sink, Error> {
+        let mut sink = Sink::Stream(to);
+        sink.begin(name, header)?;
+        Ok(sink)
+    }
+
+    /// Write the names of the columns.
+    fn begin(&mut self, path: &Path, header: &[String]) -> Result<(), Error> {
+        let names: Vec<String> = header.iter().map(|name| quoted(name)).collect();
+        let text = names.join(",") + "\n";
+        let written = self.write(text.as_bytes());
+        Ok(written.map_err(|source| files::failed(path, source))?)
+    }
+
+    /// Append a row; `text` is room for it.
+    pub(super) fn row(
+        &mut self,
+        path: &Path,
+        row: &Row,
+        columns: Written,
+        text: &mut Vec<u8>,
+    ) -> Result<(), Error> {
         #[cfg(feature = "parquet")]
-        if let Sink::Parquet(sink) = &mut self.sink {
-            return sink.row(row, self.columns);
+        if let Sink::Parquet(sink) = self {
+            return sink.row(row, columns);
         }
-        self.text.clear();
-        let failed = |source| files::failed(&self.path, source);
-        line(&mut self.text, row, self.columns).map_err(failed)?;
-        Ok(self.sink.write(&self.text).map_err(failed)?)
+        text.clear();
+        let failed = |source| files::failed(path, source);
+        line(text, row, columns).map_err(failed)?;
+        Ok(self.write(text).map_err(failed)?)
     }
 
-    /// Complete the log and write its sidecar, whose path is given back.
-    pub fn finish(self, sidecar: &Sidecar) -> Result<PathBuf, Error> {
-        let text = toml::to_string(sidecar).map_err(Error::serialise)?;
-        let log = match self.sink {
+    /// Write what is left; a file is yet to be moved to its place.
+    pub(super) fn finish(self, path: &Path) -> Result<Option<NewFile>, Error> {
+        let failed = |source| files::failed(path, source);
+        Ok(Some(match self {
             Sink::Plain(file) => file,
-            Sink::Packed(file) => file
-                .finish()
-                .map_err(|source| files::failed(&self.path, source))?,
+            Sink::Packed(file) => file.finish().map_err(failed)?,
             #[cfg(feature = "parquet")]
             Sink::Parquet(sink) => sink.finish()?,
-        };
-        let path = Sidecar::path(&self.path);
-        // The sidecar first: a log is never there without what it means.
-        files::finish_together(vec![files::begun(&path, &text)?, log])?;
-        Ok(path)
+            Sink::Stream(mut to) => {
+                to.flush().map_err(failed)?;
+                return Ok(None);
+            }
+        }))
     }
-}
 
-impl Sink {
     fn write(&mut self, text: &[u8]) -> std::io::Result<()> {
         match self {
             Sink::Plain(file) => file.write_all(text),
+            Sink::Stream(to) => to.write_all(text),
             Sink::Packed(file) => file.write_all(text),
             #[cfg(feature = "parquet")]
             Sink::Parquet(_) => Ok(()),

@@ -162,7 +162,7 @@ impl Plan {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(&self, mut log: PostureWriter) -> Result<PathBuf, Error> {
+    pub fn write(&self, mut log: PostureWriter) -> Result<Option<PathBuf>, Error> {
         let postures: Vec<&[f64]> = self.postures().collect();
         for k in self.rows() {
             log.row(&Row {

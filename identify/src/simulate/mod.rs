@@ -243,7 +243,26 @@ pub fn write(request: &Request, path: &Path, watch: &mut dyn Watch) -> Result<Pa
     let dofs = &request.model.tree.dofs;
     let mut log = PostureWriter::create(path, dofs, request.columns())?;
     request.run(watch, |row| log.row(row))?;
-    log.finish(&request.sidecar())
+    log.finish(&request.sidecar())?;
+    Ok(Sidecar::path(path))
+}
+
+/// Simulate a log of any length as CSV on a stream, which `name` stands for in messages; what
+/// its sidecar would say is left to the caller.
+///
+/// # Errors
+/// A request that makes no sense, a stream that takes nothing.
+pub fn stream(
+    request: &Request,
+    name: &str,
+    to: impl std::io::Write + Send + 'static,
+    watch: &mut dyn Watch,
+) -> Result<(), Error> {
+    request.check()?;
+    let dofs = &request.model.tree.dofs;
+    let mut log = PostureWriter::stream(name, to, dofs, request.columns())?;
+    request.run(watch, |row| log.row(row))?;
+    log.finish(&request.sidecar()).map(drop)
 }
 
 /// Seeded postures and noise; the same numbers on every machine.

@@ -4,6 +4,7 @@
 //! (`/dev/stdin`); what is written goes where its name leads. Both are compared as the
 //! system resolves them.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
@@ -28,7 +29,8 @@ use crate::Error;
 #[derive(Debug, Default)]
 pub struct Access {
     read: Vec<PathBuf>,
-    reserved: Vec<PathBuf>,
+    /// With what each is read as.
+    reserved: Vec<(PathBuf, &'static str)>,
     written: Vec<PathBuf>,
 }
 
@@ -41,10 +43,15 @@ impl Access {
     }
 
     /// Files that are read if they are there, and would be the next time: nothing may be
-    /// put in their places.
+    /// put in their places. `role` is what they are read as: "the sidecar of a log".
     #[must_use]
-    pub fn reserves<P: Into<PathBuf>>(mut self, paths: impl IntoIterator<Item = P>) -> Access {
-        self.reserved.extend(paths.into_iter().map(Into::into));
+    pub fn reserves<P: Into<PathBuf>>(
+        mut self,
+        paths: impl IntoIterator<Item = P>,
+        role: &'static str,
+    ) -> Access {
+        let paths = paths.into_iter().map(|path| (path.into(), role));
+        self.reserved.extend(paths);
         self
     }
 
@@ -69,26 +76,27 @@ impl Access {
             true => resolved(Path::new("/dev/stdin")),
             false => resolved(path),
         };
-        let read: Vec<PathBuf> = self.read.iter().map(input).filter(|p| p.exists()).collect();
-        let reserved: Vec<PathBuf> = self.reserved.iter().map(|p| resolved(p)).collect();
-        let mut taken: Vec<PathBuf> = Vec::new();
+        let read = self.read.iter().map(input);
+        let read: BTreeSet<PathBuf> = read.filter(|path| path.exists()).collect();
+        let reserved = self.reserved.iter();
+        let reserved: BTreeMap<_, _> = reserved.map(|(p, role)| (resolved(p), role)).collect();
+        let mut taken = BTreeSet::new();
         for path in &self.written {
             let place = resolved(path);
             let name = path.display();
             if read.contains(&place) {
                 return Err(format!("{name} is read here; give the output another name"));
             }
-            if reserved.contains(&place) {
+            if let Some(role) = reserved.get(&place) {
                 return Err(format!(
-                    "{name} is read here as the sidecar of a log; give the output another name"
+                    "{name} is read here as {role}; give the output another name"
                 ));
             }
-            if taken.contains(&place) {
+            if !taken.insert(place) {
                 return Err(format!(
                     "{name} is meant for two outputs; give each a name of its own"
                 ));
             }
-            taken.push(place);
         }
         Ok(())
     }

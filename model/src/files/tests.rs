@@ -188,7 +188,7 @@ fn what_is_read_and_what_is_written_are_compared_where_they_really_are() {
     fs::write(at("a.urdf"), "").unwrap();
     let check = |written: &[PathBuf]| {
         let access = Access::default().reads([at("a.urdf"), at("missing")]);
-        let access = access.reserves([at("l.csv.toml")]);
+        let access = access.reserves([at("l.csv.toml")], "the sidecar of a log");
         access.writes(written.iter().cloned()).check()
     };
     assert!(check(&[at("b.urdf"), at("missing")]).is_ok());

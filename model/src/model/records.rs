@@ -6,6 +6,7 @@ use crate::Error;
 use crate::effects::{Catalog, Effect, EffectContext, Instance, Stage};
 use crate::robot::Robot;
 use crate::text::listed;
+use crate::urdf::suggestion;
 
 impl EffectRecord {
     /// The effect at its target with its unknowns, or what is wrong and what to do.
@@ -13,15 +14,16 @@ impl EffectRecord {
         let name = &self.effect;
         let effect = context.catalog.named(name).ok_or_else(|| {
             let known: Vec<&str> = context.catalog.iter().map(|e| e.id().name()).collect();
+            let meant = suggestion(name, known.iter().copied());
             format!(
-                "effect `{name}` is not known; known are {}",
+                "effect `{name}` is not known; known are {}{meant}",
                 known.join(", ")
             )
         })?;
         let bad = |reason: String| format!("effect `{name}` of `{}`: {reason}", self.target);
         let target = context
             .target_named(effect, &self.target)
-            .ok_or_else(|| bad(no_target(effect, context)))?;
+            .ok_or_else(|| bad(no_target(effect, &self.target, context)))?;
         let parameters = effect.parameters(context, &target);
         let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
         let stray = |key: &&String| !names.contains(&key.as_str());
@@ -57,7 +59,7 @@ impl EffectRecord {
 /// Targets named in a message, at most.
 const NAMED: usize = 30;
 
-fn no_target(effect: &dyn Effect, context: &EffectContext) -> String {
+fn no_target(effect: &dyn Effect, wrong: &str, context: &EffectContext) -> String {
     let targets = effect.targets(context);
     match targets.is_empty() {
         true if effect.stage() == Stage::Cells => {
@@ -68,8 +70,10 @@ fn no_target(effect: &dyn Effect, context: &EffectContext) -> String {
         true => "no joint, link or cell of this robot can have this effect; remove it".to_string(),
         false => {
             let names = targets.iter().map(|target| context.name_of(target));
+            let names: Vec<String> = names.collect();
+            let meant = suggestion(wrong, names.iter().map(String::as_str));
             format!(
-                "no such target on this robot; it has {}",
+                "no such target on this robot; it has {}{meant}",
                 listed(names, NAMED)
             )
         }

@@ -64,6 +64,7 @@ pub use error::{Error, ErrorKind};
 use error::{directory, too_large, unreadable};
 #[doc(hidden)]
 pub use extent::{Extent, extents};
+pub use nearest::suggestion;
 pub use report::Complaint;
 use report::{Lines, Report};
 use source::Source;

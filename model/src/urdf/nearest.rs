@@ -21,6 +21,20 @@ pub(crate) fn suggest<'a>(
     nearest(wrong, owner, names).map(|name| format!("; did you mean {}?", shown(name)))
 }
 
+/// `; did you mean `elbow`?` for the end of a message about a name that does not exist, empty
+/// where none of `names` is close.
+///
+/// ```
+/// use sesc_model::urdf::suggestion;
+///
+/// let meant = suggestion("l_eblow", ["l_elbow", "l_wrist"]);
+/// assert_eq!(meant, "; did you mean `l_elbow`?");
+/// assert_eq!(suggestion("camera", ["l_elbow"]), "");
+/// ```
+pub fn suggestion<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    suggest(wrong, "", names.into_iter()).unwrap_or_default()
+}
+
 fn nearest<'a>(wrong: &str, owner: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let (wrong, letters) = folded(wrong);
     if letters == 0 || letters > LONGEST {

@@ -2,7 +2,7 @@
 //! with a link to its own page.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use minijinja::value::Serde;
 use minijinja::{Error, context};
@@ -61,8 +61,7 @@ pub fn pages(
     drawn: Option<&Skeleton>,
     (command, file): (&str, &str),
 ) -> Result<Pages, Error> {
-    let folder = Path::new(file).file_stem().unwrap_or_default();
-    let folder = folder.to_string_lossy().into_owned();
+    let folder = folder_of(Path::new(file));
     let mut robots: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     for row in &fleet.rows {
         robots.entry(&row.robot).or_default().push(row);
@@ -154,6 +153,18 @@ fn verdicts(rows: &[&Row]) -> String {
         .iter()
         .map(|(verdict, n)| format!("{verdict} on {}", count(*n, "day")));
     said.collect::<Vec<String>>().join(", ")
+}
+
+/// Where the page of a robot stands, if the fleet's is at `fleet`.
+pub fn page_of_robot(fleet: &Path, robot: &str) -> PathBuf {
+    let folder = fleet.with_file_name(folder_of(fleet));
+    folder.join(file_of(robot))
+}
+
+/// Name of the folder beside the page of the fleet.
+fn folder_of(fleet: &Path) -> String {
+    let name = fleet.file_stem().unwrap_or_default();
+    name.to_string_lossy().into_owned()
 }
 
 /// The name of a robot's file: letters, digits, `-`, `_` and `.` as they are, all else by its

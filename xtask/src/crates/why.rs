@@ -67,6 +67,7 @@ pub(super) const WHY: &[(&str, &str)] = &[
     ),
     ("syn", "generated Rust is parsed before it is printed"),
     ("tempfile", "folders of tests"),
+    ("terminal_size", "tables as wide as the terminal"),
     ("thiserror", "error enums with a sentence each"),
     ("toml", "model files, priors, settings and sidecars"),
     (

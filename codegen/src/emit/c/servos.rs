@@ -25,6 +25,7 @@ use crate::Error;
 use crate::error::Problem;
 use sesc_model::files;
 use sesc_model::tree::Dof;
+use sesc_model::urdf::suggestion;
 
 /// What a servo file says of one joint, or of all.
 ///
@@ -194,9 +195,10 @@ impl Servos {
     fn check_names(&self, joints: &[&str]) -> Result<(), Error> {
         let known = |name: &String| joints.contains(&name.as_str());
         if let Some(stray) = self.joints.keys().find(|name| !known(name)) {
+            let meant = suggestion(stray, joints.iter().copied());
             return Err(Problem::Servos {
                 reason: format!(
-                    "no joint `{stray}` to set a servo of; the robot has {}",
+                    "no joint `{stray}` to set a servo of; the robot has {}{meant}",
                     joints.join(", ")
                 ),
             }

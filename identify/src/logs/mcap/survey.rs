@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::io::Read;
 
 use sesc_model::tree::Dof;
+use sesc_model::urdf::suggestion;
 
 use super::cdr::JointState;
 use super::records::Records;
@@ -67,8 +68,10 @@ impl Survey {
             return Err(format!("no {STATE}; the topics are {}", all()));
         }
         if let (true, Some(topic), None) = (wanted, topic, &found) {
+            let topics = records.channels().map(|channel| channel.topic.as_str());
+            let meant = suggestion(topic, topics.filter(|other| *other != topic));
             return Err(format!(
-                "no CoP on topic `{topic}`; the topics are {}",
+                "no CoP on topic `{topic}`; the topics are {}{meant}",
                 all()
             ));
         }

@@ -33,7 +33,8 @@ pub(in crate::logs) struct ParquetSink {
 impl ParquetSink {
     /// Start a file with the columns `names`: `pose` whole, `support` text, the
     /// others numbers.
-    pub fn create(path: &Path, names: &[String], support: bool) -> Result<ParquetSink, Error> {
+    pub fn create(path: &Path, names: &[String]) -> Result<ParquetSink, Error> {
+        let support = names.iter().any(|name| name == SUPPORT);
         let failed = |error| unwritten(path, error);
         let kind = |name: &str| match name {
             POSE => Physical::INT64,

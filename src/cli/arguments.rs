@@ -1,0 +1,171 @@
+//! Options that commands share: the robot, how a log is read, what becomes of its rows.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::{Args, ValueEnum};
+use sesc_identify::feet::Feet;
+use sesc_identify::fit::MotionModel;
+use sesc_identify::fit::prior::PriorChoice;
+use sesc_identify::logs::{Angles, Stays};
+use sesc_identify::robot::Robot;
+use sesc_identify::stance::Stance;
+use sesc_model::{Model, ModelFile, Snapping};
+
+use super::{left_out, notes, units};
+use crate::Error;
+
+/// Whether the motion of the joints counts.
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub(super) enum Motion {
+    #[default]
+    Auto,
+    Off,
+}
+
+impl From<Motion> for MotionModel {
+    fn from(motion: Motion) -> MotionModel {
+        match motion {
+            Motion::Auto => MotionModel::Auto,
+            Motion::Off => MotionModel::Off,
+        }
+    }
+}
+
+/// How a log is read, and what is known before it.
+#[derive(Args)]
+pub(super) struct ReadingArguments {
+    /// Revolute joints are logged in degrees
+    #[arg(long)]
+    pub(super) degrees: bool,
+    /// Tolerances of CAD: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
+    /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise, and mass_kg; or what
+    /// `fleet --prior-out` wrote. Unless given, tight for diagnoses, and cad for `fit` and the
+    /// parameters of `fleet`
+    #[arg(long, value_name = "tight|cad|free|FILE")]
+    pub(super) prior: Option<String>,
+    /// Standard deviation of a single reading on one axis, m; from the log unless given
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::deviation_m)]
+    pub(super) noise: Option<f64>,
+    /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
+    /// those of standing postures
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) motion: Motion,
+}
+
+impl ReadingArguments {
+    pub(super) fn angles(&self) -> Option<Angles> {
+        self.degrees.then_some(Angles::Deg)
+    }
+
+    /// The prior that is named, or this one.
+    pub(super) fn prior_or(&self, usual: &str) -> PriorChoice {
+        PriorChoice::from(self.prior.as_deref().unwrap_or(usual))
+    }
+}
+
+/// How a log is diagnosed.
+#[derive(Args)]
+pub(super) struct DiagnosisArguments {
+    #[command(flatten)]
+    pub(super) reading: ReadingArguments,
+    /// Added to the noise in quadrature, m: what encoder ticks do
+    #[arg(
+        long,
+        value_name = "M",
+        default_value = "0.0001",
+        allow_negative_numbers = true, value_parser = units::deviation_m
+    )]
+    pub(super) floor: f64,
+}
+
+/// What becomes of rows in which the robot holds still.
+#[derive(Args)]
+pub(super) struct StaysArguments {
+    /// Take only rows of stays: stretches of at least so many seconds in which every joint is
+    /// slower than 0.02 rad/s; each is one posture. Recordings of ROS have 0.3 s unless given.
+    /// Else rows of a stay of a second are one posture where a log has `t` and no `pose`
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = units::stays)]
+    pub(super) settle: Option<Stays>,
+}
+
+impl From<&StaysArguments> for Stays {
+    fn from(arguments: &StaysArguments) -> Stays {
+        arguments.settle.unwrap_or_default()
+    }
+}
+
+/// Which feet are on the floor.
+#[derive(Args)]
+pub(super) struct FeetArguments {
+    /// Both soles are flat on one floor in every row (`both_feet` in the sidecar): joint offsets
+    /// show in how they lie. The CoP is that of both feet together
+    #[arg(long)]
+    pub(super) both_feet: bool,
+    /// The link that is the other sole (`other_foot` in the sidecar); by its name unless given
+    #[arg(long, value_name = "LINK")]
+    pub(super) other_foot: Option<String>,
+}
+
+impl From<&FeetArguments> for Feet {
+    fn from(arguments: &FeetArguments) -> Feet {
+        Feet {
+            both: arguments.both_feet.then_some(true),
+            other: arguments.other_foot.clone(),
+        }
+    }
+}
+
+/// The robot of a command.
+#[derive(Args)]
+pub(super) struct RobotArguments {
+    /// Robot description; `-` is standard input
+    #[arg(value_name = "URDF")]
+    pub(super) urdf: PathBuf,
+    #[command(flatten)]
+    pub(super) standing: StandingArguments,
+}
+
+/// What the robot stands on, and how its right angles are read.
+#[derive(Args)]
+pub(super) struct StandingArguments {
+    /// Link that stands on the ground; its sole is z = 0 of its frame. Parameters are those of
+    /// this link, and rows of a log stand on it unless a column `support` says otherwise
+    #[arg(long, value_name = "LINK")]
+    pub(super) support: Option<String>,
+    /// Take decimals of right angles (1.5708) literally
+    #[arg(long)]
+    pub(super) no_snap: bool,
+}
+
+impl StandingArguments {
+    pub(super) fn snapping(&self) -> Snapping {
+        if self.no_snap {
+            Snapping::Off
+        } else {
+            Snapping::default()
+        }
+    }
+}
+
+impl RobotArguments {
+    /// The robot, with the parameters of a model file if one is given.
+    pub(super) fn stance(&self, model_file: Option<&Path>) -> Result<Stance, Error> {
+        let mut stance = Stance::new(Robot::read(&self.urdf)?);
+        stance.support.clone_from(&self.standing.support);
+        stance.snapping = self.standing.snapping();
+        Ok(match model_file {
+            Some(path) => stance.with_parameters(ModelFile::read(path)?)?,
+            None => stance,
+        })
+    }
+
+    /// Read the robot and build its model, saying on stderr what was noticed.
+    pub(super) fn load(&self, model_file: Option<&Path>) -> Result<(Arc<Robot>, Model), Error> {
+        let stance = self.stance(model_file)?;
+        let model = stance.model()?;
+        notes(&model);
+        left_out(&model);
+        Ok((stance.robot, model))
+    }
+}
