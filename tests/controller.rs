@@ -43,12 +43,19 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
-/// The module that `build.rs` wrote, and when.
+/// The module that the controller's `build.rs` wrote, and when; other crates share the folder.
 fn module() -> (PathBuf, std::time::SystemTime) {
     let builds = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller-target/debug/build");
     let mut found: Vec<_> = fs::read_dir(builds)
         .unwrap()
-        .map(|entry| entry.unwrap().path().join("out/op2_r_sole.rs"))
+        .map(|entry| entry.unwrap())
+        .filter(|entry| {
+            entry
+                .file_name()
+                .to_string_lossy()
+                .starts_with("controller-")
+        })
+        .map(|entry| entry.path().join("out/op2_r_sole.rs"))
         .filter(|path| path.exists())
         .map(|path| (fs::metadata(&path).unwrap().modified().unwrap(), path))
         .collect();
