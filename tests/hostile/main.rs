@@ -3,7 +3,9 @@
 mod cells;
 mod changes;
 mod faults;
+mod formats;
 mod kills;
+mod memory;
 mod names;
 mod overwrites;
 mod sizes;
