@@ -2,6 +2,7 @@
 
 mod cells;
 mod changes;
+mod composed;
 mod faults;
 mod formats;
 mod kills;
