@@ -74,6 +74,7 @@ pub struct Rank {
 /// What numeric ranks say of those by structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum RankCheck {
     /// They are the same.
     Agrees,
