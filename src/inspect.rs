@@ -14,6 +14,8 @@ use sesc_identify::evaluate::Evaluator;
 
 /// Pivots below this, relative to the largest, count as dependent columns.
 const RANK_TOLERANCE: f64 = 1e-12;
+/// Pivots tell a rank if the last one that counts is so many times the next one.
+const GAP: f64 = 1e3;
 
 /// The JSON of `sesc inspect`.
 #[derive(Debug, Clone, Serialize)]
@@ -38,8 +40,10 @@ pub struct Inspection {
     pub base_params: usize,
     /// Ranks of the regressors by structure.
     pub rank: Rank,
-    /// The same ranks found numerically; they must agree.
+    /// The same ranks found numerically.
     pub numeric_rank: Rank,
+    /// What the numeric ranks say of the structural ones.
+    pub rank_check: RankCheck,
     /// Independent joints, in the order of `q`.
     pub joints: Vec<String>,
     /// Bodies, outward from the support.
@@ -65,6 +69,19 @@ pub struct Rank {
     pub xyz: usize,
     /// From flat CoP rows.
     pub cop: usize,
+}
+
+/// What numeric ranks say of those by structure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum RankCheck {
+    /// They are the same.
+    Agrees,
+    /// Pivots shrink without a gap: they tell no rank.
+    Undecided,
+    /// They are others.
+    Contradicts,
 }
 
 /// One body of the chain.
@@ -129,6 +146,7 @@ pub fn inspect(model: &Model) -> Inspection {
             },
         );
     }
+    let (numeric_rank, rank_check) = numeric_rank(model);
     Inspection {
         robot: tree.robot.clone(),
         hash: tree.hash.clone(),
@@ -143,7 +161,8 @@ pub fn inspect(model: &Model) -> Inspection {
             xyz: base.params.len(),
             cop: base.rank_cop,
         },
-        numeric_rank: numeric_rank(model),
+        numeric_rank,
+        rank_check,
         joints: tree.dofs.iter().map(|dof| dof.joint.clone()).collect(),
         chain: bodies(model),
         parameters: base
@@ -186,17 +205,50 @@ fn bodies(model: &Model) -> Vec<Body> {
     chain.bodies.iter().enumerate().map(body).collect()
 }
 
-/// Ranks of the regressor the program computes, over enough wide postures.
-pub fn numeric_rank(model: &Model) -> Rank {
+/// Ranks of the regressor the program computes, over enough wide postures, and what they say
+/// of the ranks by structure.
+pub fn numeric_rank(model: &Model) -> (Rank, RankCheck) {
     let params = model.base.params.len();
-    let rank = |function, rows: usize| {
+    let pivots = |function, rows: usize| {
         let count = 4 * params / rows + 30;
         let q = numeric::wide_postures(&model.chain, &model.tree.dofs, count).concat();
         let values = Evaluator::new(model, function).run(&q, count);
-        numeric::rank(&values, params, RANK_TOLERANCE)
+        numeric::pivots(&values, params)
     };
-    Rank {
-        xyz: rank(Function::Regressor, 3),
-        cop: rank(Function::RegressorCop, 2),
+    let (xyz, xyz_check) = counted(&pivots(Function::Regressor, 3), params);
+    let (cop, cop_check) = counted(&pivots(Function::RegressorCop, 2), model.base.rank_cop);
+    (Rank { xyz, cop }, xyz_check.max(cop_check))
+}
+
+/// Pivots above the tolerance, and whether there are `expected` ones. Pivots that shrink to the
+/// tolerance without a gap, as those of hundreds of joints that follow one, tell no rank.
+fn counted(pivots: &[f64], expected: usize) -> (usize, RankCheck) {
+    let rank = pivots.iter().filter(|&&p| p > RANK_TOLERANCE).count();
+    let last = rank.checked_sub(1).map_or(1.0, |k| pivots[k]);
+    let next = pivots.get(rank).copied().unwrap_or(0.0);
+    let check = match rank == expected {
+        true => RankCheck::Agrees,
+        false if last <= GAP * next => RankCheck::Undecided,
+        false => RankCheck::Contradicts,
+    };
+    (rank, check)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pivots_contradict_a_count_only_where_they_have_a_gap() {
+        let clear = [1.0, 0.5, 1e-3, 1e-16];
+        assert_eq!(counted(&clear, 3), (3, RankCheck::Agrees));
+        assert_eq!(counted(&clear, 4), (3, RankCheck::Contradicts));
+        assert_eq!(counted(&clear, 2), (3, RankCheck::Contradicts));
+        assert_eq!(counted(&clear[..3], 4), (3, RankCheck::Contradicts));
+        let smooth: Vec<f64> = (0..20).map(|k| 10_f64.powi(-k)).collect();
+        let (rank, check) = counted(&smooth, 16);
+        assert_eq!((rank < 16, check), (true, RankCheck::Undecided));
+        assert_eq!(counted(&[], 0), (0, RankCheck::Agrees));
+        assert_eq!(counted(&[], 1), (0, RankCheck::Contradicts));
     }
 }

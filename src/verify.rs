@@ -52,6 +52,10 @@ pub struct Verification {
     pub worst_error: BTreeMap<String, f64>,
     /// What rounding, snapping and springs may explain, in the same units.
     pub bound: BTreeMap<String, f64>,
+    /// Functions whose bound is so wide that keeping it verifies nothing.
+    pub beyond_use: Vec<String>,
+    /// The widest bound of use, m: [`USEFUL`] of the robot's reach; without what springs explain.
+    pub widest_of_use: f64,
     /// Those units; m of regressor rows.
     #[serde(skip)]
     pub units: BTreeMap<String, &'static str>,
@@ -98,6 +102,8 @@ pub fn verify(
     let allowed_for_springs = bent.as_ref().map_or(0.0, Bent::allowed_for_springs);
     let mut left_out: f64 = 0.0;
     let mut settled = true;
+    let widest_of_use = USEFUL * model.reach().max(model.extent()).max(LEAST_REACH_M);
+    let mut beyond_use = Vec::new();
     let mut worst: BTreeMap<String, f64> = BTreeMap::new();
     let mut bound: BTreeMap<String, f64> = BTreeMap::new();
     let mut units: BTreeMap<String, &str> = BTreeMap::new();
@@ -116,11 +122,14 @@ pub fn verify(
                 let own = own.then(|| beyond_rounding(model, function, allowed_for_springs));
                 let allowed = match allowed(&decided, function, given) {
                     infinite if own.is_some() && infinite.is_infinite() => {
-                        UNPROVEN_M * magnified(model) + own.unwrap_or(0.0)
+                        UNPROVEN_M * magnified(model)
                     }
-                    proven => proven + own.unwrap_or(0.0),
+                    proven => proven,
                 };
-                bound.insert(name.clone(), allowed);
+                if allowed.is_nan() || allowed > widest_of_use * magnified(model).max(1.0) {
+                    beyond_use.push(name.clone());
+                }
+                bound.insert(name.clone(), allowed + own.unwrap_or(0.0));
                 // Rows are compared by the CoM that they give.
                 let unit = Some(function.error_unit()).filter(|unit| !unit.is_empty());
                 units.insert(name.clone(), unit.unwrap_or("m"));
@@ -172,7 +181,12 @@ pub fn verify(
     }
     Ok(Verification {
         // Nothing compared is nothing verified.
-        pass: count > 0 && settled && worst.iter().all(|(name, error)| holds(*error, bound[name])),
+        pass: count > 0
+            && settled
+            && beyond_use.is_empty()
+            && worst.iter().all(|(name, error)| holds(*error, bound[name])),
+        beyond_use,
+        widest_of_use,
         samples: count,
         undecided,
         springs_left_out: left_out,
@@ -181,6 +195,12 @@ pub fn verify(
         units,
     })
 }
+
+/// Part of the robot's reach from which on a bound is too wide to verify anything.
+pub const USEFUL: f64 = 1e-3;
+
+/// Reach that a robot is taken to have at least, m.
+const LEAST_REACH_M: f64 = 1e-3;
 
 /// What is allowed where an effect of the model file divides or takes powers, so that no
 /// bound is proven, m.

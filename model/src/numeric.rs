@@ -114,16 +114,19 @@ fn primes() -> impl Iterator<Item = usize> {
     (2..).filter(|&n: &usize| (2..).take_while(|d| d * d <= n).all(|d| n % d != 0))
 }
 
-/// Numeric rank of a matrix of `columns` columns, given row by row, by QR with column
-/// pivoting, relative to the largest pivot.
-pub fn rank(rows: &[f64], columns: usize, tolerance: f64) -> usize {
+/// Pivots of a matrix of `columns` columns, given row by row, by QR with column pivoting,
+/// relative to the largest one: as many as are above a tolerance are its numeric rank.
+pub fn pivots(rows: &[f64], columns: usize) -> Vec<f64> {
     let rows = DMatrix::from_row_slice(rows.len() / columns.max(1), columns, rows);
     if rows.is_empty() {
-        return 0;
+        return Vec::new();
     }
     let r = rows.col_piv_qr().unpack_r();
     let largest = r[(0, 0)].abs();
+    if largest == 0.0 {
+        return Vec::new();
+    }
     (0..r.nrows().min(r.ncols()))
-        .filter(|&k| r[(k, k)].abs() > tolerance * largest)
-        .count()
+        .map(|k| r[(k, k)].abs() / largest)
+        .collect()
 }

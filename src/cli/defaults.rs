@@ -17,12 +17,16 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, CommandFactory as _};
 use sesc_identify::logs::Sidecar;
 use sesc_model::files;
+use sesc_model::text::shortened;
 
 use super::Cli;
 use crate::Error;
 
 /// The file's name.
 pub(super) const FILE: &str = "sesc.toml";
+
+/// The newest format of the file that is read.
+const FORMAT: u32 = 1;
 
 /// What a key's value is.
 #[derive(Clone, Copy, PartialEq)]
@@ -74,7 +78,7 @@ pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Str
     let known: Vec<&str> = KEYS.iter().map(|(key, _)| *key).collect();
     if let Some(unknown) = table.keys().find(|key| !known.contains(&key.as_str())) {
         let remedy = format!("no such key; the keys are {}", known.join(", "));
-        return Err(wrong(&file, unknown, &remedy));
+        return Err(wrong(&file, &shortened(unknown, 64), &remedy));
     }
     let folder = file.parent().unwrap_or(Path::new(""));
     let mut given = Vec::new();
@@ -119,12 +123,9 @@ fn read(file: &Path) -> Result<Option<toml::Table>, Error> {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(Error::Usage(format!("{}: {error}", file.display()))),
     };
-    match text.parse() {
+    match files::parse_toml(&text, FORMAT) {
         Ok(table) => Ok(Some(table)),
-        Err(error) => {
-            let error = format!("{}: {error}", file.display());
-            Err(Error::Usage(error.trim_end().to_string()))
-        }
+        Err(error) => Err(Error::Usage(format!("{}: {error}", file.display()))),
     }
 }
 

@@ -2,8 +2,11 @@
 
 mod cells;
 mod changes;
+mod composed;
 mod faults;
+mod formats;
 mod kills;
+mod memory;
 mod names;
 mod overwrites;
 mod sizes;

@@ -140,7 +140,7 @@ fn escaped(name: &str) -> String {
 }
 
 /// A robot called `robot` that stands on a link called so, too, with a joint for each name.
-fn robot(robot: &str, joints: &[String]) -> String {
+pub(super) fn robot(robot: &str, joints: &[String]) -> String {
     let support = escaped(robot);
     let mut out = format!("<robot name=\"{support}\"><link name=\"{support}\"/>");
     let mut parent = support;
@@ -166,7 +166,7 @@ fn robot(robot: &str, joints: &[String]) -> String {
     out + "</robot>"
 }
 
-fn run(program: &str, arguments: &[&str], folder: &Path) {
+pub(super) fn run(program: &str, arguments: &[&str], folder: &Path) {
     let mut command = Command::new(program);
     command.args(arguments).current_dir(folder);
     let output = command.output().unwrap();

@@ -123,7 +123,7 @@ fn recordings_with_endless_names_are_refused() {
 }
 
 /// A robot of `n` links in a row, each joint after the first a mimic of it if `tied`.
-fn chain(n: usize, tied: bool) -> String {
+pub(super) fn chain(n: usize, tied: bool) -> String {
     let mut out = String::from("<robot name='chain'><link name='l0'/>");
     for k in 1..=n {
         let mimic = match tied && k > 1 {

@@ -120,33 +120,70 @@ fn a_value_beyond_every_sensor_is_refused_with_line_and_column() {
     }
 }
 
-/// One outlier, one row again and again: nothing that a fit or a diagnosis dies of.
+/// Ways to fit and to diagnose.
+const WAYS: [&[&str]; 5] = [
+    &["fit", "--robust", "tukey"],
+    &["fit", "--robust", "huber"],
+    &["fit", "--prior", "free", "--physical"],
+    &["diagnose", "--prior", "free"],
+    &["diagnose"],
+];
+
+/// One way on a log of the OP2.
+fn evaluated(way: &[&str], log: &str) -> Output {
+    let urdf = op2();
+    let rest = [
+        urdf.as_str(),
+        "--support",
+        "r_sole",
+        "--data",
+        log,
+        "--json",
+    ];
+    soon(&[&way[..1], &rest, &way[1..]].concat())
+}
+
+/// A reading 100 m away is named, left out, and does not spoil the rest.
 #[test]
-fn odd_logs_are_answered() {
+fn one_outlier_is_named_and_left_out() {
     let folder = folder();
     let lines = log(folder.path());
-    let outlier = changed(&lines, "cop_x", "100", false);
-    let again: String = (0..61).map(|k| lines[k.min(1)].clone() + "\n").collect();
-    for text in [outlier, again] {
-        let log = write(folder.path(), "log.csv", text);
-        for options in [
-            &["fit", "--robust", "tukey"][..],
-            &["fit", "--robust", "huber"],
-            &["fit", "--prior", "free", "--physical"],
-            &["diagnose", "--prior", "free"],
-            &["diagnose"],
-        ] {
-            let urdf = op2();
-            let rest = [urdf.as_str(), "--support", "r_sole", "--data", &log];
-            let output = soon(&[&options[..1], &rest, &options[1..]].concat());
-            let message = String::from_utf8_lossy(&output.stderr);
-            assert!(
-                matches!(output.status.code(), Some(0..=2)),
-                "{options:?}: {message}"
-            );
-            assert!(!String::from_utf8_lossy(&output.stdout).contains("NaN"));
+    let text = changed(&lines, "cop_x", "100", false);
+    let log = write(folder.path(), "log.csv", text);
+    for way in WAYS {
+        let answer = stdout(&evaluated(way, &log));
+        assert!(answer.contains("cop_outside_sole"), "{way:?}: {answer}");
+        assert!(!answer.contains("NaN"), "{way:?}");
+    }
+}
+
+/// One row, or two, again and again are no data: nothing is left to tell the noise by, and
+/// what a fit says of itself would be perfect.
+#[test]
+fn copies_of_one_reading_are_refused() {
+    let folder = folder();
+    let mut lines = log(folder.path());
+    let out = folder.path().join("model.toml").display().to_string();
+    for stated in [true, false] {
+        if !stated {
+            // Without the columns of deviations, which stand last.
+            let until = lines[0].find(",cop_x_std").unwrap();
+            let columns = lines[0][..until].split(',').count();
+            for line in &mut lines {
+                *line = line.split(',').take(columns).collect::<Vec<_>>().join(",");
+            }
+        }
+        for distinct in [1, 2] {
+            let row = |k: usize| lines[if k == 0 { 0 } else { 1 + k % distinct }].clone();
+            let text: String = (0..61).map(|k| row(k) + "\n").collect();
+            let log = write(folder.path(), "log.csv", text);
+            for way in WAYS {
+                let way = [way, &["--out", &out]].concat();
+                refused(&evaluated(&way, &log), &["log.csv", "60 rows are copies"]);
+            }
         }
     }
+    assert!(!Path::new(&out).exists());
 }
 
 #[test]
@@ -257,6 +294,51 @@ fn mimics_beyond_every_gear_are_refused() {
     stdout(&sesc(&["inspect", &urdf, "--support", "foot"]));
 }
 
+/// A gear of 9000 is none that double precision follows: agreement within metres verifies nothing.
+#[test]
+fn verify_fails_where_a_bound_is_beyond_use() {
+    let folder = folder();
+    let robot = |factor: &str| {
+        let mimic = format!("<mimic joint='j1' multiplier='{factor}'/>");
+        let text = tied(&mimic).replace("multiplier='3e3'", "multiplier='1'");
+        write(folder.path(), "r.urdf", text)
+    };
+    let verify = |urdf: &str| {
+        let samples = ["--samples", "20", "--json"];
+        soon(&[&["verify", urdf, "--support", "foot"][..], &samples].concat())
+    };
+    let wide = robot("9e3");
+    let output = verify(&wide);
+    assert_eq!(output.status.code(), Some(1));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["pass"], false);
+    let beyond = json["beyond_use"].as_array().unwrap();
+    assert!(beyond.contains(&"zmp".into()), "{beyond:?}");
+    let table = sesc(&["verify", &wide, "--support", "foot", "--samples", "20"]);
+    let table = String::from_utf8_lossy(&table.stdout);
+    assert!(table.contains("thousandth of the robot's reach"), "{table}");
+    let json: serde_json::Value = serde_json::from_str(&stdout(&verify(&robot("3")))).unwrap();
+    assert_eq!(json["pass"], true);
+    assert_eq!(json["beyond_use"].as_array().unwrap().len(), 0);
+}
+
+/// Hundreds of joints that follow one: numbers cannot tell the rank, and that is what is said.
+#[test]
+fn inspect_says_where_numbers_tell_no_rank() {
+    let folder = folder();
+    let urdf = write(folder.path(), "r.urdf", super::sizes::chain(200, true));
+    let output = soon(&["inspect", &urdf, "--support", "l0", "--json"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    match json["rank"] == json["numeric_rank"] {
+        true => assert_eq!(json["rank_check"], "agrees"),
+        false => {
+            assert_eq!(json["rank_check"], "undecided");
+            assert!(said.contains("without a gap"), "{said}");
+        }
+    }
+}
+
 /// Effects that no robot has give neither numbers nor code.
 #[test]
 fn model_files_with_absurd_values_are_refused() {
@@ -305,22 +387,30 @@ fn model_files_with_absurd_values_are_refused() {
 #[test]
 fn angles_beyond_all_turns_and_robots_of_no_weight_are_refused() {
     let folder = folder();
-    let of = |rpy: &str, mass: &str| {
+    let of = |rpy: &str, mass: &str, inertia: &str| {
         format!(
             "<robot name='r'><link name='foot'/><link name='a'><inertial><mass value='{mass}'/>\
-             </inertial></link><joint name='j' type='revolute'><parent link='foot'/><child \
+             <inertia ixx='1' iyy='{inertia}' izz='1'/></inertial></link><joint name='j' type='revolute'><parent link='foot'/><child \
              link='a'/><origin rpy='{rpy} 0 0'/><axis xyz='0 1 0'/><limit lower='-1' upper='1'/>\
              </joint></robot>"
         )
     };
     for (urdf, word) in [
-        (of("1e17", "1"), "whole turns"),
-        (of("0", "1e-310"), "no mass"),
+        (of("1e17", "1", "1"), "whole turns"),
+        (of("0", "1e-310", "1"), "no mass"),
+        (of("0", "1e308", "1"), "give it in kg"),
+        (of("0", "1", "1e308"), "inertia iyy is 1e308 kg m²"),
+        (of("0", "1", "-1e16"), "inertia iyy is -1e16 kg m²"),
     ] {
         let urdf = write(folder.path(), "r.urdf", urdf);
         for command in ["verify", "inspect"] {
             refused(&sesc(&[command, &urdf, "--support", "foot"]), &[word]);
         }
+        let out = folder.path().join("out").display().to_string();
+        refused(
+            &sesc(&["generate", &urdf, "--support", "foot", "--out", &out]),
+            &[word],
+        );
     }
 }
 

@@ -26,8 +26,27 @@ const SAMPLE: usize = 100_000;
 const ROUNDS: usize = 20;
 /// Rows beyond the parameters that finding outliers needs.
 const FEWEST: f64 = 10.0;
+/// Part of the readings that reweighting leaves at least. The scale comes from the median, so
+/// that half of sound readings keep nearly all their weight.
+const LEAST_LEFT: f64 = 0.25;
 /// Change of predicted readings at which reweighting ends, in units of their scale.
 const SETTLED: f64 = 1e-4;
+
+/// Whether every pass read the same bytes.
+///
+/// # Errors
+/// Names a log that changed between two passes.
+fn check_unchanged(before: &[LogUsed], now: &[LogUsed]) -> Result<(), Error> {
+    let differs = |(one, other): &(&LogUsed, &LogUsed)| one.hash != other.hash;
+    match before.iter().zip(now).find(differs) {
+        Some((log, _)) => Err(Error::log(
+            log.file.clone(),
+            None,
+            "it changed while it was read; wait until it is written, and fit again",
+        )),
+        None => Ok(()),
+    }
+}
 
 /// Logs of one robot.
 pub struct Logs<'r> {
@@ -103,7 +122,23 @@ impl<'r> Logs<'r> {
             let scale = if stated { seen.max(1.0) } else { seen };
             let robust = Robust { loss, scale };
             let weights = Some((&robust, &params));
+            let before = gathered.logs;
             gathered = self.pass(&mut measurement, &timings, weights, "reweighting", watch)?;
+            check_unchanged(&before, &gathered.logs)?;
+            let left = gathered.trusted / gathered.readings.max(1) as f64;
+            if !(left >= LEAST_LEFT) {
+                let few = format!(
+                    ": it leaves {:.0} % of {} readings, so that they are not readings with \
+                     outliers; look at the log, or fit without ",
+                    100.0 * left,
+                    gathered.readings
+                );
+                return Err(Error::request(message![
+                    Setting::Robust,
+                    few,
+                    Setting::Robust
+                ]));
+            }
             let whole = gathered.together();
             let next = whole.solve(scale, &cad, prior.as_ref());
             let r = whole.weighted.r();

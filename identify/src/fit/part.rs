@@ -111,7 +111,7 @@ impl Part {
     /// When it cannot be read, is no factor file, or is damaged.
     pub fn read(path: &Path) -> Result<Part, Error> {
         let file = path.display().to_string();
-        let bytes = files::read_bytes(path, files::SUMS)
+        let bytes = files::read_bytes(path, files::PART)
             .map_err(|source| Error::read(file.clone(), source))?;
         Part::from_bytes(&bytes, &file)
     }

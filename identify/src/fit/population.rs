@@ -8,10 +8,14 @@
 //! The file is TOML: a table `population` with `urdf_hash`, `support`, `robots`, `names`, `mean`
 //! (m) and `covariance` (m², row by row).
 
-use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
-use sesc_model::Model;
+use std::collections::BTreeMap;
 
+use nalgebra::{DMatrix, DVector};
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
+use sesc_model::{Model, files};
+
+use super::prior::FORMAT;
 use crate::Error;
 
 /// Eigenvalues below this, relative to the largest, are rounding.
@@ -43,9 +47,14 @@ struct File<T> {
 }
 
 impl Population {
-    /// Whether a text is a file of a population, and not of tolerances.
-    pub(super) fn is_in(text: &toml::Table) -> bool {
-        text.contains_key("population")
+    /// Whether the text of `file` is that of a population, and not of tolerances.
+    ///
+    /// # Errors
+    /// When it is no TOML, or of a newer format.
+    pub(super) fn is_in(text: &str, file: &str) -> Result<bool, Error> {
+        let keys: BTreeMap<String, IgnoredAny> =
+            files::parse_toml(text, FORMAT).map_err(|reason| Error::prior(file, reason))?;
+        Ok(keys.contains_key("population"))
     }
 
     /// Read the text of `file`.
@@ -54,8 +63,7 @@ impl Population {
     /// When it is no population, or that of another robot or support than `model`'s.
     pub(super) fn read(text: &str, file: &str, model: &Model) -> Result<Population, Error> {
         let bad = |reason: String| Error::prior(file, reason);
-        let found: File<Population> =
-            toml::from_str(text).map_err(|error| bad(error.to_string()))?;
+        let found: File<Population> = files::parse_toml(text, FORMAT).map_err(bad)?;
         let found = found.population;
         let support = &model.tree.links[model.tree.support].name;
         if (&found.urdf_hash, &found.support) != (&model.tree.hash, support) {

@@ -21,6 +21,7 @@ use sesc_model::text::listed;
 use sesc_model::urdf::suggestion;
 
 use super::population::Population;
+use crate::logs::names::short;
 use crate::svd::svd;
 use crate::{Error, Setting, message};
 
@@ -48,6 +49,9 @@ pub struct Tolerances {
     #[serde(default)]
     pub links: BTreeMap<String, Tolerance>,
 }
+
+/// The newest format of files of tolerances and populations that is read.
+pub(super) const FORMAT: u32 = 1;
 
 /// What is known before the data.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,14 +135,12 @@ impl Prior {
 
     fn read(path: &Path, model: &Model) -> Result<Prior, Error> {
         let file = path.display().to_string();
-        let text = files::read_text(path, files::SETTINGS).map_err(|source| {
+        let text = files::read_text(path, files::MODEL).map_err(|source| {
             let source = format!("{source}; ");
             let message = message![source, Setting::Prior, " takes tight, cad, free or a file"];
             Error::prior(&file, message)
         })?;
-        let table: toml::Table =
-            toml::from_str(&text).map_err(|error| Error::prior(&file, error.to_string()))?;
-        match Population::is_in(&table) {
+        match Population::is_in(&text, &file)? {
             true => Population::read(&text, &file, model)
                 .map(|found| Prior::Population(Box::new(found))),
             false => Tolerances::read(&text, &file, model).map(Prior::Cad),
@@ -221,8 +223,7 @@ impl Tolerances {
 
     fn read(text: &str, file: &str, model: &Model) -> Result<Tolerances, Error> {
         let bad = |reason: String| Error::prior(file, reason);
-        let tolerances: Tolerances =
-            toml::from_str(text).map_err(|error| bad(error.to_string()))?;
+        let tolerances: Tolerances = files::parse_toml(text, FORMAT).map_err(bad)?;
         let names = || model.tree.links.iter().map(|link| link.name.as_str());
         if let Some(stray) = tolerances
             .links
@@ -231,8 +232,9 @@ impl Tolerances {
         {
             let meant = suggestion(stray, names());
             return Err(bad(format!(
-                "no link `{stray}`; the robot has {}{meant}",
-                listed(names(), 12)
+                "no link `{}`; the robot has {}{meant}",
+                short(stray),
+                listed(names().map(short), 12)
             )));
         }
         let all = tolerances.links.iter().map(|(name, t)| (name.as_str(), t));
@@ -240,7 +242,7 @@ impl Tolerances {
             for value in [t.mass, t.com, t.mass_kg].into_iter().flatten() {
                 if !(value.is_finite() && value >= 0.0) {
                     return Err(bad(format!(
-                        "`{name}`: a tolerance of {value}; zero or more"
+                        "`{name}`: a tolerance of {value:?}; zero or more"
                     )));
                 }
             }

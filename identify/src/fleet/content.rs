@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 
 use sesc_model::files;
+use sesc_model::text::visible;
 
 use super::disk::{Disk, read_text};
 use crate::Error;
@@ -107,7 +108,7 @@ pub(super) fn read_sidecar(disk: &dyn Disk, log: &Path) -> Result<String, Error>
 
 fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default();
-    name.to_string_lossy().into_owned()
+    visible(&name.to_string_lossy())
 }
 
 /// Logs, or what they hold, sorted by it, each once. Of two with the same bytes the one with a

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+use sesc_model::text::visible;
 
 use super::manifest::Input;
 
@@ -23,7 +24,8 @@ pub struct Group {
     pub support: Option<String>,
 }
 
-/// The groups of all inputs, sorted by robot, day and URDF.
+/// The groups of all inputs, sorted by robot, day and URDF. What a terminal would obey in the
+/// name of a folder is spelled out (`\u{1b}`), for the name goes into tables and pages.
 ///
 /// ```
 /// use sesc_identify::fleet::{groups, inputs};
@@ -49,7 +51,7 @@ pub fn groups(inputs: &[Input]) -> Vec<Group> {
             urdf,
             support,
         } = input.clone();
-        let key = (robot, day, urdf, support);
+        let key = (visible(&robot), visible(&day), urdf, support);
         found.entry(key).or_default().push(path);
     }
     let group = |((robot, day, urdf, support), mut logs): (_, Vec<PathBuf>)| {
@@ -64,4 +66,30 @@ pub fn groups(inputs: &[Input]) -> Vec<Group> {
         }
     };
     found.into_iter().map(group).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_folders_tell_a_terminal_nothing() {
+        let input = |robot: &str, day: &str| Input {
+            path: PathBuf::from(format!("{robot}/{day}.csv")),
+            robot: robot.to_string(),
+            day: day.to_string(),
+            urdf: None,
+            support: None,
+        };
+        let found = groups(&[input("r\u{1b}]0;owned\u{7}", "mon\nday"), input("r17", "")]);
+        let names: Vec<_> = found.iter().map(|g| (&*g.robot, &*g.day)).collect();
+        assert_eq!(
+            names,
+            [("r\\u{1b}]0;owned\\u{7}", "mon\\u{a}day"), ("r17", "")]
+        );
+        assert_eq!(
+            found[0].logs,
+            [input("r\u{1b}]0;owned\u{7}", "mon\nday").path]
+        );
+    }
 }

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sesc_model::files;
 
@@ -29,6 +30,10 @@ const KEYS: [&str; 11] = [
 
 /// What the sidecar of a log that this library writes may say.
 const WRITTEN: [&str; 5] = ["robot", "support", "both_feet", "other_foot", "experiment"];
+/// The newest format of sidecars that is read.
+const FORMAT: u32 = 1;
+/// Unknown keys that are named, at most.
+const WARNED: usize = 12;
 
 /// No foot is so large: cells further out were hardly given in metres, m.
 const FOOT: f64 = 2.0;
@@ -155,24 +160,21 @@ impl Sidecar {
     }
 
     pub(crate) fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), String> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut table: toml::Table = toml::from_str(text).map_err(|error| error.to_string())?;
+        let keys: BTreeMap<String, IgnoredAny> = files::parse_toml(text, FORMAT)?;
+        let unknown: Vec<&String> = keys.keys().filter(|key| !KEYS.contains(&&***key)).collect();
         let mut warnings = Vec::new();
-        table.retain(|key, _| {
-            let known = KEYS.contains(&key);
-            if !known {
-                let meant = match nearest(key, &KEYS) {
-                    Some(near) => format!("; did you mean `{near}`?"),
-                    None => format!("; known are {}", KEYS.join(", ")),
-                };
-                let warning = format!("{file}: unknown key `{}`{meant}", short(key));
-                warnings.push(warning.into());
-            }
-            known
-        });
-        let sidecar: Sidecar = table
-            .try_into()
-            .map_err(|error: toml::de::Error| error.to_string().trim_end().to_string())?;
+        for key in unknown.iter().take(WARNED) {
+            let meant = match nearest(key, &KEYS) {
+                Some(near) => format!("; did you mean `{near}`?"),
+                None => format!("; known are {}", KEYS.join(", ")),
+            };
+            warnings.push(format!("{file}: unknown key `{}`{meant}", short(key)).into());
+        }
+        if unknown.len() > WARNED {
+            let more = unknown.len() - WARNED;
+            warnings.push(format!("{file}: {more} more unknown keys").into());
+        }
+        let sidecar: Sidecar = files::parse_toml(text, FORMAT)?;
         sidecar.check()?;
         Ok((sidecar, warnings))
     }
@@ -210,7 +212,7 @@ impl Sidecar {
         for (k, [x, y]) in self.cells.iter().flatten().enumerate() {
             if !(x.abs() <= FOOT && y.abs() <= FOOT) {
                 return Err(format!(
-                    "cell {} at [{x}, {y}] is more than {FOOT} m from the sole's origin; \
+                    "cell {} at [{x:?}, {y:?}] is more than {FOOT} m from the sole's origin; \
                      give metres",
                     k + 1
                 ));
@@ -300,9 +302,29 @@ mod tests {
             ("gravity = [0.0, 0.0, 9.8]", "negative"),
             ("gravity = [nan, 0.0, -9.8]", "negative"),
             ("robot = ", "TOML"),
+            ("format = 9\nsupport = 3", "format 9"),
+            ("cells = [[1e300, 0.0], [0.0, 0.0]]", "1e300"),
         ] {
             let message = Sidecar::parse(text, "s.toml").unwrap_err();
             assert!(message.contains(word), "{text}: {message}");
         }
+    }
+
+    #[test]
+    fn a_sidecar_of_the_first_format_may_say_so() {
+        let (sidecar, warnings) = Sidecar::parse("format = 1\nrobot = 'b'", "s.toml").unwrap();
+        assert_eq!((sidecar.robot.as_deref(), warnings.len()), (Some("b"), 0));
+    }
+
+    #[test]
+    fn of_many_unknown_keys_a_dozen_are_named() {
+        let keys: String = (0..10_000).map(|k| format!("note_{k} = 1\n")).collect();
+        let (_, warnings) = Sidecar::parse(&keys, "s.toml").unwrap();
+        assert_eq!(warnings.len(), WARNED + 1);
+        assert!(
+            warnings[WARNED]
+                .to_string()
+                .contains("9988 more unknown keys")
+        );
     }
 }

@@ -10,6 +10,7 @@
 //! together take their places while their folders are locked, so that of two processes
 //! that write the same pair one has both.
 
+mod parse;
 mod places;
 mod read;
 mod sweep;
@@ -23,8 +24,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::Error;
 use crate::error::Problem;
 pub use crate::stamp::Stamp;
+pub use parse::{MARKS, parse_toml};
 pub use places::Access;
-pub use read::{SETTINGS, SIDECAR, SUMS, read_bytes, read_text};
+pub use read::{MODEL, PART, SETTINGS, SIDECAR, read_bytes, read_text};
 
 /// Temporary files of this process, and the folders that it swept.
 struct Noted {

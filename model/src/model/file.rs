@@ -34,18 +34,12 @@ use crate::text::{shortened, visible};
 use crate::urdf::limits;
 use crate::{Error, files};
 
-/// The format of files that do not say theirs.
-pub(super) const FIRST: u32 = 1;
-/// The newest format that is read. It grows where a reader of before would misunderstand a file.
+/// The newest format that is read. It grows where a reader of before would misunderstand a
+/// file, which then says its format.
 const NEWEST: u32 = 1;
 
-fn first() -> u32 {
-    FIRST
-}
-
-fn is_first(format: &u32) -> bool {
-    *format == FIRST
-}
+/// Parameters of a file that keeps how well they are known together, at most: 600 joints.
+pub const INFORMED: usize = 1203;
 
 /// No quantity of an effect is larger, in its unit.
 const MOST: f64 = 1e9;
@@ -107,9 +101,6 @@ fn whole() -> String {
 /// What `model.toml` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelFile {
-    /// Format of the file; the first one is not written.
-    #[serde(default = "first", skip_serializing_if = "is_first")]
-    pub(super) format: u32,
     /// Name of the robot.
     pub robot: String,
     /// Hash of its URDF.
@@ -138,31 +129,16 @@ pub struct ModelFile {
     pub file: String,
 }
 
-/// Why the text of a newer format is not read: before anything else in it is, which may be new.
-fn newer(text: &str) -> Option<String> {
-    #[derive(Deserialize)]
-    struct Format {
-        #[serde(default = "first")]
-        format: u32,
-    }
-    let Format { format } = toml::from_str(text).ok()?;
-    match format {
-        FIRST..=NEWEST => None,
-        _ => Some(format!(
-            "it has format {format}, and this version of sesc reads formats up to {NEWEST}; take \
-             the version that wrote it"
-        )),
-    }
-}
-
 impl ModelFile {
     /// Take `information` over: deviations that the file has become those of it, none where
-    /// it has none.
+    /// it has none. Of more than [`INFORMED`] parameters it is not kept: the file would be
+    /// longer than one that is read.
     pub fn inform(&mut self, information: Information) {
         for (parameter, std) in self.parameters.iter_mut().zip(information.deviations()) {
             parameter.std = parameter.std.and(std);
         }
-        self.information = Some(information);
+        let fits = self.parameters.len() <= INFORMED;
+        self.information = fits.then_some(information);
     }
 
     /// Read and parse `path`.
@@ -171,7 +147,7 @@ impl ModelFile {
     /// When it cannot be read, is no model file, or holds values that are not finite.
     pub fn read(path: &Path) -> Result<ModelFile, Error> {
         let file = path.display().to_string();
-        let text = files::read_text(path, files::SUMS).map_err(|source| Problem::Read {
+        let text = files::read_text(path, files::MODEL).map_err(|source| Problem::Read {
             file: file.clone(),
             source,
         })?;
@@ -181,8 +157,7 @@ impl ModelFile {
     /// Parse the text of a model file; `file` names it in messages.
     pub fn parse(text: &str, file: &str) -> Result<ModelFile, Error> {
         let bad = |reason: String| Error::model_file(file, reason);
-        newer(text).map_or(Ok(()), |reason| Err(bad(reason)))?;
-        let mut model: ModelFile = toml::from_str(text).map_err(|error| bad(error.to_string()))?;
+        let mut model: ModelFile = files::parse_toml(text, NEWEST).map_err(bad)?;
         model.file = file.to_string();
         match model.invalid_reason() {
             Some(reason) => Err(bad(reason)),

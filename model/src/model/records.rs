@@ -1,7 +1,7 @@
 //! A model file against the robot that it is for: every record checked, every effect
 //! made an instance.
 
-use super::file::{EffectRecord, FIRST, ModelFile, Parameter};
+use super::file::{EffectRecord, ModelFile, Parameter};
 use crate::Error;
 use crate::effects::{Catalog, Effect, EffectContext, Instance, Stage};
 use crate::robot::Robot;
@@ -139,7 +139,6 @@ impl ModelFile {
             })
             .collect();
         ModelFile {
-            format: FIRST,
             robot: robot.tree.robot.clone(),
             hash: robot.tree.hash.clone(),
             support: robot.support().to_string(),

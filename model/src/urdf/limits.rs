@@ -23,6 +23,8 @@ pub const NAME_BYTES: usize = 1024;
 pub const OFFSET_M: f64 = 1e6;
 /// Largest mass of one link, in kilograms.
 pub const MASS_KG: f64 = 1e9;
+/// Largest entry of one link's inertia, in kg m²: a million tonnes at a kilometre.
+pub const INERTIA_KGM2: f64 = 1e15;
 /// An axis shorter than this, or longer than its inverse, has no direction.
 pub const AXIS: f64 = 1e-9;
 /// A revolute limit beyond this, in radians, was probably meant in degrees.

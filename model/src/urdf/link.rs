@@ -94,12 +94,18 @@ fn read_inertia(reader: &mut Reader<'_>, node: Node<'_, '_>, subject: &str) -> [
         let text = reader.attribute(inertia, entry);
         text.map_or(0.0, |text| {
             let what = format!("inertia {entry}");
-            reader.or_zero(
-                &text,
-                subject,
-                &what,
-                "taken as 0, which the ZMP alone feels",
-            )
+            let means = "taken as 0, which the ZMP alone feels";
+            let value = reader.or_zero(&text, subject, &what, means);
+            if value.abs() > limits::INERTIA_KGM2 {
+                reader.complain(
+                    text.line,
+                    format!(
+                        "{subject}: {what} is {value:e} kg m²; no robot has as much, give it in \
+                         kg m²"
+                    ),
+                );
+            }
+            value
         })
     })
 }

@@ -24,6 +24,7 @@ use serde::Deserialize;
 use crate::Error;
 use crate::error::Problem;
 use sesc_model::files;
+use sesc_model::text::{listed, shortened, visible};
 use sesc_model::tree::Dof;
 use sesc_model::urdf::suggestion;
 
@@ -148,7 +149,7 @@ impl Servos {
             file: file.clone(),
             source,
         })?;
-        toml::from_str(&text).map_err(|error| {
+        files::parse_toml(&text, FORMAT).map_err(|error| {
             let reason = format!("{file}: {error}");
             Problem::Servos { reason }.into()
         })
@@ -198,8 +199,9 @@ impl Servos {
             let meant = suggestion(stray, joints.iter().copied());
             return Err(Problem::Servos {
                 reason: format!(
-                    "no joint `{stray}` to set a servo of; the robot has {}{meant}",
-                    joints.join(", ")
+                    "no joint `{}` to set a servo of; the robot has {}{meant}",
+                    shortened(&visible(stray), NAME),
+                    listed(joints.iter().map(|joint| shortened(joint, NAME)), NAMED)
                 ),
             }
             .into());
@@ -231,7 +233,7 @@ impl Servos {
             };
             if !STROKES.contains(&stroke) {
                 return Err(bad(format!(
-                    "metres_per_tick is {stroke}; give metres above zero, {:e} to {:e}",
+                    "metres_per_tick is {stroke:?}; give metres above zero, {:e} to {:e}",
                     STROKES.start(),
                     STROKES.end()
                 )));
@@ -245,7 +247,7 @@ impl Servos {
         let resolution = first(|s| s.resolution).unwrap_or(4096.0);
         if !(resolution.is_finite() && (1.0..=LARGEST_RESOLUTION).contains(&resolution)) {
             return Err(bad(format!(
-                "resolution is {resolution}; give ticks a turn, 1 to {LARGEST_RESOLUTION}"
+                "resolution is {resolution:?}; give ticks a turn, 1 to {LARGEST_RESOLUTION}"
             )));
         }
         Ok(Some(Servo {
@@ -256,6 +258,11 @@ impl Servos {
     }
 }
 
+/// The newest format of servo files that is read.
+const FORMAT: u32 = 1;
+/// Letters of a name in a message, and names of joints, at most.
+const NAME: usize = 64;
+const NAMED: usize = 30;
 /// Beyond 2^24, f32 does not hold a tick.
 const LARGEST_ZERO: u32 = 1 << 24;
 const LARGEST_RESOLUTION: f64 = 16_777_216.0;

@@ -33,6 +33,10 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// A packed header is at most so many times larger unpacked, beyond a mebibyte.
 const PACKED: u64 = 64;
 
+/// Largest file of a format before, which had its numbers as text: a robot of 40 joints takes
+/// 2 MB.
+const OLDER: usize = 16 << 20;
+
 /// Bytes of one number.
 const NUMBER: usize = size_of::<f64>();
 
@@ -123,6 +127,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Part, String> {
         FORMAT | ALIKE => return current(header, rest.strip_prefix(b"\n").unwrap_or(rest)),
         before if !BEFORE.contains(&before) => {
             return Err(newer(before));
+        }
+        _ if bytes.len() > OLDER => {
+            return Err(format!(
+                "a factor file of an older format is not longer than {} MiB; gather the log again",
+                OLDER >> 20
+            ));
         }
         _ if !rest.trim_ascii().is_empty() => {
             return Err("more than a factor file; gather the log again".to_string());

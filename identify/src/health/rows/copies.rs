@@ -6,10 +6,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::Rows;
 use super::key::{key, reading_of};
 use super::screen::LeftOut;
 use super::steps::step;
+use super::{ROWS, Rows};
+use crate::Error;
 use crate::health::criteria::{COPIED_SHARE, FEW_ROWS, FINE, HELD_SHARE};
 use crate::health::statistics::scatter;
 use crate::health::{Finding, Kind, Picture};
@@ -57,6 +58,38 @@ pub(super) fn of(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
     let x = |k: usize| 1e3 * rows.reading[k][0];
     let meant = |k: usize| copied.contains(&k);
     Some(finding.showing(Picture::of("CoP x, mm", rows.len(), x, meant)))
+}
+
+/// Refuse a log whose rows are one row, or two, again and again: repeats without any noise of
+/// so few postures tell neither noise nor masses, and a fit would take them for perfect data.
+///
+/// # Errors
+/// Where the log `name` is such a one.
+pub(super) fn check_distinct(rows: &Rows, name: &str) -> Result<(), Error> {
+    // Of a longer log the rest may be sound.
+    if rows.len() >= ROWS {
+        return Ok(());
+    }
+    let of = |k: usize| key(rows.q(k), &reading_of(rows.reading[k], rows.force(k)));
+    let distinct: HashSet<u64> = (0..rows.len()).map(of).collect();
+    let distinct = distinct.len();
+    if distinct == 0 || distinct >= FEW_ROWS || rows.len() < FEW_ROWS * distinct {
+        return Ok(());
+    }
+    let what = match distinct {
+        1 => "one row".to_string(),
+        n => format!("{n} rows"),
+    };
+    Err(Error::log(
+        name,
+        None,
+        format!(
+            "its {} rows are copies of {what}, joints and readings to the last digit; repeats \
+             without any noise tell neither noise nor masses: give the readings themselves, in \
+             several postures",
+            rows.len()
+        ),
+    ))
 }
 
 /// Whether readings meet by chance, for they are rounded.

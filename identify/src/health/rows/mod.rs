@@ -86,6 +86,9 @@ impl Rows {
     }
 
     /// Rows of a log that stand on the model's support.
+    ///
+    /// # Errors
+    /// What is wrong with the log: also that its rows are copies of one or two.
     pub fn read(
         log: &LogSource,
         (robot, model): (&Robot, &Model),
@@ -97,6 +100,7 @@ impl Rows {
         let (mut rows, averaged) = Rows::gather(log, dofs, Some(model.support()), options, watch)?;
         let single = (1.0 - averaged).sqrt();
         rows.noise = noise.map(|noise| noise * single).or(rows.noise);
+        copies::check_distinct(&rows, log.name())?;
         rows.sole = sole::corners(robot, model);
         rows.predict(model);
         Ok(rows)

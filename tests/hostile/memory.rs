@@ -1,0 +1,178 @@
+//! Memory in proportion to the input: each format at two sizes, the larger four times the smaller.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use sesc_test_support::command::{ROOT, folder, op2, program, sesc, stdout, write};
+
+/// What a command takes whatever it reads, bytes: the program itself, robot, threads.
+const BASE: u64 = 120 << 20;
+
+/// Largest memory of a command, bytes, as the system counts it while the command runs.
+fn peak(arguments: &[&str]) -> u64 {
+    let mut command = Command::new(program());
+    command.args(arguments);
+    let quiet = command.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = quiet.spawn().unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut most = 0;
+    while child.try_wait().unwrap().is_none() {
+        let text = fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kib = line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok());
+        most = most.max(kib.unwrap_or(0_u64) << 10);
+        thread::sleep(Duration::from_millis(2));
+    }
+    most
+}
+
+/// A command's memory stays below [`BASE`] and `per_byte` times the input, at both sizes.
+fn in_proportion(what: &str, per_byte: u64, inputs: [String; 2], run: impl Fn(&str) -> u64) {
+    for input in inputs {
+        let size = input.len() as u64;
+        let most = run(&input);
+        println!("{what}: {size} bytes, {} MB", most >> 20);
+        assert!(
+            most <= BASE + per_byte * size,
+            "{what}: {size} bytes of input, {} MB of memory",
+            most >> 20
+        );
+    }
+}
+
+/// Two inputs, of so many pieces and four times as many.
+fn sizes(count: usize, of: impl Fn(usize) -> String) -> [String; 2] {
+    [of(count), of(4 * count)]
+}
+
+/// TOML takes most of what is read: a list of four bytes becomes 500 of memory.
+const TOML: u64 = 150;
+
+#[test]
+fn toml_takes_memory_in_proportion_to_the_file() {
+    let folder = folder();
+    let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
+    let log = folder.path().join("log.csv").display().to_string();
+    let simulate = ["--support", "foot", "--poses", "10", "--out", &log];
+    stdout(&sesc(&[&["simulate", &urdf][..], &simulate].concat()));
+    let out = folder.path().join("out").display().to_string();
+    for (piece, count) in [("1,", 900_000), ("{},", 300_000), ("[0],", 400_000)] {
+        let array = |n: usize| format!("x = [{}]", piece.repeat(n));
+        let model = |text: &str| {
+            let model = write(folder.path(), "model.toml", text);
+            peak(&[
+                "generate",
+                &urdf,
+                "--support",
+                "foot",
+                "--out",
+                &out,
+                "--model",
+                &model,
+            ])
+        };
+        in_proportion("model file", TOML, sizes(count / 4, array), model);
+        let prior = |text: &str| {
+            let prior = write(folder.path(), "prior.toml", text);
+            peak(&[
+                "fit",
+                &urdf,
+                "--support",
+                "foot",
+                "--data",
+                &log,
+                "--prior",
+                &prior,
+            ])
+        };
+        in_proportion("prior", TOML, sizes(count / 4, array), prior);
+        let sidecar = |text: &str| {
+            write(folder.path(), "log.csv.toml", text);
+            let most = peak(&["fit", &urdf, "--support", "foot", "--data", &log]);
+            fs::remove_file(folder.path().join("log.csv.toml")).unwrap();
+            most
+        };
+        in_proportion("sidecar", TOML, sizes(50_000, array), sidecar);
+    }
+    // Beyond the marks of any file, and beyond its bytes: nothing is parsed.
+    for text in ["1,".repeat(8 << 20), "#".repeat(40 << 20)] {
+        let model = write(folder.path(), "model.toml", &text);
+        let most = peak(&[
+            "generate",
+            &urdf,
+            "--support",
+            "foot",
+            "--out",
+            &out,
+            "--model",
+            &model,
+        ]);
+        assert!(most <= BASE, "{} MB", most >> 20);
+    }
+}
+
+#[test]
+fn logs_take_memory_in_proportion_to_the_file() {
+    let folder = folder();
+    let robot = op2();
+    let log = folder.path().join("true.csv").display().to_string();
+    let simulate = ["--support", "r_sole", "--poses", "400", "--noise", "0.0005"];
+    stdout(&sesc(
+        &[&["simulate", &robot][..], &simulate, &["--out", &log]].concat(),
+    ));
+    let text = fs::read_to_string(log).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let fit = |text: &str| {
+        let log = write(folder.path(), "log.csv", text);
+        peak(&["fit", &robot, "--support", "r_sole", "--data", &log])
+    };
+    // Rows that come again are named, and read.
+    let csv = |times: usize| format!("{header}\n{}", rows.repeat(times));
+    in_proportion("CSV", 8, sizes(10, csv), fit);
+    // Columns that no joint has.
+    let wide = |count: usize| {
+        let more: String = (0..count).map(|k| format!(",note_{k}")).collect();
+        let zeros = ",0".repeat(count);
+        let rows: String = rows
+            .lines()
+            .take(4)
+            .map(|row| format!("{row}{zeros}\n"))
+            .collect();
+        format!("{header}{more}\n{rows}")
+    };
+    in_proportion("wide CSV", 100, sizes(2000, wide), fit);
+}
+
+#[test]
+fn urdfs_take_memory_in_proportion_to_the_file() {
+    let folder = folder();
+    let inspect = |text: &str| {
+        let urdf = write(folder.path(), "r.urdf", text);
+        peak(&["inspect", &urdf, "--support", "l0"])
+    };
+    // Links that do not move.
+    let fixed = |n: usize| super::sizes::chain(n, false).replace("revolute", "fixed");
+    in_proportion("URDF of fixed links", 200, sizes(500, fixed), inspect);
+    let comments = |n: usize| super::sizes::chain(3, false) + &"<!-- - -->\n".repeat(n);
+    in_proportion("URDF of comments", 100, sizes(50_000, comments), inspect);
+}
+
+/// A factor file of a format before, which is text.
+#[test]
+fn factor_files_take_memory_in_proportion_to_the_file() {
+    let folder = folder();
+    let part = |text: &str| {
+        let part = write(folder.path(), "a.part", text);
+        peak(&["fit", &part])
+    };
+    for format in 1..=3 {
+        let numbers = |n: usize| {
+            let zeros = "0,".repeat(n);
+            format!("{{\"format\":\"sesc factor {format}\",\"gathered\":[{zeros}0]}}")
+        };
+        in_proportion("factor file", 60, sizes(500_000, numbers), part);
+    }
+}
