@@ -40,7 +40,7 @@ pub(super) fn after(found: &Diagnosis, dofs: &[Dof], proposal: Option<&str>) -> 
         steps.push(
             NextStep::by_hand(
                 "Look at the page of the diagnosis",
-                "it shows where the gap is, and what closes it",
+                "it shows where the gap is, and what it goes with",
             )
             .by("sesc diagnose URDF --data LOG --report report.html")
             .makes(Output::Page),
