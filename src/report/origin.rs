@@ -8,7 +8,7 @@ use minijinja::value::{Serde, Value};
 /// ones are no times.
 const EPOCH_S: [f64; 2] = [1e9, 1e11];
 
-/// Of what a page is.
+/// What a page is made of.
 #[derive(Default)]
 pub(super) struct Origin<'a> {
     /// Name of the robot, and the hash of its URDF.

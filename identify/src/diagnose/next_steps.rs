@@ -21,7 +21,7 @@ pub(super) fn after(found: &Diagnosis, dofs: &[Dof], proposal: Option<&str>) -> 
         }
         Verdict::Named => {
             steps.push(NextStep::by_hand(
-                "Change what is said under `change` in one place, record a new log and diagnose it",
+                "Make the change that is proposed, in one place alone, then record a new log and diagnose it",
                 "nothing should be missing from it",
             ));
             steps.push(keep());
@@ -40,7 +40,7 @@ pub(super) fn after(found: &Diagnosis, dofs: &[Dof], proposal: Option<&str>) -> 
         steps.push(
             NextStep::by_hand(
                 "Look at the page of the diagnosis",
-                "it shows where the gap is, and what closes it",
+                "it shows where the gap is, and what it goes with",
             )
             .by("sesc diagnose URDF --data LOG --report report.html")
             .makes(Output::Page),

@@ -11,7 +11,7 @@ use sesc_identify::next_steps::Output;
 /// Explanations and poses in a row, at most.
 const LISTED: usize = 8;
 const POSES: usize = 12;
-/// As wide as the column of names.
+/// Spaces as wide as the column of names.
 const INDENT: &str = "                 ";
 
 /// Which files were asked for; what was not stands among the next steps.

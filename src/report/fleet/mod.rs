@@ -13,9 +13,11 @@ pub(in crate::report) use picture::mark;
 pub use picture::skeleton;
 pub use text::text;
 
+use std::collections::BTreeSet;
+
 use serde::Serialize;
 use sesc_identify::fleet::summary::Summary;
-use sesc_identify::fleet::{EffectFound, Failed, Fleet, Twice};
+use sesc_identify::fleet::{EffectFound, Failed, Fleet, Row, Twice};
 
 /// What programs are told, besides the rows.
 #[derive(Serialize)]
@@ -56,6 +58,12 @@ fn twice(twice: &Twice) -> String {
         false => "which is of another robot or day: counted in both",
     };
     format!("{} has the bytes of {}: {what}", twice.input, twice.same_as)
+}
+
+/// Hashes of the URDFs of rows.
+fn hashes<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<&'r str> {
+    let all: BTreeSet<&str> = rows.map(|row| row.urdf_hash.as_str()).collect();
+    all.into_iter().filter(|hash| !hash.is_empty()).collect()
 }
 
 /// `1 robot`, `2 robots`.

@@ -16,7 +16,7 @@ use super::super::origin::Origin;
 use super::line::line;
 use super::picture::card;
 use super::robot::robot_page;
-use super::{count, headline, twice};
+use super::{count, hashes, headline, twice};
 
 /// Robots with a page of their own, at most.
 const ROBOTS: usize = 2000;
@@ -135,12 +135,6 @@ pub fn pages(
         folder,
         robots: own.collect::<Result<_, Error>>()?,
     })
-}
-
-/// Hashes of the URDFs of rows.
-pub(super) fn hashes<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<&'r str> {
-    let all: BTreeSet<&str> = rows.map(|row| row.urdf_hash.as_str()).collect();
-    all.into_iter().filter(|hash| !hash.is_empty()).collect()
 }
 
 /// What the days of a robot came to: `none on 5 days, named on 2`.

@@ -10,10 +10,9 @@ use sesc_model::effects::Unit;
 
 use super::super::html::render;
 use super::super::origin::Origin;
-use super::label;
 use super::line::{Line, line};
-use super::page::hashes;
 use super::picture::of_robot;
+use super::{hashes, label};
 
 /// An effect with its size on every day.
 #[derive(Serialize)]

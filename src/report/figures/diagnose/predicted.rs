@@ -82,13 +82,7 @@ fn panel(figure: &mut Figure, row: &Predicted, [left, top]: [f64; 2]) {
         shortened(&row.subject, LETTERS),
         ["x", "y"][row.axis]
     );
-    figure.text(
-        [left, top - HEADING + 6.0],
-        Anchor::Start,
-        NAME,
-        ORANGE,
-        &name,
-    );
+    figure.text([left, top - HEADING + 6.0], Anchor::Start, NAME, INK, &name);
     let ends = [along.start.max(range.start), along.end.min(range.end)];
     figure.line(ends.map(|x| plane.at([x, x])), INK, 1.0);
     for point in &row.points {

@@ -67,11 +67,11 @@ fn panel(figure: &mut Figure, row: &Trend, [left, top]: [f64; 2]) {
     let axis = ["x", "y"][row.axis];
     let name = format!("{} ({axis})", shortened(&row.joint, LETTERS));
     let place = [left, top - HEADING + 6.0];
-    let color = if row.named { ORANGE } else { INK };
-    figure.text(place, Anchor::Start, NAME, color, &name);
+    figure.text(place, Anchor::Start, NAME, INK, &name);
     if row.named {
-        let end = [left + PLANE[0], place[1]];
-        figure.note(end, Anchor::End, ORANGE, "named");
+        // Letters in orange are too pale to read.
+        let [right, middle] = [left + PLANE[0], place[1]];
+        key(figure, right, middle, &[(Mark::Square(ORANGE), "named")]);
     }
     let zero = [along.start, along.end].map(|x| plane.at([x, 0.0]));
     figure.line(zero, INK, 1.0);
