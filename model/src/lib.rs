@@ -41,6 +41,8 @@ pub mod numeric;
 pub mod program;
 mod robot;
 pub mod snap;
+#[doc(hidden)]
+pub mod spelling;
 mod stamp;
 pub mod standard;
 pub mod tape;

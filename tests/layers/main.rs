@@ -26,6 +26,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
         "model",
         &[
             "text",
+            "spelling",
             "hash",
             "stamp",
             "urdf",
