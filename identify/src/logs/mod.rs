@@ -20,7 +20,6 @@ mod columns;
 mod criteria;
 mod csv;
 mod guard;
-mod hold;
 mod input;
 #[cfg(feature = "mcap")]
 mod mcap;
@@ -37,6 +36,7 @@ mod settle;
 mod shared;
 mod sidecar;
 mod source;
+mod stillness;
 mod suspect;
 mod table;
 #[cfg(test)]
@@ -50,7 +50,7 @@ pub(crate) use bounds::LEAST_LOAD_N;
 pub use columns::{COLUMNS, Column, Need, columns_text};
 pub use guard::panic_becomes_error;
 pub use input::LogSource;
-pub use options::{Hold, Options, Readings, Stays};
+pub use options::{Options, Readings, Stays, StillnessLimits};
 pub use reader::{PostureReader, Summary};
 pub use row::{Row, Written};
 pub use screen::{Screen, Screening};
