@@ -94,14 +94,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .writes(&arguments.report)
         .check_writable()?;
     let bar = &mut Bar::new("reading");
-    let mut report = diagnose::diagnose(&request(arguments)?, bar)?;
+    let report = diagnose::diagnose(&request(arguments)?, bar)?;
     bar.0.finish_and_clear();
-    if let Some(model_use) = &mut report.diagnosis.model_use {
-        let urdf = arguments.robot.urdf.display();
-        let (support, model) = (&report.diagnosis.support, &model_use.model);
-        model_use.generate =
-            format!("sesc generate {urdf} --support {support} --lang c --model {model}");
-    }
     report
         .notes
         .iter()
@@ -161,6 +155,9 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
     request.model_path = arguments.out.clone();
+    request.generate_command = Some(|urdf, support, model| {
+        format!("sesc generate {urdf} --support {support} --lang c --model {model}")
+    });
     if let Some(file) = &arguments.servos {
         request.servos = servos::read(file, &request.robot)?;
     }

@@ -6,10 +6,12 @@
 //! wrong room: move the thing, not the import.
 
 mod circles;
+mod criteria;
 mod faces;
 mod imports;
 mod instructions;
 mod options;
+mod strings;
 mod words;
 
 use std::fmt::Write as _;

@@ -44,6 +44,7 @@ mod wiring;
 pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
+pub use criteria::{FIVE_DEVIATIONS, FLOOR_M};
 pub use findings::{Diagnosis, Verdict};
 pub(crate) use hypothesis::FREE_MASSES;
-pub use request::{FLOOR_M, NextLog, Report, Request, diagnose, look};
+pub use request::{NextLog, Report, Request, diagnose, look};

@@ -35,7 +35,7 @@ use crate::observations::postures::Postures;
 use crate::robot::Robot;
 use crate::watch::Watch;
 pub use finding::{Finding, KINDS, Kind};
-pub use leftover::Leftover;
+pub use leftover::FitResiduals;
 pub use look::{Reading, look};
 pub use picture::Picture;
 use wirings::Wirings;

@@ -107,3 +107,23 @@ fn every_size_is_told_in_the_unit_that_people_read() {
         assert!(page.contains(text), "{text}\n{page}");
     }
 }
+
+#[test]
+fn rows_that_were_fitted_alone_are_called_so_on_page_and_console() {
+    let mut fleet = Fleet::default();
+    for robot in ["r1", "r2"] {
+        let mut row = row(robot, "1", "");
+        row.verdict = None;
+        if robot == "r1" {
+            row.params = vec![0.1];
+        }
+        fleet.rows.push(row);
+    }
+    let summary = summary(&fleet.rows, &Default::default(), None);
+    let text = text(&fleet, &summary);
+    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html")).unwrap();
+    for told in ["fitted", "no result"] {
+        assert!(text.contains(told), "{told}\n{text}");
+        assert!(pages.fleet.contains(&format!("{told} on 1 day")), "{told}");
+    }
+}

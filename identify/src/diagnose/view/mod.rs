@@ -9,10 +9,11 @@
 mod spread;
 mod trends;
 
+use sesc_model::effects::Target;
 pub use spread::{EDGE, Region, Regions, Spread};
 pub use trends::{Middle, Point, Quantity, Trend};
 
-use super::findings::Found;
+use super::findings::Explained;
 use super::held_out;
 use super::problem::{Fit, Problem};
 use crate::observations::postures::rms;
@@ -150,7 +151,7 @@ fn used(q: &[f64], dof: usize) -> Vec<[f64; 2]> {
 }
 
 impl DiagnosisView {
-    pub(crate) fn of(problem: &Problem, found: &Found, skeleton: Skeleton) -> DiagnosisView {
+    pub(crate) fn of(problem: &Problem, found: &Explained, skeleton: Skeleton) -> DiagnosisView {
         let data = &problem.data;
         let mut outlier = vec![false; data.len()];
         if let Some(outliers) = &found.best.outliers {
@@ -250,7 +251,7 @@ fn differences(problem: &Problem, class: &[Fit]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn stages(found: &Found) -> Vec<Stage> {
+fn stages(found: &Explained) -> Vec<Stage> {
     let said = &found.diagnosis;
     let stage = |name: &str, rmse: f64, kind| Stage {
         name: name.to_string(),
@@ -266,7 +267,7 @@ fn stages(found: &Found) -> Vec<Stage> {
     for step in &said.steps {
         let name = match step.target.as_str() {
             "-" => format!("+ {}", step.effect.replace('_', " ")),
-            "all" => format!("+ {} of every joint", step.effect.replace('_', " ")),
+            Target::ALL_JOINTS => format!("+ {} of every joint", step.effect.replace('_', " ")),
             target => format!("+ {} {target}", step.effect.replace('_', " ")),
         };
         stages.push(stage(&name, step.rmse_after, StageKind::Better));
