@@ -47,7 +47,7 @@ fn main() -> Result<(), sesc_identify::Error> {
     request.support = Some("r_sole".into());
     request.noise = Some(NOISE_M);
     // Every link was weighed: masses explain nothing away.
-    request.prior = PriorChoice::Named("tight".into());
+    request.prior = PriorChoice::Tight;
     let found = diagnose(&request, &mut ())?.diagnosis;
 
     println!("{}", found.sentence);

@@ -15,7 +15,7 @@ use sesc_identify::plan::geometry::Geometry;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::scene::Scene;
 use sesc_identify::robot::Robot;
-use sesc_model::effects::about::{EffectAbout, about};
+use sesc_model::effects::about::{EffectAbout, TargetKind, about};
 use sesc_model::effects::{Catalog, Unit};
 use sesc_model::{Model, Snapping};
 
@@ -262,10 +262,10 @@ impl EffectPage {
 }
 
 /// What an effect acts on, as its page and the list of all have it.
-pub fn acts_on(about: &EffectAbout) -> &str {
-    match about.target.as_str() {
-        "-" => "the robot",
-        target => target,
+pub fn acts_on(about: &EffectAbout) -> String {
+    match &about.target {
+        TargetKind::Whole => "the robot".to_string(),
+        target => target.to_string(),
     }
 }
 

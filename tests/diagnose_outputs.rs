@@ -422,6 +422,10 @@ fn the_command_says_what_to_change() {
         "{function}"
     );
     assert_eq!(json["use"]["build_rs"], format!(".model({model_file:?})"));
+    assert_eq!(
+        json["use"]["generate"],
+        format!("sesc generate {arm} --support {support} --lang c --model {model_file}")
+    );
 
     let stray = sesc_test_support::command::write(folder.path(), "stray.toml", "[joints.kne]\n");
     refused(

@@ -187,6 +187,30 @@ fn statistics_has_the_criteria_of_the_code() {
     assert!(seen > 10, "{seen}");
 }
 
+/// The page of diagnoses counts the effects that there are.
+#[test]
+fn diagnosis_counts_the_effects() {
+    let listed = run(Path::new(ROOT), "sesc effects --json");
+    let listed: serde_json::Value = serde_json::from_str(&listed).unwrap();
+    let count = listed["effects"].as_array().unwrap().len();
+    let sentence = format!("names what is missing: {count} effects of ");
+    assert!(read("docs/diagnosis.md").contains(&sentence), "{count}");
+}
+
+/// The study is counted again by the command that its page was made by.
+#[test]
+fn contributing_has_the_command_of_the_study() {
+    let page = read("docs/study.md");
+    let command = page
+        .lines()
+        .find(|line| line.starts_with("cargo xtask study "));
+    let command = command.expect("the page of the study names its command");
+    assert!(
+        read("CONTRIBUTING.md").contains(&format!("`{command}`")),
+        "{command}"
+    );
+}
+
 /// Every effect has its page in the list and in the book.
 #[test]
 fn every_effect_is_a_chapter() {

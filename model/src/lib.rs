@@ -86,6 +86,8 @@ pub mod numeric;
 pub mod program;
 mod robot;
 mod snap;
+#[doc(hidden)]
+pub mod spelling;
 mod stamp;
 #[doc(hidden)]
 pub mod standard;

@@ -113,8 +113,8 @@ impl Robot {
         });
         let links = self.tree.links.iter().zip(&self.chain.places);
         let inside = links.filter_map(|(link, place)| {
-            let turning = libm::fabs(link.inertia.trace()) / link.mass.max(1e-9);
-            Some(place.as_ref()?.origin.norm() + link.com.norm() + libm::sqrt(turning))
+            let gyration = libm::fabs(link.inertia.trace()) / link.mass.max(1e-9);
+            Some(place.as_ref()?.origin.norm() + link.com.norm() + libm::sqrt(gyration))
         });
         to_joints.sum::<f64>() + inside.fold(0.0, f64::max)
     }

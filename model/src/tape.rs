@@ -13,7 +13,7 @@ use crate::program::Program;
 use crate::wide::{Loops, widest};
 
 use alone::Alone;
-use plan::{Instruction, Plan, Source, Step, as_written, sources};
+use plan::{Instruction, Plan, RegisterFill, Step, as_written, sources};
 
 /// Postures evaluated together.
 pub const BLOCK: usize = 64;
@@ -76,7 +76,7 @@ pub enum Values<'a> {
 #[derive(Debug, Clone)]
 pub struct Tape {
     /// What the first registers are loaded from, in their order.
-    sources: Vec<Source>,
+    sources: Vec<RegisterFill>,
     blocks: Plan,
     alone: Alone,
     lens: Vec<usize>,
@@ -135,9 +135,9 @@ impl Tape {
         out: &mut [f64],
         kernels: Kernels,
     ) {
-        let uniform = |source: &Source| match *source {
-            Source::Const(x) => Some(x),
-            Source::Input { array, index } => match arguments[array] {
+        let uniform = |source: &RegisterFill| match *source {
+            RegisterFill::Const(x) => Some(x),
+            RegisterFill::Input { array, index } => match arguments[array] {
                 Values::Shared(values) => Some(values[index]),
                 Values::PerPosture(_) => None,
             },
@@ -152,7 +152,7 @@ impl Tape {
         for start in (0..postures).step_by(N) {
             let n = N.min(postures - start);
             for (register, source) in registers.iter_mut().zip(&self.sources) {
-                if let Source::Input { array, index } = *source
+                if let RegisterFill::Input { array, index } = *source
                     && let Values::PerPosture(values) = arguments[array]
                 {
                     let len = self.lens[array];

@@ -37,7 +37,7 @@ pub struct Motion {
 struct Moving {
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
-    turning: Vector3<f64>,
+    angular_velocity: Vector3<f64>,
     change: Vector3<f64>,
 }
 
@@ -45,16 +45,18 @@ impl Moving {
     const AT_REST: Moving = Moving {
         velocity: Vector3::new(0.0, 0.0, 0.0),
         acceleration: Vector3::new(0.0, 0.0, 0.0),
-        turning: Vector3::new(0.0, 0.0, 0.0),
+        angular_velocity: Vector3::new(0.0, 0.0, 0.0),
         change: Vector3::new(0.0, 0.0, 0.0),
     };
 
     /// The point that is `arm` from the origin, fixed to the frame.
     fn at(&self, arm: Vector3<f64>) -> Moving {
-        let swept = self.turning.cross(&arm);
+        let swept = self.angular_velocity.cross(&arm);
         Moving {
             velocity: self.velocity + swept,
-            acceleration: self.acceleration + self.change.cross(&arm) + self.turning.cross(&swept),
+            acceleration: self.acceleration
+                + self.change.cross(&arm)
+                + self.angular_velocity.cross(&swept),
             ..*self
         }
     }
@@ -72,7 +74,7 @@ impl Reference {
         let support = self.robot.link_index(self.support());
         let support = support.expect("the robot stands on a link of its own");
         let (stand, ground) = (poses[support], moving[support]);
-        let [mut moment, mut force, mut turning] = [Vector3::zeros(); 3];
+        let [mut moment, mut force, mut angular] = [Vector3::zeros(); 3];
         for (l, link) in self.robot.links().iter().enumerate() {
             if !self.is_placed(l) {
                 continue;
@@ -83,14 +85,15 @@ impl Reference {
             let x = pose.translation.vector + arm - stand.translation.vector;
             let below = ground.at(x);
             let velocity = here.velocity - below.velocity;
-            let acceleration =
-                here.acceleration - below.acceleration - 2.0 * ground.turning.cross(&velocity);
-            let rate = here.turning - ground.turning;
-            let change = here.change - ground.change - ground.turning.cross(&rate);
+            let acceleration = here.acceleration
+                - below.acceleration
+                - 2.0 * ground.angular_velocity.cross(&velocity);
+            let rate = here.angular_velocity - ground.angular_velocity;
+            let change = here.change - ground.change - ground.angular_velocity.cross(&rate);
             let inertia = pose.rotation * link.inertia_kg_m2 * pose.rotation.matrix().transpose();
             moment += link.mass_kg * x;
             force += link.mass_kg * acceleration;
-            turning += x.cross(&(link.mass_kg * acceleration))
+            angular += x.cross(&(link.mass_kg * acceleration))
                 + inertia * change
                 + rate.cross(&(inertia * rate));
         }
@@ -100,7 +103,7 @@ impl Reference {
         Motion {
             com: seen(com),
             com_acceleration: seen(force / mass),
-            momentum_rate: seen(turning - com.cross(&force)),
+            momentum_rate: seen(angular - com.cross(&force)),
         }
     }
 
@@ -130,10 +133,10 @@ impl Reference {
             let arm = child.translation.vector - parent.translation.vector;
             let axis = parent.rotation * (joint.origin.rotation * joint.axis.into_inner());
             let mut here = moving[joint.parent].at(arm);
-            let carrier = here.turning;
+            let carrier = here.angular_velocity;
             match joint.kind {
                 JointKind::Revolute | JointKind::Continuous => {
-                    here.turning += axis * rate;
+                    here.angular_velocity += axis * rate;
                     here.change += axis * gain + carrier.cross(&(axis * rate));
                 }
                 JointKind::Prismatic => {

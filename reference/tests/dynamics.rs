@@ -45,14 +45,14 @@ impl Path<'_> {
         let [mut linear, mut angular] = [Vector3::zeros(); 2];
         for (l, link) in self.reference.robot().links().iter().enumerate() {
             let mut velocity = Vector3::zeros();
-            let mut turning = Matrix3::zeros();
+            let mut rotation_rate = Matrix3::zeros();
             for (poses, w) in path.iter().zip(weights) {
                 velocity += (poses[l] * link.com_m).coords * w;
-                turning += poses[l].rotation.matrix() * w;
+                rotation_rate += poses[l].rotation.matrix() * w;
             }
             let here = &path[3][l];
             // Ṙ Rᵀ is the cross product with ω.
-            let spin = turning * here.rotation.matrix().transpose();
+            let spin = rotation_rate * here.rotation.matrix().transpose();
             let rate = Vector3::new(spin[(2, 1)], spin[(0, 2)], spin[(1, 0)]);
             let inertia =
                 here.rotation.matrix() * link.inertia_kg_m2 * here.rotation.matrix().transpose();

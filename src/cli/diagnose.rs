@@ -99,14 +99,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .prints(arguments.json)
         .check_writable()?;
     let bar = &mut Bar::new("reading");
-    let mut report = diagnose::diagnose(&request(arguments)?, bar)?;
+    let report = diagnose::diagnose(&request(arguments)?, bar)?;
     bar.0.finish_and_clear();
-    if let Some(model_use) = &mut report.diagnosis.model_use {
-        let urdf = arguments.robot.urdf.display();
-        let (support, model) = (&report.diagnosis.support, &model_use.model);
-        model_use.generate =
-            format!("sesc generate {urdf} --support {support} --lang c --model {model}");
-    }
     report
         .notes
         .iter()
@@ -164,6 +158,9 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.next_file = arguments.next.clone();
     let out = arguments.out.clone();
     request.model_path = out.filter(|path| !streams::is_standard(path));
+    request.generate_command = Some(|urdf, support, model| {
+        format!("sesc generate {urdf} --support {support} --lang c --model {model}")
+    });
     if let Some(file) = &arguments.servos {
         request.servos = servos::read(file, &request.robot)?;
     }

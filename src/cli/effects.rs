@@ -66,7 +66,7 @@ fn table(effects: &[EffectAbout]) -> String {
     for effect in effects {
         table.row(&[
             effect.name,
-            &effect.target,
+            &effect.target.to_string(),
             &parameters(effect),
             effect.sentence,
         ]);

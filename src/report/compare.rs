@@ -7,7 +7,7 @@ mod tests;
 pub use page::page;
 
 use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
-use sesc_identify::diagnose::words::{Found, spoken};
+use sesc_identify::diagnose::words::{NamedValue, spoken};
 use sesc_model::effects::Unit;
 
 use super::table::Table;
@@ -80,7 +80,7 @@ fn rows(table: &mut Table, effect: &EffectChange) {
 fn of(parameter: &Difference, value: f64) -> String {
     let name = &parameter.name;
     match parameter.std {
-        Some(std) => spoken(&Found { name, value, std }),
+        Some(std) => spoken(&NamedValue { name, value, std }),
         None => {
             let (factor, unit) = Unit::of(name).shown();
             format!("{:.4} {unit}", factor * value)

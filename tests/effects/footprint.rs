@@ -1,6 +1,7 @@
 //! What effects do and who imitates them, on a robot of which it is known in closed form.
 
-use sesc_identify::diagnose::footprint::{Footprints, Quantity, TOLD_APART};
+use sesc_identify::diagnose::FIVE_DEVIATIONS;
+use sesc_identify::diagnose::footprint::{Footprints, Quantity};
 use sesc_identify::fit::prior::PriorChoice;
 use sesc_identify::robot::Robot;
 use sesc_model::{Model, Snapping};
@@ -95,7 +96,7 @@ fn nothing_in_common_is_told_apart_by_the_whole_effect() {
     let offset = &all.of("sensor_offset")[0];
     let telling = all.telling(offset, "joint_offset:yaw").unwrap();
     let rest = 1.0 - offset.taken_by_masses;
-    let expected = TOLD_APART * NOISE_M * NOISE_M / (offset.moves_m * offset.moves_m * rest);
+    let expected = FIVE_DEVIATIONS * NOISE_M * NOISE_M / (offset.moves_m * offset.moves_m * rest);
     assert!(
         (telling.postures / expected - 1.0).abs() < 1e-3,
         "{} {expected}",

@@ -6,11 +6,13 @@
 //! wrong room: move the thing, not the import.
 
 mod circles;
+mod criteria;
 mod faces;
 mod imports;
 mod instructions;
 mod options;
 mod signatures;
+mod strings;
 mod words;
 
 use std::fmt::Write as _;
@@ -27,6 +29,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
         "model",
         &[
             "text",
+            "spelling",
             "hash",
             "stamp",
             "urdf",

@@ -11,14 +11,72 @@ use crate::ROOT;
 /// How a doc comment begins that depends on the line above it: "Of x and y."
 const ELLIPSES: [&str; 3] = ["Of ", "By ", "As "];
 
-/// Words of which the field has others.
-const REPLACED: [(&str, &str); 6] = [
+/// Words of which the field has others, in prose and in code.
+const REPLACED: [(&str, &str); 9] = [
     ("foretold", "predicted"),
     ("foretell", "predict"),
     ("foretelling", "prediction"),
     ("sliding", "prismatic"),
     ("perceived", "sensor reading"),
     ("circumstances", "context"),
+    ("price", "penalty"),
+    ("priced", "with a penalty"),
+    ("strained", "at bound"),
+];
+
+/// Names in Rust code of which the field has others; in prose the words have an ordinary meaning.
+const NAMES: [(&str, &str); 8] = [
+    ("turning", "revolute, angular velocity"),
+    ("turnings", "rotations"),
+    ("slide", "prismatic"),
+    ("slides", "prismatic"),
+    ("of_posture", "static"),
+    ("excess", "bound violation"),
+    ("promise", "predicted score"),
+    ("absorb", "merge"),
+];
+
+/// Files in which such a name has its ordinary meaning, and which.
+const ORDINARY: [(&str, &str, &str); 6] = [
+    (
+        "model/src/measurement/bends.rs",
+        "slide",
+        "a loose joint slides in its dead band",
+    ),
+    (
+        "reference/src/world/statics.rs",
+        "slide",
+        "a loose joint slides in its dead band",
+    ),
+    (
+        "reference/src/world/statics.rs",
+        "slides",
+        "a loose joint slides in its dead band",
+    ),
+    (
+        "reference/tests/world_sensor.rs",
+        "excess",
+        "load above a quarter",
+    ),
+    (
+        "codegen/src/emit/rust.rs",
+        "of_posture",
+        "methods whose argument is a posture",
+    ),
+    (
+        "codegen/src/emit/c/routines.rs",
+        "of_posture",
+        "routines whose argument is a posture",
+    ),
+];
+
+/// Phrases that say less than a plain sentence.
+const PHRASES: [&str; 5] = [
+    "can be the matter with",
+    "could not have seen",
+    "must be said of",
+    "a matrix that is there",
+    "as soon as it is there",
 ];
 
 /// Files that are kept in the tree, but for what is machine-written.
@@ -50,7 +108,7 @@ fn files() -> Vec<PathBuf> {
 }
 
 /// Texts of the files whose names end like this.
-fn texts(endings: &[&str]) -> Vec<(String, String)> {
+pub(crate) fn texts(endings: &[&str]) -> Vec<(String, String)> {
     let has_ending = |path: &Path| {
         let ending = path.extension().and_then(|ending| ending.to_str());
         ending.is_some_and(|ending| endings.contains(&ending))
@@ -111,6 +169,62 @@ fn words_are_those_of_the_field() {
                 && !own.contains(&name.as_str())
             {
                 let _ = writeln!(complaints, "{name}:{}: {old}: write {new}", k + 1);
+            }
+        }
+    }
+    assert!(complaints.is_empty(), "\n{complaints}");
+}
+
+/// Identifiers of a line of Rust: neither strings nor comments.
+fn identifiers(line: &str) -> Vec<String> {
+    let code = line.split("//").next().unwrap_or_default();
+    let code: String = code.split('"').step_by(2).collect::<Vec<&str>>().join(" ");
+    let names = code.split(|c: char| !c.is_alphanumeric() && c != '_');
+    names.map(str::to_lowercase).collect()
+}
+
+#[test]
+fn names_in_code_are_those_of_the_field() {
+    let mut complaints = String::new();
+    let mut used = Vec::new();
+    let own = "tests/layers/words.rs";
+    for (file, text) in texts(&["rs"]).into_iter().filter(|(file, _)| file != own) {
+        for (k, line) in text.lines().enumerate() {
+            for name in identifiers(line) {
+                let Some((old, new)) = NAMES.iter().find(|(old, _)| *old == name) else {
+                    continue;
+                };
+                let is_it = |known: &&(&str, &str, &str)| (known.0, known.1) == (&*file, *old);
+                match ORDINARY.iter().find(is_it) {
+                    Some(known) => used.push(known),
+                    None => {
+                        let _ = writeln!(complaints, "{file}:{}: {old}: write {new}", k + 1);
+                    }
+                }
+            }
+        }
+    }
+    assert!(complaints.is_empty(), "\n{complaints}");
+    let stale = ORDINARY.iter().filter(|known| !used.contains(known));
+    let stale: Vec<_> = stale.collect();
+    assert!(stale.is_empty(), "no longer used: {stale:?}");
+}
+
+#[test]
+fn identifiers_are_read_without_strings_and_comments() {
+    let found = identifiers("let Slide { by } = slide(\"turning\"); // behind");
+    let found: Vec<&String> = found.iter().filter(|name| !name.is_empty()).collect();
+    assert_eq!(found, ["let", "slide", "by", "slide"]);
+}
+
+#[test]
+fn phrases_are_plain_sentences() {
+    let mut complaints = String::new();
+    for (file, text) in texts(&["rs", "md", "html", "py", "pyi"]) {
+        let own = ["tests/layers/words.rs", "CHANGELOG.md"];
+        for phrase in PHRASES {
+            if text.contains(phrase) && !own.contains(&file.as_str()) {
+                let _ = writeln!(complaints, "{file}: {phrase}");
             }
         }
     }

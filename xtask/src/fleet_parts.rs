@@ -9,6 +9,7 @@ use clap::Args;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc::report::fleet::pages;
+use sesc_identify::diagnose::Verdict;
 use sesc_identify::fleet::summary::summary;
 use sesc_identify::fleet::{EffectFound, Fleet, Row, assembled, write};
 
@@ -89,7 +90,7 @@ fn row(robot: usize, day: usize, random: &mut ChaCha8Rng) -> Row {
     row.independent = 2000;
     row.noise_floor = Some(1.4e-4);
     row.held_out_rmse = Some(1.5e-4);
-    row.verdict = "none".to_string();
+    row.verdict = Some(Verdict::None);
     row.sentence = "x".repeat(SENTENCE);
     row.params = (0..PARAMS).map(|_| STD * normal()).collect();
     row.std = vec![Some(STD); PARAMS];
@@ -109,7 +110,7 @@ fn row(robot: usize, day: usize, random: &mut ChaCha8Rng) -> Row {
         r#"{{"effect": "joint_offset", "target": "{target}", "evidence": 90.0,
             "parameters": {{"offset_rad": {{"value": {value}, "std": 0.001}}}}}}"#
     );
-    row.verdict = "named".to_string();
+    row.verdict = Some(Verdict::Named);
     row.effects = serde_json::from_str::<EffectFound>(&found)
         .into_iter()
         .collect();

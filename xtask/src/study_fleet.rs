@@ -15,8 +15,10 @@ use std::time::Instant;
 
 use clap::Args;
 use sesc::report::fleet::pages;
-use sesc_identify::fleet::summary::{Summary, summary};
+use sesc_identify::diagnose::Verdict;
+use sesc_identify::fleet::summary::{ChangeKind, Summary, summary};
 use sesc_identify::fleet::{Fleet as Found, Request, Row, groups, inputs, run};
+use sesc_identify::health::Kind;
 use sesc_identify::robot::Robot;
 use sesc_virtual::fleet::{BATCH, DRIFT, Fleet, STUCK};
 
@@ -99,7 +101,7 @@ impl StudyFleet {
             let named = found
                 .rows
                 .iter()
-                .filter(|row| !matches!(row.verdict.as_str(), "none" | "absorbed"));
+                .filter(|row| !matches!(row.verdict, Some(Verdict::None | Verdict::Absorbed)));
             writeln!(
                 text,
                 "| {seed} | {} | {} | {} | {} | {} |",
@@ -170,20 +172,24 @@ fn row(seed: u64, fleet: &Fleet, found: &Found, summary: &Summary, seconds: f64)
     let drifts: Vec<&str> = summary
         .changes
         .iter()
-        .filter(|c| is(&c.robot, fleet.drifts) && c.kind == "effect" && c.target.ends_with(DRIFT.0))
+        .filter(|c| {
+            is(&c.robot, fleet.drifts)
+                && c.kind == ChangeKind::Effect
+                && c.target.ends_with(DRIFT.0)
+        })
         .map(|c| c.day.as_str())
         .collect();
     let urdfs = summary
         .changes
         .iter()
-        .filter(|c| is(&c.robot, fleet.urdf) && c.kind == "urdf")
+        .filter(|c| is(&c.robot, fleet.urdf) && c.kind == ChangeKind::Urdf)
         .count();
     let told = drifts.join(", ");
     let rest = summary.changes.len() - drifts.len() - urdfs;
     let stuck: BTreeSet<&str> = found
         .rows
         .iter()
-        .filter(|row| row.health.iter().any(|f| f.kind.name() == "encoder_stuck"))
+        .filter(|row| row.health.iter().any(|f| f.kind == Kind::EncoderStuck))
         .map(|row| row.robot.as_str())
         .collect();
     let stuck: Vec<&str> = stuck.into_iter().collect();
@@ -259,7 +265,7 @@ fn names_more(row: &Row, fleet: &Fleet) -> bool {
             .health
             .iter()
             .any(|found| !is_stuck || found.target != STUCK)
-        || (row.verdict == "unexplained")
+        || row.verdict == Some(Verdict::Unexplained)
         || row.error.is_some() != is_cut
         || row.sentence.contains("This robot has 2 URDFs") != has_urdfs
 }

@@ -6,14 +6,14 @@
 use sesc_model::Function;
 
 use super::criteria;
-use super::findings::Found;
+use super::findings::Explained;
 use super::model_file::model_file;
 use super::problem::{Fit, Problem};
 use crate::evaluate::Evaluator;
 
 /// State for every member of the class how far its CoM is from the first one's, m RMS over
 /// the postures of the log; unknown where an effect is no part of model files.
-pub(super) fn state(problem: &Problem, found: &mut Found) {
+pub(super) fn state(problem: &Problem, found: &mut Explained) {
     let first = coms(problem, &found.best, &found.diagnosis.log);
     let others = found.class.iter().filter(|fit| !fit.terms.is_empty());
     let apart = others.map(|fit| {
@@ -27,7 +27,7 @@ pub(super) fn state(problem: &Problem, found: &mut Found) {
 }
 
 /// The sentence where CoMs differ by more than a controller may overlook.
-pub(super) fn sentence(found: &Found) -> Option<String> {
+pub(super) fn sentence(found: &Explained) -> Option<String> {
     let members = found.diagnosis.class.iter().skip(1);
     let far = members.filter_map(|member| Some((member.com_apart?, member)));
     let (apart, member) = far.max_by(|a, b| a.0.total_cmp(&b.0))?;

@@ -13,7 +13,7 @@ use sesc_model::effects::{Catalog, UrdfEdit};
 use sesc_model::urdf::{self, Description, Load, Weight};
 use sesc_model::{EffectRecord, Model, ModelFile, Snapping};
 
-use super::findings::Found;
+use super::findings::Explained;
 use super::hypothesis::Term;
 use super::model_file::model_file;
 use super::problem::Problem;
@@ -38,7 +38,7 @@ pub struct CorrectedUrdf {
 }
 
 /// What of an explanation belongs to the log alone, a sentence each.
-pub(crate) fn of_the_log(problem: &Problem, found: &Found) -> Vec<String> {
+pub(crate) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
     let terms = found.best.terms.iter();
     let outliers = terms.filter(|term| matches!(term, Term::Outliers));
     let said = outliers.map(|term| {
@@ -56,7 +56,7 @@ pub(crate) fn of_the_log(problem: &Problem, found: &Found) -> Vec<String> {
 /// When a text cannot be read again.
 pub(crate) fn of(
     problem: &Problem,
-    found: &Found,
+    found: &Explained,
     robot: &Robot,
     snapping: Snapping,
     prior: &Prior,

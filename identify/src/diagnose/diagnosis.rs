@@ -8,8 +8,8 @@ use super::closure;
 use super::com_spread;
 use super::criteria;
 use super::findings::{
-    About, ActsOn, Blind, Diagnosis, Found, Gap, Last, Leftover, Member, ModelOnLog, NextPostures,
-    Quantity, Step, Verdict,
+    About, ActsOn, Blind, Diagnosis, Explained, Gap, Last, Leftover, Member, ModelOnLog,
+    NextPostures, Quantity, Step, Verdict,
 };
 use super::further_logs::{self, FurtherLog};
 use super::held_out::{self, HeldOut};
@@ -36,7 +36,7 @@ pub fn find<'m>(
     further: &[FurtherLog],
     about: &About,
     watch: &mut dyn Watch,
-) -> Result<Found, Error> {
+) -> Result<Explained, Error> {
     let mut search = Search::new(&mut *whole_problem);
     let blind = search.visible().to_vec();
     let mut ranked = match about.usable {
@@ -173,7 +173,7 @@ pub fn find<'m>(
         model_use: None,
         left_out_of_urdf: None,
     };
-    let mut found = Found {
+    let mut found = Explained {
         diagnosis,
         best,
         told,
@@ -478,6 +478,7 @@ fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
         let unit = parameters.first().map_or(Unit::One, |p| p.unit);
         spots.push(Blind {
             effect: term.label(context),
+            target: context.name_of(&instance.target),
             from,
             size: match unit.shown() {
                 _ if unit == Unit::Radian && from > FRAC_PI_2 => "over 90°".to_string(),

@@ -36,16 +36,16 @@ pub struct Postures<'m> {
 }
 
 /// Whitened readings of an explanation and their slopes by its unknowns.
-struct Rows {
+struct WhitenedReadings {
     value: DVector<f64>,
     slopes: DMatrix<f64>,
 }
 
-impl Rows {
-    fn below(self, more: Rows) -> Rows {
+impl WhitenedReadings {
+    fn below(self, more: WhitenedReadings) -> WhitenedReadings {
         let (a, b) = (self.value.len(), more.value.len());
         let p = self.slopes.ncols();
-        let mut rows = Rows {
+        let mut rows = WhitenedReadings {
             value: DVector::zeros(a + b),
             slopes: DMatrix::zeros(a + b, p),
         };
@@ -58,13 +58,13 @@ impl Rows {
 }
 
 /// An explanation of a log in the parameters of a further experiment.
-pub(super) struct Carried {
+pub(super) struct CarriedExplanation {
     pub terms: Vec<Term>,
     /// Each of their unknowns: which one of the log's it is, and its sign.
     pub columns: Vec<(usize, f64)>,
 }
 
-impl Carried {
+impl CarriedExplanation {
     pub fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
         let columns = self.columns.iter();
         columns.map(|(k, sign)| sign * of_log[*k]).collect()
@@ -88,8 +88,8 @@ pub(super) fn carried(
     here: &EffectContext,
     there: &EffectContext,
     terms: &[Term],
-) -> Carried {
-    let mut carried = Carried {
+) -> CarriedExplanation {
+    let mut carried = CarriedExplanation {
         terms: Vec::new(),
         columns: Vec::new(),
     };
@@ -174,9 +174,9 @@ impl Trial<'_, '_> {
     }
 
     /// Old rows as the log has them, then new ones.
-    fn rows(&self, fit: &Fit) -> Rows {
+    fn rows(&self, fit: &Fit) -> WhitenedReadings {
         let here = self.here;
-        let old = Rows {
+        let old = WhitenedReadings {
             value: DVector::from_fn(fit.predicted.len(), |row, _| {
                 fit.predicted[row] * here.weight[row]
             }),
@@ -185,11 +185,11 @@ impl Trial<'_, '_> {
         old.below(self.new_rows(fit))
     }
 
-    fn new_rows(&self, fit: &Fit) -> Rows {
+    fn new_rows(&self, fit: &Fit) -> WhitenedReadings {
         let (here, there) = (&self.here.context, &self.there.context);
         let carried = carried(self.experiment, here, there, &fit.terms);
         let mut unknowns = carried.unknowns(&fit.unknowns);
-        let Carried { mut terms, columns } = carried;
+        let CarriedExplanation { mut terms, columns } = carried;
         if self.experiment == Experiment::KnownWeight {
             self.carry(&mut terms, &mut unknowns);
         }
@@ -208,7 +208,7 @@ impl Trial<'_, '_> {
                 slopes[(row, *k)] = sign * out[row * width + 1 + own] * weight;
             }
         }
-        Rows {
+        WhitenedReadings {
             value: DVector::from_fn(rows, |row, _| out[row * width] * weight),
             slopes,
         }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use sesc_model::effects::{EffectContext, Target};
 
 use super::held_out::HeldOut;
@@ -18,8 +18,7 @@ use crate::observations::revisits::Again;
 use crate::observations::samples::Samples;
 
 /// What a diagnosis comes to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// Simulation and data agree.
     None,
@@ -33,6 +32,43 @@ pub enum Verdict {
     Unexplained,
     /// The data are broken: no effect is looked for.
     Unusable,
+}
+
+impl Verdict {
+    /// Every verdict.
+    pub const ALL: [Verdict; 6] = [
+        Verdict::None,
+        Verdict::Named,
+        Verdict::Class,
+        Verdict::Absorbed,
+        Verdict::Unexplained,
+        Verdict::Unusable,
+    ];
+
+    /// Its name in JSON and in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::None => "none",
+            Verdict::Named => "named",
+            Verdict::Class => "class",
+            Verdict::Absorbed => "absorbed",
+            Verdict::Unexplained => "unexplained",
+            Verdict::Unusable => "unusable",
+        }
+    }
+
+    /// The verdict of this name.
+    pub fn from_name(name: &str) -> Option<Verdict> {
+        Verdict::ALL
+            .into_iter()
+            .find(|verdict| verdict.name() == name)
+    }
+}
+
+impl Serialize for Verdict {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 /// How far readings are from predictions, m.
@@ -165,7 +201,7 @@ pub struct ModelUse {
     pub model: String,
     /// The line of a `build.rs`.
     pub build_rs: String,
-    /// The command that generates C, in the words of the command line; empty from the library.
+    /// What generates C: the command as the request words it, or the call of the builder.
     pub generate: String,
     /// The call in C: the CoM of the robot as its encoders read it.
     pub c: String,
@@ -219,6 +255,9 @@ pub struct Member {
 pub struct Blind {
     /// The effect with its target: `joint_offset:l_knee`.
     pub effect: String,
+    /// The joint.
+    #[serde(skip)]
+    pub target: String,
     /// From this size on it would be seen.
     pub from: f64,
     /// The smallest that would be detected, as people read it.
@@ -350,7 +389,7 @@ pub struct Diagnosis {
 }
 
 /// A diagnosis with what reports, models and experiments are made from.
-pub(crate) struct Found {
+pub(crate) struct Explained {
     pub diagnosis: Diagnosis,
     /// The explanation, fitted.
     pub best: Fit,

@@ -10,6 +10,7 @@
 //! Everything is to first order, as in the dictionary of a diagnosis; effects that have no
 //! slope at none (a dead band, crossed wires) count with what they do at an ordinary size.
 
+use super::criteria::FIVE_DEVIATIONS;
 use nalgebra::DMatrix;
 use sesc_model::effects::{Catalog, Value};
 use sesc_model::{Function, Model};
@@ -23,8 +24,6 @@ use crate::evaluate::Evaluator;
 use crate::fit::prior::PriorChoice;
 use crate::observations::postures::{Postures, rms};
 
-/// χ² at which two explanations are told apart beyond doubt: five standard deviations.
-pub const TOLD_APART: f64 = 25.0;
 /// Share of postures that count as the telling ones.
 const TELLING: f64 = 0.1;
 
@@ -79,7 +78,7 @@ pub struct Telling {
     pub imitated: Vec<[f64; 2]>,
     /// RMS distance of the last two, m.
     pub left_m: f64,
-    /// How many postures like these tell the two apart ([`TOLD_APART`]).
+    /// How many postures like these tell the two apart ([`FIVE_DEVIATIONS`]).
     pub postures: f64,
     /// Share of what is left that stands in the tenth of the postures that has most of it.
     pub share_of_tenth: f64,
@@ -186,7 +185,7 @@ impl<'m> Footprints<'m> {
             with: points(&|row| self.without[row] + sum(&own, row)),
             imitated: points(&|row| self.without[row] + sum(&own, row) - sum(&left, row)),
             left_m: rms_of_rows(&left, weight),
-            postures: TOLD_APART * n as f64 / chi2.max(1e-300),
+            postures: FIVE_DEVIATIONS * n as f64 / chi2.max(1e-300),
             share_of_tenth: of_tenth / energy.iter().sum::<f64>().max(1e-300),
             features: self.features(tenth),
         })

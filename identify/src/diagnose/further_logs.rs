@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::Experiment;
 
 use super::backlash_sides;
-use super::experiment::{self, Carried};
+use super::experiment::{self, CarriedExplanation};
 use super::problem::{Fit, Problem, State};
 use crate::lsq::damped::{self, Expansion};
 
@@ -68,7 +68,7 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
 /// A further log under one explanation.
 struct Log<'f, 'm> {
     problem: &'f Problem<'m>,
-    carried: Carried,
+    carried: CarriedExplanation,
     posture_context: Vec<f64>,
     /// Penalty of sides of backlash that gravity does not favour.
     penalty: f64,

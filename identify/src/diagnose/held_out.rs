@@ -4,7 +4,7 @@ use super::hypothesis::Term;
 use nalgebra::DVector;
 
 use super::criteria;
-use super::problem::{Fit, Problem, Rows};
+use super::problem::{Fit, Problem, RowSelection};
 use crate::observations::correlation::step;
 use crate::observations::postures::rms;
 
@@ -48,7 +48,7 @@ pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut
     let mut errors = vec![f64::NAN; 2 * n];
     for fold in 0..=parts.iter().copied().max().unwrap_or(0) {
         let keep: Vec<bool> = parts.iter().map(|part| *part != fold).collect();
-        let rows = Rows { keep: Some(&keep) };
+        let rows = RowSelection { keep: Some(&keep) };
         let fit = problem.fit(&whole.terms, Some(&whole.unknowns), rows);
         let own = errors_of(problem, &fit, Some(&keep));
         for k in (0..n).filter(|k| !keep[*k]) {

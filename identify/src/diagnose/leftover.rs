@@ -97,7 +97,7 @@ impl Formula {
 pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
     let library = library(problem);
     let n = problem.data.len();
-    let excess = Misfit::of(problem, fit);
+    let misfit = Misfit::of(problem, fit);
     let mut target = fit.residual.as_ref().clone();
     target -= problem.mass_shift(fit);
     for (k, apart) in held_out::apart(problem, fit).into_iter().enumerate() {
@@ -163,7 +163,7 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
                 weight: [weights[2 * at], weights[2 * at + 1]],
             })
             .collect(),
-        share: gained / (excess.chi2 - excess.expected).max(1.0),
+        share: gained / (misfit.chi2 - misfit.expected).max(1.0),
         score: fit.score() - gained + penalty * chosen.len() as f64,
     }
 }

@@ -48,10 +48,10 @@ mod wiring;
 pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
-pub use criteria::{CLASS_SCORE, OVER_NOTHING};
+pub use criteria::{CLASS_SCORE, FIVE_DEVIATIONS, FLOOR_M, OVER_NOTHING};
 pub use findings::{
     ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
     ModelUse, NextPostures, Quantity, Remedy, Step, UrdfChange, Verdict,
 };
 pub(crate) use hypothesis::FREE_MASSES;
-pub use request::{FLOOR_M, NextLog, Report, Request, diagnose, look};
+pub use request::{NextLog, Report, Request, diagnose, look};

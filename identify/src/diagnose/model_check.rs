@@ -7,7 +7,7 @@ use sesc_model::effects::{Catalog, Instance, PostureContext};
 use sesc_model::{EffectRecord, Function, Model, ModelFile};
 
 use super::criteria::model_file::{AGREES, BENEATH_NOISE, MOST_LEFT_OUT, OTHER_SIDE};
-use super::findings::{Found, ModelOnLog};
+use super::findings::{Explained, ModelOnLog};
 use super::held_out;
 use super::problem::Problem;
 use super::resting::Predictions;
@@ -21,7 +21,7 @@ use crate::observations::postures::rms;
 /// When the file is one that `sesc` refuses.
 pub(super) fn check(
     problem: &Problem,
-    found: &Found,
+    found: &Explained,
     file: &ModelFile,
 ) -> Result<ModelOnLog, Error> {
     let refused = |reason: String| Error::request(reason);

@@ -53,7 +53,7 @@ pub fn model_file(problem: &Problem, best: &Fit, log: &str) -> ModelFile {
         if instance.effect.stage() == Stage::Cells {
             file.cells = problem.data.cells.clone();
         }
-        let of = |v: &words::Found| {
+        let of = |v: &words::NamedValue| {
             let quantity = Quantity {
                 value: v.value,
                 std: v.std.is_finite().then_some(v.std),

@@ -8,7 +8,7 @@ use sesc_model::{Model, Snapping};
 
 use super::criteria::{self, NEXT_POSTURES};
 use super::experiment::{Postures, Trial};
-use super::findings::{ExperimentProposal, Found, Verdict};
+use super::findings::{ExperimentProposal, Explained, Verdict};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
 use crate::plan::balance::Region;
@@ -37,7 +37,7 @@ impl Next {
 /// Rank experiments by how many of the class they exclude.
 pub fn next(
     problem: &Problem,
-    found: &Found,
+    found: &Explained,
     robot: &Robot,
     snapping: Snapping,
     folder: Option<&Path>,
@@ -127,7 +127,7 @@ pub fn next(
     next
 }
 
-fn makes_sense(experiment: Experiment, problem: &Problem, found: &Found) -> bool {
+fn makes_sense(experiment: Experiment, problem: &Problem, found: &Explained) -> bool {
     let any = |holds: fn(&Term) -> bool| found.class.iter().any(|f| f.terms.iter().any(holds));
     match experiment {
         Experiment::RawCells => !problem.data.raw_cells && !problem.data.cells.is_empty(),

@@ -2,15 +2,15 @@
 //! stated is far larger.
 
 use super::criteria::noise::FALLS;
-use super::findings::{Found, Verdict};
+use super::findings::{Explained, Verdict};
 use super::leftover::Misfit;
 use super::problem::Problem;
-use crate::health::{Finding, Leftover, Picture};
+use crate::health::{Finding, FitResiduals, Picture};
 use crate::observations::noise::{NoiseSource, scale};
 
 /// What the best explanation and free masses leave, m, and how many of the readings they take
 /// up, where the noise is known from what free masses alone leave and this is less.
-pub(super) fn beside(problem: &Problem, found: &Found) -> Option<(Vec<f64>, f64)> {
+pub(super) fn beside(problem: &Problem, found: &Explained) -> Option<(Vec<f64>, f64)> {
     let data = &problem.data;
     if data.noise_source != NoiseSource::Residuals || found.best.terms.is_empty() {
         return None;
@@ -22,7 +22,7 @@ pub(super) fn beside(problem: &Problem, found: &Found) -> Option<(Vec<f64>, f64)
 }
 
 /// A finding where it is, and where there are samples enough to know.
-pub(super) fn overstated(problem: &Problem, found: &Found) -> Option<Finding> {
+pub(super) fn overstated(problem: &Problem, found: &Explained) -> Option<Finding> {
     // Readings from which a joint's position was taken say little of their noise.
     let spent = !problem.data.spent.is_empty();
     if spent || found.diagnosis.verdict == Verdict::Unusable {
@@ -30,7 +30,7 @@ pub(super) fn overstated(problem: &Problem, found: &Found) -> Option<Finding> {
     }
     let misfit = Misfit::of(problem, &found.best);
     let rows = 2.0 * problem.data.len() as f64;
-    Leftover {
+    FitResiduals {
         chi2: misfit.chi2,
         expected: misfit.expected,
         taken: rows - misfit.expected,
@@ -47,7 +47,7 @@ pub(super) fn overstated(problem: &Problem, found: &Found) -> Option<Finding> {
 }
 
 /// What is left of each posture, mm.
-fn left(problem: &Problem, found: &Found) -> Picture {
+fn left(problem: &Problem, found: &Explained) -> Picture {
     let left = |row: usize| 1e3 * found.best.residual[row] / problem.weight[row];
     let postures = (0..problem.data.len()).step_by(1 + problem.data.len() / 500);
     Picture {

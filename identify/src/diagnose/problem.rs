@@ -129,12 +129,12 @@ impl Fit {
 
 /// How a set of readings counts in a fit.
 #[derive(Clone, Copy)]
-pub struct Rows<'a> {
+pub struct RowSelection<'a> {
     /// 1 or 0 per posture; all where `None`.
     pub keep: Option<&'a [bool]>,
 }
 
-pub const ALL: Rows = Rows { keep: None };
+pub const ALL: RowSelection = RowSelection { keep: None };
 
 impl<'m> Problem<'m> {
     pub fn new(

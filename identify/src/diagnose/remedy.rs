@@ -17,7 +17,7 @@ use sesc_model::urdf::Description;
 
 use super::corrected_urdf::edited;
 pub use super::findings::{Change, Remedy, UrdfChange};
-use super::findings::{Found, ModelUse};
+use super::findings::{Explained, ModelUse};
 use super::hypothesis::Term;
 use super::problem::Problem;
 use super::words;
@@ -125,7 +125,7 @@ impl Remedy {
 /// The remedy of every step of a diagnosis.
 pub(super) fn add(
     problem: &Problem,
-    found: &mut Found,
+    found: &mut Explained,
     description: &Description,
     servos: &BTreeMap<String, Servo>,
 ) {
@@ -269,14 +269,18 @@ fn elements(text: &str) -> Vec<(usize, &str)> {
     out
 }
 
-/// How the model file at `path` is used.
-pub(super) fn model_use(path: &Path) -> ModelUse {
+/// How the model file at `path` is used; `generate` says what makes C with it.
+pub(super) fn model_use(path: &Path, generate: impl Fn(&str) -> String) -> ModelUse {
     let model = path.display().to_string();
     ModelUse {
         build_rs: format!(".model({model:?})"),
-        // The command line words its own commands.
-        generate: String::new(),
+        generate: generate(&model),
         c: "NAME_model_com(q, com);".to_string(),
         model,
     }
+}
+
+/// The call that makes C of the robot in the file `urdf`.
+pub(super) fn builder_call(urdf: &str, support: &str, model: &str) -> String {
+    format!("Builder::new({urdf:?}).support({support:?}).model({model:?}).c99(folder).emit()")
 }

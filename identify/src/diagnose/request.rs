@@ -6,6 +6,7 @@
 //!                                                                 └▶ next postures, view
 //! ```
 
+use super::criteria::FLOOR_M;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,7 +16,7 @@ use sesc_model::tree::Dof;
 use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
 use super::corrected_urdf::{self, CorrectedUrdf};
-use super::findings::{About, Diagnosis, Found, NextPostures, Verdict};
+use super::findings::{About, Diagnosis, Explained, NextPostures, Verdict};
 use super::further_logs::FurtherLog;
 use super::model_file::model_file;
 use super::next_postures::{self, Next, OnFoot};
@@ -36,9 +37,6 @@ use crate::robot::Robot;
 use crate::skeleton::Skeleton;
 use crate::watch::Watch;
 use crate::{Error, Setting, message};
-
-/// What encoder ticks add to the noise of a posture's CoP unless told otherwise, m.
-pub const FLOOR_M: f64 = 1e-4;
 
 /// What is to be diagnosed, and how.
 #[derive(Debug, Clone)]
@@ -77,6 +75,9 @@ pub struct Request {
     pub next_file: Option<PathBuf>,
     /// Where the caller will write the model file; the diagnosis says how it is used.
     pub model_path: Option<PathBuf>,
+    /// How the caller words what generates C from a URDF, on a support link, with a model file;
+    /// the call of `sesc_codegen::Builder` unless given.
+    pub generate_command: Option<fn(urdf: &str, support: &str, model: &str) -> String>,
     /// Servos by joint; [`Servo::default`] of revolute joints that are not named.
     pub servos: BTreeMap<String, Servo>,
     /// Whether the corrected URDF is wanted.
@@ -108,6 +109,7 @@ impl Request {
             meshes: None,
             next_file: None,
             model_path: None,
+            generate_command: None,
             servos: BTreeMap::new(),
             corrected_urdf: false,
             total_mass: None,
@@ -326,7 +328,10 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         .model_path
         .as_ref()
         .filter(|_| usable && on_log.agrees);
-    found.diagnosis.model_use = path.map(|path| remedy::model_use(path));
+    let (urdf, support) = (&robot.description.file, &found.diagnosis.support);
+    let generate = request.generate_command.unwrap_or(remedy::builder_call);
+    found.diagnosis.model_use =
+        path.map(|path| remedy::model_use(path, |model| generate(urdf, support, model)));
     found.diagnosis.model_on_log = on_log;
     found.diagnosis.sentence = verdict::sentence(&problem, &found);
     Ok(Report {
@@ -464,7 +469,7 @@ fn stand(request: &Request, first: &str, log: &LogSource) -> Result<(Experiment,
 fn with_data(
     request: &Request,
     problem: &Problem,
-    found: &Found,
+    found: &Explained,
     further: &[FurtherLog],
 ) -> ModelFile {
     let mut file = model_file(problem, &found.best, &found.diagnosis.log);

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::criteria::samples::{COUNTS, LONGER, STAYED};
 use super::diagnosis;
-use super::findings::{About, Found};
+use super::findings::{About, Explained};
 use super::further_logs::FurtherLog;
 use super::noise;
 use super::problem::{Fit, Problem};
@@ -27,7 +27,7 @@ pub(super) fn explained<'m>(
     further: &[FurtherLog<'_>],
     about: &About<'_>,
     watch: &mut dyn Watch,
-) -> Result<(Problem<'m>, Found, [Correlation; 2]), Error> {
+) -> Result<(Problem<'m>, Explained, [Correlation; 2]), Error> {
     let mut problem = first.clone();
     let mut found = diagnosis::find(&mut problem, further, about, watch)?;
     let mut correlation = self::correlation(&problem, &found.best);

@@ -2,7 +2,7 @@
 
 use super::com_spread;
 use super::criteria;
-use super::findings::{Found, Verdict};
+use super::findings::{Explained, Verdict};
 use super::problem::Problem;
 use super::words::{self, capital};
 
@@ -10,7 +10,7 @@ use super::words::{self, capital};
 const NAMED: usize = 4;
 
 /// What a good colleague would say, in a few sentences.
-pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
+pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
     let d = &found.diagnosis;
     let mm = |x: f64| format!("{:.2} mm", 1e3 * x);
     let mut said = vec![format!(
@@ -136,7 +136,7 @@ pub(super) fn sentence(problem: &Problem, found: &Found) -> String {
         .blind
         .iter()
         .take(NAMED)
-        .map(|b| format!("{} {}", b.effect.replace("joint_offset:", ""), b.size))
+        .map(|b| format!("{} {}", b.target, b.size))
         .collect();
     if !blind.is_empty() {
         said.push(format!(

@@ -8,7 +8,7 @@ use super::problem::{Fit, Problem};
 
 /// A value of an effect with its standard deviation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found<'n> {
+pub struct NamedValue<'n> {
     /// Name of the parameter, which ends in its unit.
     pub name: &'n str,
     /// The estimate.
@@ -18,7 +18,7 @@ pub struct Found<'n> {
 }
 
 /// What each effect of a fit amounts to: deviations by the slopes of the values.
-pub fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<Found<'static>>> {
+pub fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<NamedValue<'static>>> {
     let context = &problem.context;
     let mut at = 0;
     fit.terms
@@ -38,7 +38,7 @@ fn with_deviations(
     term: &Term,
     unknowns: &[f64],
     covariance: &DMatrix<f64>,
-) -> Vec<Found<'static>> {
+) -> Vec<NamedValue<'static>> {
     let of = |x: &[f64]| term.values(context, x);
     let scales = term.scales(context);
     let now = of(unknowns);
@@ -58,7 +58,7 @@ fn with_deviations(
     let spread = &slopes * covariance * slopes.transpose();
     now.into_iter()
         .enumerate()
-        .map(|(k, Value { name, value })| Found {
+        .map(|(k, Value { name, value })| NamedValue {
             name,
             value,
             std: spread[(k, k)].max(0.0).sqrt(),
@@ -67,7 +67,7 @@ fn with_deviations(
 }
 
 /// `0.93° ± 0.04°`, `31 g ± 2 g`: by the unit at the end of its name.
-pub fn spoken(found: &Found) -> String {
+pub fn spoken(found: &NamedValue) -> String {
     let (factor, unit) = Unit::of(found.name).shown();
     let (value, std) = (factor * found.value, factor * found.std);
     let digits = match std {
@@ -82,12 +82,12 @@ pub fn spoken(found: &Found) -> String {
 }
 
 /// `width 0.93° ± 0.04°`: what it is called, without the unit, and its value.
-pub fn named(found: &Found) -> String {
+pub fn named(found: &NamedValue) -> String {
     format!("{} {}", Unit::stem(found.name), spoken(found))
 }
 
 /// `subject`, with its values: `backlash in every joint: width 0.93° ± 0.04°`.
-pub fn clause(context: &EffectContext, term: &Term, values: &[Found]) -> String {
+pub fn clause(context: &EffectContext, term: &Term, values: &[NamedValue]) -> String {
     let subject = term.phrase(context);
     let said: Vec<String> = values.iter().map(named).collect();
     match said.is_empty() {

@@ -1,5 +1,6 @@
 //! From gathered logs to parameters with their uncertainty, observability and held-out error.
 
+use super::criteria::{ELSEWHERE_M, FAR, SURELY};
 use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
 
@@ -17,13 +18,7 @@ use super::summary::{
 use crate::health;
 use crate::lsq::information::{Beyond, information, of_rows};
 use crate::observations::criteria::repeats::UNLIKELY;
-use crate::observations::noise::{Leftover, Noise, NoiseSource, widening};
-
-/// Held-out errors beyond this many times the noise are mentioned.
-const FAR: f64 = 2.0;
-/// A parameter is elsewhere than in CAD by this, m, and by so many deviations.
-const ELSEWHERE_M: f64 = 5e-3;
-const SURELY: f64 = 4.0;
+use crate::observations::noise::{FreeResiduals, Noise, NoiseSource, widening};
 
 /// Fit `gathered` and say what was found.
 #[cfg(any(test, feature = "nalgebra"))]
@@ -57,7 +52,7 @@ pub(super) fn identify_within(
         true => (0.0, 0),
         false => (within, df_within),
     };
-    let left = Leftover {
+    let left = FreeResiduals {
         // Where visits differ, readings of one visit say nothing of what is left.
         sum: whole.residual_sum(&free.params) / gathered.consistency - within,
         // Rows that a robust fit trusts less count less.
@@ -85,7 +80,7 @@ pub(super) fn identify_within(
     };
     let inflation = inflation.max(1.0);
     let mut health = gathered.health.clone();
-    let over = health::Leftover {
+    let over = health::FitResiduals {
         chi2: left.sum / (noise.sigma * noise.sigma),
         expected: left.df,
         taken: free.rank as f64,

@@ -1,4 +1,4 @@
-//! What a fit found: parameters and all that must be said with them.
+//! What a fit found: parameters with uncertainty, observability and held-out error.
 
 use serde::Serialize;
 use sesc_model::{Information, Model, ModelFile};

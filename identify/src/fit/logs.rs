@@ -1,6 +1,7 @@
 //! From log files to factors: block by block, once, or a few times over for a
 //! robust fit.
 
+use super::criteria::TO_SEE_OUTLIERS;
 use nalgebra::{DMatrix, DVector};
 use sesc_model::{Model, Snapping};
 
@@ -24,8 +25,6 @@ pub(super) const BLOCK: usize = 4096;
 const SAMPLE: usize = 100_000;
 /// Rounds of reweighting, at most.
 const ROUNDS: usize = 20;
-/// Rows beyond the parameters that finding outliers needs.
-const FEWEST: f64 = 10.0;
 /// Part of the readings that reweighting leaves at least. The scale comes from the median, so
 /// that half of sound readings keep nearly all their weight.
 const LEAST_LEFT: f64 = 0.25;
@@ -103,7 +102,7 @@ impl<'r> Logs<'r> {
         let mut taken = free.rank as f64;
         let mut gathered = gathered;
         for _ in 0..ROUNDS {
-            if rows - taken < FEWEST {
+            if rows - taken < TO_SEE_OUTLIERS {
                 let few = format!(
                     ": {rows} rows for {taken:.0} parameters leave nothing to tell an outlier by; \
                      add postures, or take "

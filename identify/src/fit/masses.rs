@@ -18,7 +18,7 @@ use sesc_model::urdf::Weight;
 
 use super::limits::Limits;
 use super::prior::Tolerances;
-use crate::lsq::inequality::{Linear, NoAnswer, Problem};
+use crate::lsq::inequality::{ConstrainedProblem, Linear, NoAnswer};
 use crate::svd::svd;
 
 /// A link keeps at least this part of the mass CAD gives it.
@@ -152,7 +152,7 @@ impl<'m> Space<'m> {
                 row += self.spread.row(entry) * weight;
             }
         }
-        let answer = Problem {
+        let answer = ConstrainedProblem {
             squares,
             equal,
             at_most,

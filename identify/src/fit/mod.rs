@@ -6,6 +6,7 @@
 //! ```
 
 pub mod corrected;
+mod criteria;
 mod estimate;
 #[cfg(feature = "nalgebra")]
 #[doc(hidden)]

@@ -10,7 +10,7 @@
 //! with C = S Sᵀ.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::{DMatrix, DVector, Matrix4};
 use serde::{Deserialize, Serialize};
@@ -70,13 +70,19 @@ const TIGHT: (f64, f64) = (0.002, 0.0001);
 /// CAD as it usually is: masses to 10 %, CoMs to 5 mm.
 const USUAL: (f64, f64) = (0.10, 0.005);
 
-/// A prior, or the name of one.
-#[derive(Debug, Clone)]
+/// Which prior, before the robot is known that it is of.
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum PriorChoice {
-    /// See [`Prior::named`].
-    Named(String),
-    /// Tolerances from the caller.
+    /// CAD taken nearly for granted: masses to 0.2 %, CoMs to 0.1 mm.
+    Tight,
+    /// CAD as it usually is: masses to 10 %, CoMs to 5 mm.
+    Cad,
+    /// Data alone.
+    Free,
+    /// A file of tolerances or of a [`Population`].
+    File(PathBuf),
+    /// A prior from the caller.
     Given(Prior),
 }
 
@@ -84,12 +90,15 @@ impl PriorChoice {
     /// The prior itself.
     ///
     /// # Errors
-    /// As [`Prior::named`].
+    /// When a file cannot be read, names unknown links or holds no tolerances.
     pub fn of(&self, model: &Model) -> Result<Prior, Error> {
-        match self {
-            PriorChoice::Named(name) => Prior::named(name, model),
-            PriorChoice::Given(prior) => Ok(prior.clone()),
-        }
+        Ok(match self {
+            PriorChoice::Tight => Prior::Cad(Tolerances::of(TIGHT)),
+            PriorChoice::Cad => Prior::Cad(Tolerances::of(USUAL)),
+            PriorChoice::Free => Prior::Free,
+            PriorChoice::File(file) => Prior::read(file, model)?,
+            PriorChoice::Given(prior) => prior.clone(),
+        })
     }
 }
 
@@ -100,8 +109,14 @@ impl Default for PriorChoice {
 }
 
 impl From<&str> for PriorChoice {
+    /// `tight`, `cad` or `free`; any other name is that of a file.
     fn from(name: &str) -> PriorChoice {
-        PriorChoice::Named(name.to_string())
+        match name {
+            "tight" => PriorChoice::Tight,
+            "cad" => PriorChoice::Cad,
+            "free" => PriorChoice::Free,
+            file => PriorChoice::File(PathBuf::from(file)),
+        }
     }
 }
 
@@ -123,14 +138,9 @@ impl Prior {
     /// `tight`, `cad`, `free`, or a file of tolerances or of a [`Population`].
     ///
     /// # Errors
-    /// When a file cannot be read, names unknown links or holds no tolerances.
+    /// As [`PriorChoice::of`].
     pub fn named(name: &str, model: &Model) -> Result<Prior, Error> {
-        Ok(match name {
-            "free" => Prior::Free,
-            "tight" => Prior::Cad(Tolerances::of(TIGHT)),
-            "cad" => Prior::Cad(Tolerances::of(USUAL)),
-            file => Prior::read(Path::new(file), model)?,
-        })
+        PriorChoice::from(name).of(model)
     }
 
     fn read(path: &Path, model: &Model) -> Result<Prior, Error> {

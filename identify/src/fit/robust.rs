@@ -7,6 +7,7 @@
 //! of a posture's two residuals together: a foot that slipped is wrong on both
 //! axes. `s` is the scale that the residuals' median shows.
 
+use super::criteria::{HUBER, TUKEY};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -34,10 +35,6 @@ pub struct Robust {
 
 /// Median of the length of a pair of unit normals: √(2 ln 2).
 pub const MEDIAN_OF_PAIRS: f64 = 1.177_410_022_515_474_6;
-
-/// 95 % as good as least squares when noise is normal, for pairs.
-const HUBER: f64 = 1.9;
-const TUKEY: f64 = 5.0;
 
 impl Robust {
     /// Mean square of weighted residuals over that of the weights, of normal noise:

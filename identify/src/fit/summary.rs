@@ -1,5 +1,6 @@
 //! What a fit can say: held-out errors, deviations, lengths of bodies, what is not seen.
 
+use super::criteria::CORRELATED;
 use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
 
@@ -11,8 +12,7 @@ use crate::lsq::solve::Estimate;
 use crate::observations::{grouping, noise};
 use crate::simulate::Simulator;
 
-/// Correlations from this magnitude on are listed.
-const CORRELATED: f64 = 0.9;
+/// The largest correlations that are listed, at most.
 const CORRELATIONS: usize = 20;
 /// Postures over which errors are expected.
 const SAMPLES: usize = 2000;

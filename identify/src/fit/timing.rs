@@ -4,6 +4,7 @@
 //! Rows are made independent as they are read, so this has to be known before: a fit of
 //! free masses to the first `ROWS` rows tells, at the cost of reading those twice.
 
+use super::criteria::{HELD_OUT_TIMES, MOST_APART, ROWS_OF_STAY, TO_KNOW_NOISE};
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -26,14 +27,6 @@ use crate::observations::rows::{Measurement, Rows};
 const BLOCK: usize = 4096;
 /// Rows that are looked at.
 const ROWS: usize = 20_000;
-/// Held-out blocks are longer than this many correlation times.
-const LONGER: f64 = 4.0;
-/// Axes whose noise differs by more are not weighed any further.
-const MOST_APART: f64 = 10.0;
-/// Rows a visit from which a robot is said to stay.
-const OF_STAY: usize = 3;
-/// Degrees of freedom that tell the noise of an axis.
-const FEWEST: f64 = 10.0;
 /// Rows that the share of motion is taken from, at most.
 const OF_SHARE: usize = 4000;
 
@@ -287,7 +280,7 @@ impl Head {
         };
         let axes: Vec<_> = (0..2).map(|axis| self.axis(axis)).collect();
         let of = |axis: usize| match step {
-            Some(_) if self.rows >= OF_STAY * self.stays.len() => {
+            Some(_) if self.rows >= ROWS_OF_STAY * self.stays.len() => {
                 Correlation::of_stays(&self.t, &axes[axis].1, &axes[axis].0, &self.stays)
             }
             Some(_) => Correlation::of(&self.t, &axes[axis].1, &axes[axis].0),
@@ -301,7 +294,10 @@ impl Head {
         let blocks = step.filter(|_| self.repeats.postures == self.rows as u64);
         let blocks = blocks.map(|step| {
             let length = self.t[self.rows - 1] - self.t[0] + step;
-            (self.t[0], (length / folds as f64).max(LONGER * longest))
+            (
+                self.t[0],
+                (length / folds as f64).max(HELD_OUT_TIMES * longest),
+            )
         });
         Timing {
             axes: match own_axes && self.rows > 0 {
@@ -344,7 +340,7 @@ impl Head {
         correlation: &[Correlation; 2],
     ) -> [f64; 2] {
         let pure = self.repeats.pure();
-        let squares = match pure.df as f64 >= FEWEST && self.repeats.rows > 0 {
+        let squares = match pure.df as f64 >= TO_KNOW_NOISE && self.repeats.rows > 0 {
             true => [0, 1].map(|axis| (pure.sum[axis] / pure.df as f64, pure.df as f64)),
             false => [0, 1].map(|axis| {
                 let (x, y) = &axes[axis];
@@ -353,7 +349,7 @@ impl Head {
             }),
         };
         let [(x, df_x), (y, df_y)] = squares;
-        if df_x < FEWEST || df_y < FEWEST || !(x > 0.0 && y > 0.0) {
+        if df_x < TO_KNOW_NOISE || df_y < TO_KNOW_NOISE || !(x > 0.0 && y > 0.0) {
             return [1.0; 2];
         }
         let Ok(distribution) = FisherSnedecor::new(df_x, df_y) else {

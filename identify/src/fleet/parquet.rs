@@ -113,7 +113,7 @@ fn columns(rows: &[Row]) -> Vec<Column> {
         whole(&|row| row.independent),
         number(&|row| row.noise_floor),
         number(&|row| row.held_out_rmse),
-        text(&|row| row.verdict.clone()),
+        text(&|row| row.verdict_name().to_string()),
         text(&|row| row.sentence.clone()),
         text(&|row| json(&row.effects)),
         text(&|row| json(&row.health)),

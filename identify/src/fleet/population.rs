@@ -190,6 +190,7 @@ fn spread_of(robots: &[Said], m: usize) -> Option<(DVector<f64>, DMatrix<f64>)> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::Verdict;
     use rand::SeedableRng as _;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution as _, StandardNormal};
@@ -228,7 +229,7 @@ mod tests {
                 robot: format!("r{k}"),
                 urdf_hash: robot.description.hash.clone(),
                 support: "foot".into(),
-                verdict: "none".into(),
+                verdict: Some(Verdict::None),
                 params: params.iter().copied().collect(),
                 covariance: lower.clone(),
                 ..Row::default()

@@ -3,10 +3,10 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::diagnose::Diagnosis;
-use crate::diagnose::Step;
+use crate::diagnose::{Diagnosis, Step, Verdict};
 use crate::fit::Identification;
 use crate::health::{Finding, Kind};
 
@@ -111,8 +111,12 @@ pub struct Row {
     pub noise_floor: Option<f64>,
     /// Held-out RMS error of the whole explanation, m.
     pub held_out_rmse: Option<f64>,
-    /// Verdict of the diagnosis; empty where there is none.
-    pub verdict: String,
+    /// Verdict of the diagnosis, where there is one; in files its name, or empty.
+    #[serde(
+        serialize_with = "verdict_to_name",
+        deserialize_with = "verdict_of_name"
+    )]
+    pub verdict: Option<Verdict>,
     /// The diagnosis in sentences.
     pub sentence: String,
     /// The effects of the explanation.
@@ -147,12 +151,17 @@ const STUCK: &str = "No effect is named beside it: what explains angles that are
 impl Row {
     /// Whether the row says something of the robot.
     pub fn is_usable(&self) -> bool {
-        self.has_result() && self.verdict != "unusable"
+        self.has_result() && self.verdict != Some(Verdict::Unusable)
     }
 
     /// Whether the logs could be read and something came of them.
     pub fn has_result(&self) -> bool {
-        !self.verdict.is_empty() || !self.params.is_empty()
+        self.verdict.is_some() || !self.params.is_empty()
+    }
+
+    /// Name of the verdict, as tables have it; empty where there is none.
+    pub fn verdict_name(&self) -> &'static str {
+        self.verdict.map_or("", Verdict::name)
     }
 
     /// Take over what a fit says of the data, where there is no diagnosis.
@@ -166,21 +175,19 @@ impl Row {
         self.health.iter_mut().for_each(|f| f.picture = None);
         self.sentence = FITTED.to_string();
         if !found.is_usable() {
-            self.verdict = "unusable".to_string();
+            self.verdict = Some(Verdict::Unusable);
         }
     }
 
     /// Take over what a diagnosis says.
     pub(super) fn diagnosed(&mut self, diagnosis: &Diagnosis) {
-        let verdict = serde_json::to_value(diagnosis.verdict).ok();
-        let verdict = verdict.and_then(|v| v.as_str().map(str::to_string));
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         self.support.clone_from(&diagnosis.support);
         self.postures = diagnosis.postures as u64;
         self.independent = diagnosis.samples.independent as u64;
         self.noise_floor = finite(diagnosis.noise_floor);
         self.held_out_rmse = finite(diagnosis.last.rmse);
-        self.verdict = verdict.unwrap_or_default();
+        self.verdict = Some(diagnosis.verdict);
         self.sentence.clone_from(&diagnosis.sentence);
         self.health.clone_from(&diagnosis.health);
         // Pictures belong to a diagnosis' own page and are not kept.
@@ -188,7 +195,7 @@ impl Row {
         let mut stuck = self.health.iter().filter(|f| f.kind == Kind::EncoderStuck);
         if let Some(finding) = stuck.next() {
             // One joint is not where the log says: whatever explains the rest makes up for it.
-            self.verdict = "none".to_string();
+            self.verdict = Some(Verdict::None);
             self.sentence = format!("{} {STUCK}", finding.sentence);
             return;
         }
@@ -204,14 +211,34 @@ impl Row {
     }
 }
 
+fn verdict_to_name<S: Serializer>(
+    verdict: &Option<Verdict>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(verdict.map_or("", Verdict::name))
+}
+
+fn verdict_of_name<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<Verdict>, D::Error> {
+    let name = String::deserialize(deserializer)?;
+    if name.is_empty() {
+        return Ok(None);
+    }
+    let known = Verdict::from_name(&name);
+    known
+        .map(Some)
+        .ok_or_else(|| D::Error::custom(format!("`{name}` is no verdict")))
+}
+
 /// A JSON text of something that always is one.
 pub(super) fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
 }
 
 #[cfg(test)]
-mod order_tests {
-    use super::by_number;
+mod tests {
+    use super::*;
 
     #[test]
     fn days_are_in_the_order_of_their_numbers() {
@@ -231,5 +258,22 @@ mod order_tests {
         );
         // Equal numbers are told apart by how they are written, whatever comes first.
         assert_eq!(of(&["01", "1", "001", ""]), of(&["1", "", "001", "01"]));
+    }
+
+    #[test]
+    fn a_verdict_is_its_name_in_files_and_another_name_is_refused() {
+        let mut row = Row::default();
+        let names = [None, Some(Verdict::Absorbed)].map(|verdict| {
+            row.verdict = verdict;
+            let written = serde_json::to_value(&row).unwrap();
+            let read: Row = serde_json::from_value(written.clone()).unwrap();
+            assert_eq!(read, row);
+            written["verdict"].clone()
+        });
+        assert_eq!(names, ["", "absorbed"]);
+        let mut other = serde_json::to_value(&row).unwrap();
+        other["verdict"] = "maybe".into();
+        let said = serde_json::from_value::<Row>(other).unwrap_err();
+        assert!(said.to_string().contains("`maybe` is no verdict"), "{said}");
     }
 }

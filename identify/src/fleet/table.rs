@@ -116,7 +116,7 @@ fn csv(path: &Path, rows: &[Row]) -> Result<(), Error> {
             row.independent.to_string(),
             number(row.noise_floor),
             number(row.held_out_rmse),
-            row.verdict.clone(),
+            row.verdict_name().to_string(),
             row.sentence.clone(),
             json(&row.effects),
             json(&row.health),

@@ -12,7 +12,7 @@ use crate::observations::noise::NoiseSource;
 
 /// What a fit leaves.
 #[derive(Debug, Clone, Copy)]
-pub struct Leftover {
+pub struct FitResiduals {
     /// χ² of the rows, in units of `floor_m`.
     pub chi2: f64,
     /// What noise alone leaves of it.
@@ -29,7 +29,7 @@ pub struct Leftover {
     pub source: NoiseSource,
 }
 
-impl Leftover {
+impl FitResiduals {
     /// A finding where the noise is stated and several times what is left.
     pub fn overstated_noise(&self) -> Option<Finding> {
         let told = matches!(self.source, NoiseSource::Given | NoiseSource::Stated);
@@ -69,8 +69,8 @@ mod tests {
     use super::*;
 
     /// Noise of 1 mm stated as 4 mm, with `expected` rows beside 80 unknowns.
-    fn four_times(expected: f64, rows_per_sample: f64) -> Leftover {
-        Leftover {
+    fn four_times(expected: f64, rows_per_sample: f64) -> FitResiduals {
+        FitResiduals {
             chi2: expected / 16.0,
             expected,
             taken: 80.0,

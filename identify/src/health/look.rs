@@ -13,7 +13,7 @@ use std::sync::Arc;
 use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
-use super::rows::{self, Rows};
+use super::rows::{self, LogRows};
 use super::{Finding, Health, Views, Whereabouts, examine_views, standing};
 use crate::Error;
 use crate::evaluate::Evaluator;
@@ -51,7 +51,7 @@ pub fn look(
     if !log.can_be_read_again() {
         return Ok((log.clone(), Vec::new()));
     }
-    let rows = Rows::read(log, (robot, model), reading.options, reading.noise, watch)?;
+    let rows = LogRows::read(log, (robot, model), reading.options, reading.noise, watch)?;
     let (left_out, findings) = rows::judge(&rows, model);
     let stride = rows.len().div_ceil(POSTURES).max(1);
     let kept = |k: &usize| left_out.keeps(rows.reading[*k], rows.force(*k));

@@ -36,7 +36,7 @@ use crate::robot::Robot;
 use crate::watch::Watch;
 pub use finding::{Finding, KINDS, Kind};
 #[doc(hidden)]
-pub use leftover::Leftover;
+pub use leftover::FitResiduals;
 #[doc(hidden)]
 pub use look::{Reading, look};
 #[doc(hidden)]

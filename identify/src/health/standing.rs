@@ -7,7 +7,7 @@
 use sesc_model::Model;
 
 use super::criteria::{MOVED, UNKNOWN_NOISE_M};
-use super::rows::Rows;
+use super::rows::LogRows;
 use super::statistics::rms_of_gaps;
 use crate::observations::motion::{Motion, Plan, Wanted};
 use crate::observations::postures::Postures;
@@ -16,7 +16,7 @@ use crate::observations::zmp::Zmp;
 /// The `chosen` rows as postures: as they were read, and without what motion adds to their
 /// readings.
 pub(super) fn postures(
-    rows: &Rows,
+    rows: &LogRows,
     chosen: &[usize],
     model: &Model,
 ) -> (Postures, Option<Postures>) {
@@ -34,7 +34,7 @@ pub(super) fn postures(
 
 /// Rows whose motion is known, and their readings without it; none where they are near enough
 /// to CAD as they were read.
-fn still(rows: &Rows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
+fn still(rows: &LogRows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
     let gap = |k: usize, y: [f64; 2]| [0, 1].map(|axis| y[axis] - rows.cad[k][axis]);
     let as_read = rms_of_gaps(chosen.iter().map(|&k| gap(k, rows.reading[k])));
     if rows.t.is_empty() || as_read < MOVED * rows.noise.unwrap_or(UNKNOWN_NOISE_M) {

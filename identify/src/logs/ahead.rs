@@ -30,7 +30,7 @@ struct Step {
 
 /// A reader of postures that reads ahead.
 pub struct Ahead {
-    source: Source,
+    source: BlockSource,
     /// What the log's sidecar says.
     pub sidecar: Sidecar,
     /// What is odd about the log so far, complete after the last block.
@@ -40,7 +40,7 @@ pub struct Ahead {
     summary: Option<Summary>,
 }
 
-enum Source {
+enum BlockSource {
     /// Nothing was asked for yet, or there are no threads.
     Here(Box<PostureReader>),
     Thread(Thread),
@@ -63,7 +63,7 @@ impl Ahead {
             progress: reader.progress(),
             averaged: reader.averaged(),
             summary: reader.summary(),
-            source: Source::Here(Box::new(reader)),
+            source: BlockSource::Here(Box::new(reader)),
         }
     }
 
@@ -73,17 +73,17 @@ impl Ahead {
     /// # Errors
     /// As [`PostureReader::block`].
     pub fn block(&mut self, count: usize) -> Result<Block, Error> {
-        self.source = match std::mem::replace(&mut self.source, Source::Ended) {
-            Source::Here(reader) => Source::started(reader, count),
+        self.source = match std::mem::replace(&mut self.source, BlockSource::Ended) {
+            BlockSource::Here(reader) => BlockSource::started(reader, count),
             other => other,
         };
         let step = match &mut self.source {
-            Source::Here(reader) => step(reader, count)?,
-            Source::Thread(thread) => match thread.next() {
+            BlockSource::Here(reader) => step(reader, count)?,
+            BlockSource::Thread(thread) => match thread.next() {
                 Some(step) => step?,
                 None => return Ok(Block::default()),
             },
-            Source::Ended => return Ok(Block::default()),
+            BlockSource::Ended => return Ok(Block::default()),
         };
         self.warnings.extend(step.warnings);
         self.progress = step.progress;
@@ -108,9 +108,9 @@ impl Ahead {
     }
 }
 
-impl Source {
+impl BlockSource {
     /// Read ahead on a thread, if there are threads.
-    fn started(reader: Box<PostureReader>, count: usize) -> Source {
+    fn started(reader: Box<PostureReader>, count: usize) -> BlockSource {
         let (to, steps) = sync_channel(WAITING);
         // Where no thread starts, the reader is not lost with it.
         let (hand_over, take) = sync_channel(1);
@@ -120,14 +120,14 @@ impl Source {
             }
         });
         let Ok(handle) = thread else {
-            return Source::Here(reader);
+            return BlockSource::Here(reader);
         };
         match hand_over.send(reader) {
-            Ok(()) => Source::Thread(Thread {
+            Ok(()) => BlockSource::Thread(Thread {
                 steps,
                 handle: Some(handle),
             }),
-            Err(unsent) => Source::Here(unsent.0),
+            Err(unsent) => BlockSource::Here(unsent.0),
         }
     }
 }
@@ -241,7 +241,9 @@ mod tests {
         let (_folder, path) = log("log.csv", rows(20_000, None).as_bytes(), "");
         let mut ahead = Ahead::new(reader(&path));
         assert_eq!(ahead.block(10).unwrap().len(), 10);
-        let Source::Thread(mut thread) = std::mem::replace(&mut ahead.source, Source::Ended) else {
+        let BlockSource::Thread(mut thread) =
+            std::mem::replace(&mut ahead.source, BlockSource::Ended)
+        else {
             panic!("no thread reads");
         };
         let handle = thread.handle.take().unwrap();

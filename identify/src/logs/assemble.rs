@@ -20,12 +20,13 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use sesc_model::spelling::nearest;
 use sesc_model::tree::Dof;
 
 use super::block::{Block, Cells};
 use super::bounds::{self, LEAST_LOAD_N, check, check_gravity, check_joint, three_digits};
 use super::columns::Columns;
-use super::names::{nearest, short};
+use super::names::short;
 use super::options::Options;
 use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR, Sidecar};
 use super::source::Raw;
@@ -382,7 +383,7 @@ impl Assembler {
             return Ok(());
         }
         let links: Vec<&str> = self.links.iter().map(String::as_str).collect();
-        let meant = match nearest(link, &links) {
+        let meant = match nearest(link, "", links.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("the robot has {}", super::names::list(&links)),
         };

@@ -20,7 +20,6 @@ mod columns;
 mod criteria;
 mod csv;
 mod guard;
-mod hold;
 mod input;
 #[cfg(feature = "mcap")]
 mod mcap;
@@ -38,6 +37,7 @@ mod settle;
 mod shared;
 mod sidecar;
 mod source;
+mod stillness;
 mod suspect;
 mod table;
 #[cfg(test)]
@@ -54,7 +54,7 @@ pub use columns::{COLUMNS, Column, Need};
 #[doc(hidden)]
 pub use guard::panic_becomes_error;
 pub use input::LogSource;
-pub use options::{Hold, Options, Readings, Stays};
+pub use options::{Options, Readings, Stays, StillnessLimits};
 pub use predictions::{PREDICTED, PredictionWriter};
 pub use reader::{PostureReader, Summary, column_names};
 pub use row::{Row, Written};

@@ -1,11 +1,13 @@
 //! Names in messages: lists that stay short, and the nearest right spelling.
 
+use sesc_model::spelling::nearest;
 use sesc_model::text::listed;
-use strsim::damerau_levenshtein;
 
-/// Longer names and more of them are not compared: it takes time.
+/// Letters of a piece of a file in a message.
 const LONGEST: usize = 64;
+/// Names that a wrong one is compared with, at most: it takes time.
 const COMPARED: usize = 2_000;
+/// Wrong names that a message says more of.
 const SUGGESTED: usize = 3;
 
 /// Names for a message, a dozen at most.
@@ -27,7 +29,9 @@ pub(super) fn suggestion<'a>(wrong: &[&str], right: impl Iterator<Item = &'a str
     let found: Vec<String> = wrong
         .iter()
         .take(SUGGESTED)
-        .filter_map(|wrong| nearest(wrong, &right).map(|near| format!("`{near}` for `{wrong}`")))
+        .filter_map(|wrong| {
+            nearest(wrong, "", right.iter().copied()).map(|near| format!("`{near}` for `{wrong}`"))
+        })
         .collect();
     match found.len() {
         0 => String::new(),
@@ -35,38 +39,19 @@ pub(super) fn suggestion<'a>(wrong: &[&str], right: impl Iterator<Item = &'a str
     }
 }
 
-/// The nearest of `names`; letter case and the kind of separator are free.
-pub(crate) fn nearest<'a>(wrong: &str, names: &[&'a str]) -> Option<&'a str> {
-    if wrong.is_empty() || wrong.len() > LONGEST {
-        return None;
-    }
-    let fold = |name: &str| name.to_lowercase().replace(['-', '.', ' ', '/'], "_");
-    let folded = fold(wrong);
-    let most = match folded.chars().count() {
-        0..=2 => 0,
-        length => (length / 3).clamp(1, 3),
-    };
-    names
-        .iter()
-        .filter(|name| name.len() <= LONGEST)
-        .map(|name| (damerau_levenshtein(&folded, &fold(name)), *name))
-        .filter(|(distance, _)| *distance <= most)
-        .min()
-        .map(|(_, name)| name)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn near_names_are_found_and_far_ones_are_not() {
-        let names = ["l_knee", "r_knee", "head_pan"];
-        assert_eq!(nearest("L-Knee", &names), Some("l_knee"));
-        assert_eq!(nearest("hed_pan", &names), Some("head_pan"));
-        assert_eq!(nearest("camera", &names), None);
-        assert_eq!(nearest("", &names), None);
-        assert_eq!(nearest("é", &["e"]), None);
+    fn the_first_wrong_names_get_a_suggestion() {
+        let joints = ["l_knee", "r_knee", "head_pan"];
+        let said = suggestion(&["L-Knee", "camera", "hed_pan"], joints.into_iter());
+        assert_eq!(
+            said,
+            "; did you mean `l_knee` for `L-Knee`, `head_pan` for `hed_pan`?"
+        );
+        assert_eq!(suggestion(&["camera"], joints.into_iter()), "");
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub struct Options {
     /// Link on the ground in rows that do not say; the sidecar's unless given.
     pub support: Option<String>,
     /// Which stretches of an MCAP recording are postures.
-    pub hold: Hold,
+    pub stillness: StillnessLimits,
     /// What becomes of rows in which the robot holds still.
     pub stays: Stays,
     /// Topic of the CoP in an MCAP recording that has several; the sidecar's
@@ -94,26 +94,26 @@ impl Stays {
 /// A posture is a stretch in which every joint is slower than `speed` for at
 /// least `duration`. Prismatic joints count m for rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hold {
+pub struct StillnessLimits {
     /// rad/s
     pub speed: f64,
     /// s
     pub duration: f64,
 }
 
-impl Default for Hold {
-    fn default() -> Hold {
-        Hold {
+impl Default for StillnessLimits {
+    fn default() -> StillnessLimits {
+        StillnessLimits {
             speed: 0.02,
             duration: 0.3,
         }
     }
 }
 
-impl Hold {
+impl StillnessLimits {
     /// What is said of a log in which nothing is held.
     pub(super) fn nothing(self) -> String {
-        let Hold { speed, duration } = self;
+        let StillnessLimits { speed, duration } = self;
         format!(
             "no posture is held: no stretch of {duration} s in which every joint stays below \
              {speed} rad/s"

@@ -12,11 +12,11 @@ use super::block::Block;
 use super::columns::Columns;
 use super::csv::CsvSource;
 use super::input::{Bytes, LogSource, Metered, Place};
-use super::options::{Hold, Options, Stays};
+use super::options::{Options, Stays, StillnessLimits};
 use super::screen::Screening;
 use super::settle::Settling;
 use super::sidecar::{Angles, Sidecar};
-use super::source::{Raw, Source};
+use super::source::{Raw, RowSource};
 use super::suspect::Suspicions;
 use super::table::TableSource;
 use crate::{Error, Message};
@@ -42,7 +42,7 @@ pub struct Summary {
 /// Memory: one chunk of rows and the block that was asked for, however long
 /// the log is; each format adds a bounded buffer of its own.
 pub struct PostureReader {
-    source: Box<dyn Source>,
+    source: Box<dyn RowSource>,
     columns: Columns,
     assembler: Assembler,
     suspicions: Suspicions,
@@ -210,9 +210,9 @@ impl PostureReader {
     fn no_stay(&self, block: Block) -> Result<Block, Error> {
         match self.stays {
             Stays::Alone(duration) => {
-                let message = Hold {
+                let message = StillnessLimits {
                     duration,
-                    ..Hold::default()
+                    ..StillnessLimits::default()
                 }
                 .nothing();
                 Err(Error::log(&self.file, None, message))
@@ -316,7 +316,7 @@ fn open_source(
     dofs: &[Dof],
     options: &Options,
     sidecar: &Sidecar,
-) -> Result<Box<dyn Source>, Error> {
+) -> Result<Box<dyn RowSource>, Error> {
     let file = log.name();
     let failed = |source| Error::read(file.to_string(), source);
     let place = &log.place;
@@ -385,12 +385,12 @@ fn damaged_from_the_start(path: &Path, head: &[u8]) -> Option<String> {
 }
 
 #[cfg(feature = "parquet")]
-fn open_parquet(place: &Place, file: &str) -> Result<Box<dyn Source>, Error> {
+fn open_parquet(place: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
     Ok(Box::new(super::parquet::ParquetSource::open(place, file)?))
 }
 
 #[cfg(not(feature = "parquet"))]
-fn open_parquet(_: &Place, file: &str) -> Result<Box<dyn Source>, Error> {
+fn open_parquet(_: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
     Err(Error::without("parquet", "Parquet", file))
 }
 
@@ -401,11 +401,11 @@ fn open_mcap(
     dofs: &[Dof],
     options: &Options,
     sidecar: &Sidecar,
-) -> Result<Box<dyn Source>, Error> {
+) -> Result<Box<dyn RowSource>, Error> {
     let topic = options.topic.as_deref().or(sidecar.topic.as_deref());
     let mut options = options.clone();
     if let Stays::Alone(duration) = options.stays {
-        options.hold.duration = duration;
+        options.stillness.duration = duration;
     }
     let options = &options;
     let source = super::mcap::McapSource::open(place, file, dofs, options, topic)?;
@@ -419,6 +419,6 @@ fn open_mcap(
     _: &[Dof],
     _: &Options,
     _: &Sidecar,
-) -> Result<Box<dyn Source>, Error> {
+) -> Result<Box<dyn RowSource>, Error> {
     Err(Error::without("mcap", "MCAP", file))
 }

@@ -4,17 +4,18 @@
 //! waiting: │ decided rows │ rows of a stretch that has not ended │
 //! ```
 //!
-//! Postures are found as in a recording ([`Holds`]); rows of one share its `pose`. Rows wait
+//! Postures are found as in a recording ([`StillnessCutter`]); rows of one share its `pose`. Rows
+//! wait
 //! until their stretch has ended, [`super::hold`] says how long at most. The others are of no
 //! stay: each is a posture of its own, or is left out.
 
 use super::block::Block;
-use super::hold::{Holds, Posture};
-use super::options::Hold;
+use super::options::StillnessLimits;
+use super::stillness::{Posture, StillnessCutter};
 
 /// What is a stay where nobody says: hardly more than a tick of an encoder (2π/4096) in a
 /// whole second. Joints that turn back on a slow path are as still for less than that.
-const STAYED: Hold = Hold {
+const STAYED: StillnessLimits = StillnessLimits {
     speed: 0.0016,
     duration: 1.0,
 };
@@ -22,7 +23,7 @@ const STAYED: Hold = Hold {
 /// Rows on their way from the file to who reads them.
 pub(super) struct Settling {
     dof: usize,
-    holds: Holds<usize>,
+    cutter: StillnessCutter<usize>,
     /// Leave out rows of no stay.
     alone: bool,
     waiting: Block,
@@ -45,17 +46,17 @@ impl Settling {
 
     /// The same of stays of at least `duration` seconds, without the rows between them.
     pub fn alone(duration: f64, dof: usize) -> Settling {
-        let hold = Hold {
+        let stillness = StillnessLimits {
             duration,
-            ..Hold::default()
+            ..StillnessLimits::default()
         };
-        Settling::by(hold, true, dof)
+        Settling::by(stillness, true, dof)
     }
 
-    fn by(hold: Hold, alone: bool, dof: usize) -> Settling {
+    fn by(stillness: StillnessLimits, alone: bool, dof: usize) -> Settling {
         Settling {
             dof,
-            holds: Holds::new(hold),
+            cutter: StillnessCutter::new(stillness),
             alone,
             waiting: Block::default(),
             held: Vec::new(),
@@ -77,7 +78,7 @@ impl Settling {
             let at = self.next - from;
             let t = self.waiting.t.as_ref().map_or(0.0, |all| all[at]);
             let q = &self.waiting.q[at * dof..(at + 1) * dof];
-            let ended = self.holds.row(t, q, self.next);
+            let ended = self.cutter.row(t, q, self.next);
             self.next += 1;
             self.keep(ended);
         }
@@ -85,7 +86,7 @@ impl Settling {
 
     /// The log has ended.
     pub fn end(&mut self) {
-        let ended = self.holds.end();
+        let ended = self.cutter.end();
         self.keep(ended);
         self.ended = true;
     }
@@ -97,7 +98,7 @@ impl Settling {
 
     /// Rows whose posture is known.
     pub fn decided(&self) -> usize {
-        let open = self.holds.first().filter(|_| !self.ended);
+        let open = self.cutter.first().filter(|_| !self.ended);
         open.copied().unwrap_or(self.next) - self.first
     }
 

@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sesc_model::files;
+use sesc_model::spelling::nearest;
 
 use super::bounds::check_gravity;
-use super::names::{nearest, short};
+use super::names::short;
 use crate::{Error, Message};
 
 const KEYS: [&str; 11] = [
@@ -164,7 +165,7 @@ impl Sidecar {
         let unknown: Vec<&String> = keys.keys().filter(|key| !KEYS.contains(&&***key)).collect();
         let mut warnings = Vec::new();
         for key in unknown.iter().take(WARNED) {
-            let meant = match nearest(key, &KEYS) {
+            let meant = match nearest(key, "", KEYS) {
                 Some(near) => format!("; did you mean `{near}`?"),
                 None => format!("; known are {}", KEYS.join(", ")),
             };
@@ -187,7 +188,7 @@ impl Sidecar {
         };
         if let Some(missing) = columns.keys().find(|name| !header.contains(name)) {
             let names: Vec<&str> = header.iter().map(String::as_str).collect();
-            let near = nearest(missing, &names);
+            let near = nearest(missing, "", names.iter().copied());
             let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
             return Err(format!(
                 "column `{missing}` is to be read under another name, but the log has none{near}"

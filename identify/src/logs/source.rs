@@ -30,7 +30,7 @@ impl Raw {
 }
 
 /// A file of some format, read row by row.
-pub(super) trait Source: Send {
+pub(super) trait RowSource: Send {
     /// Names of the columns, without blanks around them.
     fn header(&self) -> &[String];
 

@@ -7,7 +7,7 @@ use twox_hash::XxHash64;
 
 use super::columns::{Columns, SUPPORT};
 use super::shared::Shared;
-use super::source::{Raw, Source, whole};
+use super::source::{Raw, RowSource, whole};
 use crate::Error;
 
 /// A posture log as columns in memory, named as those of a log file.
@@ -195,7 +195,7 @@ impl TableSource {
     }
 }
 
-impl Source for TableSource {
+impl RowSource for TableSource {
     fn header(&self) -> &[String] {
         &self.table.header
     }

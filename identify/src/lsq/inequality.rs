@@ -79,7 +79,7 @@ impl Linear {
 
 /// A problem of this kind.
 #[derive(Debug, Clone)]
-pub struct Problem {
+pub struct ConstrainedProblem {
     pub squares: Linear,
     pub equal: Linear,
     pub at_most: Linear,
@@ -104,7 +104,7 @@ pub enum NoAnswer {
     Stuck,
 }
 
-impl Problem {
+impl ConstrainedProblem {
     /// The best v.
     ///
     /// # Errors
@@ -140,7 +140,7 @@ impl Problem {
     }
 }
 
-impl Problem {
+impl ConstrainedProblem {
     /// The active inequality that holds `v` on the wrong side most, if any: a
     /// multiplier below zero in ∇ + Eᵀ λ + Gᵀ μ = 0.
     fn pulling(&self, v: &DVector<f64>, face: &Linear, equations: usize) -> Option<usize> {
@@ -267,7 +267,7 @@ mod tests {
     /// The point of a triangle nearest to (2, 2, 2): worked out by hand.
     #[test]
     fn the_nearest_point_of_a_simplex() {
-        let problem = |cap: f64, at: [f64; 3]| Problem {
+        let problem = |cap: f64, at: [f64; 3]| ConstrainedProblem {
             squares: rows(DMatrix::identity(3, 3), &at),
             equal: rows(
                 DMatrix::from_row_slice(2, 3, &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0]),
@@ -324,7 +324,7 @@ mod tests {
             let mut squares = DMatrix::from_fn(2 * n, n, |_, _| 30.0 * draw());
             squares.rows_mut(n, n).fill_with_identity();
             let right: Vec<f64> = (0..2 * n).map(|_| 20.0 * draw()).collect();
-            let problem = Problem {
+            let problem = ConstrainedProblem {
                 squares: rows(squares, &right),
                 equal: rows(DMatrix::from_fn(2, n, |_, _| draw()), &[0.0, 0.0]),
                 at_most: rows(DMatrix::from_fn(12, n, |_, _| draw()), &[0.01; 12]),

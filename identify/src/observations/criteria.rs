@@ -1,65 +1,138 @@
 //! Every number that decides what is said of readings before an effect is looked for.
 //!
-//! Where no calibration is named, the number was chosen, not calibrated; the studies of
-//! recordings and of false alarms (`docs/`) count what comes of all of them together.
+//! Each doc says whether its number follows from a closed form, was calibrated, or was chosen.
+//! What a factor of two changes follows from what the number does; it was counted only where a
+//! study is named. The studies of recordings and of false alarms (`docs/`) count what comes of
+//! all of them together.
 
 /// Explanations whose −2 log odds against the best are no more than this are as good: odds of
-/// 150 to 1.
+/// 150 to 1. The score of a class: see `CLASS_SCORE` in `identify/src/diagnose/criteria.rs` for
+/// what the study counts of it.
 pub const AS_GOOD: f64 = 10.0;
 
 /// How many independent samples a log in time is worth.
 pub mod correlation {
-    /// Twice the log likelihood that correlation must gain over none.
+    /// Twice the log likelihood that correlation must gain over none. Chosen: by chance in one
+    /// log of 600 (closed form, χ² of one); half of it in one of 39.
     pub const SIGNIFICANT: f64 = 10.0;
-    /// Windows are tried on several lengths: they must gain more.
+    /// Windows are tried on several lengths: they must gain more. Chosen: half of it finds
+    /// correlation in white noise where several lengths are tried.
     pub const OF_WINDOWS: f64 = 16.0;
-    /// Standard deviations by which windows must scatter more than independent rows.
+    /// Standard deviations by which windows must scatter more than independent rows. Chosen:
+    /// one log of 30,000 by chance (closed form); half of it one of 44.
     pub const SCATTER: f64 = 4.0;
-    /// Standard deviations by which neighbours that are not alike may correlate.
+    /// Standard deviations by which neighbours that are not alike may correlate. Chosen: one
+    /// log of 2000 by chance (closed form); half of it one of 12.
     pub const ALIKE: f64 = 3.5;
-    /// Means of so many rows are looked at that this many times the columns are left.
+    /// Means of so many rows are looked at that this many times the columns are left. Chosen:
+    /// with half as many the fit eats what correlation is seen in.
     pub const FEW: usize = 3;
-    /// Windows whose means are less correlated than this are long enough.
+    /// Windows whose means are less correlated than this are long enough. Chosen: half of it
+    /// asks for longer windows, of which there are fewer.
     pub const ENOUGH_APART: f64 = 0.7;
-    /// How often the scale of rows that hold coefficients follows what is found.
+    /// How often the scale of rows that hold coefficients follows what is found. Chosen: it
+    /// costs time.
     pub const SCALED: usize = 3;
-    /// Longer windows count where they are worth this much less than shorter ones say.
+    /// Longer windows count where they are worth this much less than shorter ones say. Chosen:
+    /// twice the excess keeps windows that say a log is worth a third more than it is.
     pub const WORTH_LESS: f64 = 1.15;
-    /// Factor by which windows twice as long may show rows to be worth less.
+    /// Factor by which windows twice as long may show rows to be worth less. Chosen: more is
+    /// noise of few windows; twice as much lets one pair of windows decide.
     pub const LEAP: f64 = 2.5;
-    /// Unless there are this many windows for each column.
+    /// Unless there are this many windows for each column. Chosen: with half as many a leap may
+    /// be chance.
     pub const ROOM: usize = 4;
     /// What white noise over an AR(1) process must gain beyond that: about the logarithm of
-    /// some hundred rows (Schwarz 1978).
+    /// some hundred rows (Schwarz 1978). Closed form: half of it is for e³ = 20 rows, twice as
+    /// much for 160,000.
     pub const UNDER_WHITE: f64 = 6.0;
     /// More windows are not filtered: longer ones say the same of slow noise in less time.
+    /// Chosen: it costs time, with its square.
     pub const FILTERED: usize = 1600;
-    /// Rows that correlation can be seen in, at least, beyond the columns of X.
+    /// Rows that correlation can be seen in, at least, beyond the columns of X. Chosen: half as
+    /// many give correlation times that are off by half.
     pub const ENOUGH: usize = 20;
-    /// Windows beyond twice the columns of X.
+    /// Windows beyond twice the columns of X. Chosen: as for rows.
     pub const WINDOWS: usize = 20;
-    /// More steps than this part that do not go forward are no order.
+    /// More steps than this part that do not go forward are no order. Chosen: half of it
+    /// refuses recordings with late messages.
     pub const BACKWARDS: f64 = 0.02;
+}
+
+/// Where accelerations are known.
+pub mod accelerations {
+    /// Longest interval between rows, s. Chosen: recordings of 5 Hz are taken as they are, and
+    /// [`BENT`] is asked of slower ones; half of it asks those of 10 Hz, too.
+    pub const LONGEST_S: f64 = 0.2;
+    /// Longest interval between rows where joints move so slowly that rows show it, s. Chosen:
+    /// a little above a row a second, as such recordings are made.
+    pub const LONGEST_OF_SLOW_S: f64 = 1.1;
+    /// What order 4 may bend of an acceleration at most where rows are further apart than
+    /// [`LONGEST_S`]. Chosen: twice as much lets recordings in whose accelerations are 2 % off.
+    pub const BENT: f64 = 0.01;
+    /// How often an acceleration that is bent counts against one that is noisy. Chosen: half of
+    /// it takes longer windows; see `docs/study-motion.md` for what comes of it.
+    pub const COHERENT: f64 = 10.0;
+    /// Longer windows must be whole for this part of the log that the shortest are whole for.
+    /// Chosen: half of it gives up rows beside pauses.
+    pub const COVERED: f64 = 0.8;
+    /// A joint moves where its acceleration is this many times what noise makes of one, RMS.
+    /// Chosen: half of it takes noise of encoders for motion.
+    pub const MOVES: f64 = 2.0;
+    /// Where the ground carries less of the weight, a row is no reading of a CoP. Closed form:
+    /// noise of the cells moves such a CoP five times as far, ten times at half of it. Chosen.
+    pub const LEAST_LOAD: f64 = 0.2;
+    /// Rows further apart than this, s, know no change of an acceleration. Closed form: a
+    /// parabola over them is 4 % off at 0.7 Hz, at twice as much 16 %.
+    pub const FAR_S: f64 = 0.12;
 }
 
 /// Whether readings show the motion of the joints.
 pub mod motion {
     /// Readings are without motion where twice the log likelihood of that is this much larger.
+    /// Chosen: odds of 7 to 1; half of it drops motion that is there, twice as much keeps it
+    /// where it only adds noise.
     pub const SURE: f64 = 4.0;
-    /// A share this many deviations from 1 is another one,
+    /// A share this many deviations from 1 is another one, Chosen: one log of 16,000 by chance
+    /// (closed form).
     pub const ANOTHER: f64 = 4.0;
-    /// if it is off by this as well: accelerations are not known better.
+    /// if it is off by this as well: accelerations are not known better. Chosen: half of it
+    /// calls errors of accelerations a share.
     pub const CLEARLY: f64 = 0.1;
-    /// Shares that are known less well are not told.
+    /// Shares that are known less well are not told. Chosen: a share known to ± 1 tells
+    /// nothing.
     pub const TOLD: f64 = 1.0;
+}
+
+/// What noise is known from.
+pub mod noise {
+    /// Rows beyond the rank that an estimate of the noise from residuals needs. Chosen: five
+    /// know it to 32 % (closed form), half as many to 45 %.
+    pub const ROWS: f64 = 5.0;
+    /// Degrees of freedom of repeats without which residuals say more of noise. Chosen: ten know
+    /// it to 22 % (closed form), half as many to 32 %.
+    pub const REPEATS: u64 = 10;
+    /// Values so many deviations away are odd, and left out of an estimate. Chosen: one value of
+    /// 370 by chance (closed form), with half of it one of 7.
+    pub const ODD: f64 = 3.0;
+    /// What noise has of the variance that a fit leaves, at least. Chosen: half of it lets
+    /// effects be all of it.
+    pub const LEAST_PART: f64 = 0.1;
+    /// Stated deviations that scatter less than this are estimates of one number. Chosen: those
+    /// of 23 repeats scatter so (closed form), with half of it those of 90.
+    pub const SCATTER: f64 = 0.15;
 }
 
 /// What repeated readings and visits of postures tell.
 pub mod repeats {
-    /// More than noise leaves with less than this chance is no noise.
+    /// More than noise leaves with less than this chance is no noise. Chosen: it is the rate of
+    /// false alarms itself (closed form).
     pub const UNLIKELY: f64 = 1e-3;
     /// Degrees of freedom of visits, or repeats, without which they are no measure of noise.
+    /// Chosen: ten degrees of freedom know a deviation to 22 % (closed form), half as many to
+    /// 32 %.
     pub const FEWEST: u64 = 10;
-    /// Degrees of freedom from which visits are said to differ or not.
+    /// Degrees of freedom from which visits are said to differ or not. Chosen: two know a
+    /// deviation to a half (closed form).
     pub const SAID: u64 = 2;
 }

@@ -13,8 +13,8 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::correlation;
+use super::criteria::accelerations::LONGEST_S;
 use super::criteria::motion::{ANOTHER, CLEARLY, SURE, TOLD};
-use super::motion::LONGEST_S;
 use super::noise::LEAST_STD;
 
 /// Whether the motion of the joints counts.

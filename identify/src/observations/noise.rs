@@ -10,6 +10,7 @@
 //! A noise from few repeats is itself uncertain. Deviations of parameters are
 //! widened by `w`, so that ± 1.96 of them hold the truth as often as they say.
 
+use super::criteria::noise::{ODD, REPEATS, ROWS};
 use statrs::distribution::{Continuous as _, ContinuousCDF as _, Normal, StudentsT};
 
 use serde::Serialize;
@@ -22,18 +23,12 @@ use super::repeats::{self, LackOfFit};
 pub const LEAST_STD: f64 = 1e-9;
 /// A noise of zero would leave nothing to weigh a prior against, m.
 const LEAST_NOISE: f64 = 1e-9;
-/// Rows beyond the rank that an estimate of the noise from residuals needs.
-const FEWEST: f64 = 5.0;
-/// Degrees of freedom of repeats without which residuals say more of noise.
-const REPEATS: u64 = 10;
-/// Values so many deviations away are odd.
-const ODD: f64 = 3.0;
 /// Rounds of an estimate without odd values.
 const ROUNDS: usize = 10;
 
 /// What a fit without prior leaves over.
 #[derive(Debug, Clone, Copy)]
-pub struct Leftover {
+pub struct FreeResiduals {
     /// Σ of squared residuals, in units of the rows' deviations (m² where none are stated).
     pub sum: f64,
     /// Its degrees of freedom.
@@ -113,7 +108,7 @@ impl Noise {
     /// Given, stated or repeated, in this order; larger where repeats scatter more and
     /// that is no chance. `None` where nothing is known. `left` is what a fit leaves,
     /// if there is one whose residuals may count as repeats.
-    pub fn known(known: &Known, left: Option<Leftover>) -> Option<Noise> {
+    pub fn known(known: &Known, left: Option<FreeResiduals>) -> Option<Noise> {
         let Known {
             given,
             stated,
@@ -140,8 +135,8 @@ impl Noise {
 
     /// From what a fit leaves, or from what CAD leaves where a fit of few rows leaves
     /// nothing.
-    pub fn left_over(left: Leftover) -> Noise {
-        match left.df >= FEWEST && left.sum > 0.0 {
+    pub fn left_over(left: FreeResiduals) -> Noise {
+        match left.df >= ROWS && left.sum > 0.0 {
             true => Noise::new((left.sum / left.df).sqrt(), left.df, NoiseSource::Residuals),
             false => Noise::new(
                 left.of_cad.max(LEAST_NOISE),
@@ -152,7 +147,11 @@ impl Noise {
     }
 
     /// The noise that repeats show, where it is larger than this one and that is no chance.
-    fn unless_repeats_scatter_more(self, (pure, df): (f64, u64), left: Option<Leftover>) -> Noise {
+    fn unless_repeats_scatter_more(
+        self,
+        (pure, df): (f64, u64),
+        left: Option<FreeResiduals>,
+    ) -> Noise {
         let unit = self.sigma * self.sigma;
         let test = repeats::against_stated(pure / unit, df as f64);
         if test.is_none_or(|test| test.p_value >= UNLIKELY || test.ratio <= 1.0) {
@@ -178,7 +177,7 @@ impl Noise {
     }
 
     /// Does the fit leave more than this noise?
-    pub fn lack_of_fit(&self, repeats: (f64, u64), left: Leftover) -> Option<LackOfFit> {
+    pub fn lack_of_fit(&self, repeats: (f64, u64), left: FreeResiduals) -> Option<LackOfFit> {
         let by_repeats = repeats::lack_of_fit(left.sum, left.df, repeats);
         match self.source {
             NoiseSource::Residuals | NoiseSource::Unknown => None,
@@ -192,8 +191,8 @@ impl Noise {
 
 /// Mean square of repeats and residuals together, unless they are not of one size:
 /// then of repeats alone. With its degrees of freedom.
-fn pooled(repeats: (f64, u64), left: Option<Leftover>) -> (f64, f64) {
-    let alike = |left: &Leftover| {
+fn pooled(repeats: (f64, u64), left: Option<FreeResiduals>) -> (f64, f64) {
+    let alike = |left: &FreeResiduals| {
         let test = repeats::lack_of_fit(left.sum, left.df, repeats);
         test.is_some_and(|test| (UNLIKELY..=1.0 - UNLIKELY).contains(&test.p_value))
     };
@@ -267,7 +266,7 @@ mod tests {
     #[test]
     fn repeats_and_residuals_are_one_noise_where_they_are_of_one_size() {
         let left = |sum: f64| {
-            Some(Leftover {
+            Some(FreeResiduals {
                 sum,
                 df: 42.0,
                 of_cad: 1.0,

@@ -5,6 +5,7 @@
 //! reading of n rows    ȳ ± s/√n  (s: of a row)        or ± √(Σ s_k²)/n where rows state s_k
 //! ```
 
+use super::criteria::noise::LEAST_PART;
 use std::rc::Rc;
 
 use sesc_model::Model;
@@ -31,8 +32,6 @@ use known::Noise;
 
 /// Rows taken at once.
 const BLOCK: usize = 4096;
-/// What noise has of the variance that a fit leaves, at least.
-const LEAST_PART: f64 = 0.1;
 /// A reading of which a joint took up more tells nothing of the noise; nor does an axis where
 /// fewer than one in so many readings is left.
 const MOST_SPENT: f64 = 0.75;
@@ -412,7 +411,7 @@ impl Postures {
         for (std, own) in self.std.iter_mut().zip(less_known) {
             *std = std.hypot(*own);
         }
-        let of_posture = |own: &[f64]| {
+        let spent = |own: &[f64]| {
             let all = own
                 .iter()
                 .map(|x| x * x)
@@ -424,7 +423,7 @@ impl Postures {
             };
             own.iter().map(of).collect::<Vec<_>>()
         };
-        self.spent = less_known.chunks_exact(2).flat_map(of_posture).collect();
+        self.spent = less_known.chunks_exact(2).flat_map(spent).collect();
     }
 
     /// The log with what motion adds taken from its readings.

@@ -11,6 +11,7 @@
 //! accelerations and positions are known adds to the noise:
 //! `σ² = Σ_j (∂p/∂q̈_j)² σ(q̈_j)² + (∂c/∂q_j)² σ(q_j)²`.
 
+use super::criteria::accelerations::LEAST_LOAD;
 use std::ops::Range;
 
 use sesc_model::effects::PostureContext;
@@ -23,8 +24,6 @@ use super::row_matrix::RowMatrix;
 use crate::evaluate::FASTEST;
 use crate::threads::by_parts;
 
-/// Where the ground carries less of the weight, a row is no reading of a CoP.
-const LEAST_LOAD: f64 = 0.2;
 /// An acceleration that hardly changes the load on the ground, rad/s² or m/s².
 const SMALL: f64 = 1e-3;
 /// Joints are moved by this for differences, rad or m,

@@ -27,7 +27,7 @@ const ENOUGH: f64 = 1e-4;
 const ROUNDS: usize = 50;
 
 /// Candidates in whitened coordinates.
-pub struct Rows {
+pub struct WhitenedRows {
     /// Column 2k + axis is that row of a_k.
     columns: DMatrix<f64>,
     ridge: f64,
@@ -47,17 +47,17 @@ pub struct Choice {
     pub greedy: Vec<f64>,
 }
 
-impl Rows {
+impl WhitenedRows {
     /// `regressor`: φᵀ as columns, two per candidate; `prior`: S.
-    pub fn with_prior(regressor: &DMatrix<f64>, prior: &DMatrix<f64>, sigma: f64) -> Rows {
-        Rows {
+    pub fn with_prior(regressor: &DMatrix<f64>, prior: &DMatrix<f64>, sigma: f64) -> WhitenedRows {
+        WhitenedRows {
             columns: prior.tr_mul(regressor) / sigma,
             ridge: 1.0,
         }
     }
 
     /// Without a prior, in the directions that the candidates see.
-    pub fn free(regressor: &DMatrix<f64>, unseen: f64) -> Rows {
+    pub fn free(regressor: &DMatrix<f64>, unseen: f64) -> WhitenedRows {
         let count = (regressor.ncols() / 2).max(1) as f64;
         // R of the candidates' QR factors: the Gram matrix would lose half the digits.
         let r = regressor.transpose().qr().r();
@@ -73,7 +73,7 @@ impl Rows {
         for (to, &k) in seen.iter().enumerate() {
             whiten.set_row(to, &(v.row(k) * (count.sqrt() / svd.singular_values[k])));
         }
-        Rows {
+        WhitenedRows {
             columns: whiten * regressor,
             ridge: RIDGE,
         }
@@ -172,7 +172,7 @@ impl Rows {
 }
 
 struct State<'r> {
-    rows: &'r Rows,
+    rows: &'r WhitenedRows,
     /// P
     inverse: DMatrix<f64>,
     /// G_k
@@ -181,7 +181,7 @@ struct State<'r> {
 }
 
 impl<'r> State<'r> {
-    fn new(rows: &'r Rows) -> State<'r> {
+    fn new(rows: &'r WhitenedRows) -> State<'r> {
         let mut state = State {
             rows,
             inverse: DMatrix::zeros(0, 0),
@@ -270,7 +270,7 @@ mod tests {
         })
     }
 
-    fn log_det(rows: &Rows, chosen: &[usize]) -> f64 {
+    fn log_det(rows: &WhitenedRows, chosen: &[usize]) -> f64 {
         let order = rows.directions();
         let mut information = DMatrix::identity(order, order) * rows.ridge;
         for &k in chosen {
@@ -286,8 +286,8 @@ mod tests {
         let regressor = regressor(9);
         let prior = DMatrix::from_fn(4, 3, |i, j| if i == j { 0.5 } else { 0.1 * (i + j) as f64 });
         for rows in [
-            Rows::with_prior(&regressor, &prior, 0.3),
-            Rows::free(&regressor, 1e-10),
+            WhitenedRows::with_prior(&regressor, &prior, 0.3),
+            WhitenedRows::free(&regressor, 1e-10),
         ] {
             let choice = rows.choose(4, |_| ControlFlow::Continue(()));
             let found = log_det(&rows, &choice.chosen);
@@ -309,7 +309,7 @@ mod tests {
     #[test]
     fn exchanges_never_lose_and_nothing_is_taken_twice() {
         let regressor = regressor(200);
-        let rows = Rows::free(&regressor, 1e-10);
+        let rows = WhitenedRows::free(&regressor, 1e-10);
         assert_eq!(rows.directions(), 4);
         let choice = rows.choose(20, |_| ControlFlow::Continue(()));
         assert!(choice.log_det.windows(2).all(|pair| pair[1] >= pair[0]));
@@ -332,6 +332,6 @@ mod tests {
         let mut regressor = regressor(30);
         let twice = regressor.row(1) * 2.0;
         regressor.set_row(3, &twice);
-        assert_eq!(Rows::free(&regressor, 1e-10).directions(), 3);
+        assert_eq!(WhitenedRows::free(&regressor, 1e-10).directions(), 3);
     }
 }

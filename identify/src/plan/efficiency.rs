@@ -6,7 +6,7 @@ use rand::seq::index;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::design::{Choice, Rows};
+use super::design::{Choice, WhitenedRows};
 
 /// Random choices that the chosen postures are compared with.
 const RANDOM: usize = 20;
@@ -28,7 +28,7 @@ pub struct Efficiency {
 ///
 /// Without a prior it begins where postures can tell all directions.
 pub(crate) fn curve(
-    rows: &Rows,
+    rows: &WhitenedRows,
     choice: &Choice,
     noise: f64,
     seed: u64,
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn a_curve_falls_from_the_prior_to_the_plan() {
         let prior = DMatrix::identity(4, 4) * 0.5;
-        let rows = Rows::with_prior(&regressor(), &prior, 0.3);
+        let rows = WhitenedRows::with_prior(&regressor(), &prior, 0.3);
         let choice = rows.choose(24, |_| CONTINUE);
         let curve = curve(&rows, &choice, 0.3, 1, true);
         assert_eq!(curve.len(), POINTS);
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn without_a_prior_it_begins_where_all_is_told() {
-        let rows = Rows::free(&regressor(), 1e-10);
+        let rows = WhitenedRows::free(&regressor(), 1e-10);
         let of = |postures: usize| {
             let choice = rows.choose(postures, |_| CONTINUE);
             curve(&rows, &choice, 0.3, 1, false)

@@ -15,10 +15,11 @@ use std::path::Path;
 
 use csv::StringRecord;
 use sesc_model::files;
+use sesc_model::spelling::nearest;
 use sesc_model::tree::Dof;
 
 use crate::Error;
-use crate::logs::names::{list, nearest};
+use crate::logs::names::list;
 
 /// A range per independent joint, and what was noticed.
 #[derive(Debug, Clone, PartialEq)]
@@ -214,7 +215,7 @@ impl Columns {
 
 fn unknown(name: &str, dofs: &[Dof]) -> String {
     let names: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
-    match nearest(name, &names) {
+    match nearest(name, "", names.iter().copied()) {
         Some(near) => format!("no joint `{name}` moves by itself; did you mean `{near}`?"),
         None => format!(
             "no joint `{name}` moves by itself; those that do: {}",

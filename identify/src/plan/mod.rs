@@ -65,7 +65,7 @@ use crate::observations::revisits::spread;
 use crate::svd::singular_values;
 use crate::watch::{Progress, Watch, stopped};
 use both_feet::BothFeet;
-use design::{Choice, Rows};
+use design::{Choice, WhitenedRows};
 use geometry::Geometry;
 use revisits::Known;
 use scene::Scene;
@@ -121,8 +121,8 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let regressor = DMatrix::from_vec(params, 2 * count, regressor);
     let noise = known.reading_std(request.noise);
     let rows = match &prior {
-        Some(s) => Rows::with_prior(&regressor, s, noise),
-        None => Rows::free(&regressor, UNSEEN),
+        Some(s) => WhitenedRows::with_prior(&regressor, s, noise),
+        None => WhitenedRows::free(&regressor, UNSEEN),
     };
     let choice = choose(&rows, request.poses, watch)?;
     let (rank, condition_number) = conditioning(&regressor, &choice.chosen);
@@ -251,7 +251,7 @@ fn candidates_in(
 }
 
 /// The `poses` candidates that tell most.
-fn choose(rows: &Rows, poses: usize, watch: &mut dyn Watch) -> Result<Choice, Error> {
+fn choose(rows: &WhitenedRows, poses: usize, watch: &mut dyn Watch) -> Result<Choice, Error> {
     let mut flow = ControlFlow::Continue(());
     let (mut looked, poses_u64) = (0, poses as u64);
     let choice = rows.choose(poses, |step| {

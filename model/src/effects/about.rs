@@ -1,7 +1,9 @@
 //! What there is to know of an effect without a robot: its name, what it acts on, its
 //! parameters, its page.
 
-use serde::Serialize;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
 
 use super::{Catalog, Effect, EffectContext, Target};
 use crate::robot::Robot;
@@ -13,15 +15,57 @@ use crate::urdf;
 pub struct EffectAbout {
     /// Name in reports and model files: `joint_offset`.
     pub name: &'static str,
-    /// What its target is: `joint`, `joint or all`, `two joints`, `link`, `cell`, one of a few
-    /// ways by name, or `-` where it has none.
-    pub target: String,
+    /// What it acts on.
+    pub target: TargetKind,
     /// Its parameters; of a joint those of revolute and of prismatic ones.
     pub parameters: Vec<ParameterAbout>,
     /// What it is, in a sentence.
     pub sentence: &'static str,
     /// Sentence, equation, what imitates it and what tells it apart; Markdown.
     pub page: &'static str,
+}
+
+/// What an effect acts on; shown and serialised in a few words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum TargetKind {
+    /// The whole robot or its sensor: `-`.
+    Whole,
+    /// `joint`.
+    Joint,
+    /// All revolute joints alike: `all`.
+    AllJoints,
+    /// `joint or all`.
+    JointOrAll,
+    /// `two joints`.
+    TwoJoints,
+    /// `link`.
+    Link,
+    /// `cell`.
+    Cell,
+    /// One of a few ways, by name.
+    Ways(Vec<&'static str>),
+}
+
+impl fmt::Display for TargetKind {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            TargetKind::Whole => "-",
+            TargetKind::Joint => "joint",
+            TargetKind::AllJoints => Target::ALL_JOINTS,
+            TargetKind::JointOrAll => "joint or all",
+            TargetKind::TwoJoints => "two joints",
+            TargetKind::Link => "link",
+            TargetKind::Cell => "cell",
+            TargetKind::Ways(names) => return f.write_str(&names.join(", ")),
+        })
+    }
+}
+
+impl Serialize for TargetKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 /// One parameter of an effect.
@@ -82,7 +126,7 @@ fn one(effect: &dyn Effect, context: &EffectContext) -> EffectAbout {
 }
 
 /// What all of these are.
-fn kind(targets: &[Target]) -> String {
+fn kind(targets: &[Target]) -> TargetKind {
     let ways: Vec<&str> = targets
         .iter()
         .filter_map(|target| match target {
@@ -94,16 +138,15 @@ fn kind(targets: &[Target]) -> String {
     let joint = has(|t| matches!(t, Target::Joint(_)));
     let all = has(|t| matches!(t, Target::AllJoints));
     match (joint, all) {
-        (true, true) => "joint or all",
-        (true, false) => "joint",
-        (false, true) => "all",
-        _ if has(|t| matches!(t, Target::Joints(..))) => "two joints",
-        _ if has(|t| matches!(t, Target::Link(_))) => "link",
-        _ if has(|t| matches!(t, Target::Cell(_))) => "cell",
-        _ if !ways.is_empty() => return ways.join(", "),
-        _ => "-",
+        (true, true) => TargetKind::JointOrAll,
+        (true, false) => TargetKind::Joint,
+        (false, true) => TargetKind::AllJoints,
+        _ if has(|t| matches!(t, Target::Joints(..))) => TargetKind::TwoJoints,
+        _ if has(|t| matches!(t, Target::Link(_))) => TargetKind::Link,
+        _ if has(|t| matches!(t, Target::Cell(_))) => TargetKind::Cell,
+        _ if !ways.is_empty() => TargetKind::Ways(ways),
+        _ => TargetKind::Whole,
     }
-    .to_string()
 }
 
 #[cfg(test)]
@@ -130,12 +173,15 @@ mod tests {
         );
         assert_eq!(parameters("joint_sign"), []);
         assert_eq!(parameters("payload")[0], ("mass_kg", "kg"));
-        assert_eq!(named("joint_offset").target, "joint");
-        assert_eq!(named("backlash").target, "joint or all");
-        assert_eq!(named("joint_swap").target, "two joints");
-        assert_eq!(named("payload").target, "link");
-        assert_eq!(named("cell_gain").target, "cell");
-        assert_eq!(named("sensor_offset").target, "-");
-        assert_eq!(named("units").target, "degrees, millimetres, centimetres");
+        assert_eq!(named("joint_offset").target.to_string(), "joint");
+        assert_eq!(named("backlash").target.to_string(), "joint or all");
+        assert_eq!(named("joint_swap").target.to_string(), "two joints");
+        assert_eq!(named("payload").target.to_string(), "link");
+        assert_eq!(named("cell_gain").target.to_string(), "cell");
+        assert_eq!(named("sensor_offset").target.to_string(), "-");
+        assert_eq!(
+            named("units").target.to_string(),
+            "degrees, millimetres, centimetres"
+        );
     }
 }

@@ -30,6 +30,9 @@ pub enum Target {
 }
 
 impl Target {
+    /// Name of [`Target::AllJoints`] in reports and model files.
+    pub const ALL_JOINTS: &str = "all";
+
     /// The revolute joints that it means.
     pub fn revolute(&self, robot: &Robot) -> Vec<usize> {
         let dofs = &robot.tree.dofs;
@@ -189,7 +192,7 @@ impl<'m> EffectContext<'m> {
         match target {
             Target::Whole => "-".to_string(),
             Target::Joint(j) => joint(j),
-            Target::AllJoints => "all".to_string(),
+            Target::AllJoints => Target::ALL_JOINTS.to_string(),
             Target::Joints(a, b) => format!("{},{}", joint(a), joint(b)),
             Target::Link(link) => self.robot.tree.links[*link].name.clone(),
             Target::Cell(k) => format!("fsr_{}", k + 1),

@@ -40,7 +40,7 @@ mod units;
 
 use crate::expr::Id;
 pub use crate::measurement::foot::rectangle as foot_rectangle;
-pub use crate::measurement::{Measured, PostureContext, ROUNDS, Source};
+pub use crate::measurement::{ContextSource, Measured, PostureContext, ROUNDS};
 use crate::urdf::{Load, Shift};
 pub use catalog::{Catalog, EffectId};
 pub use context::{EffectContext, Target};

@@ -4,7 +4,7 @@ use super::{EffectContext, Instance, Stage, apply, sense};
 use crate::expr::{Argument, Id};
 use crate::functions::Parameters;
 use crate::interface::Given;
-use crate::measurement::{Measured, PostureContext, Source};
+use crate::measurement::{ContextSource, Measured, PostureContext};
 use crate::program::{Array, Program, Shape};
 
 /// Input arrays: q, then unknowns `e`, then posture context `u`; r is constant.
@@ -19,7 +19,7 @@ fn inputs(context: &EffectContext, unknowns: usize) -> Vec<Array> {
 fn written<'m>(
     context: &EffectContext<'m>,
     instances: &[Instance],
-    source: Source,
+    source: ContextSource,
     parameters: Parameters,
 ) -> (Measured<'m>, Vec<Id>) {
     let mut measured = Measured::new(
@@ -46,7 +46,7 @@ pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) 
     let (measured, unknowns) = written(
         context,
         instances,
-        Source::Log,
+        ContextSource::Log,
         Parameters::Baked(params.to_vec()),
     );
     let reading = measured.reading;
@@ -56,7 +56,7 @@ pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) 
 
 /// The reading alone, with the base parameters as a further input: `q`, `e`, `u`, `r`.
 pub fn reading_of_masses(context: &EffectContext, instances: &[Instance]) -> Program {
-    of_masses(context, instances, Source::Log)
+    of_masses(context, instances, ContextSource::Log)
 }
 
 /// The reading where loose joints rest as their gravity moments have them, as a model file
@@ -64,15 +64,15 @@ pub fn reading_of_masses(context: &EffectContext, instances: &[Instance]) -> Pro
 ///
 /// Inputs: `q`, `e`, `u` without sides, `r`.
 pub fn resting_reading(context: &EffectContext, instances: &[Instance]) -> Program {
-    of_masses(context, instances, Source::Resting)
+    of_masses(context, instances, ContextSource::Resting)
 }
 
-fn of_masses(context: &EffectContext, instances: &[Instance], source: Source) -> Program {
+fn of_masses(context: &EffectContext, instances: &[Instance], source: ContextSource) -> Program {
     let params = context.robot.base.params.len();
     let unbounded = Parameters::Argument(vec![f64::INFINITY; params]);
     let (mut measured, unknowns) = written(context, instances, source, unbounded);
     let mut outputs = measured.reading.to_vec();
-    if source == Source::Resting {
+    if source == ContextSource::Resting {
         let zero = measured.constant(0.0);
         let sides = measured.sides.iter().map(|side| side.unwrap_or(zero));
         outputs.extend(sides);
@@ -92,7 +92,7 @@ pub fn moments(context: &EffectContext, instances: &[Instance], params: &[f64]) 
     let (mut measured, unknowns) = written(
         context,
         instances,
-        Source::Log,
+        ContextSource::Log,
         Parameters::Baked(params.to_vec()),
     );
     let dof = context.robot.dof();
@@ -109,7 +109,7 @@ fn without_masses<'m>(context: &EffectContext<'m>) -> Measured<'m> {
     let params = Parameters::Baked(vec![0.0; context.robot.base.params.len()]);
     Measured::new(
         context.robot,
-        Source::Posture,
+        ContextSource::Posture,
         Given::Positions,
         params,
         &context.cells,
@@ -149,7 +149,7 @@ pub fn joints(context: &EffectContext, instances: &[Instance], params: &[f64]) -
     let (measured, unknowns) = written(
         context,
         instances,
-        Source::Log,
+        ContextSource::Log,
         Parameters::Baked(params.to_vec()),
     );
     let outputs = measured.joints.clone();
@@ -172,7 +172,7 @@ pub fn other_sole(
     let (mut measured, unknowns) = written(
         context,
         instances,
-        Source::Log,
+        ContextSource::Log,
         Parameters::Baked(params.to_vec()),
     );
     let lies = measured.lies(link);
@@ -184,7 +184,7 @@ pub fn other_sole(
 /// height, roll and pitch, columns value, ∂/∂q_1, ….
 pub fn other_sole_by_joints(robot: &crate::Robot, link: usize) -> Program {
     let params = Parameters::Baked(vec![0.0; robot.base.params.len()]);
-    let mut measured = Measured::new(robot, Source::Posture, Given::Positions, params, &[]);
+    let mut measured = Measured::new(robot, ContextSource::Posture, Given::Positions, params, &[]);
     let joints: Vec<Id> = (0..robot.dof())
         .map(|j| measured.g().input(Argument::Positions, j))
         .collect();

@@ -4,7 +4,7 @@
 //! p = c − (c_z c̈ + L̇⊥/M)/(g + c̈_z)        L̇⊥ = (L̇_y, −L̇_x)        on the sole plane z = 0
 //! ```
 //!
-//! Root to leaf, in the canonical axes of each body, its turning and how that changes:
+//! Root to leaf, in the canonical axes of each body, its angular velocity and how that changes:
 //!
 //! ```text
 //! ω_i = Rᵀω_p + θ̇ e_z        α_i = Rᵀα_p + Rᵀω_p × θ̇ e_z + θ̈ e_z        A_i = α̂_i + ω̂_i²
@@ -44,8 +44,8 @@ pub(crate) struct JointMotion {
     pub(crate) accelerations: Vec<Id>,
 }
 
-/// How a body turns: ω, α and the rows of A.
-struct Turning {
+/// How a body rotates: ω, α and the rows of A.
+struct BodyRotation {
     rate: Known,
     change: Known,
     rows: [[Id; 3]; 3],
@@ -60,7 +60,7 @@ struct Wrench {
 
 /// A body on a prismatic joint as its parent sees it: its displacement, and how that is
 /// accelerated beside its place.
-struct Slide {
+struct PrismaticShift {
     by: [Id; 3],
     acceleration: [Id; 3],
 }
@@ -70,10 +70,10 @@ impl Scratch<'_> {
     pub(crate) fn zmp(&mut self, joints: &JointMotion, loads: &[PointMass]) -> [Id; 2] {
         let moments = inertia::moments(self.m, loads);
         let com = self.subtrees(super::Wanted::Sums)[0].v.entries;
-        let turnings = self.turnings(joints);
-        let slides = self.slides(&turnings, joints);
-        let acceleration = self.acceleration(&turnings, &slides);
-        let whole = self.wrench(&moments, &turnings, &slides);
+        let body_rotations = self.body_rotations(joints);
+        let prismatic_shifts = self.prismatic_shifts(&body_rotations, joints);
+        let acceleration = self.acceleration(&body_rotations, &prismatic_shifts);
+        let whole = self.wrench(&moments, &body_rotations, &prismatic_shifts);
         self.g.section("ZMP");
         let spin = self.cross(whole.first.entries, whole.force.entries);
         let spin = [0, 1].map(|k| self.g.sub(whole.moment.entries[k], spin[k]));
@@ -96,17 +96,21 @@ impl Scratch<'_> {
     /// What the ZMP of CAD's masses is made of: the CoM, its acceleration, then L̇⊥/M.
     pub(crate) fn motion_parts(&mut self, joints: &JointMotion) -> Vec<Id> {
         let (com, acceleration) = self.accelerated_point(joints);
-        let turnings = self.turnings(joints);
-        let slides = self.slides(&turnings, joints);
+        let body_rotations = self.body_rotations(joints);
+        let prismatic_shifts = self.prismatic_shifts(&body_rotations, joints);
         let mut outputs = [com, acceleration].concat();
-        outputs.extend(self.spin(&turnings, &slides));
+        outputs.extend(self.spin(&body_rotations, &prismatic_shifts));
         outputs
     }
 
     /// L̇⊥/M of the URDF: (L̇_y, −L̇_x)/M about the CoM.
-    fn spin(&mut self, turnings: &[Turning], slides: &[Option<Slide>]) -> [Id; 2] {
+    fn spin(
+        &mut self,
+        body_rotations: &[BodyRotation],
+        prismatic_shifts: &[Option<PrismaticShift>],
+    ) -> [Id; 2] {
         let moments = inertia::moments(self.m, &[]);
-        let whole = self.wrench(&moments, turnings, slides);
+        let whole = self.wrench(&moments, body_rotations, prismatic_shifts);
         let spin = self.cross(whole.first.entries, whole.force.entries);
         let spin = [0, 1].map(|k| self.g.sub(whole.moment.entries[k], spin[k]));
         [spin[1], self.g.neg(spin[0])]
@@ -119,17 +123,18 @@ impl Scratch<'_> {
         let axes = self.axes_of_support(&[0, 1, 2]);
         let mut outputs = self.regressor(&axes);
         let seen = self.seen(&axes);
-        let turnings = self.turnings(joints);
-        let slides = self.slides(&turnings, joints);
+        let body_rotations = self.body_rotations(joints);
+        let prismatic_shifts = self.prismatic_shifts(&body_rotations, joints);
         for row in [0, 1, 2] {
             for param in &m.base.params {
                 let (body, acceleration) = match param.column {
                     Column::Axis { body, axis } => {
-                        (body, turnings[body].rows.map(|entries| entries[axis]))
+                        (body, body_rotations[body].rows.map(|entries| entries[axis]))
                     }
                     Column::Prismatic { body } => {
-                        let slide = slides[body].as_ref();
-                        let acceleration = slide.map(|slide| slide.acceleration);
+                        let prismatic_shift = prismatic_shifts[body].as_ref();
+                        let acceleration =
+                            prismatic_shift.map(|prismatic_shift| prismatic_shift.acceleration);
                         let zero = self.g.constant(0.0);
                         let parent = m.chain.bodies[body].parent.unwrap_or(body);
                         (parent, acceleration.unwrap_or([zero; 3]))
@@ -139,7 +144,7 @@ impl Scratch<'_> {
                 outputs.push(self.g.dot(&b, &acceleration));
             }
         }
-        outputs.extend(self.spin(&turnings, &slides));
+        outputs.extend(self.spin(&body_rotations, &prismatic_shifts));
         outputs
     }
 
@@ -147,39 +152,46 @@ impl Scratch<'_> {
     /// move.
     pub(crate) fn accelerated_point(&mut self, joints: &JointMotion) -> ([Id; 3], [Id; 3]) {
         let at = self.subtrees(super::Wanted::Sums)[0].v.entries;
-        let turnings = self.turnings(joints);
-        let slides = self.slides(&turnings, joints);
-        (at, self.acceleration(&turnings, &slides))
+        let body_rotations = self.body_rotations(joints);
+        let prismatic_shifts = self.prismatic_shifts(&body_rotations, joints);
+        (at, self.acceleration(&body_rotations, &prismatic_shifts))
     }
 
     /// How every body turns, root to leaf.
-    fn turnings(&mut self, joints: &JointMotion) -> Vec<Turning> {
-        let mut turnings: Vec<Turning> = Vec::with_capacity(self.m.chain.bodies.len());
+    fn body_rotations(&mut self, joints: &JointMotion) -> Vec<BodyRotation> {
+        let mut body_rotations: Vec<BodyRotation> = Vec::with_capacity(self.m.chain.bodies.len());
         for i in 0..self.m.chain.bodies.len() {
             let parent = self.m.chain.bodies[i].parent;
-            let turning = match (parent, self.m.frames[i].rotation.is_some()) {
+            let body_rotation = match (parent, self.m.frames[i].rotation.is_some()) {
                 (None, _) => self.still(),
-                (Some(parent), false) => Turning { ..turnings[parent] },
-                (Some(parent), true) => self.turning(i, &turnings[parent], joints),
+                (Some(parent), false) => BodyRotation {
+                    ..body_rotations[parent]
+                },
+                (Some(parent), true) => self.body_rotation(i, &body_rotations[parent], joints),
             };
-            turnings.push(turning);
+            body_rotations.push(body_rotation);
         }
-        turnings
+        body_rotations
     }
 
-    fn still(&mut self) -> Turning {
+    fn still(&mut self) -> BodyRotation {
         let zero = self.g.constant(0.0);
         let entries = [zero; 3];
         let fact = self.g.know(&entries, 0.0, &[]);
         let rest = Known { entries, fact };
-        Turning {
+        BodyRotation {
             rate: rest,
             change: rest,
             rows: [entries; 3],
         }
     }
 
-    fn turning(&mut self, i: usize, parent: &Turning, joints: &JointMotion) -> Turning {
+    fn body_rotation(
+        &mut self,
+        i: usize,
+        parent: &BodyRotation,
+        joints: &JointMotion,
+    ) -> BodyRotation {
         self.section(i);
         let turn = self.turn(i);
         let zero = self.g.constant(0.0);
@@ -218,7 +230,7 @@ impl Scratch<'_> {
             true => [[zero; 3]; 3],
             false => self.accelerated(&rate, &change),
         };
-        Turning { rate, change, rows }
+        BodyRotation { rate, change, rows }
     }
 
     /// The rows of `A = α̂ + ω̂²`.
@@ -240,7 +252,11 @@ impl Scratch<'_> {
     }
 
     /// Displacements of bodies on prismatic joints in the axes of their parents.
-    fn slides(&mut self, turnings: &[Turning], joints: &JointMotion) -> Vec<Option<Slide>> {
+    fn prismatic_shifts(
+        &mut self,
+        body_rotations: &[BodyRotation],
+        joints: &JointMotion,
+    ) -> Vec<Option<PrismaticShift>> {
         let bodies = &self.m.chain.bodies;
         (0..bodies.len())
             .map(|i| match (bodies[i].parent, bodies[i].motion) {
@@ -259,15 +275,15 @@ impl Scratch<'_> {
                     let gain = self.rate_of(i, &joints.accelerations);
                     let (rate, gain) = (along(self, rate), along(self, gain));
                     let two = self.g.constant(2.0);
-                    let turning = &turnings[parent];
-                    let swept = self.cross(turning.rate.entries, rate);
-                    let carried = self.times(&turning.rows, by);
+                    let body_rotation = &body_rotations[parent];
+                    let swept = self.cross(body_rotation.rate.entries, rate);
+                    let carried = self.times(&body_rotation.rows, by);
                     let acceleration = [0, 1, 2].map(|k| {
                         let swept = self.g.mul(two, swept[k]);
                         let sum = self.g.add(swept, gain[k]);
                         self.g.add(carried[k], sum)
                     });
-                    Some(Slide { by, acceleration })
+                    Some(PrismaticShift { by, acceleration })
                 }
                 _ => None,
             })
@@ -275,13 +291,17 @@ impl Scratch<'_> {
     }
 
     /// c̈ by the parameters r, leaf to root.
-    fn acceleration(&mut self, turnings: &[Turning], slides: &[Option<Slide>]) -> [Id; 3] {
+    fn acceleration(
+        &mut self,
+        body_rotations: &[BodyRotation],
+        prismatic_shifts: &[Option<PrismaticShift>],
+    ) -> [Id; 3] {
         let m = self.m;
         let mut sums: Vec<Option<Known>> = m.chain.bodies.iter().map(|_| None).collect();
         for i in (0..m.chain.bodies.len()).rev() {
             self.section(i);
             let own = [0, 1, 2].map(|k| self.parameter(m.axis_param(i, k)));
-            let pushed = self.times(&turnings[i].rows, own);
+            let pushed = self.times(&body_rotations[i].rows, own);
             let mut sum = Known {
                 entries: pushed,
                 fact: self.g.know_entries(&pushed),
@@ -291,9 +311,9 @@ impl Scratch<'_> {
                 let turn = self.turn(c);
                 let child = self.turned(c, &turn, &child, false);
                 sum = self.joined(&sum, &child);
-                if let Some(slide) = &slides[c] {
+                if let Some(prismatic_shift) = &prismatic_shifts[c] {
                     let mass = self.parameter(m.prismatic_param(c));
-                    let moved = slide.acceleration.map(|x| self.g.mul(mass, x));
+                    let moved = prismatic_shift.acceleration.map(|x| self.g.mul(mass, x));
                     let fact = self.g.know_entries(&moved);
                     let moved = Known {
                         entries: moved,
@@ -314,18 +334,19 @@ impl Scratch<'_> {
     fn wrench(
         &mut self,
         moments: &[Moments],
-        turnings: &[Turning],
-        slides: &[Option<Slide>],
+        body_rotations: &[BodyRotation],
+        prismatic_shifts: &[Option<PrismaticShift>],
     ) -> Wrench {
         let count = self.m.chain.bodies.len();
         let mut built: Vec<Option<Wrench>> = (0..count).map(|_| None).collect();
         for i in (0..count).rev() {
             self.section(i);
-            let mut sum = self.own_wrench(&moments[i], &turnings[i]);
+            let mut sum = self.own_wrench(&moments[i], &body_rotations[i]);
             for c in self.children[i].clone() {
                 let child = built[c].take().expect("children are built before parents");
-                let slide = slides[c].as_ref();
-                let child = self.passed_on(c, &child, &moments[c], &turnings[i], slide);
+                let prismatic_shift = prismatic_shifts[c].as_ref();
+                let child =
+                    self.passed_on(c, &child, &moments[c], &body_rotations[i], prismatic_shift);
                 sum = Wrench {
                     first: self.joined(&sum.first, &child.first),
                     force: self.joined(&sum.force, &child.force),
@@ -340,15 +361,15 @@ impl Scratch<'_> {
         built.swap_remove(0).expect("body 0 is built last")
     }
 
-    fn own_wrench(&mut self, moments: &Moments, turning: &Turning) -> Wrench {
+    fn own_wrench(&mut self, moments: &Moments, body_rotation: &BodyRotation) -> Wrench {
         let first = self.constants(&moments.first);
-        let force = self.times(&turning.rows, first);
+        let force = self.times(&body_rotation.rows, first);
         // ∫ y × A y: rows of J against rows of A.
         let second = [0, 1, 2].map(|k| self.constants(&moments.second.column(k).into_owned()));
         let moment = [(1, 2), (2, 0), (0, 1)].map(|(a, b)| {
-            let ahead = self.g.dot(&second[a], &turning.rows[b]);
-            let behind = self.g.dot(&second[b], &turning.rows[a]);
-            self.g.sub(ahead, behind)
+            let plus = self.g.dot(&second[a], &body_rotation.rows[b]);
+            let minus = self.g.dot(&second[b], &body_rotation.rows[a]);
+            self.g.sub(plus, minus)
         });
         Wrench {
             first: self.known(first),
@@ -363,8 +384,8 @@ impl Scratch<'_> {
         c: usize,
         child: &Wrench,
         moments: &Moments,
-        parent: &Turning,
-        slide: Option<&Slide>,
+        parent: &BodyRotation,
+        prismatic_shift: Option<&PrismaticShift>,
     ) -> Wrench {
         let turn = self.turn(c);
         let mut first = self.turned(c, &turn, &child.first, false);
@@ -377,17 +398,20 @@ impl Scratch<'_> {
             let crossed = scratch.known(crossed);
             moment = scratch.joined(&moment, &crossed);
         };
-        if let Some(slide) = slide {
-            add(self, first.entries, slide.acceleration);
+        if let Some(prismatic_shift) = prismatic_shift {
+            add(self, first.entries, prismatic_shift.acceleration);
             let mass = self.g.constant(moments.mass);
             let weighed = |scratch: &mut Self, x: [Id; 3]| {
                 let entries = x.map(|x| scratch.g.mul(mass, x));
                 scratch.known(entries)
             };
-            let (moved, pushed) = (weighed(self, slide.by), weighed(self, slide.acceleration));
+            let (moved, pushed) = (
+                weighed(self, prismatic_shift.by),
+                weighed(self, prismatic_shift.acceleration),
+            );
             first = self.joined(&first, &moved);
             force = self.joined(&force, &pushed);
-            place = [0, 1, 2].map(|k| self.g.add(place[k], slide.by[k]));
+            place = [0, 1, 2].map(|k| self.g.add(place[k], prismatic_shift.by[k]));
         }
         add(self, place, force.entries);
         add(self, first.entries, carried);

@@ -186,9 +186,9 @@ impl Scratch<'_> {
             let term = match (&m.frames[i].rotation, body.motion) {
                 (Some(rotation), _) => {
                     let t = subtrees[i].t.expect("rates are asked of turned subtrees");
-                    let turning = self.across(&rate.before, &t);
+                    let rotating = self.across(&rate.before, &t);
                     let moving = self.across(&seen[i][0].before, &moving[i].t);
-                    let sum = self.g.add(turning, moving);
+                    let sum = self.g.add(rotating, moving);
                     let factor = self.g.constant(rotation.angle.factor);
                     self.g.mul(factor, sum)
                 }

@@ -17,7 +17,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Measured, PostureContext, Source};
+use super::{ContextSource, Measured, PostureContext};
 use crate::expr::{Argument, Expr, Id};
 use crate::functions::{Direction, Wanted};
 use crate::program::operands;
@@ -83,7 +83,7 @@ impl Measured<'_> {
             }
             self.joints = bent;
             let springs = self.bends.iter().any(|b| matches!(b, Bend::Spring(..)));
-            if self.source == Source::Log && !springs {
+            if self.source == ContextSource::Log && !springs {
                 break;
             }
         }
@@ -91,7 +91,7 @@ impl Measured<'_> {
 
     /// How far into its band a loose joint is, −1 to 1, after one more round.
     fn slide(&mut self, before: Id, joint: usize, moment: Id) -> Id {
-        if self.source == Source::Log {
+        if self.source == ContextSource::Log {
             let at = PostureContext::of(self.robot()).side(joint);
             return self.posture_context(at);
         }

@@ -84,7 +84,7 @@ impl PostureContext {
 /// Where the measurement gets what does not follow from joint positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Source {
+pub enum ContextSource {
     /// A posture of a log, whose context is an input.
     Log,
     /// The same with sides by the gravity moments, as a posture alone has them.

@@ -30,7 +30,7 @@ use crate::interface::Given;
 use crate::robot::Robot;
 use bends::Bend;
 pub use bends::ROUNDS;
-pub use context::{PostureContext, Source};
+pub use context::{ContextSource, PostureContext};
 pub(crate) use foot::Foot;
 
 /// A pull on a point of the robot.
@@ -46,7 +46,7 @@ struct Pull {
 
 /// A load that has joined the robot, as shares of all that presses on the ground.
 #[derive(Clone, Copy)]
-struct Carried {
+struct CarriedLoad {
     link: usize,
     share: Id,
     /// First moment in the frame of the link, m.
@@ -58,7 +58,7 @@ struct Carried {
 /// The measurement of one posture while effects rewrite it.
 pub struct Measured<'m> {
     scratch: Scratch<'m>,
-    pub(crate) source: Source,
+    pub(crate) source: ContextSource,
     /// What each encoder says of its joint, rad or m.
     pub wired: Vec<Id>,
     /// Joint positions as the robot has them, rad or m.
@@ -77,7 +77,7 @@ pub struct Measured<'m> {
     /// How much later the robot moves than encoders say, s.
     late: Vec<Id>,
     pulls: Vec<Pull>,
-    carried: Vec<Carried>,
+    carried: Vec<CarriedLoad>,
     bends: Vec<Bend>,
     /// How far into its dead band each joint is where it rests, −1 to 1; none where it has none.
     pub(crate) sides: Vec<Option<Id>>,
@@ -93,7 +93,7 @@ impl<'m> Measured<'m> {
     /// The nominal measurement: joints where the encoders say, CAD's loads.
     pub(crate) fn new(
         robot: &'m Robot,
-        source: Source,
+        source: ContextSource,
         given: Given,
         parameters: Parameters,
         cells: &[[f64; 2]],
@@ -128,7 +128,7 @@ impl<'m> Measured<'m> {
             sides: vec![None; robot.dof()],
             rounds: Vec::new(),
         };
-        if source != Source::Posture {
+        if source != ContextSource::Posture {
             let at = PostureContext::of(robot);
             measured.tilt = [0, 1].map(|k| measured.posture_context(at.tilt(k)));
         }
@@ -251,7 +251,7 @@ impl<'m> Measured<'m> {
             load.moment = load.moment.map(|x| g.mul(rest, x));
         }
         let [share, x, y, z] = with;
-        self.carried.push(Carried {
+        self.carried.push(CarriedLoad {
             link,
             share,
             moment: [x, y, z],
@@ -350,7 +350,7 @@ impl<'m> Measured<'m> {
         for (axis, pulled) in pulled.into_iter().enumerate() {
             self.reading[axis] = self.add(self.reading[axis], pulled);
         }
-        if self.source != Source::Posture {
+        if self.source != ContextSource::Posture {
             self.set_in_motion(pulled, moving);
         }
     }

@@ -17,7 +17,7 @@
 //!
 //! of which the last has no size where μ has none.
 
-use super::{Carried, Measured, PostureContext};
+use super::{CarriedLoad, Measured, PostureContext};
 use crate::expr::Id;
 use crate::functions::JointMotion;
 use crate::inertia::GRAVITY;
@@ -150,7 +150,7 @@ impl Measured<'_> {
     }
 
     /// The frame of the link that a load is on, and the load's first moment, turned with it.
-    fn moving_load(&mut self, load: &Carried, motion: &JointMotion, k: usize) -> [Moving; 2] {
+    fn moving_load(&mut self, load: &CarriedLoad, motion: &JointMotion, k: usize) -> [Moving; 2] {
         let map = self.robot().columns_of(load.link);
         let place: Vec<Id> = map.column(0).iter().map(|w| self.constant(*w)).collect();
         let arm: Vec<Id> = map

@@ -3,7 +3,9 @@
 //! Each function takes the effects that act on it: the CoP all that one posture shows,
 //! functions of the body those of the body, regressor rows those of the encoders.
 
-use crate::effects::{self, Catalog, EffectContext, Instance, Measured, PostureContext, Source};
+use crate::effects::{
+    self, Catalog, ContextSource, EffectContext, Instance, Measured, PostureContext,
+};
 use crate::expr::{Argument, Id};
 use crate::functions::{Parameters, can_be_had};
 use crate::interface::{Function, Given};
@@ -27,7 +29,7 @@ pub(super) fn program(
     if !can_be_had(model, function, given) {
         return None;
     }
-    let measured = measured(model, Source::Posture, function, given, baked);
+    let measured = measured(model, ContextSource::Posture, function, given, baked);
     measured.program(function, given)
 }
 
@@ -43,7 +45,13 @@ pub fn tilted_com(model: &Model) -> Program {
 }
 
 fn tilted(model: &Model, function: Function, outputs: usize) -> Program {
-    let measured = measured(model, Source::Tilted, function, Given::Positions, None);
+    let measured = measured(
+        model,
+        ContextSource::Tilted,
+        function,
+        Given::Positions,
+        None,
+    );
     let inputs = vec![
         Array::new(Argument::Positions, model.dof()),
         Array::new(Argument::Parameters, model.base.params.len()),
@@ -87,7 +95,7 @@ impl Model {
 /// The measurement with the effects that act on `function`, up to what it is made of.
 fn measured(
     model: &Model,
-    source: Source,
+    source: ContextSource,
     function: Function,
     given: Given,
     baked: Option<Vec<f64>>,

@@ -1,7 +1,7 @@
 //! The reading of a CoP and its inverse, with the effects of a model file.
 
 use super::posture::context;
-use crate::effects::{self, EffectContext, Instance, Measured, Source};
+use crate::effects::{self, ContextSource, EffectContext, Instance, Measured};
 use crate::expr::{Argument, Id};
 use crate::functions::Parameters;
 use crate::interface::{Function, Given};
@@ -36,7 +36,7 @@ fn sensor(model: &Model, way: Way) -> Option<Program> {
     let baked = Parameters::Baked(model.params());
     let mut measured = Measured::new(
         model,
-        Source::Posture,
+        ContextSource::Posture,
         Given::Positions,
         baked,
         &context.cells,

@@ -1,6 +1,6 @@
 //! One posture: number by number, its sines and cosines eight at a time.
 
-use super::plan::{Instruction, Plan, Source, Step, angles_first};
+use super::plan::{Instruction, Plan, RegisterFill, Step, angles_first};
 use super::{Kernels, SHORT, Values};
 use crate::program::Program;
 
@@ -23,12 +23,18 @@ impl Alone {
     }
 
     /// Evaluate into `out`, with the bits of a block.
-    pub fn run(&self, sources: &[Source], arguments: &[Values], out: &mut [f64], kernels: Kernels) {
+    pub fn run(
+        &self,
+        sources: &[RegisterFill],
+        arguments: &[Values],
+        out: &mut [f64],
+        kernels: Kernels,
+    ) {
         let mut values = vec![0.0; self.plan.registers];
         for (value, source) in values.iter_mut().zip(sources) {
             *value = match *source {
-                Source::Const(x) => x,
-                Source::Input { array, index } => match arguments[array] {
+                RegisterFill::Const(x) => x,
+                RegisterFill::Input { array, index } => match arguments[array] {
                     Values::PerPosture(given) | Values::Shared(given) => given[index],
                 },
             };

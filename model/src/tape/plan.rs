@@ -18,7 +18,7 @@ pub(super) enum Step {
 
 /// What fills a register before any step.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Source {
+pub(super) enum RegisterFill {
     Const(f64),
     Input { array: usize, index: usize },
 }
@@ -41,10 +41,10 @@ pub(super) struct Plan {
 }
 
 /// What fills the first registers of every plan, in their order.
-pub(super) fn sources(program: &Program) -> Vec<Source> {
+pub(super) fn sources(program: &Program) -> Vec<RegisterFill> {
     let source = |(_, node): (Id, &crate::program::Node)| match node.expr {
-        Expr::Const(x) => Some(Source::Const(x)),
-        Expr::Input { argument, index } => Some(Source::Input {
+        Expr::Const(x) => Some(RegisterFill::Const(x)),
+        Expr::Input { argument, index } => Some(RegisterFill::Input {
             array: program.slot(argument),
             index: index as usize,
         }),

@@ -6,7 +6,7 @@ use minijinja::{Error, context};
 use super::{change, judged, of};
 use crate::report::figures::fit::deviations;
 use crate::report::figures::robot::Marks;
-use crate::report::fleet::mark;
+use crate::report::fleet::mark_effect;
 use crate::report::html::render;
 use crate::report::robot::{Card, Correction};
 use crate::report::table::chance;
@@ -72,7 +72,7 @@ fn card(comparison: &Comparison, skeleton: &Skeleton) -> Value {
         .iter()
         .filter(|own| own.change != Change::Same)
     {
-        if mark(&mut marks, skeleton, &own.effect, &own.target) {
+        if mark_effect(&mut marks, skeleton, &own.effect, &own.target) {
             said.push(format!("`{}:{}` {}", own.effect, own.target, change(own)));
         }
     }

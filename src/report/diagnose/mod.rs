@@ -13,11 +13,11 @@ pub use text::{Asked, text};
 use sesc_identify::diagnose::Step;
 use sesc_identify::diagnose::Verdict;
 use sesc_identify::diagnose::remedy::Remedy;
-use sesc_identify::diagnose::words::{Found, named};
+use sesc_identify::diagnose::words::{NamedValue, named};
 
 /// `width 0.93° ± 0.04°`, one entry per parameter.
 fn parameters(step: &Step) -> Vec<String> {
-    let found = step.parameters.iter().map(|(name, quantity)| Found {
+    let found = step.parameters.iter().map(|(name, quantity)| NamedValue {
         name,
         value: quantity.value,
         std: quantity.std,

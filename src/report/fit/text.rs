@@ -9,7 +9,7 @@ use sesc_identify::fit::Identification;
 /// Fewer degrees of freedom than this are mentioned.
 const FEW: f64 = 50.0;
 
-/// Parameters, and everything that must be said with them.
+/// Parameters with uncertainty, observability and held-out error.
 pub fn text(found: &Identification) -> String {
     let mut out = String::new();
     let _ = writeln!(

@@ -1,6 +1,7 @@
 //! A row of the table as pages have it.
 
 use serde::Serialize;
+use sesc_identify::diagnose::Verdict;
 use sesc_identify::fleet::Row;
 
 use super::label;
@@ -9,7 +10,7 @@ use super::label;
 #[derive(Serialize)]
 pub(super) struct Line {
     pub day: String,
-    pub verdict: String,
+    pub verdict: &'static str,
     pub bad: bool,
     pub postures: u64,
     pub noise_mm: Option<f64>,
@@ -29,11 +30,7 @@ pub(super) fn line(row: &Row) -> Line {
     let said: Vec<String> = effects.into_iter().chain(health).chain(error).collect();
     Line {
         day: row.day.clone(),
-        verdict: match row.verdict.as_str() {
-            "" if row.has_result() => "fitted".to_string(),
-            "" => "no result".to_string(),
-            verdict => verdict.to_string(),
-        },
+        verdict: outcome(row),
         bad: !is_fine(row),
         postures: row.postures,
         noise_mm: row.noise_floor.map(|x| 1e3 * x),
@@ -42,11 +39,20 @@ pub(super) fn line(row: &Row) -> Line {
     }
 }
 
+/// The verdict of a row; where there is none, whether it was fitted.
+pub(super) fn outcome(row: &Row) -> &'static str {
+    match row.verdict {
+        Some(verdict) => verdict.name(),
+        None if row.has_result() => "fitted",
+        None => "no result",
+    }
+}
+
 /// Whether nothing is missing, as far as it was looked for.
-fn is_fine(row: &Row) -> bool {
-    match row.verdict.as_str() {
-        "none" | "absorbed" => true,
-        "" => row.has_result(),
-        _ => false,
+pub(super) fn is_fine(row: &Row) -> bool {
+    match row.verdict {
+        Some(Verdict::None | Verdict::Absorbed) => true,
+        Some(_) => false,
+        None => row.has_result(),
     }
 }

@@ -9,7 +9,7 @@ mod tests;
 mod text;
 
 pub use page::{Pages, page_of_robot, pages};
-pub(in crate::report) use picture::mark;
+pub(in crate::report) use picture::mark_effect;
 pub use picture::skeleton;
 pub use text::text;
 

@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 use minijinja::value::Serde;
 use minijinja::{Error, context};
 use serde::Serialize;
+use sesc_identify::diagnose::Verdict;
 use sesc_identify::fleet::summary::Summary;
 use sesc_identify::fleet::{Fleet, Row};
 use sesc_identify::skeleton::Skeleton;
 
 use super::super::html::render;
 use super::super::origin::Origin;
-use super::line::line;
+use super::line::{is_fine, line, outcome};
 use super::picture::card;
 use super::robot::robot_page;
 use super::{count, hashes, headline, twice};
@@ -90,7 +91,7 @@ pub fn pages(
         days: rows.len(),
         postures: rows.iter().map(|row| row.postures).sum(),
         said: verdicts(rows),
-        bad: rows.iter().any(|row| line(row).bad),
+        bad: !rows.iter().all(|row| is_fine(row)),
     });
     let picture = summary.look_first.iter().filter_map(|robot| {
         let rows = robots.get(robot.as_str())?;
@@ -139,9 +140,9 @@ pub fn pages(
 
 /// What the days of a robot came to: `none on 5 days, named on 2`.
 fn verdicts(rows: &[&Row]) -> String {
-    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for row in rows {
-        *counts.entry(line(row).verdict).or_default() += 1;
+        *counts.entry(outcome(row)).or_default() += 1;
     }
     let said = counts
         .iter()
@@ -189,15 +190,11 @@ fn mark(rows: &[&Row], day: &str) -> (&'static str, &'static str, String) {
     };
     let line = line(row);
     let words = format!("{}: {}", line.verdict, line.said);
-    match (
-        row.verdict.as_str(),
-        row.error.is_some(),
-        row.health.is_empty(),
-    ) {
-        (_, true, _) => ("×", "bad", words),
-        ("", ..) if !row.has_result() => ("×", "bad", words),
-        ("unusable", ..) | (_, _, false) => ("!", "bad", words),
-        ("none" | "absorbed" | "", ..) => ("·", "fine", words),
+    match row.verdict {
+        _ if row.error.is_some() || !row.has_result() => ("×", "bad", words),
+        Some(Verdict::Unusable) => ("!", "bad", words),
+        _ if !row.health.is_empty() => ("!", "bad", words),
+        _ if is_fine(row) => ("·", "fine", words),
         _ => ("●", "ok", words),
     }
 }

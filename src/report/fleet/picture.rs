@@ -4,10 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use minijinja::Value;
-use sesc_identify::fleet::summary::Summary;
+use sesc_identify::fleet::summary::{ChangeKind, Summary};
 use sesc_identify::fleet::{Fleet, Options, Row};
+use sesc_identify::health::Kind;
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
+use sesc_model::effects::about::{TargetKind, about};
+use sesc_model::effects::{Catalog, Target};
 
 use super::{count, label};
 use crate::report::figures::robot::Marks;
@@ -38,10 +41,10 @@ pub fn skeleton(
 pub(super) fn card(fleet: &Fleet, summary: &Summary, skeleton: &Skeleton) -> Value {
     let mut marks = Marks::default();
     let mut said = Vec::new();
-    let mut point = |effect: &str, target: &str, what: String| {
-        if mark(&mut marks, skeleton, effect, target) {
+    let mut point = |of_link: bool, target: &str, what: String| {
+        if mark(&mut marks, skeleton, of_link, target) {
             said.push(match target {
-                "all" => format!("every joint ({what})"),
+                Target::ALL_JOINTS => format!("every joint ({what})"),
                 target => format!("`{}` ({what})", target.replace(',', "`, `")),
             });
         }
@@ -49,21 +52,24 @@ pub(super) fn card(fleet: &Fleet, summary: &Summary, skeleton: &Skeleton) -> Val
     for group in &summary.shared {
         let robots = count(group.robots.len(), "robot");
         point(
-            &group.effect,
+            acts_on_links(&group.effect),
             &group.target,
             format!("{} in {robots}", group.effect),
         );
     }
-    let changes = summary.changes.iter().filter(|c| c.kind == "effect");
+    let changes = summary
+        .changes
+        .iter()
+        .filter(|c| c.kind == ChangeKind::Effect);
     for change in changes {
         if let Some((effect, target)) = change.target.split_once(':') {
             let what = format!("{effect} of {} from {} on", change.robot, change.day);
-            point(effect, target, what);
+            point(acts_on_links(effect), target, what);
         }
     }
     for (joint, robots) in stuck(fleet, summary) {
         let robots = robots.into_iter().collect::<Vec<&str>>().join(", ");
-        point("encoder_stuck", joint, format!("encoder stuck in {robots}"));
+        point(false, joint, format!("encoder stuck in {robots}"));
     }
     still(
         skeleton,
@@ -83,18 +89,18 @@ pub(super) fn of_robot(rows: &[&Row], skeleton: &Skeleton) -> Option<Value> {
     let mut marks = Marks::default();
     let mut said = Vec::new();
     for effect in &last.effects {
-        if mark(&mut marks, skeleton, &effect.effect, &effect.target) {
+        if mark_effect(&mut marks, skeleton, &effect.effect, &effect.target) {
             said.push(format!("`{}`", label(effect)));
         }
     }
     let stuck: BTreeSet<&str> = rows
         .iter()
         .flat_map(|row| &row.health)
-        .filter(|finding| finding.kind.name() == "encoder_stuck")
+        .filter(|finding| finding.kind == Kind::EncoderStuck)
         .map(|finding| finding.target.as_str())
         .collect();
     for joint in stuck {
-        if mark(&mut marks, skeleton, "encoder_stuck", joint) {
+        if mark(&mut marks, skeleton, false, joint) {
             said.push(format!("`{joint}` (encoder stuck)"));
         }
     }
@@ -127,10 +133,7 @@ fn stuck<'f>(fleet: &'f Fleet, summary: &Summary) -> BTreeMap<&'f str, BTreeSet<
     let first: BTreeSet<&str> = summary.look_first.iter().map(String::as_str).collect();
     let mut found: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for row in &fleet.rows {
-        let own = row
-            .health
-            .iter()
-            .filter(|f| f.kind.name() == "encoder_stuck");
+        let own = row.health.iter().filter(|f| f.kind == Kind::EncoderStuck);
         for finding in own.filter(|_| first.contains(row.robot.as_str())) {
             found.entry(&finding.target).or_default().insert(&row.robot);
         }
@@ -139,17 +142,28 @@ fn stuck<'f>(fleet: &'f Fleet, summary: &Summary) -> BTreeMap<&'f str, BTreeSet<
 }
 
 /// Mark what an effect acts on; whether that is a joint or a link of the robot.
-pub(in crate::report) fn mark(
+pub(in crate::report) fn mark_effect(
     marks: &mut Marks,
     skeleton: &Skeleton,
     effect: &str,
     target: &str,
 ) -> bool {
-    let of_link = matches!(effect, "payload" | "external_force");
+    mark(marks, skeleton, acts_on_links(effect), target)
+}
+
+/// Whether an effect acts on links, and not on joints.
+fn acts_on_links(effect: &str) -> bool {
+    let effects = about(&Catalog::standard());
+    let named = effects.iter().find(|known| known.name == effect);
+    named.is_some_and(|effect| effect.target == TargetKind::Link)
+}
+
+/// Mark a joint, or a link where the target is `of_link`; whether the robot has it.
+fn mark(marks: &mut Marks, skeleton: &Skeleton, of_link: bool, target: &str) -> bool {
     let before = marks.clone();
     for target in target.split(',') {
         match skeleton.carried_by(target) {
-            _ if target == "all" => marks.every_joint = true,
+            _ if target == Target::ALL_JOINTS => marks.every_joint = true,
             _ if of_link && skeleton.body_of(target).is_some() => {
                 marks.links.push(target.to_string());
             }

@@ -142,3 +142,23 @@ fn the_page_of_a_robot_shows_what_is_suspected_on_it() {
     }
     assert!(all.fleet.contains("2 logs, 1 to 1"), "{}", all.fleet);
 }
+
+#[test]
+fn rows_that_were_fitted_alone_are_called_so_on_page_and_console() {
+    let mut fleet = Fleet::default();
+    for robot in ["r1", "r2"] {
+        let mut row = row(robot, "1", "");
+        row.verdict = None;
+        if robot == "r1" {
+            row.params = vec![0.1];
+        }
+        fleet.rows.push(row);
+    }
+    let summary = summary(&fleet.rows, &Default::default(), None);
+    let text = text(&fleet, &summary);
+    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html")).unwrap();
+    for told in ["fitted", "no result"] {
+        assert!(text.contains(told), "{told}\n{text}");
+        assert!(pages.fleet.contains(&format!("{told} on 1 day")), "{told}");
+    }
+}

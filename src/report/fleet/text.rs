@@ -6,6 +6,7 @@ use sesc_identify::fleet::Fleet;
 use sesc_identify::fleet::summary::Summary;
 
 use super::super::table::Table;
+use super::line::outcome;
 use super::{headline, twice};
 
 /// Lines of a list, at most.
@@ -15,11 +16,7 @@ const LISTED: usize = 20;
 pub fn text(fleet: &Fleet, summary: &Summary) -> String {
     let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
     for row in &fleet.rows {
-        let verdict = match row.verdict.as_str() {
-            "" => "no result",
-            verdict => verdict,
-        };
-        *verdicts.entry(verdict).or_default() += 1;
+        *verdicts.entry(outcome(row)).or_default() += 1;
     }
     let mut table = Table::new(&["verdict", "rows"]);
     for (verdict, count) in verdicts {

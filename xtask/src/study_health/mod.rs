@@ -28,7 +28,7 @@ use sesc_virtual::survey;
 use sesc_virtual::trial::Trial;
 
 use devices::{Broken, DEVICES, Device};
-use sheet::{Sheet, Source};
+use sheet::{RecordingKind, Sheet};
 
 /// What to count how often.
 #[derive(Args)]
@@ -61,7 +61,10 @@ const ROBOTS: [(Platform, &str); 3] = [
     (Platform::Skew, "Skew"),
     (Platform::Plain, "plain"),
 ];
-const SOURCES: [(Source, &str); 2] = [(Source::Standing, "standing"), (Source::Moving, "moving")];
+const SOURCES: [(RecordingKind, &str); 2] = [
+    (RecordingKind::Standing, "standing"),
+    (RecordingKind::Moving, "moving"),
+];
 
 /// Broken logs of one kind.
 #[derive(Default)]
@@ -181,7 +184,12 @@ impl StudyHealth {
         told += &tally("healthy logs with hidden effects", with_effects)?;
         let recordings = (0..self.moving).map(|k| {
             let platform = ROBOTS[k % ROBOTS.len()].0;
-            Sheet::draw(Source::Moving, platform, self.seed + k as u64, folder)
+            Sheet::draw(
+                RecordingKind::Moving,
+                platform,
+                self.seed + k as u64,
+                folder,
+            )
         });
         told += &tally("healthy recordings", recordings)?;
         Ok(told)
@@ -191,7 +199,7 @@ impl StudyHealth {
     fn count_broken(
         &self,
         device: Device,
-        (source, platform): (Source, Platform),
+        (source, platform): (RecordingKind, Platform),
         folder: &Path,
     ) -> Result<Count, Box<dyn Error>> {
         let (mut count, mut seed, mut tries) = (Count::default(), self.seed, 0);

@@ -17,7 +17,7 @@ use sesc_virtual::trial::{Choice, Question, Trial};
 
 /// How a log was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Source {
+pub(super) enum RecordingKind {
     /// One row a posture, or every reading of it.
     Standing,
     /// Rows in time of a robot that moves slowly.
@@ -87,20 +87,20 @@ impl Sheet {
 
     /// A log on which nothing is hidden.
     pub fn draw(
-        source: Source,
+        source: RecordingKind,
         platform: Platform,
         seed: u64,
         folder: &Path,
     ) -> Result<Sheet, Box<dyn Error>> {
         match source {
-            Source::Standing => {
+            RecordingKind::Standing => {
                 let choice = Choice {
                     platforms: vec![platform],
                     ..survey::everything()
                 };
                 Sheet::of_trial(&Trial::draw(Question::Nothing, &choice, seed), folder)
             }
-            Source::Moving => Ok(Sheet::moving(platform, seed)),
+            RecordingKind::Moving => Ok(Sheet::moving(platform, seed)),
         }
     }
 

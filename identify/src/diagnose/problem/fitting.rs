@@ -11,7 +11,7 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Closed, Fit, Problem, Rows};
+use super::{Closed, Fit, Problem, RowSelection};
 use crate::diagnose::backlash_sides;
 use crate::diagnose::hypothesis::Term;
 use crate::diagnose::nuisance::Nuisance;
@@ -25,7 +25,7 @@ const ROUNDS: usize = 4;
 
 impl Problem<'_> {
     /// Fit a hypothesis from where its unknowns may start.
-    pub fn fit(&self, terms: &[Term], start: Option<&[f64]>, rows: Rows) -> Fit {
+    pub fn fit(&self, terms: &[Term], start: Option<&[f64]>, rows: RowSelection) -> Fit {
         let starts = match start {
             Some(start) => vec![start.to_vec()],
             None => self.starts(terms, None),
@@ -58,7 +58,7 @@ impl Problem<'_> {
         starts
     }
 
-    fn fit_from(&self, terms: &[Term], start: Vec<f64>, rows: Rows) -> Fit {
+    fn fit_from(&self, terms: &[Term], start: Vec<f64>, rows: RowSelection) -> Fit {
         let slack = terms.iter().any(|term| term.dead_band().is_some());
         let outlying = terms.contains(&Term::Outliers);
         let mut unknowns = start;
@@ -111,7 +111,7 @@ impl Problem<'_> {
         start: Vec<f64>,
         sides: Option<&backlash_sides::Sides>,
         outliers: &Option<Outliers>,
-        rows: Rows,
+        rows: RowSelection,
     ) -> Fit {
         let posture_context: &[f64] = match sides {
             Some(sides) => &sides.posture_context,

@@ -22,7 +22,7 @@ use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
 use super::diagnosis::find;
-use super::findings::{About, Found};
+use super::findings::{About, Explained};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
 use super::words;
@@ -148,7 +148,7 @@ impl Bench {
         Problem::new(&self.model, data, &prior, &Catalog::standard()).unwrap()
     }
 
-    fn diagnose(&self, data: Postures, prior: &str) -> Found {
+    fn diagnose(&self, data: Postures, prior: &str) -> Explained {
         diagnosed(&mut self.problem(data, prior))
     }
 }
@@ -164,7 +164,7 @@ fn about() -> About<'static> {
     }
 }
 
-fn diagnosed(problem: &mut Problem) -> Found {
+fn diagnosed(problem: &mut Problem) -> Explained {
     find(problem, &[], &about(), &mut ()).unwrap()
 }
 
@@ -186,6 +186,6 @@ fn term(problem: &Problem, effect: &str, target: &str) -> Term {
 }
 
 /// Values of the only effect of a fit with their stated deviations.
-fn values(problem: &Problem, fit: &Fit) -> Vec<words::Found<'static>> {
+fn values(problem: &Problem, fit: &Fit) -> Vec<words::NamedValue<'static>> {
     words::values(problem, fit).remove(0)
 }

@@ -124,6 +124,10 @@ fn an_offset_is_told_by_sign_ticks_and_urdf_lines() {
     assert_eq!(found.diagnosis.left_out_of_urdf, Some(Vec::new()));
     let model_use = found.diagnosis.model_use.unwrap();
     assert_eq!(model_use.build_rs, ".model(\"model.toml\")");
+    assert_eq!(
+        model_use.generate,
+        "Builder::new(\"skew.urdf\").support(\"foot\").model(\"model.toml\").c99(folder).emit()"
+    );
 
     let servo = Servo {
         zero: 500,

@@ -11,10 +11,11 @@ mod spread;
 mod trends;
 
 pub use predicted::{Predicted, PredictedPoint};
+use sesc_model::effects::Target;
 pub use spread::{EDGE, Region, Regions, Spread};
 pub use trends::{Middle, Point, Quantity, Trend};
 
-use super::findings::Found;
+use super::findings::Explained;
 use super::held_out;
 use super::problem::{Fit, Problem};
 use crate::observations::postures::rms;
@@ -158,7 +159,7 @@ fn used(q: &[f64], dof: usize) -> Vec<[f64; 2]> {
 }
 
 impl DiagnosisView {
-    pub(crate) fn of(problem: &Problem, found: &Found, skeleton: Skeleton) -> DiagnosisView {
+    pub(crate) fn of(problem: &Problem, found: &Explained, skeleton: Skeleton) -> DiagnosisView {
         let data = &problem.data;
         let mut outlier = vec![false; data.len()];
         if let Some(outliers) = &found.best.outliers {
@@ -259,7 +260,7 @@ fn differences(problem: &Problem, class: &[Fit]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn stages(found: &Found) -> Vec<Stage> {
+fn stages(found: &Explained) -> Vec<Stage> {
     let said = &found.diagnosis;
     let stage = |name: &str, rmse: f64, kind| Stage {
         name: name.to_string(),
@@ -275,7 +276,7 @@ fn stages(found: &Found) -> Vec<Stage> {
     for step in &said.steps {
         let name = match step.target.as_str() {
             "-" => format!("+ {}", step.effect.replace('_', " ")),
-            "all" => format!("+ {} of every joint", step.effect.replace('_', " ")),
+            Target::ALL_JOINTS => format!("+ {} of every joint", step.effect.replace('_', " ")),
             target => format!("+ {} {target}", step.effect.replace('_', " ")),
         };
         stages.push(stage(&name, step.rmse_after, StageKind::Better));

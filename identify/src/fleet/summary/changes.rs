@@ -30,11 +30,26 @@ use super::criteria::FALSE_ALARM;
 use super::criteria::changes::{DIFFERENCES, HYPOTHESES, LEAST_FREEDOM, ONSET, UNSEEN};
 use super::history::{History, Key, Said, label, principal, said};
 use super::shared::one_in;
-use crate::diagnose::words::{Found, named};
+use crate::diagnose::words::{NamedValue, named};
 use crate::fleet::row::{Row, Size};
 
 /// Median of the square of a standard normal number.
 const MEDIAN_OF_SQUARES: f64 = 0.454_936;
+
+/// What kind of thing changed; its name in JSON is in small letters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum ChangeKind {
+    /// The size of an effect.
+    Effect,
+    /// A base parameter that no effect is named for.
+    Parameter,
+    /// A finding about the data.
+    Health,
+    /// The robot's URDF.
+    Urdf,
+}
 
 /// What changed in a robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -46,8 +61,8 @@ pub struct Change {
     pub day: String,
     /// What changed, as a sentence.
     pub what: String,
-    /// `effect`, `parameter`, `health` or `urdf`.
-    pub kind: &'static str,
+    /// What kind of thing changed.
+    pub kind: ChangeKind,
     /// The effect, the parameter or the finding, as `name:target`.
     pub target: String,
     /// The most that chance would make of it in a fleet in which nothing changes; none of
@@ -128,7 +143,7 @@ fn urdfs(history: &History) -> Vec<Change> {
              are not compared.",
             pair[1].urdf_hash, pair[0].urdf_hash
         ),
-        kind: "urdf",
+        kind: ChangeKind::Urdf,
         target: pair[1].urdf_hash.clone(),
         chance: None,
     };
@@ -137,12 +152,7 @@ fn urdfs(history: &History) -> Vec<Change> {
 
 /// Findings that two days or more have, up to the last, and none before.
 fn findings(history: &History) -> Vec<Change> {
-    let rows: Vec<&Row> = history
-        .rows
-        .iter()
-        .copied()
-        .filter(|row| row.has_result())
-        .collect();
+    let rows = history.with_results();
     let Some(last) = rows.last() else {
         return Vec::new();
     };
@@ -158,7 +168,7 @@ fn findings(history: &History) -> Vec<Change> {
             robot: history.robot.to_string(),
             day: rows[first].day.clone(),
             what: finding.sentence.clone(),
-            kind: "health",
+            kind: ChangeKind::Health,
             target: label((finding.kind.name(), &finding.target)),
             chance: None,
         })
@@ -181,7 +191,7 @@ fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
         let say = |size: Size| match size.value {
             // An effect that no explanation has is not there, whatever it might be.
             0.0 => "not seen".to_string(),
-            _ => named(&Found {
+            _ => named(&NamedValue {
                 name: &parameter,
                 value: size.value,
                 std: size.std,
@@ -201,7 +211,7 @@ fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
                     course.days[last],
                     one_in(step.chance)
                 ),
-                kind: "effect",
+                kind: ChangeKind::Effect,
                 target: label((&key.0, &key.1)),
                 chance: Some(step.chance),
             });
@@ -316,7 +326,7 @@ fn parameters(
                 course.days[last],
                 one_in(step.chance)
             ),
-            kind: "parameter",
+            kind: ChangeKind::Parameter,
             target: name.clone(),
             chance: Some(step.chance),
         }

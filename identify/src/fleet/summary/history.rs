@@ -79,6 +79,12 @@ impl<'r> History<'r> {
         rows.filter(move |row| row.is_usable() && !stuck(row))
     }
 
+    /// Rows of which something came, whether it says something of the robot or not.
+    pub fn with_results(&self) -> Vec<&'r Row> {
+        let rows = self.rows.iter().copied();
+        rows.filter(|row| row.has_result()).collect()
+    }
+
     /// Rows whose numbers can be held against each other: of one URDF and support.
     pub fn stretches(&self) -> Vec<Vec<&'r Row>> {
         let mut stretches: BTreeMap<(&str, &str), Vec<&Row>> = BTreeMap::new();

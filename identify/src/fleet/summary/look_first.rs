@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
-use super::changes::Change;
+use super::changes::{Change, ChangeKind};
 use super::criteria::CLEAR;
 use super::history::{History, Key, Said, label, said};
 use super::shared::Shared;
+use crate::diagnose::Verdict;
 use crate::fleet::row::Row;
 
 /// Why a robot is to be looked at.
@@ -30,10 +31,10 @@ pub(super) fn reasons(histories: &[History], shared: &[Shared], changes: &[Chang
             .filter(|change| change.robot == history.robot)
         {
             let weight = match change.kind {
-                "urdf" => 1.0,
+                ChangeKind::Urdf => 1.0,
                 // The finding itself is said already.
-                "health" => 0.0,
-                _ => 4.0,
+                ChangeKind::Health => 0.0,
+                ChangeKind::Effect | ChangeKind::Parameter => 4.0,
             };
             said.push((weight, format!("From {} on: {}", change.day, change.what)));
         }
@@ -80,12 +81,7 @@ pub(super) fn reasons(histories: &[History], shared: &[Shared], changes: &[Chang
 
 /// Findings about the data: those of two days or more, and those of the last.
 fn data(history: &History) -> Vec<(f64, String)> {
-    let rows: Vec<&Row> = history
-        .rows
-        .iter()
-        .copied()
-        .filter(|row| row.has_result())
-        .collect();
+    let rows = history.with_results();
     let mut seen: Vec<(String, f64, usize, &str)> = Vec::new();
     for (at, row) in rows.iter().enumerate() {
         for finding in &row.health {
@@ -134,7 +130,7 @@ fn unexplained(history: &History) -> Option<(f64, String)> {
     let rows: Vec<&Row> = history.usable().collect();
     let count = rows
         .iter()
-        .filter(|row| row.verdict == "unexplained")
+        .filter(|row| row.verdict == Some(Verdict::Unexplained))
         .count();
     let lasts = count > 1 && 2 * count >= rows.len();
     lasts.then(|| {

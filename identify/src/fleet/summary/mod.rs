@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-pub use changes::Change;
+pub use changes::{Change, ChangeKind};
 pub use criteria::FALSE_ALARM;
 pub use look_first::Reason;
 pub use shared::Shared;

@@ -30,7 +30,7 @@ use statrs::function::gamma::ln_gamma;
 use super::criteria::FALSE_ALARM;
 use super::criteria::shared::{ALIKE, LASTING, LEAST_WINDOW};
 use super::history::{History, Key, Said, label, pooled, principal, said};
-use crate::diagnose::words::{Found, named};
+use crate::diagnose::words::{NamedValue, named};
 use crate::fleet::row::Size;
 
 /// An effect that robots share.
@@ -235,12 +235,12 @@ fn group(
     let mut robots: Vec<String> = members[i..=j].iter().map(|m| m.robot.to_string()).collect();
     robots.sort();
     let (effect, target) = candidate.key.clone();
-    let said = named(&Found {
+    let said = named(&NamedValue {
         name: &candidate.parameter,
         value: size.value,
         std: size.std,
     });
-    let own = named(&Found {
+    let own = named(&NamedValue {
         name: &candidate.parameter,
         value: own_std,
         std: 0.0,

@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::*;
+use crate::diagnose::Verdict;
 use crate::fleet::row::{EffectFound, Size};
 
 /// Deviation of a drawn offset, rad, and of a drawn parameter, m.
@@ -33,7 +34,7 @@ impl Drawn {
                     support: "sole".into(),
                     postures: 60,
                     independent: 60,
-                    verdict: "none".into(),
+                    verdict: Some(Verdict::None),
                     params: (0..PARAMS).map(|k| STD * normal(k)).collect(),
                     std: vec![Some(STD); PARAMS],
                     ..Row::default()
@@ -56,7 +57,7 @@ impl Drawn {
             if row.robot != format!("r{robot:02}") || day < from {
                 continue;
             }
-            row.verdict = "named".into();
+            row.verdict = Some(Verdict::Named);
             row.effects.push(EffectFound {
                 effect: "joint_offset".into(),
                 target: joint.into(),
@@ -171,13 +172,16 @@ fn a_step_and_a_drift_are_told_with_their_first_day() {
         }
     }
     let changes = fleet.summary().changes;
-    let said: Vec<(&str, &str, &str)> = changes
+    let said: Vec<(&str, &str, ChangeKind)> = changes
         .iter()
         .map(|c| (c.robot.as_str(), c.day.as_str(), c.kind))
         .collect();
     assert_eq!(
         said,
-        [("r10", "3", "parameter"), ("r20", "4", "effect")],
+        [
+            ("r10", "3", ChangeKind::Parameter),
+            ("r20", "4", ChangeKind::Effect)
+        ],
         "{changes:?}"
     );
     assert_eq!(changes[1].target, "joint_offset:r_ank_pitch");
@@ -201,7 +205,10 @@ fn a_new_urdf_is_a_change_and_its_parameters_are_not_compared() {
     }
     let changes = fleet.summary().changes;
     assert_eq!(changes.len(), 1, "{changes:?}");
-    assert_eq!((changes[0].kind, changes[0].day.as_str()), ("urdf", "4"));
+    assert_eq!(changes[0].kind, ChangeKind::Urdf);
+    assert_eq!(changes[0].day, "4");
+    let json = serde_json::to_value(&changes[0]).unwrap();
+    assert_eq!(json["kind"], "urdf");
 }
 
 #[test]

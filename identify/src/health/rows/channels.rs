@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use sesc_model::Model;
 
-use super::Rows;
+use super::LogRows;
 use super::key::key;
 use super::screen::{End, LeftOut};
 use super::steps::step;
@@ -15,7 +15,7 @@ use crate::health::{Finding, Kind, Picture};
 /// Channels of the CoP, or of the cells, that are clipped or quantised; `model` says what free
 /// masses leave of a channel whose noise nobody states.
 pub(super) fn saturated(
-    rows: &Rows,
+    rows: &LogRows,
     model: Option<&Model>,
     left_out: &mut LeftOut,
 ) -> Vec<Finding> {
@@ -97,7 +97,7 @@ fn largest(values: &[f64]) -> f64 {
 
 /// How many of the `kept` rows show exactly the largest value, where that is an end of the
 /// channel and no chance: in several postures, and many times more than the next value.
-fn end(rows: &Rows, kept: &[usize], values: &[f64]) -> Option<usize> {
+fn end(rows: &LogRows, kept: &[usize], values: &[f64]) -> Option<usize> {
     let most = largest(values);
     let mut next = f64::NEG_INFINITY;
     for &value in values.iter().filter(|v| **v < most) {

@@ -1,13 +1,13 @@
 //! Stretches in which nothing stands on the sensor, and cells that are not plugged in.
 
-use super::Rows;
+use super::LogRows;
 use super::screen::LeftOut;
 use crate::health::criteria::{CAD_ELSEWHERE_M, FEW_ROWS, LOADED, MOST_LOST};
 use crate::health::{Finding, Kind, Picture};
 use crate::logs::LEAST_LOAD_N;
 
 /// Rows without load, or with a CoP of exactly zero where CAD has it elsewhere.
-pub(super) fn lost(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
+pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let mut rules = LeftOut::default();
     if rows.cells > 0 {
         let mut totals: Vec<f64> = (0..rows.len())
@@ -63,7 +63,7 @@ pub(super) fn lost(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
 }
 
 /// Cells that never show a load while the others do.
-pub(super) fn unplugged(rows: &Rows) -> Vec<Finding> {
+pub(super) fn unplugged(rows: &LogRows) -> Vec<Finding> {
     let never = |cell: usize| {
         let mut loads = (0..rows.len()).map(|k| rows.force(k)[cell]);
         let first = loads.next().unwrap_or(0.0);

@@ -9,13 +9,13 @@ use std::collections::{HashMap, HashSet};
 use super::key::{key, reading_of};
 use super::screen::LeftOut;
 use super::steps::step;
-use super::{ROWS, Rows};
+use super::{LogRows, ROWS};
 use crate::Error;
 use crate::health::criteria::{COPIED_SHARE, FEW_ROWS, FINE, HELD_SHARE};
 use crate::health::statistics::scatter;
 use crate::health::{Finding, Kind, Picture};
 
-pub(super) fn of(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
+pub(super) fn of(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let mut known: HashMap<u64, i64> = HashMap::new();
     let mut readings: HashSet<u64> = HashSet::new();
     let (mut copied, mut held) = (Vec::new(), 0);
@@ -65,7 +65,7 @@ pub(super) fn of(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
 ///
 /// # Errors
 /// Where the log `name` is such a one.
-pub(super) fn check_distinct(rows: &Rows, name: &str) -> Result<(), Error> {
+pub(super) fn check_distinct(rows: &LogRows, name: &str) -> Result<(), Error> {
     // Of a longer log the rest may be sound.
     if rows.len() >= ROWS {
         return Ok(());
@@ -93,7 +93,7 @@ pub(super) fn check_distinct(rows: &Rows, name: &str) -> Result<(), Error> {
 }
 
 /// Whether readings meet by chance, for they are rounded.
-fn is_coarse(rows: &Rows) -> bool {
+fn is_coarse(rows: &LogRows) -> bool {
     let channels: Vec<Vec<f64>> = match rows.cells {
         0 => (0..2)
             .map(|c| rows.reading.iter().map(|y| y[c]).collect())

@@ -7,7 +7,7 @@
 //! A sensor that is slower than the joints holds each reading for a few rows: a run is frozen
 //! if it is several times as long as others are.
 
-use super::Rows;
+use super::LogRows;
 use super::key::{key, reading_of};
 use super::screen::LeftOut;
 use super::steps::step;
@@ -27,10 +27,31 @@ struct Channel {
     ends: [u64; 2],
 }
 
+/// What is frozen of the readings.
+#[derive(Clone, Copy)]
+enum Part {
+    X,
+    Y,
+    BothAxes,
+    Cells,
+}
+
+impl Part {
+    /// Target of the finding, and what stays.
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Part::X => ("x", "cop_x stays"),
+            Part::Y => ("y", "cop_y stays"),
+            Part::BothAxes => ("-", "CoP stays"),
+            Part::Cells => ("-", "loads of the cells stay"),
+        }
+    }
+}
+
 /// A run of rows: the first, and one past the last.
 type Run = (usize, usize);
 
-pub(super) fn stretches(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
+pub(super) fn stretches(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let n = rows.len();
     let kept: Vec<usize> = (0..n)
         .filter(|&k| left_out.keeps(rows.reading[k], rows.force(k)))
@@ -55,17 +76,17 @@ pub(super) fn stretches(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> 
     let is_frozen = |k: usize| frozen[k][0] || frozen[k][1];
     let rows_frozen = (0..n).filter(|&k| is_frozen(k)).count();
     let on = |axis: usize| (0..n).filter(|&k| frozen[k][axis]).count();
-    let (target, what) = match (rows.cells > 0, on(0), on(1)) {
-        (true, ..) => ("-", "loads of the cells stay"),
-        (_, _, 0) => ("x", "cop_x stays"),
-        (_, 0, _) => ("y", "cop_y stays"),
-        _ => ("-", "CoP stays"),
+    let frozen_part = match (rows.cells > 0, on(0), on(1)) {
+        (true, ..) => Part::Cells,
+        (_, _, 0) => Part::X,
+        (_, 0, _) => Part::Y,
+        _ => Part::BothAxes,
     };
-    let title = match target {
-        "y" => "CoP y, mm",
-        _ => "CoP x, mm",
+    let (target, what) = frozen_part.words();
+    let (axis, title) = match frozen_part {
+        Part::Y => (1, "CoP y, mm"),
+        Part::X | Part::BothAxes | Part::Cells => (0, "CoP x, mm"),
     };
-    let axis = usize::from(target == "y");
     let picture = Picture::of(title, n, |k| 1e3 * rows.reading[k][axis], is_frozen);
     let share = 100.0 * rows_frozen as f64 / n as f64;
     if rows_frozen as f64 > MOST_LOST * n as f64 {
@@ -79,12 +100,12 @@ pub(super) fn stretches(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> 
         let finding = Finding::new(Kind::CopConstant, "-", sentence);
         return Some(finding.showing(picture));
     }
-    let stretches = match count
-        / if target == "-" && rows.cells == 0 {
-            2
-        } else {
-            1
-        } {
+    // A stretch of both axes was counted on each.
+    let stretches = match frozen_part {
+        Part::BothAxes => count / 2,
+        Part::X | Part::Y | Part::Cells => count,
+    };
+    let stretches = match stretches {
         0 | 1 => "one stretch".to_string(),
         several => format!("{several} stretches"),
     };
@@ -98,7 +119,7 @@ pub(super) fn stretches(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> 
     Some(Finding::new(Kind::CopFrozen, target, sentence).showing(picture))
 }
 
-fn channels(rows: &Rows, kept: &[usize]) -> Vec<Channel> {
+fn channels(rows: &LogRows, kept: &[usize]) -> Vec<Channel> {
     let noise = FROZEN_MOVES * rows.noise.unwrap_or(0.0);
     let least = noise.max(FROZEN_MOVES_M);
     if rows.cells > 0 {

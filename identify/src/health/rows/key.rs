@@ -1,13 +1,13 @@
 //! What tells rows apart.
 
+use sesc_model::hash::{START, fnv1a};
+
 /// What tells a row: its joints and what was read, to the last bit.
 pub(super) fn key(q: &[f64], reading: &[f64]) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for value in q.iter().chain(reading) {
-        hash = (hash ^ value.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        hash ^= hash >> 32;
-    }
-    hash
+    let values = q.iter().chain(reading);
+    values.fold(START, |hash, value| {
+        fnv1a(hash, &value.to_bits().to_le_bytes())
+    })
 }
 
 /// What was read: the forces where there are cells, else the CoP.

@@ -49,7 +49,7 @@ const SWING_S: f64 = 0.15;
 const FITTED: usize = 1000;
 
 /// Rows of a log on one support.
-pub(super) struct Rows {
+pub(super) struct LogRows {
     pub q: Vec<f64>,
     pub dof: usize,
     pub reading: Vec<[f64; 2]>,
@@ -71,7 +71,7 @@ pub(super) struct Rows {
     pub sole: Option<[[f64; 2]; 2]>,
 }
 
-impl Rows {
+impl LogRows {
     pub fn len(&self) -> usize {
         self.reading.len()
     }
@@ -95,9 +95,10 @@ impl Rows {
         options: &Options,
         noise: Option<f64>,
         watch: &mut dyn Watch,
-    ) -> Result<Rows, Error> {
+    ) -> Result<LogRows, Error> {
         let dofs = &model.tree.dofs;
-        let (mut rows, averaged) = Rows::gather(log, dofs, Some(model.support()), options, watch)?;
+        let (mut rows, averaged) =
+            LogRows::gather(log, dofs, Some(model.support()), options, watch)?;
         let single = (1.0 - averaged).sqrt();
         rows.noise = noise.map(|noise| noise * single).or(rows.noise);
         copies::check_distinct(&rows, log.name())?;
@@ -114,10 +115,10 @@ impl Rows {
         support: Option<&str>,
         options: &Options,
         watch: &mut dyn Watch,
-    ) -> Result<(Rows, f64), Error> {
+    ) -> Result<(LogRows, f64), Error> {
         let log = log.clone().screened(Arc::new(Everything));
         let mut reader = PostureReader::open(&log, dofs, options)?;
-        let mut rows = Rows {
+        let mut rows = LogRows {
             q: Vec::new(),
             dof: dofs.len(),
             reading: Vec::new(),
@@ -234,7 +235,7 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
         speed: 1.0,
     });
     let joints: Vec<Dof> = joints.collect();
-    let (rows, _) = Rows::gather(log, &joints, None, &options, watch)?;
+    let (rows, _) = LogRows::gather(log, &joints, None, &options, watch)?;
     if rows.len() < FEW_ROWS || rows.reading.is_empty() {
         return Ok(Vec::new());
     }
@@ -250,7 +251,7 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
 }
 
 /// What is wrong with rows, and what to leave out.
-pub(super) fn judge(rows: &Rows, model: &Model) -> (LeftOut, Vec<Finding>) {
+pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     let mut left_out = LeftOut::default();
     let mut findings = Vec::new();
     if rows.len() < FEW_ROWS {
@@ -277,7 +278,7 @@ pub(super) fn screened(
         return Ok((log.clone(), Vec::new()));
     }
     let log = &log.clone().unchanged()?;
-    let rows = Rows::read(log, (robot, model), options, noise, watch)?;
+    let rows = LogRows::read(log, (robot, model), options, noise, watch)?;
     let (left_out, findings) = judge(&rows, model);
     let log = match left_out.is_nothing() {
         true => log.clone(),

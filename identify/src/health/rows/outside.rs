@@ -9,7 +9,7 @@
 //! another frame; readings that scatter many times as much are in another unit, which is an
 //! effect and no finding.
 
-use super::Rows;
+use super::LogRows;
 use super::screen::LeftOut;
 use crate::health::criteria::{
     MARGIN_M, MARGIN_OF_CLOUD, MARGIN_OF_SOLE, MOST_OUTSIDE, OTHER_UNIT, SPREAD,
@@ -17,7 +17,7 @@ use crate::health::criteria::{
 use crate::health::statistics::scatter;
 use crate::health::{Finding, Kind, Picture};
 
-pub(super) fn sole(rows: &Rows, left_out: &mut LeftOut) -> Option<Finding> {
+pub(super) fn sole(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let everywhere = rows.cad.iter().chain(&rows.cad_of_degrees);
     let mut all: Vec<[f64; 2]> = everywhere.chain(&rows.places).copied().collect();
     let middle = [0, 1].map(|k| quantile(&rows.reading, k, 0.5));
@@ -81,7 +81,7 @@ fn quantile(readings: &[[f64; 2]], axis: usize, part: f64) -> f64 {
 }
 
 /// A finding about the whole log: most readings are elsewhere.
-fn frame(rows: &Rows, middle: [f64; 2]) -> Finding {
+fn frame(rows: &LogRows, middle: [f64; 2]) -> Finding {
     let sentence = format!(
         "Most readings lie beyond the sole and every CoP that CAD predicts, about {:.2} m from the \
          frame's origin: check that the support frame lies on the sole and that the CoP is given in \
@@ -91,14 +91,14 @@ fn frame(rows: &Rows, middle: [f64; 2]) -> Finding {
     Finding::new(Kind::CopOutsideSole, "-", sentence).showing(picture(rows, |_| true))
 }
 
-fn picture(rows: &Rows, meant: impl Fn(usize) -> bool) -> Picture {
+fn picture(rows: &LogRows, meant: impl Fn(usize) -> bool) -> Picture {
     let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
     let title = "Distance of the CoP from the origin, mm";
     Picture::of(title, rows.len(), length, meant)
 }
 
 /// Whether readings scatter no more than CAD says: in another unit they would.
-fn elsewhere(rows: &Rows) -> bool {
+fn elsewhere(rows: &LogRows) -> bool {
     let column = |all: &[[f64; 2]], k: usize| -> Vec<f64> { all.iter().map(|p| p[k]).collect() };
     let larger = |k: usize| {
         let cad = scatter(&column(&rows.cad, 0)).max(scatter(&column(&rows.cad, 1)));

@@ -2,7 +2,7 @@
 //!
 //! The first line names the columns and tells the delimiter (`,`, `;` or a
 //! tab). A byte order mark, Windows line ends, blanks around fields and quoted
-//! names are all fine. Memory: one row, which must not be endless, see [`Rows`].
+//! names are all fine. Memory: one row, which must not be endless, see [`RowInput`].
 
 mod rows;
 
@@ -12,11 +12,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use csv::ByteRecord;
 
-use self::rows::Rows;
+use self::rows::RowInput;
 use super::columns::{Columns, POSE};
 use super::input::{Meter, Metered};
 use super::names::short;
-use super::source::{Interner, Raw, Source};
+use super::source::{Interner, Raw, RowSource};
 use crate::Error;
 
 /// What is looked at to tell the kind of a file, bytes.
@@ -58,8 +58,10 @@ impl CsvSource {
             .map_err(|error| bad(None, unreadable(&error)))?;
         let delimiter = delimiter(&head).map_err(|message| bad(None, message))?;
         let since_row = Arc::new(AtomicU64::new(0));
-        let input: Box<dyn Read + Send> =
-            Box::new(Rows::new(Cursor::new(head).chain(input), since_row.clone()));
+        let input: Box<dyn Read + Send> = Box::new(RowInput::new(
+            Cursor::new(head).chain(input),
+            since_row.clone(),
+        ));
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(delimiter)
             .flexible(true)
@@ -148,7 +150,7 @@ impl CsvSource {
     }
 }
 
-impl Source for CsvSource {
+impl RowSource for CsvSource {
     fn is_text(&self) -> bool {
         true
     }

@@ -9,7 +9,7 @@ const LONGEST_ROW: u64 = 4 << 20;
 
 /// Input for the parser: rows end in `\n`, the last one too, and none is
 /// endless, since an open quote could swallow the whole file.
-pub(super) struct Rows<R> {
+pub(super) struct RowInput<R> {
     input: R,
     since_row: Arc<AtomicU64>,
     /// A `\r` of which it is not yet known whether a `\n` follows.
@@ -18,9 +18,9 @@ pub(super) struct Rows<R> {
     ended: bool,
 }
 
-impl<R: Read> Rows<R> {
-    pub fn new(input: R, since_row: Arc<AtomicU64>) -> Rows<R> {
-        Rows {
+impl<R: Read> RowInput<R> {
+    pub fn new(input: R, since_row: Arc<AtomicU64>) -> RowInput<R> {
+        RowInput {
             input,
             since_row,
             held: false,
@@ -48,7 +48,7 @@ impl<R: Read> Rows<R> {
     }
 }
 
-impl<R: Read> Read for Rows<R> {
+impl<R: Read> Read for RowInput<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.since_row.load(Ordering::Relaxed) > LONGEST_ROW {
             return Err(io::Error::other(format!(

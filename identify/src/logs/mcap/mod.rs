@@ -12,7 +12,7 @@
 //! point is the CoP itself. The message's `frame_id` is the support where it
 //! is a link of the robot.
 //!
-//! Stretches in which the robot holds still are postures, see [`Hold`]; each
+//! Stretches in which the robot holds still are postures, see [`StillnessLimits`]; each
 //! reading in one is a row, with the joints' means. A log without readings has
 //! one row per posture.
 
@@ -33,11 +33,11 @@ use self::records::{Channel, Records};
 use self::survey::Survey;
 use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, POSE, SUPPORT, T};
-use super::hold::{Holds, Posture};
 use super::input::{Bytes, Meter, Metered, Place};
 use super::names::short;
-use super::options::{Hold, Options, Readings};
-use super::source::{Interner, Raw, Source};
+use super::options::{Options, Readings, StillnessLimits};
+use super::source::{Interner, Raw, RowSource};
+use super::stillness::{Posture, StillnessCutter};
 use crate::{Error, Message};
 
 const STATE: &str = "sensor_msgs/msg/JointState";
@@ -78,8 +78,8 @@ pub(super) struct McapSource {
     /// The user named the topic.
     chosen: bool,
     links: Vec<String>,
-    hold: Hold,
-    holds: Holds<Reading>,
+    stillness: StillnessLimits,
+    cutter: StillnessCutter<Reading>,
     ready: VecDeque<Ready>,
     frames: Interner,
     readings: u64,
@@ -121,8 +121,8 @@ impl McapSource {
             topic: survey.topic,
             chosen: topic.is_some(),
             links: options.links.clone(),
-            hold: options.hold,
-            holds: Holds::new(options.hold),
+            stillness: options.stillness,
+            cutter: StillnessCutter::new(options.stillness),
             ready: VecDeque::new(),
             frames: Interner::default(),
             readings: 0,
@@ -137,7 +137,7 @@ impl McapSource {
     fn advance(&mut self) -> Result<(), String> {
         let Some(message) = self.records.next()? else {
             self.ended = true;
-            let last = self.holds.end();
+            let last = self.cutter.end();
             self.keep(last);
             return self.conclude();
         };
@@ -191,7 +191,7 @@ impl McapSource {
             speed = speed.max(velocity.map_or(0.0, |v| v.abs()));
         }
         let t = state.header.stamp.unwrap_or(log_time);
-        let ended = self.holds.state(t, &self.q, speed);
+        let ended = self.cutter.state(t, &self.q, speed);
         self.keep(ended);
         Ok(())
     }
@@ -210,7 +210,7 @@ impl McapSource {
             frame: self.frames.get(if known { frame } else { "" }),
             cop,
         };
-        let part = self.holds.reading(reading);
+        let part = self.cutter.reading(reading);
         self.keep(part);
     }
 
@@ -246,7 +246,7 @@ impl McapSource {
     /// What to say at the end of the recording.
     fn conclude(&mut self) -> Result<(), String> {
         if self.postures == 0 {
-            return Err(self.hold.nothing());
+            return Err(self.stillness.nothing());
         }
         if self.airborne > 0 {
             let warning = format!(
@@ -259,7 +259,7 @@ impl McapSource {
     }
 }
 
-impl Source for McapSource {
+impl RowSource for McapSource {
     fn header(&self) -> &[String] {
         &self.header
     }

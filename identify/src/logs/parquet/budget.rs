@@ -18,7 +18,7 @@
 use std::io::{Read, Seek, SeekFrom};
 
 use super::kinds;
-use super::thrift::{Found, Walk};
+use super::thrift::{ThriftValue, Walk};
 
 /// Columns and groups of columns of a schema.
 const COLUMNS: usize = 20_000;
@@ -128,20 +128,20 @@ impl Footer {
         let mut footer = Footer::default();
         let mut walk = Walk::new(bytes, kinds::of_footer);
         walk.structure(&mut |path, found| match (path, found) {
-            (field::SCHEMA_NAME, Found::Bytes) => footer.elements += 1,
-            (field::CHILDREN, Found::Number(n)) => {
+            (field::SCHEMA_NAME, ThriftValue::Bytes) => footer.elements += 1,
+            (field::CHILDREN, ThriftValue::Number(n)) => {
                 // The name of an element stands before its children.
                 footer.children.resize(footer.elements, 0);
                 if let Some(own) = footer.children.last_mut() {
                     *own = n;
                 }
             }
-            (field::ROWS | field::GROUP_ROWS, Found::Number(n)) => footer.rows.push(n),
-            (field::PACKED, Found::Number(n)) => footer.chunks.push(Chunk {
+            (field::ROWS | field::GROUP_ROWS, ThriftValue::Number(n)) => footer.rows.push(n),
+            (field::PACKED, ThriftValue::Number(n)) => footer.chunks.push(Chunk {
                 packed: n,
                 ..Chunk::default()
             }),
-            (field::DATA_PAGE, Found::Number(n)) => {
+            (field::DATA_PAGE, ThriftValue::Number(n)) => {
                 footer
                     .chunks
                     .iter_mut()
@@ -149,7 +149,7 @@ impl Footer {
                     .into_iter()
                     .for_each(|chunk| chunk.data = n);
             }
-            (field::DICTIONARY_PAGE, Found::Number(n)) => {
+            (field::DICTIONARY_PAGE, ThriftValue::Number(n)) => {
                 let chunk = footer.chunks.iter_mut().last();
                 chunk
                     .into_iter()
@@ -249,7 +249,7 @@ impl Page {
         *self = Page::default();
         let mut walk = Walk::new(bytes, kinds::of_page);
         walk.structure(&mut |path, found| {
-            let Found::Number(n) = found else {
+            let ThriftValue::Number(n) = found else {
                 return;
             };
             match path {

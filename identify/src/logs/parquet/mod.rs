@@ -27,7 +27,7 @@ pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::guard::Guard;
 use super::input::{Bytes, Place};
-use super::source::{Interner, Raw, Source, whole};
+use super::source::{Interner, Raw, RowSource, whole};
 use crate::{Error, Setting, message};
 
 /// A Parquet file being read.
@@ -229,7 +229,7 @@ impl ParquetSource {
     }
 }
 
-impl Source for ParquetSource {
+impl RowSource for ParquetSource {
     fn header(&self) -> &[String] {
         &self.header
     }

@@ -8,7 +8,7 @@
 
 /// A value that was met.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Found {
+pub(super) enum ThriftValue {
     /// A whole number of any width.
     Number(i64),
     /// Text or bytes.
@@ -48,7 +48,7 @@ impl<'a> Walk<'a> {
     }
 
     /// A structure: `see` hears of every value with the path of its fields.
-    pub fn structure(&mut self, see: &mut dyn FnMut(&[i16], Found)) -> Result<(), String> {
+    pub fn structure(&mut self, see: &mut dyn FnMut(&[i16], ThriftValue)) -> Result<(), String> {
         self.depth += 1;
         if self.depth > DEPTH {
             return Err(format!("structures nested more than {DEPTH} deep"));
@@ -78,19 +78,19 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    fn value(&mut self, kind: u8, see: &mut dyn FnMut(&[i16], Found)) -> Result<(), String> {
+    fn value(&mut self, kind: u8, see: &mut dyn FnMut(&[i16], ThriftValue)) -> Result<(), String> {
         match kind {
             1..=3 => self.take(1),
             4..=6 => {
                 let n = self.number()?;
-                see(&self.path, Found::Number(n));
+                see(&self.path, ThriftValue::Number(n));
                 Ok(())
             }
             7 => self.take(8),
             8 => {
                 let length = self.varint()?;
                 self.take(usize::try_from(length).unwrap_or(usize::MAX))?;
-                see(&self.path, Found::Bytes);
+                see(&self.path, ThriftValue::Bytes);
                 Ok(())
             }
             9 | 10 => {
@@ -130,7 +130,7 @@ impl<'a> Walk<'a> {
     }
 
     /// An item of a list; lists of lists count as structures within each other.
-    fn item(&mut self, kind: u8, see: &mut dyn FnMut(&[i16], Found)) -> Result<(), String> {
+    fn item(&mut self, kind: u8, see: &mut dyn FnMut(&[i16], ThriftValue)) -> Result<(), String> {
         self.depth += 1;
         if self.depth > DEPTH {
             return Err(format!("structures nested more than {DEPTH} deep"));

@@ -11,7 +11,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::restricted::{Found, Likelihood, basis, steps};
+use super::restricted::{Ar1Process, Likelihood, basis, steps};
 
 /// Parts of the longest time and shares of lasting noise that are tried at first.
 const TIMES: usize = 10;
@@ -60,13 +60,13 @@ impl Filter {
 }
 
 /// Rows of one axis, one a column, the reading last.
-struct Rows<'a> {
+struct AxisRows<'a> {
     z: DMatrix<f64>,
     t: &'a [f64],
     joined: &'a [bool],
 }
 
-impl Rows<'_> {
+impl AxisRows<'_> {
     /// Correlation of the lasting parts of row k and the one before.
     fn rho(&self, k: usize, tau: f64) -> f64 {
         match self.joined[k] && tau > 0.0 {
@@ -95,7 +95,7 @@ impl Rows<'_> {
 
 /// Noise that lasts under white noise, and the share of it that lasts.
 pub(super) struct Mixture {
-    pub found: Found,
+    pub found: Ar1Process,
     pub share: f64,
     /// What neither time nor columns explain, in units of its deviation.
     pub innovations: Vec<f64>,
@@ -118,7 +118,7 @@ pub(super) fn estimate(
     }
     let mut z = q.insert_column(p, 0.0);
     z.set_column(p, y);
-    let rows = Rows {
+    let rows = AxisRows {
         z: z.transpose(),
         t,
         joined,
@@ -164,7 +164,7 @@ pub(super) fn estimate(
     let left = whitened.row(p).transpose() - explained;
     Some(Mixture {
         share,
-        found: Found {
+        found: Ar1Process {
             tau,
             variance: best.variance,
             gain: 2.0 * (best.value - white.value),

@@ -283,7 +283,7 @@ impl Scale {
             false => lasts(rho, rows),
         };
         let rows_per_sample = rows * left * (1.0 - share + share * lasting_long);
-        let excess = (rows * left - 1.0) / (2.0 / found.freedom).sqrt();
+        let deviations = (rows * left - 1.0) / (2.0 / found.freedom).sqrt();
         let lasting = match rows > 1.0 {
             true => ((rows * left - 1.0) / (rows - 1.0)).clamp(0.0, 1.0),
             false => 1.0,
@@ -303,7 +303,7 @@ impl Scale {
             rho,
             rows_per_sample,
             variance: row,
-            significant: correlated || excess > SCATTER,
+            significant: correlated || deviations > SCATTER,
             consistent,
         })
     }

@@ -31,7 +31,7 @@ const LEAST: f64 = 1e-12;
 
 /// An AR(1) process that residuals look like.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Found {
+pub(super) struct Ar1Process {
     /// s; zero where residuals are white.
     pub tau: f64,
     /// Variance of one row.
@@ -71,7 +71,7 @@ pub(super) fn estimate(
     x: &DMatrix<f64>,
     y: &DVector<f64>,
     (held, deviation): (usize, f64),
-) -> Option<Found> {
+) -> Option<Ar1Process> {
     if held > 0 && deviation > 0.0 {
         let all = with_coefficients(t, joined, x, y, (held, deviation));
         return estimate(&all.t, &all.joined, &all.x, &all.y, (0, 0.0));
@@ -87,7 +87,7 @@ pub(super) fn estimate(
     let sums = Sums::of(t, joined, &z);
     let white = sums.likelihood(0.0)?;
     let freedom = (n - p) as f64;
-    let none = Found {
+    let none = Ar1Process {
         tau: 0.0,
         variance: white.variance,
         gain: 0.0,
@@ -128,7 +128,7 @@ pub(super) fn estimate(
     let tau = at(best.1);
     let found = sums.likelihood(tau)?;
     match found.value > white.value {
-        true => Some(Found {
+        true => Some(Ar1Process {
             tau,
             variance: found.variance,
             gain: 2.0 * (found.value - white.value),

@@ -6,13 +6,12 @@
 //! ```
 
 use super::Motion;
+use crate::observations::criteria::accelerations::FAR_S;
 
 /// Rows further apart than this many ordinary intervals are no neighbours.
 const GAP: f64 = 4.0;
 /// Parabolas reach this far to either side where rows are dense, s.
 const REACH_S: f64 = 0.06;
-/// Rows further apart know no such change, s: at 0.7 Hz it would be 4 % off.
-const FAR_S: f64 = 0.12;
 
 /// How far a parabola through rows `step_s` apart reaches to either side, s; 0 where rows are too
 /// far apart.

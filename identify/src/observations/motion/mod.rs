@@ -36,6 +36,9 @@ mod smooth;
 mod tests;
 mod windows;
 
+use super::criteria::accelerations::{
+    BENT, COHERENT, COVERED, LONGEST_OF_SLOW_S, LONGEST_S, MOVES,
+};
 use std::ops::Range;
 
 use super::correlation;
@@ -46,12 +49,6 @@ use polynomials::{HIGH, Polynomials};
 pub use smooth::Smooth;
 use windows::{FEWEST, Nodes, Window};
 
-/// Longest interval between rows, s,
-pub const LONGEST_S: f64 = 0.2;
-/// and where joints move so slowly that rows show it.
-const LONGEST_OF_SLOW_S: f64 = 1.1;
-/// What order 4 may bend of an acceleration at most where rows are that far apart.
-const BENT: f64 = 0.01;
 /// Coefficients of the polynomials of order 3, and of one to a side.
 const LOW: usize = 4;
 const EDGE: usize = 3;
@@ -59,14 +56,8 @@ const EDGE: usize = 3;
 const PART: usize = 512;
 /// Windows that settle the order, at most.
 const LOOKED_AT: usize = 400;
-/// How often an acceleration that is bent counts against one that is noisy.
-const COHERENT: f64 = 10.0;
 /// What order 4 bends where order 3 bends β, over β²: 0.00126 (ω h)⁴ over ((ω h)²/14)².
 const OF_HIGH: f64 = 0.25;
-/// Longer windows must be whole for this part of the log that the shortest are whole for.
-const COVERED: f64 = 0.8;
-/// A joint moves where its acceleration is this many times what noise makes of one, RMS.
-const MOVES: f64 = 2.0;
 
 /// How the joints of a log are differentiated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -401,21 +392,18 @@ impl Motion {
 
     /// What is known of each row and joint.
     pub fn columns(&mut self) -> [&mut Vec<f64>; 6] {
-        let Motion {
-            rates,
-            gains,
-            gains_std,
-            positions_std,
-            jerks,
-            snaps,
-            known: _,
-            smooth: _,
-        } = self;
-        [rates, gains, gains_std, positions_std, jerks, snaps]
+        self.own_and_smooth().0
     }
 
     /// The same with what is smooth.
     fn all_columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let (own, smooth) = self.own_and_smooth();
+        let smooth = smooth.iter_mut().flat_map(Smooth::columns);
+        own.into_iter().chain(smooth)
+    }
+
+    /// Columns of the motion itself, and the smooth one.
+    fn own_and_smooth(&mut self) -> ([&mut Vec<f64>; 6], &mut Option<Smooth>) {
         let Motion {
             rates,
             gains,
@@ -426,8 +414,8 @@ impl Motion {
             known: _,
             smooth,
         } = self;
-        let own = [rates, gains, gains_std, positions_std, jerks, snaps].into_iter();
-        own.chain(smooth.iter_mut().flat_map(Smooth::columns))
+        let own = [rates, gains, gains_std, positions_std, jerks, snaps];
+        (own, smooth)
     }
 
     fn dof(&self) -> usize {

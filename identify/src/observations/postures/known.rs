@@ -12,9 +12,7 @@ use super::super::noise::{self, Known, NoiseSource};
 use super::super::stays::of_mean;
 use super::gathering::{Gathering, Posture};
 use super::rms;
-
-/// Stated deviations that scatter less than this are estimates of one number.
-const SCATTER: f64 = 0.15;
+use crate::observations::criteria::noise::SCATTER;
 
 /// Noise of the mean reading of each posture.
 pub(super) struct Noise {

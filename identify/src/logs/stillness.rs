@@ -5,7 +5,7 @@
 //! second is a difference over the shortest posture, not between neighbouring
 //! messages: there a single encoder tick would look like a leap.
 
-use super::options::Hold;
+use super::options::StillnessLimits;
 
 /// Readings of one posture that are given out together; a longer posture is
 /// given out in parts, each with its own mean of the joints.
@@ -23,8 +23,8 @@ pub(super) struct Posture<R> {
 }
 
 /// Cuts a stream of joint states and readings of kind `R` into postures.
-pub(super) struct Holds<R> {
-    hold: Hold,
+pub(super) struct StillnessCutter<R> {
+    stillness: StillnessLimits,
     now: Option<Current<R>>,
     next_pose: i64,
 }
@@ -44,10 +44,10 @@ struct Current<R> {
     confirmed: usize,
 }
 
-impl<R> Holds<R> {
-    pub fn new(hold: Hold) -> Holds<R> {
-        Holds {
-            hold,
+impl<R> StillnessCutter<R> {
+    pub fn new(stillness: StillnessLimits) -> StillnessCutter<R> {
+        StillnessCutter {
+            stillness,
             now: None,
             next_pose: 0,
         }
@@ -56,10 +56,10 @@ impl<R> Holds<R> {
     /// All joints at time `t`, and the fastest velocity that was measured;
     /// gives back the posture that ended.
     pub fn state(&mut self, t: f64, q: &[f64], speed: f64) -> Option<Posture<R>> {
-        let Hold {
+        let StillnessLimits {
             speed: limit,
             duration,
-        } = self.hold;
+        } = self.stillness;
         let slow = speed <= limit && q.iter().all(|q| q.is_finite());
         if let Some(now) = self.now.as_mut().filter(|_| slow) {
             let near = |(q, r): (&f64, &f64)| (q - r).abs() <= limit * duration;
@@ -114,7 +114,7 @@ impl<R> Holds<R> {
         if now.readings.len() < MOST {
             return None;
         }
-        let long = now.last - now.start >= self.hold.duration && now.confirmed > 0;
+        let long = now.last - now.start >= self.stillness.duration && now.confirmed > 0;
         let part = now.part();
         now.readings.clear();
         now.confirmed = 0;
@@ -127,7 +127,7 @@ impl<R> Holds<R> {
     /// The recording or the posture ends.
     pub fn end(&mut self) -> Option<Posture<R>> {
         let mut now = self.now.take()?;
-        let long = now.last - now.start >= self.hold.duration;
+        let long = now.last - now.start >= self.stillness.duration;
         long.then(|| {
             self.next_pose = now.pose + 1;
             now.part()
@@ -169,14 +169,14 @@ mod tests {
 
     /// Postures of one joint that is recorded every 10 ms, with a reading each.
     fn postures(angle: impl Fn(f64) -> f64, speed: f64) -> Vec<Posture<f64>> {
-        let mut holds = Holds::new(Hold::default());
+        let mut cutter = StillnessCutter::new(StillnessLimits::default());
         let mut found = Vec::new();
         for k in 0..300 {
             let t = f64::from(k) * 0.01;
-            found.extend(holds.state(t, &[angle(t)], speed));
-            found.extend(holds.reading(t));
+            found.extend(cutter.state(t, &[angle(t)], speed));
+            found.extend(cutter.reading(t));
         }
-        found.extend(holds.end());
+        found.extend(cutter.end());
         found
     }
 
@@ -230,13 +230,13 @@ mod tests {
 
     #[test]
     fn a_long_posture_is_given_out_in_parts_of_one_pose() {
-        let mut holds = Holds::new(Hold::default());
+        let mut cutter = StillnessCutter::new(StillnessLimits::default());
         let (mut found, mut readings) = (Vec::new(), 0);
         for k in 0..2 * MOST {
-            found.extend(holds.state(k as f64 * 0.01, &[0.5], 0.0));
-            found.extend(holds.reading(k));
+            found.extend(cutter.state(k as f64 * 0.01, &[0.5], 0.0));
+            found.extend(cutter.reading(k));
         }
-        found.extend(holds.end());
+        found.extend(cutter.end());
         for part in &found {
             assert_eq!((part.pose, &part.q[..]), (0, &[0.5][..]));
             assert!(part.readings.len() <= MOST);
