@@ -1,7 +1,7 @@
 //! The OP2: facts about the robot, the paper and the cost of its code.
 
 use sesc::OP2_URDF;
-use sesc::inspect::{Rank, numeric_rank};
+use sesc::inspect::{Rank, RankCheck, numeric_rank};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
@@ -97,7 +97,11 @@ fn parameters_and_ranks_are_the_known_ones() {
     assert_eq!(model.chain.full_params, 63);
     assert_eq!(model.base.params.len(), 43);
     assert_eq!(model.base.rank_cop, 42);
-    assert_eq!(numeric_rank(&model), Rank { xyz: 43, cop: 42 });
+    let (rank, check) = numeric_rank(&model);
+    assert_eq!(
+        (rank, check),
+        (Rank { xyz: 43, cop: 42 }, RankCheck::Agrees)
+    );
     // 63 columns lose 20 joint axes, and flat CoP the height.
     assert_eq!(model.base.unobservable.len(), 21);
 }

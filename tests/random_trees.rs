@@ -2,7 +2,7 @@
 //! links, deep chains, bushy hands, any support. The symbolic path against the
 //! reference, and the closed-form counts against what comes out.
 
-use sesc::inspect::numeric_rank;
+use sesc::inspect::{RankCheck, numeric_rank};
 use sesc::verify::verify;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
@@ -70,7 +70,8 @@ fn without_snapping_com_agrees_to_a_picometre() {
 fn numeric_ranks_confirm_the_symbolic_count() {
     for seed in 0..160 {
         let (_, model, support) = model(seed, mixed(seed), Snapping::default());
-        let rank = numeric_rank(&model);
+        let (rank, check) = numeric_rank(&model);
+        assert_eq!(check, RankCheck::Agrees, "seed {seed} on {support}");
         assert_eq!(
             rank.xyz,
             model.base.params.len(),

@@ -7,7 +7,6 @@ use std::io::{self, BufWriter, Read as _, Stdout};
 use std::path::Path;
 
 use sesc_identify::logs::LogSource;
-use sesc_model::files;
 
 use crate::Error;
 
@@ -15,6 +14,9 @@ use crate::Error;
 const INPUT: &str = "standard input";
 /// What messages call standard output.
 pub(super) const OUTPUT: &str = "standard output";
+
+/// Largest log that is taken from standard input, MiB: it is held in memory.
+const MOST: u64 = 1024;
 
 /// Whether a path stands for standard input or output.
 pub(super) fn is_standard(path: &Path) -> bool {
@@ -25,22 +27,19 @@ pub(super) fn is_standard(path: &Path) -> bool {
 /// and it has no sidecar.
 ///
 /// # Errors
-/// When standard input cannot be read, or is larger than a file with the sums of a fit may be.
+/// When standard input cannot be read, or is larger than [`MOST`].
 pub(super) fn log(path: &Path) -> Result<LogSource, Error> {
     if !is_standard(path) {
         return Ok(LogSource::from(path));
     }
-    let most = files::SUMS << 20;
+    let most = MOST << 20;
     let mut bytes = Vec::new();
     let read = io::stdin().lock().take(most + 1).read_to_end(&mut bytes);
-    read.map_err(|source| sesc_model::Error::Read {
-        file: INPUT.to_string(),
-        source,
-    })?;
+    read.map_err(|source| Error::Usage(format!("{INPUT} cannot be read: {source}")))?;
     if bytes.len() as u64 > most {
         return Err(Error::Usage(format!(
             "{INPUT} has more than {} MiB; write the log to a file, which is read in blocks",
-            files::SUMS
+            MOST
         )));
     }
     Ok(LogSource::bytes(INPUT, bytes))

@@ -310,7 +310,7 @@ fn other_foot(robot: &Robot, support: &str, snapping: Snapping) -> Option<Model>
 }
 
 /// In a sentence or two, for the diagnosis.
-pub fn why(next: &Next, found: &Found) -> String {
+pub fn why(next: &Next, found: &Explained) -> String {
     let Some(best) = next.proposals.first() else {
         return match (found.diagnosis.verdict, found.class.len()) {
             (Verdict::Unusable, _) => "These data cannot be used.".to_string(),

@@ -125,7 +125,7 @@ impl<'r> Logs<'r> {
             gathered = self.pass(&mut measurement, &timings, weights, "reweighting", watch)?;
             check_unchanged(&before, &gathered.logs)?;
             let left = gathered.trusted / gathered.readings.max(1) as f64;
-            if !(left >= LEAST_LEFT) {
+            if left.is_nan() || left < LEAST_LEFT {
                 let few = format!(
                     ": it leaves {:.0} % of {} readings, so that they are not readings with \
                      outliers; look at the log, or fit without ",

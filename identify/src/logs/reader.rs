@@ -343,7 +343,7 @@ fn open_source(
 
 /// What is said before a complaint about columns of a file that its name promises to be of
 /// another format than text.
-fn misnamed(log: &LogSource, source: &dyn Source) -> &'static str {
+fn misnamed(log: &LogSource, source: &dyn RowSource) -> &'static str {
     let file = Path::new(log.name());
     let end = file
         .extension()

@@ -7,7 +7,7 @@
 //! `rest` is what the whole explanation leaves, so the gap is what all of it but this effect
 //! leaves. Where the effect is right, gap = change but for noise: a line of slope 1.
 
-use super::super::findings::Found;
+use super::super::findings::Explained;
 use super::super::hypothesis::Term;
 use super::super::problem::{Fit, Problem};
 use super::{MOST, PER_PANEL, Residuals, chosen};
@@ -40,7 +40,11 @@ pub struct PredictedPoint {
 }
 
 /// Both axes of every effect that changes readings, in the order of the steps.
-pub(super) fn predicted(problem: &Problem, found: &Found, residuals: &Residuals) -> Vec<Predicted> {
+pub(super) fn predicted(
+    problem: &Problem,
+    found: &Explained,
+    residuals: &Residuals,
+) -> Vec<Predicted> {
     let best = &found.best;
     let steps = found
         .told

@@ -5,7 +5,7 @@
 //! share = 1 − Σ_bins Σ (e − ē_bin)² / Σ (e − ē)² · (n − 1)/(n − bins)
 //! ```
 
-use super::super::findings::{ActsOn, Found};
+use super::super::findings::{ActsOn, Explained};
 use super::super::problem::Problem;
 use super::{MOST, PER_PANEL, Residuals, chosen};
 
@@ -77,7 +77,7 @@ pub struct Trend {
 /// goes with most.
 pub(super) fn strongest(
     problem: &Problem,
-    found: &Found,
+    found: &Explained,
     residuals: &Residuals,
     quantity: Quantity,
 ) -> Vec<Trend> {
