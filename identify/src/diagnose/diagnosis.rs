@@ -197,24 +197,41 @@ fn believed(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
             Some(_) => {}
         }
     }
-    // Masses that end far from CAD's move the effects beside them: what is told and written
-    // is where both have settled.
-    while let Some(fit) = believed.first() {
-        let settled = settled_masses::settle(problem, fit);
-        let Some(sentence) = settled.and_then(|(own, fit)| implausible(&own, &fit)) else {
-            break;
+    let (passed_over, settled) = pass_over_impossible(problem, &mut believed);
+    if believed.is_empty() {
+        believed.push(nothing.clone());
+    }
+    let far = |(score, sentence): (f64, String), first: f64| {
+        (score + criteria::CLASS_SCORE < first.min(nothing.score())).then_some(sentence)
+    };
+    let first = believed[0].score();
+    let better = best.and_then(|best| far(best, first));
+    let better = better.or_else(|| far(passed_over?, settled.unwrap_or(first)));
+    (believed, better)
+}
+
+/// Leave out explanations at the head of the list that no robot has once masses have settled,
+/// which moves the effects beside them where masses end far from CAD's: what is told and written
+/// is where both have settled. The best of those left out with its score, as a sentence, and the
+/// score of what is first then; both are settled.
+fn pass_over_impossible(
+    problem: &Problem,
+    believed: &mut Vec<Fit>,
+) -> (Option<(f64, String)>, Option<f64>) {
+    let mut best: Option<(f64, String)> = None;
+    while let Some(first) = believed.first() {
+        let Some((own, fit)) = settled_masses::settle(problem, first) else {
+            return (best, None);
+        };
+        let Some(sentence) = implausible(&own, &fit) else {
+            return (best, Some(fit.score()));
         };
         if best.as_ref().is_none_or(|(score, _)| fit.score() < *score) {
             best = Some((fit.score(), sentence));
         }
         believed.remove(0);
     }
-    if believed.is_empty() {
-        believed.push(nothing.clone());
-    }
-    let first = believed[0].score().min(nothing.score());
-    let better = best.filter(|(score, _)| score + criteria::CLASS_SCORE < first);
-    (believed, better.map(|(_, sentence)| sentence))
+    (best, None)
 }
 
 /// What of an explanation no robot has, as a sentence.
