@@ -212,6 +212,8 @@ fn a_spring_that_pushes_once_masses_settle_is_passed_over() {
     let text = stdout(&answered);
     let found: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(found["error"], serde_json::Value::Null, "{text}");
+    // Offset and spring are there, and masses take what the load of 0.5 kg does.
+    assert_eq!(found["unexplained"], false, "{}", found["sentence"]);
     let steps = found["steps"].as_array().unwrap();
     let springs = steps
         .iter()

@@ -64,6 +64,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     Files::default()
         .reads_robots(&arguments.urdf)
         .may_read(&arguments.how.reading.prior)
+        .reads(both)
         .reads_logs(both)
         .writes(Kind::Page, &arguments.report)
         .prints(arguments.json)

@@ -18,7 +18,7 @@ use std::path::Path;
 use sesc_identify::logs::{self, LogSource, Sidecar};
 use sesc_model::files;
 
-/// Of a text so much is looked at, bytes.
+/// How much of a text tells its kind, bytes.
 const HEAD: u64 = 64 << 10;
 
 /// What an output is.

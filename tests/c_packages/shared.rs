@@ -83,11 +83,11 @@ fn declared(header: &str, name: &str) -> Vec<Declared> {
 fn of_the_table(floats: bool) -> BTreeSet<String> {
     let mut names = BTreeSet::from(["selftest".to_string(), "correct_cop".to_string()]);
     // It divides, which fixed point does not.
-    let of_posture = Function::ALL
+    let functions = Function::ALL
         .iter()
         .filter(|f| floats || **f != Function::Zmp);
     let baked = [Function::Com, Function::Cop].map(|f| format!("model_{}", f.name()));
-    for function in of_posture.map(|f| f.name().to_string()).chain(baked) {
+    for function in functions.map(|f| f.name().to_string()).chain(baked) {
         names.extend(VARIANTS.map(|end| format!("{function}{end}")));
         names.insert(function);
     }
@@ -195,8 +195,8 @@ fn caller(name: &str, declared: &[Declared], header: &str) -> String {
                 let _ = writeln!(calls, "    read_all(\"{data}\", sizeof {name}_{data});");
             }
             Declared::Function(result, function, parameters) => {
-                let of_posture = result == "void" && !function.starts_with("estimator_");
-                if of_posture && quantity(function) == function {
+                let is_static = result == "void" && !function.starts_with("estimator_");
+                if is_static && quantity(function) == function {
                     let _ = writeln!(results, "static real of_{function}[LARGEST];");
                 }
                 calls += &call(name, result, function, parameters);
@@ -279,7 +279,7 @@ fn call(name: &str, result: &str, function: &str, parameters: &[(bool, String)])
     )
 }
 
-/// As POSIX asks, the address of a function is copied.
+/// The C program that calls the functions; it copies their addresses, as POSIX asks.
 const CALLER: &str = r#"#include "@NAME@.h"
 #include <dlfcn.h>
 #include <math.h>

@@ -56,7 +56,7 @@ pub fn find<'m>(
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
     let mut class = class(&best, ranked);
     let problem = search.problem();
-    let misfit = Misfit::of(problem, &best);
+    let misfit = misfit(problem, &best);
     let (best, formula) = match about.usable {
         true => with_formula(misfit, best, &mut search, further),
         false => (best, None),
@@ -208,6 +208,19 @@ fn believed(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
     let better = best.and_then(|best| far(best, first));
     let better = better.or_else(|| far(passed_over?, settled.unwrap_or(first)));
     (believed, better)
+}
+
+/// What an explanation leaves. Where masses end far from CAD's, their linearisation about CAD
+/// leaves some of it, and not the explanation: more than noise is asked for once they have settled.
+fn misfit(problem: &Problem, fit: &Fit) -> Misfit {
+    let about_cad = Misfit::of(problem, fit);
+    if !about_cad.is_clear() {
+        return about_cad;
+    }
+    let settled = settled_masses::settle(problem, fit);
+    let settled = settled.map(|(own, fit)| Misfit::of(&own, &fit));
+    let less = settled.filter(|settled| settled.chi2 < about_cad.chi2);
+    less.unwrap_or(about_cad)
 }
 
 /// Leave out explanations at the head of the list that no robot has once masses have settled,

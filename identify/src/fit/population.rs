@@ -15,8 +15,10 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sesc_model::{Model, files};
 
-use super::prior::FORMAT;
 use crate::Error;
+
+/// The newest format of files of tolerances and populations that is read.
+pub(super) const FORMAT: u32 = 1;
 
 /// Eigenvalues below this, relative to the largest, are rounding.
 const ROUNDING: f64 = 1e-14;

@@ -20,7 +20,7 @@ use sesc_model::standard::PER_LINK;
 use sesc_model::text::listed;
 use sesc_model::urdf::suggestion;
 
-use super::population::Population;
+use super::population::{FORMAT, Population};
 use crate::logs::names::short;
 use crate::svd::svd;
 use crate::{Error, Setting, message};
@@ -49,9 +49,6 @@ pub struct Tolerances {
     #[serde(default)]
     pub links: BTreeMap<String, Tolerance>,
 }
-
-/// The newest format of files of tolerances and populations that is read.
-pub(super) const FORMAT: u32 = 1;
 
 /// What is known before the data.
 #[derive(Debug, Clone, PartialEq)]

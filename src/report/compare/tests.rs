@@ -43,7 +43,7 @@ fn the_page_says_what_changed_and_whether_it_is_more_than_chance() {
         "friday.toml differs from monday.toml by more than chance",
         "<td class=\"name\">appeared</td>",
         // 0.05 rad ± 0.001 rad.
-        "2.86°",
+        "2.865°",
         // 3 mm over 0.1 √2 mm.
         "<td>21.2</td>",
         "p &lt; 0.005",

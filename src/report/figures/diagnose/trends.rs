@@ -65,7 +65,9 @@ fn panel(figure: &mut Figure, row: &Trend, [left, top]: [f64; 2]) {
     }
     .draw(figure);
     let axis = ["x", "y"][row.axis];
-    let name = format!("{} ({axis})", shortened(&row.joint, LETTERS));
+    // What is named is marked at the other end of the line.
+    let letters = if row.named { LETTERS - 10 } else { LETTERS };
+    let name = format!("{} ({axis})", shortened(&row.joint, letters));
     let place = [left, top - HEADING + 6.0];
     figure.text(place, Anchor::Start, NAME, INK, &name);
     if row.named {
