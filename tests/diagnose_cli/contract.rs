@@ -44,7 +44,8 @@ fn the_same_command_gives_the_same_bytes() {
     let log = logged(
         folder.path(),
         "log",
-        vec![hidden(Effect::JointOffset, "r_knee", &[0.015])],
+        // One of a class: there are postures that would tell.
+        vec![hidden(Effect::JointOffset, "r_ank_roll", &[0.01])],
     );
     let names = [
         "model.toml",

@@ -141,7 +141,8 @@ fn by_hand(found: &Diagnosis, dofs: &[Dof]) -> Vec<NextStep> {
 
 /// The joint that a text names: the longest name that stands in it as a word.
 fn joint_in<'d>(text: &str, dofs: &'d [Dof]) -> Option<&'d str> {
-    let part = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+    // Powers such as ² stand behind a name.
+    let part = |c: char| c.is_alphabetic() || c.is_ascii_digit() || c == '_' || c == '-';
     let is_word = |name: &str| {
         text.match_indices(name).any(|(at, _)| {
             let before = text[..at].chars().next_back();

@@ -85,10 +85,10 @@ mod tests {
         let names: Vec<_> = found.iter().map(|g| (&*g.robot, &*g.day)).collect();
         assert_eq!(
             names,
-            [("r\\u{1b}]0;owned\\u{7}", "mon\\u{a}day"), ("r17", "")]
+            [("r17", ""), ("r\\u{1b}]0;owned\\u{7}", "mon\\u{a}day")]
         );
         assert_eq!(
-            found[0].logs,
+            found[1].logs,
             [input("r\u{1b}]0;owned\u{7}", "mon\nday").path]
         );
     }

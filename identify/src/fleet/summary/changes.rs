@@ -31,7 +31,7 @@ use super::criteria::changes::{DIFFERENCES, HYPOTHESES, LEAST_FREEDOM, ONSET, UN
 use super::history::{History, Key, Said, label, principal, said};
 use super::shared::one_in;
 use crate::diagnose::words::{NamedValue, named};
-use crate::fleet::row::{Row, Size};
+use crate::fleet::row::{Row, Size, by_number};
 
 /// Median of the square of a standard normal number.
 const MEDIAN_OF_SQUARES: f64 = 0.454_936;
@@ -121,7 +121,10 @@ pub(super) fn changes(
             }
         }
     }
-    found.sort_by(|a, b| (&a.robot, &a.day, &a.what).cmp(&(&b.robot, &b.day, &b.what)));
+    found.sort_by(|a, b| {
+        let day = || by_number(&a.day, &b.day);
+        (a.robot.cmp(&b.robot).then_with(day)).then_with(|| a.what.cmp(&b.what))
+    });
     found
 }
 
