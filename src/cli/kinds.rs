@@ -84,6 +84,10 @@ impl Kind {
     /// A name that ends like another kind, or a file of another kind that is there: a sentence
     /// with the remedy.
     pub(super) fn check(self, path: &Path) -> Result<(), String> {
+        if path.is_dir() {
+            // It is refused where the file is begun.
+            return Ok(());
+        }
         let name = path.display();
         // Streams have no ends; they are refused where files are begun.
         if !path.starts_with("/dev") && !path.starts_with("/proc") && !self.ends_well(path) {

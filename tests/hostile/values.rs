@@ -294,7 +294,7 @@ fn mimics_beyond_every_gear_are_refused() {
     stdout(&sesc(&["inspect", &urdf, "--support", "foot"]));
 }
 
-/// Of a gear of 9000 nothing useful is proven: agreement within metres would verify nothing.
+/// Agreement within metres would verify nothing of a robot with a gear of 9000.
 #[test]
 fn a_bound_beyond_use_is_replaced_by_a_billionth_of_the_reach() {
     let folder = folder();
