@@ -30,7 +30,7 @@ pub(super) struct Arguments {
     /// Scalar type of C; Rust output is generic and serves f64, f32 and SIMD lanes alike
     #[arg(long, value_enum, default_value = "f64")]
     scalar: Scalar,
-    /// Module name, or prefix of the C names; <robot>_<support> unless given
+    /// Module name, or prefix of the C names; `ROBOT_SUPPORT` unless given
     #[arg(long)]
     name: Option<String>,
     /// Folder to write to

@@ -131,7 +131,7 @@ pub struct ModelFile {
 
 impl ModelFile {
     /// Take `information` over: deviations that the file has become those of it, none where
-    /// it has none. Of more than [`INFORMED`] parameters it is not kept: the file would be
+    /// it has none. Of more than `INFORMED` parameters it is not kept: the file would be
     /// longer than one that is read.
     pub fn inform(&mut self, information: Information) {
         for (parameter, std) in self.parameters.iter_mut().zip(information.deviations()) {

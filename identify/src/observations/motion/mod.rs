@@ -6,7 +6,7 @@
 //! ```
 //!
 //! h is 0.15, 0.3, 0.6 or 1.2 s, or 3.4 intervals where rows are further apart; beyond
-//! [`LONGEST_S`] a log knows its accelerations only where joints are slow, beyond 1.1 s never.
+//! `LONGEST_S` a log knows its accelerations only where joints are slow, beyond 1.1 s never.
 //! Long windows have little noise and bend
 //! what is fast: order 3 takes β = (ω h)²/14 of the acceleration of a sine of ω, order 4
 //! β²/4. β is seen by comparing both orders in the same windows,
