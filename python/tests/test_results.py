@@ -202,10 +202,15 @@ def send():
     time.sleep(float(sys.argv[2]))
     sent.append(time.perf_counter())
     os.kill(os.getpid(), signal.SIGINT)
-threading.Thread(target=send).start()
+sender = threading.Thread(target=send)
+sender.start()
 try:
     calls[name]()
     print("ended")
+    try:
+        sender.join()
+    except KeyboardInterrupt:
+        pass
 except KeyboardInterrupt:
     print(time.perf_counter() - sent[0])
 """
