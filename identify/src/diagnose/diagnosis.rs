@@ -1,25 +1,19 @@
 //! The whole diagnosis: search, class, verdict, held-out errors, sentences.
 
-use std::f64::consts::FRAC_PI_2;
-
-use sesc_model::effects::Unit;
-
 use super::closure;
 use super::com_spread;
 use super::criteria;
-use super::findings::{
-    About, ActsOn, Blind, Diagnosis, Explained, Gap, Last, Leftover, Member, ModelOnLog,
-    NextPostures, Quantity, Step, Verdict,
-};
+use super::findings::{About, Diagnosis, Explained, Gap, ModelOnLog, NextPostures, Step, Verdict};
 use super::further_logs::{self, FurtherLog};
 use super::held_out::{self, HeldOut};
 use super::hypothesis::Term;
 use super::leftover::{self, Formula, Misfit};
+use super::noise;
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem};
-use super::remedy::Remedy;
 use super::search::Search;
 use super::settled_masses;
+use super::statements::{blind_spots, labels, last, members, outliers, rest, told};
 use super::words::{self, capital};
 use crate::Error;
 use crate::observations::noise::NoiseSource;
@@ -132,12 +126,10 @@ pub fn find<'m>(
         motion: problem.data.motion_use.clone(),
         visits: problem.data.visits,
         closure,
-        again: match problem.data.noise_source {
-            NoiseSource::Residuals if about.usable => {
-                Again::of(&problem.rows, &problem.data.pose, problem.data.t.as_deref())
-            }
-            _ => None,
-        },
+        again: noise::untold(problem, verdict).and_then(|untold| {
+            let data = &problem.data;
+            Again::of(untold, &problem.rows, &data.pose, data.t.as_deref())
+        }),
         sentence: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),
@@ -360,163 +352,4 @@ fn raw_misfit(problem: &Problem) -> Misfit {
 fn absorbed(problem: &Problem, best: &Fit) -> f64 {
     let shift = problem.mass_shift(best);
     crate::observations::postures::rms(shift.iter().zip(&problem.weight).map(|(s, w)| s / w))
-}
-
-/// The steps in the order in which they close the gap, each with its place among the terms.
-fn told(
-    problem: &Problem,
-    best: &Fit,
-    steps: &[Fit],
-    start: &HeldOut,
-    held: &[HeldOut],
-    evidence: &[f64],
-) -> Vec<(usize, Step)> {
-    let values = words::values(problem, best);
-    let mut before: Vec<Term> = Vec::new();
-    let mut told = Vec::new();
-    for (k, step) in steps.iter().enumerate() {
-        let Some(at) = best
-            .terms
-            .iter()
-            .position(|i| step.terms.contains(i) && !before.contains(i))
-        else {
-            continue;
-        };
-        let term = &best.terms[at];
-        before.push(term.clone());
-        let rmse_before = if k == 0 { start.rmse } else { held[k - 1].rmse };
-        let step = Step {
-            effect: term.name(),
-            target: term.target_name(&problem.context),
-            acts_on: ActsOn::of(term, &problem.context),
-            parameters: values[at]
-                .iter()
-                .map(|v| {
-                    (
-                        v.name,
-                        Quantity {
-                            value: v.value,
-                            std: v.std,
-                        },
-                    )
-                })
-                .collect(),
-            rmse_before,
-            rmse_after: held[k].rmse,
-            evidence: evidence[at],
-            sentence: format!(
-                "{}: the held-out gap {} from {:.2} mm to {:.2} mm.",
-                capital(&words::clause(&problem.context, term, &values[at])),
-                if held[k].rmse > rmse_before {
-                    "rises"
-                } else {
-                    "falls"
-                },
-                1e3 * rmse_before,
-                1e3 * held[k].rmse
-            ),
-            remedy: Remedy::default(),
-        };
-        told.push((at, step));
-    }
-    told
-}
-
-fn last(held: &HeldOut) -> Last {
-    Last {
-        rmse: held.rmse,
-        rmse_x: held.rmse_x,
-        rmse_y: held.rmse_y,
-        left_out: held.left_out,
-    }
-}
-
-fn labels(problem: &Problem, class: &[Fit]) -> Vec<Vec<String>> {
-    let of = |fit: &Fit| {
-        fit.terms
-            .iter()
-            .map(|i| i.label(&problem.context))
-            .collect()
-    };
-    class
-        .iter()
-        .filter(|f| !f.terms.is_empty())
-        .map(of)
-        .collect()
-}
-
-fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
-    let first = class.first().map_or(0.0, Fit::score);
-    class
-        .iter()
-        .filter(|f| !f.terms.is_empty())
-        .map(|fit| {
-            let values = words::values(problem, fit);
-            let clauses = fit.terms.iter().zip(&values);
-            let clauses = clauses.map(|(i, v)| words::clause(&problem.context, i, v));
-            Member {
-                effects: fit
-                    .terms
-                    .iter()
-                    .map(|i| i.label(&problem.context))
-                    .collect(),
-                score_difference: fit.score() - first,
-                sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
-                com_apart: None,
-            }
-        })
-        .collect()
-}
-
-fn rest(problem: &Problem, best: &Fit, formula: Option<Formula>) -> Leftover {
-    let now = Misfit::of(problem, best);
-    let strongest = leftover::strongest(problem, best);
-    let clear = now.is_clear();
-    Leftover {
-        chi2: now.chi2,
-        expected: now.expected,
-        strongest: strongest.as_ref().filter(|_| clear).map(|s| s.0.clone()),
-        strongest_share: strongest.filter(|_| clear).map_or(0.0, |s| s.1),
-        formula_share: formula.as_ref().map(|f| f.share),
-        formula: formula.map(|f| f.text()),
-    }
-}
-
-fn outliers(problem: &Problem, best: &Fit) -> Vec<i64> {
-    let named = best.outliers.as_ref().map_or_else(Vec::new, |o| o.named());
-    named.into_iter().map(|k| problem.data.pose[k]).collect()
-}
-
-/// Joints whose offset this log hardly shows, with the size from which it would.
-fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
-    let context = &problem.context;
-    let mut spots = Vec::new();
-    for (term, chi2) in visible {
-        let Some(instance) = term.effect() else {
-            continue;
-        };
-        if !instance.effect.reports_smallest_detectable() {
-            continue;
-        }
-        let scales = term.scales(context);
-        let from = scales[0] * (criteria::VISIBLE / chi2.max(1e-9)).sqrt();
-        // A smaller offset than this is no gap in what the log shows.
-        if from < criteria::SMALLEST_REPORTED {
-            continue;
-        }
-        let parameters = instance.effect.parameters(context, &instance.target);
-        let unit = parameters.first().map_or(Unit::One, |p| p.unit);
-        spots.push(Blind {
-            effect: term.label(context),
-            target: context.name_of(&instance.target),
-            from,
-            size: match unit.shown() {
-                _ if unit == Unit::Radian && from > FRAC_PI_2 => "over 90°".to_string(),
-                (factor, "°") => format!("{:.0}°", factor * from),
-                (factor, symbol) => format!("{:.0} {symbol}", factor * from),
-            },
-        });
-    }
-    spots.sort_by(|a, b| b.from.total_cmp(&a.from));
-    spots
 }

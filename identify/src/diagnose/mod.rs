@@ -38,6 +38,7 @@ mod resting;
 mod samples;
 mod search;
 mod settled_masses;
+mod statements;
 #[cfg(test)]
 mod tests;
 mod verdict;

@@ -1,5 +1,5 @@
-//! Noise beside the best explanation: what it is where nothing states it, and whether what is
-//! stated is far larger.
+//! Noise beside the best explanation: what it is where nothing states it, whether what is stated is
+//! far larger, and what of it only a posture that is reached again tells.
 
 use super::criteria::noise::FALLS;
 use super::findings::{Explained, Verdict};
@@ -7,6 +7,7 @@ use super::leftover::Misfit;
 use super::problem::Problem;
 use crate::health::{Finding, FitResiduals, Picture};
 use crate::observations::noise::{NoiseSource, scale};
+use crate::observations::revisits::Untold;
 
 /// What the best explanation and free masses leave, m, and how many of the readings they take
 /// up, where the noise is known from what free masses alone leave and this is less.
@@ -19,6 +20,19 @@ pub(super) fn beside(problem: &Problem, found: &Explained) -> Option<(Vec<f64>, 
     let share = (1.0 - taken / left.len() as f64).max(0.1).sqrt();
     let own = scale(&left) / share;
     (own < (1.0 - FALLS) * data.noise).then_some((left, taken))
+}
+
+/// What a log does not tell of its noise, where a posture that is reached again would: its size, or
+/// what visits of one posture differ by, where more is left than readings of single visits scatter.
+pub(super) fn untold(problem: &Problem, verdict: Verdict) -> Option<Untold> {
+    let data = &problem.data;
+    let repeats = data.rows_per_posture > 1.0;
+    match (verdict, data.noise_source) {
+        (Verdict::Unusable, _) => None,
+        (_, NoiseSource::Residuals) => Some(Untold::Noise),
+        (Verdict::Unexplained, _) if repeats && data.visits.is_none() => Some(Untold::Visits),
+        _ => None,
+    }
 }
 
 /// A finding where it is, and where there are samples enough to know.

@@ -45,7 +45,10 @@ pub(super) fn explained<'m>(
         correlation = self::correlation(&problem, &found.best);
     }
     let mut times = [1.0; 2];
-    // What an explanation too many has taken from the noise shows when it is gone.
+    let mut unknowns = found.best.unknowns.len();
+    // What an explanation too many has taken from the noise shows when it is gone, and so does
+    // what a wrong one has added to it: a gap that an effect bends wrongly looks like noise that
+    // lasts for ever. What fewer unknowns leave has all of the noise in it.
     for _ in 0..ROUNDS {
         let Some(factors) = factors(&correlation).filter(|_| about.usable) else {
             break;
@@ -56,10 +59,15 @@ pub(super) fn explained<'m>(
         problem.widen_noise(factors);
         found = diagnosis::find(&mut problem, further, about, watch)?;
         let again = self::correlation(&problem, &found.best);
-        let longer = |k: usize| again[k].rows_per_sample > LONGER * correlation[k].rows_per_sample;
-        if !(longer(0) || longer(1)) {
+        let fewer = found.best.unknowns.len() < unknowns;
+        let changed = (0..2).any(|axis| {
+            let ratio = again[axis].rows_per_sample / correlation[axis].rows_per_sample;
+            ratio > LONGER || fewer && ratio < 1.0 / LONGER
+        });
+        if !changed {
             break;
         }
+        unknowns = found.best.unknowns.len();
         correlation = again;
     }
     Ok((problem, found, correlation))

@@ -205,6 +205,10 @@ pub(super) fn identify_within(
         closure: gathered.closure.clone(),
         again: match noise.source {
             NoiseSource::Residuals | NoiseSource::Unknown => gathered.again.clone(),
+            // Readings of single visits are known, and the fit leaves more than they scatter.
+            _ if inflation > 1.0 && gathered.repeats.rows > gathered.repeats.postures => {
+                gathered.again.clone()
+            }
             _ => None,
         },
         lack_of_fit,

@@ -1,17 +1,18 @@
-//! Which postures of a log to reach once more, where nothing tells its noise.
+//! Which postures of a log to reach once more, where nothing tells its noise, or how visits of one
+//! posture differ.
 
 use super::gather::Gathered;
 use super::logs::Logs;
 use crate::Error;
-use crate::observations::revisits::Again;
+use crate::observations::revisits::{Again, Untold};
 use crate::observations::rows::CopRows;
 use crate::watch::Watch;
 
 /// Longer logs are recordings: they are not read once more.
 const ROWS: u64 = 20_000;
 
-/// Estimates the noise of the first log again, if its rows state no deviations and no posture
-/// of any repeats.
+/// Those of the first log, if no posture of any was visited again, and rows do not state
+/// deviations of single readings.
 ///
 /// # Errors
 /// No support; the kind `Interrupted` where `watch` stops it.
@@ -20,12 +21,16 @@ pub(super) fn of(
     gathered: &Gathered,
     watch: &mut dyn Watch,
 ) -> Result<Option<Again>, Error> {
-    let (_, repeats) = gathered.repeats.pure().both();
+    let repeats = &gathered.repeats;
+    let untold = match (repeats.rows > repeats.postures, gathered.has_deviations()) {
+        (true, _) if repeats.visits == repeats.postures => Untold::Visits,
+        (false, false) => Untold::Noise,
+        _ => return Ok(None),
+    };
     let Some(log) = logs.files.first() else {
         return Ok(None);
     };
-    let told = gathered.has_deviations() || repeats > 0;
-    if told || gathered.readings > ROWS {
+    if gathered.readings > ROWS {
         return Ok(None);
     }
     let support = logs.first_support()?;
@@ -34,5 +39,5 @@ pub(super) fn of(
         return Ok(None);
     };
     let rows = CopRows::new(&model).of(&data.q, data.len(), None);
-    Ok(Again::of(&rows, &data.pose, data.t.as_deref()))
+    Ok(Again::of(untold, &rows, &data.pose, data.t.as_deref()))
 }

@@ -135,4 +135,11 @@ pub mod repeats {
     /// Degrees of freedom from which visits are said to differ or not. Chosen: two know a
     /// deviation to a half (closed form).
     pub const SAID: u64 = 2;
+    /// Axes have noises of their own where repeats scatter so unalike with less than this chance.
+    /// Chosen: by chance in one log of 20 (closed form), whose axes are then known as well as
+    /// repeats know them; half of it keeps one noise for axes that differ a little more.
+    pub const UNALIKE: f64 = 0.05;
+    /// Deviation of an axis over that of both, at least. Chosen: an axis that reads one value has
+    /// no noise of its own, and half of it would let it decide alone.
+    pub const LEAST_OF_AN_AXIS: f64 = 0.1;
 }

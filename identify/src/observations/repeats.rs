@@ -12,7 +12,7 @@
 //! A posture that is reached again differs by σ_v, for which SS_v takes the place of SS_pe:
 //! readings of one visit do not show it.
 
-use super::criteria::repeats::{FEWEST, SAID, UNLIKELY};
+use super::criteria::repeats::{FEWEST, LEAST_OF_AN_AXIS, SAID, UNALIKE, UNLIKELY};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
 
@@ -46,6 +46,26 @@ impl Squares {
     /// Sum over both axes in units of the rows' variances, with degrees of freedom.
     pub fn both(&self) -> (f64, u64) {
         (self.weighted[0] + self.weighted[1], 2 * self.df)
+    }
+
+    /// Deviation of each axis over that of both: 1 unless they scatter unalike and that is no
+    /// chance.
+    pub fn by_axis(&self) -> [f64; 2] {
+        let both = 0.5 * (self.weighted[0] + self.weighted[1]);
+        if both <= 0.0 || self.df == 0 {
+            return [1.0; 2];
+        }
+        let least = LEAST_OF_AN_AXIS * LEAST_OF_AN_AXIS;
+        let shares = self
+            .weighted
+            .map(|own| (own / both).clamp(least, 2.0 - least));
+        let ratio = shares[0].max(shares[1]) / shares[0].min(shares[1]);
+        let df = self.df as f64;
+        let chance = FisherSnedecor::new(df, df).map_or(1.0, |axes| 2.0 * axes.sf(ratio));
+        match chance < UNALIKE {
+            true => shares.map(f64::sqrt),
+            false => [1.0; 2],
+        }
     }
 
     /// Sum over both axes, m², with degrees of freedom.
@@ -375,6 +395,23 @@ mod tests {
         assert_eq!(visits.again, 16);
         assert!((visits.readings_std.unwrap() - own.sqrt()).abs() < 1e-9);
         assert!((visits.std.powi(2) - (of_visits / 16.0 - own) / 5.0).abs() < 1e-9);
+    }
+
+    /// F(0.975; 10, 10) = 3.717: two-sided, 5 % of alike axes scatter further apart.
+    #[test]
+    fn axes_have_noises_of_their_own_where_they_scatter_unalike() {
+        let squares = |x: f64, y: f64| Squares {
+            sum: [x, y],
+            weighted: [x, y],
+            df: 10,
+        };
+        assert_eq!(squares(3.6, 1.0).by_axis(), [1.0; 2]);
+        let [x, y] = squares(1.0, 4.0).by_axis();
+        assert!((x - 0.4_f64.sqrt()).abs() < 1e-12 && (y - 1.6_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(squares(0.0, 0.0).by_axis(), [1.0; 2]);
+        assert_eq!(Squares::default().by_axis(), [1.0; 2]);
+        // An axis that reads one value does not count without end.
+        assert_eq!(squares(0.0, 1.0).by_axis()[0], LEAST_OF_AN_AXIS);
     }
 
     /// Critical values from tables: F(0.95; 5, 10) = 3.3258, χ²(0.95; 10) = 18.307.

@@ -1,4 +1,5 @@
-//! Which postures to reach once more, where nothing tells the noise.
+//! Which postures to reach once more, where nothing tells the noise, or what a posture that is
+//! reached again differs by.
 //!
 //! ```text
 //! k₁ = argmax ‖Y_k‖        k_i = argmax ‖Y_k − its part in span(Y_{k₁}, …, Y_{k_{i−1}})‖
@@ -18,6 +19,15 @@ pub const COUNT: usize = 5;
 /// Rows closer in time than this are a recording, s: it has no postures to reach again.
 const RECORDING_S: f64 = 1.0;
 
+/// What a log does not tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Untold {
+    /// The noise of a reading.
+    Noise,
+    /// What visits of one posture differ by: readings repeat within single visits alone.
+    Visits,
+}
+
 /// Postures to be reached once more.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Again {
@@ -28,10 +38,15 @@ pub struct Again {
 }
 
 impl Again {
-    /// Choose postures to repeat in a log of `poses` whose regressor rows (two per posture)
+    /// Choose postures to repeat, which tell what is `untold`, in a log of `poses` whose regressor rows (two per posture)
     /// are `rows`, at times `t` (s); none of recordings, nor of fewer postures than are asked
     /// for.
-    pub(crate) fn of(rows: &DMatrix<f64>, poses: &[i64], t: Option<&[f64]>) -> Option<Again> {
+    pub(crate) fn of(
+        untold: Untold,
+        rows: &DMatrix<f64>,
+        poses: &[i64],
+        t: Option<&[f64]>,
+    ) -> Option<Again> {
         let recorded = t.and_then(step).is_some_and(|step| step < RECORDING_S);
         if recorded || poses.len() < 2 * COUNT {
             return None;
@@ -41,11 +56,19 @@ impl Again {
         poses.sort_unstable();
         poses.dedup();
         let names: Vec<String> = poses.iter().map(i64::to_string).collect();
-        let sentence = format!(
-            "Nothing states the noise and no posture repeats: reach poses {} once more and log \
-             their readings under the same `pose`, so that noise is known from repeats",
-            names.join(", ")
-        );
+        let poses_named = names.join(", ");
+        let sentence = match untold {
+            Untold::Noise => format!(
+                "Nothing states the noise and no posture repeats: reach poses {poses_named} once \
+                 more and log their readings under the same `pose`, so that noise is known from \
+                 repeats"
+            ),
+            Untold::Visits => format!(
+                "Readings repeat within single visits alone, which do not tell what a posture that \
+                 is reached again differs by: reach poses {poses_named} once more, leaving each in \
+                 between, and log their readings under the same `pose`"
+            ),
+        };
         Some(Again { poses, sentence })
     }
 
@@ -57,7 +80,7 @@ impl Again {
                 "Reach poses {} once more, and log their readings under the same `pose`",
                 poses.join(", ")
             ),
-            "nothing states the noise, and repeats tell it",
+            "what a posture that is reached again differs by is noise, which nothing else tells here",
         )
     }
 
@@ -120,12 +143,15 @@ mod tests {
         let poses: Vec<i64> = (100..120).collect();
         let slow: Vec<f64> = (0..20).map(|k| 3.0 * f64::from(k)).collect();
         let fast: Vec<f64> = (0..20).map(|k| 0.01 * f64::from(k)).collect();
-        let asked = Again::of(&rows, &poses, None).unwrap();
+        let asked = Again::of(Untold::Noise, &rows, &poses, None).unwrap();
         assert_eq!(asked.poses.len(), COUNT);
         assert!(asked.poses.windows(2).all(|pair| pair[0] < pair[1]));
         assert!(asked.poses.iter().all(|pose| poses.contains(pose)));
-        assert_eq!(Again::of(&rows, &poses, Some(&slow)), Some(asked));
-        assert_eq!(Again::of(&rows, &poses, Some(&fast)), None);
-        assert_eq!(Again::of(&rows, &poses[..9], None), None);
+        let again = Again::of(Untold::Noise, &rows, &poses, Some(&slow));
+        assert_eq!(again, Some(asked));
+        assert_eq!(Again::of(Untold::Noise, &rows, &poses, Some(&fast)), None);
+        assert_eq!(Again::of(Untold::Noise, &rows, &poses[..9], None), None);
+        let of_visits = Again::of(Untold::Visits, &rows, &poses, None).unwrap();
+        assert!(of_visits.sentence.contains("leaving each in between"));
     }
 }

@@ -231,6 +231,37 @@ fn without_any_word_on_noise_free_masses_tell() {
     near(both.sqrt(), floor);
 }
 
+/// Two readings each of 300 postures, twice as noisy on y: each axis has its own noise.
+#[test]
+fn repeats_tell_the_noise_of_each_axis() {
+    let bench = Bench::skew();
+    let q = bench.postures(300, 1);
+    let mut gauss = gauss(2);
+    let mut log = format!("{HEADER}\n");
+    for (k, q) in q.chunks(2).enumerate() {
+        for _ in 0..2 {
+            let [x, y] = bench.world().cop(q);
+            let (x, y) = (x + NOISE * gauss(), y + 2.0 * NOISE * gauss());
+            let _ = writeln!(log, "{k},{},{},{x},{y}", q[0], q[1]);
+        }
+    }
+    let data = read(&log, "", None).unwrap();
+    assert_eq!(data.noise_source, NoiseSource::Repeats);
+    let problem = bench.problem(data, "tight");
+    for axis in 0..2 {
+        // Of a mean of two, beside 0.1 mm.
+        let expected = ((axis + 1) as f64 * NOISE / 2_f64.sqrt()).hypot(1e-4);
+        let own = problem.weight.iter().skip(axis).step_by(2);
+        own.for_each(|w| {
+            assert!(
+                (w * expected - 1.0).abs() < 0.15,
+                "{axis}: {}",
+                w * expected
+            )
+        });
+    }
+}
+
 /// A log of any length: an even choice, the same every time, with its ends' places.
 #[test]
 fn long_logs_are_thinned_evenly() {

@@ -50,10 +50,16 @@ impl Noise {
             true => Noise::stated(all),
             false => all.iter().map(|p| [1.0 / p.rows.sqrt(); 2]).collect(),
         };
-        for entry in per_entry.iter_mut().flatten() {
-            *entry *= noise.sigma;
-        }
         let repeats = noise.source == NoiseSource::Repeats;
+        let of_axis = match repeats && !stated {
+            true => gathering.repeats.pure().by_axis(),
+            false => [1.0; 2],
+        };
+        for entry in &mut per_entry {
+            for axis in 0..2 {
+                entry[axis] *= noise.sigma * of_axis[axis];
+            }
+        }
         let within = match timed && !(repeats && gathering.repeats.by_visits()) {
             true => gathering.stays.correlation(),
             false => [Correlation::NONE; 2],

@@ -1,0 +1,179 @@
+//! What is stated of an explanation: its steps, the members of its class, what it leaves, and what
+//! the log hardly shows.
+
+use std::f64::consts::FRAC_PI_2;
+
+use sesc_model::effects::Unit;
+
+use super::criteria;
+use super::findings::{ActsOn, Blind, Last, Leftover, Member, Quantity, Step};
+use super::held_out::HeldOut;
+use super::hypothesis::Term;
+use super::leftover::{self, Formula, Misfit};
+use super::problem::{Fit, Problem};
+use super::remedy::Remedy;
+use super::words::{self, capital};
+
+/// The steps in the order in which they close the gap, each with its place among the terms.
+pub(super) fn told(
+    problem: &Problem,
+    best: &Fit,
+    steps: &[Fit],
+    start: &HeldOut,
+    held: &[HeldOut],
+    evidence: &[f64],
+) -> Vec<(usize, Step)> {
+    let values = words::values(problem, best);
+    let mut before: Vec<Term> = Vec::new();
+    let mut told = Vec::new();
+    for (k, step) in steps.iter().enumerate() {
+        let Some(at) = best
+            .terms
+            .iter()
+            .position(|i| step.terms.contains(i) && !before.contains(i))
+        else {
+            continue;
+        };
+        let term = &best.terms[at];
+        before.push(term.clone());
+        let rmse_before = if k == 0 { start.rmse } else { held[k - 1].rmse };
+        let step = Step {
+            effect: term.name(),
+            target: term.target_name(&problem.context),
+            acts_on: ActsOn::of(term, &problem.context),
+            parameters: values[at]
+                .iter()
+                .map(|v| {
+                    (
+                        v.name,
+                        Quantity {
+                            value: v.value,
+                            std: v.std,
+                        },
+                    )
+                })
+                .collect(),
+            rmse_before,
+            rmse_after: held[k].rmse,
+            evidence: evidence[at],
+            sentence: format!(
+                "{}: the held-out gap {} from {:.2} mm to {:.2} mm.",
+                capital(&words::clause(&problem.context, term, &values[at])),
+                if held[k].rmse > rmse_before {
+                    "rises"
+                } else {
+                    "falls"
+                },
+                1e3 * rmse_before,
+                1e3 * held[k].rmse
+            ),
+            remedy: Remedy::default(),
+        };
+        told.push((at, step));
+    }
+    told
+}
+
+/// The held-out errors of the last step.
+pub(super) fn last(held: &HeldOut) -> Last {
+    Last {
+        rmse: held.rmse,
+        rmse_x: held.rmse_x,
+        rmse_y: held.rmse_y,
+        left_out: held.left_out,
+    }
+}
+
+/// Names of the effects of each explanation of a class.
+pub(super) fn labels(problem: &Problem, class: &[Fit]) -> Vec<Vec<String>> {
+    let of = |fit: &Fit| {
+        fit.terms
+            .iter()
+            .map(|i| i.label(&problem.context))
+            .collect()
+    };
+    class
+        .iter()
+        .filter(|f| !f.terms.is_empty())
+        .map(of)
+        .collect()
+}
+
+/// The explanations of a class, as they are listed.
+pub(super) fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
+    let first = class.first().map_or(0.0, Fit::score);
+    class
+        .iter()
+        .filter(|f| !f.terms.is_empty())
+        .map(|fit| {
+            let values = words::values(problem, fit);
+            let clauses = fit.terms.iter().zip(&values);
+            let clauses = clauses.map(|(i, v)| words::clause(&problem.context, i, v));
+            Member {
+                effects: fit
+                    .terms
+                    .iter()
+                    .map(|i| i.label(&problem.context))
+                    .collect(),
+                score_difference: fit.score() - first,
+                sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
+                com_apart: None,
+            }
+        })
+        .collect()
+}
+
+/// What the best explanation leaves.
+pub(super) fn rest(problem: &Problem, best: &Fit, formula: Option<Formula>) -> Leftover {
+    let now = Misfit::of(problem, best);
+    let strongest = leftover::strongest(problem, best);
+    let clear = now.is_clear();
+    Leftover {
+        chi2: now.chi2,
+        expected: now.expected,
+        strongest: strongest.as_ref().filter(|_| clear).map(|s| s.0.clone()),
+        strongest_share: strongest.filter(|_| clear).map_or(0.0, |s| s.1),
+        formula_share: formula.as_ref().map(|f| f.share),
+        formula: formula.map(|f| f.text()),
+    }
+}
+
+/// Postures that are put aside as outliers.
+pub(super) fn outliers(problem: &Problem, best: &Fit) -> Vec<i64> {
+    let named = best.outliers.as_ref().map_or_else(Vec::new, |o| o.named());
+    named.into_iter().map(|k| problem.data.pose[k]).collect()
+}
+
+/// Joints whose offset this log hardly shows, with the size from which it would.
+pub(super) fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
+    let context = &problem.context;
+    let mut spots = Vec::new();
+    for (term, chi2) in visible {
+        let Some(instance) = term.effect() else {
+            continue;
+        };
+        if !instance.effect.reports_smallest_detectable() {
+            continue;
+        }
+        let scales = term.scales(context);
+        let from = scales[0] * (criteria::VISIBLE / chi2.max(1e-9)).sqrt();
+        // A smaller offset than this is no gap in what the log shows.
+        if from < criteria::SMALLEST_REPORTED {
+            continue;
+        }
+        let parameters = instance.effect.parameters(context, &instance.target);
+        let unit = parameters.first().map_or(Unit::One, |p| p.unit);
+        spots.push(Blind {
+            effect: term.label(context),
+            target: context.name_of(&instance.target),
+            from,
+            size: match unit.shown() {
+                _ if unit == Unit::Radian && from > FRAC_PI_2 => "over 90°".to_string(),
+                (factor, "°") => format!("{:.0}°", factor * from),
+                (factor, symbol) => format!("{:.0} {symbol}", factor * from),
+            },
+        });
+    }
+    spots.sort_by(|a, b| b.from.total_cmp(&a.from));
+    spots
+}
