@@ -115,10 +115,9 @@ impl Disk for PythonDisk {
         }
         for (path, bytes) in entries {
             let path = text_of(path);
-            let bytes = |py| PyBytes::new(py, bytes);
             self.call(|disk| {
-                disk.call_method1("write", (&path, bytes(disk.py())))
-                    .map(drop)
+                let bytes = PyBytes::new(disk.py(), bytes);
+                disk.call_method1("write", (&path, bytes)).map(drop)
             })
             .map_err(|error| Error::request(format!("cannot write {path}: {error}")))?;
         }

@@ -7,13 +7,13 @@ use std::sync::Arc;
 use super::content::{Content, Log};
 use super::disk::Disk;
 use super::evaluate::Parts;
+use super::failed::{Failed, with_cause};
 use super::groups::Group;
 use super::known_logs::{Held, Seen};
 use super::options::{Only, Options};
 use super::part_of_log::{Contribution, Gathering, support_said};
 use super::row::Row;
 use super::store::Store;
-use super::work::{Failed, Job, with_cause};
 use crate::Error;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
@@ -42,14 +42,14 @@ pub(super) struct Desk<'a> {
 
 impl<'a> Desk<'a> {
     pub fn new(
-        job: &Job<'a>,
+        (store, disk): (Option<&'a Store>, &'a dyn Disk),
         robot: &'a Arc<Robot>,
         options: &'a Options,
         group: &'a Group,
     ) -> Desk<'a> {
         Desk {
-            disk: job.disk,
-            store: job.store,
+            disk,
+            store,
             robot,
             options,
             group,
@@ -94,7 +94,8 @@ impl<'a> Desk<'a> {
 
     /// What a log holds; an error is noted.
     fn held(&mut self, path: &PathBuf) -> Option<Held> {
-        match Held::of(self.disk, self.store, path) {
+        let known = self.store.map(|store| store.seen(self.disk, path));
+        match Held::of(self.disk, path, known) {
             Ok(held) => {
                 self.opened += usize::from(held.opened);
                 self.read.push((held.content.hash.clone(), path.clone()));

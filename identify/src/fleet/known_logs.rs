@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 
 use super::content::{Content, Log, read_sidecar};
 use super::disk::{Disk, Stamp};
-use super::store::Store;
 use crate::Error;
 
 /// A change is older than this when a log is read, or it is read again the next time.
@@ -38,13 +37,16 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// The log at `path`, which is read unless the store knows it.
+    /// The log at `path`, which is read unless a store knows it: `known` is none without a store,
+    /// and otherwise what that has of the log.
     ///
     /// # Errors
     /// As [`Log::read`].
-    pub fn of(disk: &dyn Disk, store: Option<&Store>, path: &Path) -> Result<Held, Error> {
-        let stamp = store.and_then(|_| disk.stamp(path));
-        let known = store.and_then(|store| store.seen(disk, path));
+    pub fn of(disk: &dyn Disk, path: &Path, known: Option<Option<Seen>>) -> Result<Held, Error> {
+        let Some(known) = known else {
+            return Held::read(disk, path, None);
+        };
+        let stamp = disk.stamp(path);
         if let Some(known) = known.filter(|known| stamp.as_ref() == Some(&known.stamp)) {
             let content = Content {
                 hash: known.hash,

@@ -23,6 +23,7 @@ mod content;
 mod desk;
 mod disk;
 mod evaluate;
+mod failed;
 mod gathering;
 mod groups;
 mod joined_logs;
@@ -47,6 +48,7 @@ pub use content::content_hash;
 #[doc(hidden)]
 pub use disk::{Disk, Local, Stamp};
 pub use evaluate::row;
+pub use failed::Failed;
 #[doc(hidden)]
 pub use gathering::Gathering;
 pub use gathering::{Fleet, Twice};
@@ -65,6 +67,5 @@ pub use table::{COLUMNS, write};
 #[doc(hidden)]
 pub use table::{assembled, check_table};
 pub use windows::windows;
-pub use work::Failed;
 #[doc(hidden)]
 pub use work::{Done, Job, work};

@@ -47,7 +47,7 @@ const PART: &[u8] = b"part\n";
 const FAULT: &[u8] = b"fault\n";
 
 impl Contribution {
-    /// Of a log in memory.
+    /// What a log in memory contributes; a panic is a fault.
     ///
     /// # Errors
     /// The kind `Interrupted` where `watch` stops it, and no other.

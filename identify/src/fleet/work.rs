@@ -14,24 +14,15 @@ use super::content::{Log, each_once, name_of};
 use super::desk::Desk;
 use super::disk::Disk;
 use super::evaluate::{Group as Logs, row};
+use super::failed::Failed;
 use super::groups::Group;
 use super::options::{Only, Options};
 use super::part_of_log::DEFECT;
 use super::row::Row;
 use super::store::Store;
+use crate::Error;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
-use crate::{Error, ErrorKind};
-
-/// A log, or a group, that came to nothing or to less than it should.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct Failed {
-    /// The file.
-    pub input: String,
-    /// What is wrong with it.
-    pub error: String,
-}
 
 /// What a group came to: its row, and what is known of its files where it was worked on.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -80,7 +71,7 @@ pub fn work(job: Job, group: &Group, watch: &mut dyn Watch) -> Result<Done, Erro
         Ok(robot) => robot,
         Err(error) => return Ok(without_robot(&job, group, &error)),
     };
-    let mut desk = Desk::new(&job, &robot, &options, group);
+    let mut desk = Desk::new((job.store, job.disk), &robot, &options, group);
     desk.open(watch)?;
     let name = (group.robot.as_str(), group.day.as_str());
     let contents = each_once(&desk.contents());
@@ -126,7 +117,7 @@ pub fn work(job: Job, group: &Group, watch: &mut dyn Watch) -> Result<Done, Erro
 
 /// What a group comes to whose URDF cannot be used.
 fn without_robot(job: &Job, group: &Group, error: &Error) -> Done {
-    let mut desk = Desk::new(job, job.robot, job.options, group);
+    let mut desk = Desk::new((job.store, job.disk), job.robot, job.options, group);
     desk.look();
     let input = group.urdf.as_deref().unwrap_or(Path::new("")).display();
     let contents = each_once(&desk.contents());
@@ -171,13 +162,6 @@ fn made(
         row.set_errors(vec![DEFECT.to_string()]);
         Ok(row)
     })
-}
-
-pub(super) fn with_cause(error: &Error) -> String {
-    match std::error::Error::source(error) {
-        Some(cause) if error.kind() == ErrorKind::Read => format!("{error}: {cause}"),
-        _ => error.to_string(),
-    }
 }
 
 /// The error of a row, with the names of files for the hashes of logs.

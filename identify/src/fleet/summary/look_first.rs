@@ -55,7 +55,7 @@ pub struct Statement {
     pub weight: f64,
     /// Chance that it is said where it is not true; 0 of what files themselves say.
     pub chance: f64,
-    /// As a sentence.
+    /// What is said, as a sentence.
     pub sentence: String,
 }
 

@@ -31,7 +31,7 @@ use super::criteria::FALSE_ALARM;
 use super::criteria::shared::{ALIKE, LASTING, LEAST_WINDOW};
 use super::history::{History, Key, Said, label, pooled, principal, said};
 use super::spread::interval;
-use crate::diagnose::words::{NamedValue, named};
+use crate::diagnose::words::{NamedValue, named, spoken};
 use crate::fleet::row::Size;
 
 /// An effect that robots share.
@@ -289,7 +289,7 @@ fn group(
 /// How far robots are from what they share, with its 95 % interval.
 fn own_in_words(parameter: &str, own_std: f64, [low, high]: [f64; 2]) -> String {
     let say = |value: f64| {
-        let said = named(&NamedValue {
+        let said = spoken(&NamedValue {
             name: parameter,
             value,
             std: 0.0,
