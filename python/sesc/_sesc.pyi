@@ -311,9 +311,10 @@ class FleetFound:
         """What is said besides the rows, as JSON."""
     def write(self, path: str) -> None:
         """Write the table, as Parquet or CSV."""
-    def pages(self, file: str, robots: int = 2000) -> tuple[str, str, list[tuple[str, str]]]:
+    def pages(self, file: str, robots: int | None = None) -> tuple[str, str, list[tuple[str, str]]]:
         """The page of the fleet for a file of this name, the folder beside it, and names and pages
-        of robots for that: of so many robots, those to look at first before others."""
+        of robots for that: of so many robots, 2000 unless given, those to look at first before
+        others."""
     def population(self) -> str:
         """The file of what is known of the next robot."""
 

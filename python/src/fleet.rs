@@ -342,19 +342,21 @@ impl FleetFound {
     }
 
     /// The page of the fleet for a file of this name, the folder beside it, and names and pages
-    /// of robots for that: of so many robots, those to look at first before others.
-    #[pyo3(signature = (file, robots=report::ROBOTS))]
+    /// of robots for that: of so many robots, 2000 unless given, those to look at first before
+    /// others.
+    #[pyo3(signature = (file, robots=None))]
     fn pages(
         &self,
         py: Python<'_>,
         file: &str,
-        robots: usize,
+        robots: Option<usize>,
     ) -> PyResult<(String, String, Vec<NamedText>)> {
         detached(py, || {
             let made = "sesc.fleet.run(…)";
             let (fleet, folder) = (&self.fleet, self.folder.as_deref());
             let drawn = report::skeleton(fleet, &self.robot, &self.options, folder);
             let words = (made, file);
+            let robots = robots.unwrap_or(report::ROBOTS);
             let pages = report::pages(fleet, &self.summary, drawn.as_ref(), words, robots);
             let pages = pages.map_err(|error| Failure::internal(error.to_string()))?;
             Ok((pages.fleet, pages.folder, pages.robots))

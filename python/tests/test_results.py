@@ -159,7 +159,7 @@ def test_progress_is_told_and_may_stop_a_call(op2: sesc.Robot, log: sesc.Log, ca
 
 def test_what_is_left_goes_as_the_last_tenth_went(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
-    monkeypatch.setattr(_run.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
     told = []
 
     def keep(what: str, done: int, total: int | None, left: float | None) -> None:

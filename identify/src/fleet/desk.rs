@@ -1,7 +1,7 @@
 //! The logs of a group while it is worked on: which are known, which are in memory, and what
 //! each contributes.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::content::{Content, Log};
@@ -93,12 +93,13 @@ impl<'a> Desk<'a> {
     }
 
     /// What a log holds; an error is noted.
-    fn held(&mut self, path: &PathBuf) -> Option<Held> {
+    fn held(&mut self, path: &Path) -> Option<Held> {
         let known = self.store.map(|store| store.seen(self.disk, path));
         match Held::of(self.disk, path, known) {
             Ok(held) => {
                 self.opened += usize::from(held.opened);
-                self.read.push((held.content.hash.clone(), path.clone()));
+                self.read
+                    .push((held.content.hash.clone(), path.to_path_buf()));
                 Some(held)
             }
             Err(error) => {

@@ -108,6 +108,16 @@ impl Parts for FromMemory<'_> {
     }
 }
 
+/// The links on the ground of a group.
+struct Supports<'a> {
+    /// Logs whose sidecars can be read, with the link that options or sidecar say.
+    of_logs: Vec<(&'a Content, Option<String>)>,
+    /// The first of these; where there is none, what is missing.
+    of_group: Result<String, Error>,
+    /// What is wrong with other sidecars.
+    faults: Vec<String>,
+}
+
 /// Logs of one robot and day, each once and sorted by what they hold.
 #[derive(Clone, Copy)]
 pub(super) struct Group<'a> {
@@ -146,28 +156,23 @@ impl Group<'_> {
         }
     }
 
-    /// The link on the ground of each log that says it, the group's, and what is wrong with
-    /// sidecars. Where no log says it, the robot says what is missing.
-    fn supports(
-        &self,
-    ) -> (
-        Vec<(&Content, Option<String>)>,
-        Result<String, Error>,
-        Vec<String>,
-    ) {
-        let (mut said, mut odd, mut faults) = (Vec::new(), Vec::<Message>::new(), Vec::new());
+    fn supports(&self) -> Supports<'_> {
+        let (mut of_logs, mut odd, mut faults) = (Vec::new(), Vec::<Message>::new(), Vec::new());
         for log in self.logs {
             match support_said(self.options, log) {
                 Ok((support, of_log)) => {
-                    said.push((log, support));
+                    of_logs.push((log, support));
                     odd.extend(of_log);
                 }
                 Err(error) => faults.push(error.to_string()),
             }
         }
-        let first = said.iter().find_map(|(_, support)| support.clone());
-        let support = first.ok_or_else(|| self.robot.no_support(&odd));
-        (said, support, faults)
+        let first = of_logs.iter().find_map(|(_, support)| support.clone());
+        Supports {
+            of_group: first.ok_or_else(|| self.robot.no_support(&odd)),
+            of_logs,
+            faults,
+        }
     }
 
     /// Fit what the logs contribute; gives what is wrong with those that contribute nothing.
@@ -177,7 +182,11 @@ impl Group<'_> {
         parts: &mut dyn Parts,
         watch: &mut dyn Watch,
     ) -> Result<Vec<String>, Error> {
-        let (logs, support, mut faults) = self.supports();
+        let Supports {
+            of_logs: logs,
+            of_group: support,
+            mut faults,
+        } = self.supports();
         if logs.is_empty() {
             return Ok(faults);
         }
@@ -284,10 +293,10 @@ impl Group<'_> {
         watch: &mut dyn Watch,
     ) -> Result<bool, Error> {
         let (robot, options) = (self.robot, self.options);
-        row.support = match self.supports() {
-            _ if sources.is_empty() => return Ok(false),
-            (_, support, _) => support?,
-        };
+        if sources.is_empty() {
+            return Ok(false);
+        }
+        row.support = self.supports().of_group?;
         let log = match sources {
             [one] => one.clone(),
             several => together(several, &robot.description.dofs(), &reading(robot, options))?,

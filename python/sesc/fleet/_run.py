@@ -91,10 +91,10 @@ class Fleet:
             self._found.write(os.fspath(own))
             self._objects.write(os.fspath(path), own.read_bytes())
 
-    def report(self, path: str | os.PathLike[str], pages: int = 2000) -> None:
+    def report(self, path: str | os.PathLike[str], pages: int | None = None) -> None:
         """Write the page, ``fleet.html``: what robots share, what changed, what to look at first;
-        and beside it a folder ``fleet`` with a page for each of so many robots, those to look at
-        first before others."""
+        and beside it a folder ``fleet`` with a page for each of so many robots, 2000 unless
+        given, those to look at first before others."""
         at = local(path)
         above, slash, name = at.replace(os.sep, "/").rpartition("/")
         text, folder, robots = self._found.pages(name, pages)
