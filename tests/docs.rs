@@ -94,6 +94,29 @@ fn links_between_pages_resolve() {
     assert!(seen > 100 && places > 5, "{seen} {places}");
 }
 
+/// HTML pages of `docs/` link to pages that are there.
+#[test]
+fn links_of_example_pages_resolve() {
+    let mut seen = 0;
+    let folder = Path::new(ROOT).join("docs");
+    let pages = fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    for page in pages.filter(|path| path.extension().is_some_and(|end| end == "html")) {
+        let text = fs::read_to_string(&page).unwrap();
+        for link in text.split("href=\"").skip(1) {
+            let link = link.split('"').next().unwrap_or_default();
+            if link.starts_with("http") || link.starts_with('#') {
+                continue;
+            }
+            seen += 1;
+            let target = folder.join(link.split('#').next().unwrap_or_default());
+            assert!(target.exists(), "{}: {link}", page.display());
+        }
+    }
+    assert!(seen > 10, "{seen} links");
+}
+
 /// Every page of `docs/` is a chapter, and no chapter links out of the book.
 #[test]
 fn every_page_is_a_chapter_of_the_book() {

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import sys
+import time
 from collections.abc import Callable, Iterable
 from typing import Any, Union
 
 from ._log import Log
 
-#: ``True`` prints how far a call is; a function receives what is done, how much, and of how much.
-Progress = Union[bool, Callable[[str, int, Union[int, None]], object]]
+#: ``True`` prints how far a call is; a function receives what is done, how much, and of how much,
+#: and how many seconds are left if it takes that, too.
+Progress = Union[
+    bool,
+    Callable[[str, int, Union[int, None]], object],
+    Callable[[str, int, Union[int, None], Union[float, None]], object],
+]
 
 
 def logs(given: Any) -> list[Log]:
@@ -24,13 +31,58 @@ def shown(progress: Progress) -> Callable[[str, int, int | None], object] | None
     """The function that is told how far a call is."""
     if progress is False or progress is None:
         return None
-    return _print if progress is True else progress
+    show: Any = _print if progress is True else progress
+    if not _takes_four(show):
+        return show  # type: ignore[no-any-return]
+    clock = _Clock()
+    return lambda what, done, total: show(what, done, total, clock.left(what, done, total))
 
 
-def _print(what: str, done: int, total: int | None) -> None:
+def _takes_four(show: Callable[..., object]) -> bool:
+    """Whether a function has four arguments of its own; ``print`` takes any number, and has none."""
+    try:
+        given = inspect.signature(show).parameters.values()
+    except (TypeError, ValueError):
+        return False
+    return sum(one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD) for one in given) >= 4
+
+
+class _Clock:
+    """Estimates the end of a call: what is left goes as the last tenth went."""
+
+    def __init__(self) -> None:
+        self._what = ""
+        #: Since when, from how much on, and how long one took before that.
+        self._from = (0.0, 0)
+        self._each: float | None = None
+
+    def left(self, what: str, done: int, total: int | None) -> float | None:
+        now = time.monotonic()
+        if what != self._what or done < self._from[1]:
+            self._what, self._from, self._each = what, (now, done), None
+        if not total:
+            return None
+        since, first = self._from
+        if done > first and (10 * (done - first) >= total or self._each is None):
+            self._each = (now - since) / (done - first)
+            if 10 * (done - first) >= total:
+                self._from = (now, done)
+        return None if self._each is None else self._each * max(total - done, 0)
+
+
+def _print(what: str, done: int, total: int | None, left: float | None) -> None:
     part = f"{done / total:4.0%}" if total else f"{done}"
-    sys.stdout.write(f"\r{what} {part}  ")
+    end = "" if left is None else f", {_time(left)} left"
+    sys.stdout.write(f"\r{what} {part}{end}  ")
     sys.stdout.flush()
+
+
+def _time(seconds: float) -> str:
+    """``40 s``, ``3 min``, ``2 h 10 min``."""
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"
 
 
 def ended(progress: Progress) -> None:

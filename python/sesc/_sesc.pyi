@@ -311,13 +311,16 @@ class FleetFound:
         """What is said besides the rows, as JSON."""
     def write(self, path: str) -> None:
         """Write the table, as Parquet or CSV."""
-    def pages(self, file: str) -> tuple[str, str, list[tuple[str, str]]]:
+    def pages(self, file: str, robots: int | None = None) -> tuple[str, str, list[tuple[str, str]]]:
         """The page of the fleet for a file of this name, the folder beside it, and names and pages
-        of robots for that."""
+        of robots for that: of so many robots, 2000 unless given, those to look at first before
+        others."""
     def population(self) -> str:
         """The file of what is known of the next robot."""
 
-def fleet_groups(data: list[str], table: list[tuple[str, dict[str, str]]], by: list[str]) -> list[str]: ...
+def fleet_groups(
+    data: list[str], table: list[tuple[str, dict[str, str]]], by: list[str], window: int | None = None
+) -> list[str]: ...
 def fleet_work(
     robot: Robot, options: str, group: str, store: str | None = None, disk: Any = None
 ) -> str: ...

@@ -4,11 +4,13 @@
 
 use std::collections::BTreeMap;
 use std::io;
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::exceptions::PyFileNotFoundError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sesc::report::fleet as report;
@@ -37,19 +39,25 @@ fn text(value: &impl Serialize) -> Result<String, Failure> {
 }
 
 /// The groups of patterns, folders, lists and manifests, and of a table of paths with what is
-/// said of each.
+/// said of each; `window` puts so many days together.
 #[pyfunction]
+#[pyo3(signature = (data, table, by, window=None))]
 pub fn fleet_groups(
     py: Python<'_>,
     data: Vec<String>,
     table: Vec<(PathBuf, BTreeMap<String, String>)>,
     by: Vec<String>,
+    window: Option<NonZeroU32>,
 ) -> PyResult<Vec<String>> {
     detached(py, || {
         let found = fleet::inputs(&data, &by);
         let mut inputs = found.map_err(|error| Failure::of(&error, Doing::Log))?;
         let rows = table.into_iter();
         inputs.extend(rows.map(|(path, said)| Input::new(path, &said, &by)));
+        if let Some(days) = window {
+            let found = fleet::windows(inputs, days);
+            inputs = found.map_err(|error| Failure::of(&error, Doing::Fit))?;
+        }
         fleet::groups(&inputs).iter().map(text).collect()
     })
 }
@@ -101,14 +109,17 @@ impl Disk for PythonDisk {
         }
     }
 
-    fn write(&self, entries: &[(PathBuf, String)]) -> Result<(), Error> {
+    fn write(&self, entries: &[(PathBuf, Vec<u8>)]) -> Result<(), Error> {
         if entries.iter().all(|(path, _)| is_here(path)) {
             return Local.write(entries);
         }
-        for (path, text) in entries {
+        for (path, bytes) in entries {
             let path = text_of(path);
-            self.call(|disk| disk.call_method1("write", (&path, text)).map(drop))
-                .map_err(|error| Error::request(format!("cannot write {path}: {error}")))?;
+            self.call(|disk| {
+                let bytes = PyBytes::new(disk.py(), bytes);
+                disk.call_method1("write", (&path, bytes)).map(drop)
+            })
+            .map_err(|error| Error::request(format!("cannot write {path}: {error}")))?;
         }
         Ok(())
     }
@@ -331,13 +342,22 @@ impl FleetFound {
     }
 
     /// The page of the fleet for a file of this name, the folder beside it, and names and pages
-    /// of robots for that.
-    fn pages(&self, py: Python<'_>, file: &str) -> PyResult<(String, String, Vec<NamedText>)> {
+    /// of robots for that: of so many robots, 2000 unless given, those to look at first before
+    /// others.
+    #[pyo3(signature = (file, robots=None))]
+    fn pages(
+        &self,
+        py: Python<'_>,
+        file: &str,
+        robots: Option<usize>,
+    ) -> PyResult<(String, String, Vec<NamedText>)> {
         detached(py, || {
             let made = "sesc.fleet.run(…)";
             let (fleet, folder) = (&self.fleet, self.folder.as_deref());
             let drawn = report::skeleton(fleet, &self.robot, &self.options, folder);
-            let pages = report::pages(fleet, &self.summary, drawn.as_ref(), (made, file));
+            let words = (made, file);
+            let robots = robots.unwrap_or(report::ROBOTS);
+            let pages = report::pages(fleet, &self.summary, drawn.as_ref(), words, robots);
             let pages = pages.map_err(|error| Failure::internal(error.to_string()))?;
             Ok((pages.fleet, pages.folder, pages.robots))
         })

@@ -9,6 +9,7 @@ import pickle
 import shutil
 import subprocess
 import sys
+import time
 from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
@@ -143,6 +144,32 @@ def test_a_second_run_makes_nothing_anew(
         again = fleet.run(robot, glob(logs), store=store, engine=engine)
         assert again.to_dict()["from_store"] == 6
         assert digest(again, tmp_path) == digest(first, tmp_path) == digest(table, tmp_path)
+
+
+def test_days_are_put_together_and_a_new_log_is_read_alone(robot: sesc.Robot, tmp_path: Path) -> None:
+    logs, store = tmp_path / "logs", tmp_path / "store"
+    logs.mkdir()
+
+    def day(name: str, seed: int) -> None:
+        sesc.simulate(robot.on("foot"), 30, noise=2e-4, seed=seed).save(logs / f"a_{name}.csv")
+        # Younger files are read again.
+        time.sleep(2.1)
+
+    day("2031-05-01", 1)
+    day("2031-05-05", 2)
+    how: Any = {"only": "parameters", "window": 7, "store": store}
+    found = fleet.run(robot, logs, **how)
+    assert [(row["day"], row["postures"]) for row in found] == [("2031-04-28", 30), ("2031-05-05", 30)]
+    day("2031-05-03", 3)
+    for engine in (None, Backwards()):
+        found = fleet.run(robot, logs, engine=engine, **how)
+        assert [row["postures"] for row in found] == [60, 30]
+        assert found.to_dict()["logs_read"] == (1 if engine is None else 0)
+        assert digest(found, tmp_path) == digest(fleet.run(robot, logs, **{**how, "store": None}), tmp_path)
+    with pytest.raises(sesc.SescError, match="window.*`day`"):
+        fleet.run(robot, ["a_day.csv"], window=7)
+    found.report(tmp_path / "none.html", pages=0)
+    assert not list((tmp_path / "none").iterdir())
 
 
 def test_a_broken_log_does_not_take_its_day_along(robot: sesc.Robot, logs: Path, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import sesc
+from sesc import _run
 
 HIDDEN = {"joint_offset:r_knee": 0.026}
 
@@ -139,6 +140,14 @@ def test_progress_is_told_and_may_stop_a_call(op2: sesc.Robot, log: sesc.Log, ca
     sesc.diagnose(op2, log, progress=lambda *progress: told.append(progress))
     assert told and all(isinstance(what, str) for what, _, _ in told)
 
+    left: list[float | None] = []
+
+    def with_end(what: str, done: int, total: int | None, seconds: float | None) -> None:
+        left.append(seconds)
+
+    sesc.diagnose(op2, log, progress=with_end)
+    assert left and all(seconds is None or seconds >= 0.0 for seconds in left)
+
     def stop(*_: object) -> None:
         raise RuntimeError("enough")
 
@@ -146,6 +155,26 @@ def test_progress_is_told_and_may_stop_a_call(op2: sesc.Robot, log: sesc.Log, ca
         sesc.diagnose(op2, log, progress=stop)
     sesc.diagnose(op2, log, progress=True)
     assert capfd.readouterr().err == ""
+
+
+def test_what_is_left_goes_as_the_last_tenth_went(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    told = []
+
+    def keep(what: str, done: int, total: int | None, left: float | None) -> None:
+        told.append((done, left))
+
+    show = _run.shown(keep)
+    assert show is not None
+    # Twenty of a store at once, and the others at 2 s each.
+    for done, seconds in [(0, 0.0), (20, 0.1), (30, 20.1), (40, 40.1), (100, 160.1)]:
+        now[0] = seconds
+        show("diagnosing", done, 100)
+    assert told[0] == (0, None) and told[1][1] == pytest.approx(0.4)
+    assert [left for _, left in told[2:]] == pytest.approx([140.0, 120.0, 0.0])
+    assert [_run._time(s) for s in (3, 120, 7800)] == ["3 s", "2 min", "2 h 10 min"]
+    assert _run.shown(print) is print
 
 
 def test_other_threads_go_on_during_a_fit(op2: sesc.Robot, model: sesc.Model) -> None:

@@ -1,6 +1,7 @@
 //! `sesc fleet`
 
 use std::collections::BTreeSet;
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,12 +9,13 @@ use clap::{Args, ValueEnum};
 
 use super::kinds::Kind;
 use super::outputs::Files;
+use super::progress_lines::BarOrLines;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, print_json,
-    show, streams,
+    DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, print_json, show,
+    streams,
 };
 use crate::Error;
-use crate::report::fleet::{answer, page_of_robot, pages, skeleton, text};
+use crate::report::fleet::{ROBOTS, answer, page_of_robot, pages, skeleton, text};
 use sesc_identify::feet::Feet;
 use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{self, Fleet, Options, Row, Store};
@@ -25,7 +27,8 @@ use sesc_model::files;
 const EXAMPLES: &str = "Examples:\n  \
     sesc fleet op2.urdf --data 'logs/robot=*/day=*/*.parquet' --by robot,day --out fleet.parquet\n  \
     sesc fleet op2.urdf --data logs/ --store parts/ --out fleet.csv --report fleet.html --json\n  \
-    sesc fleet op2.urdf --data manifest.csv --out fleet.parquet\n\n\
+    sesc fleet op2.urdf --data manifest.csv --out fleet.parquet\n  \
+    sesc fleet op2.urdf --data logs/ --only parameters --window 7 --store parts/ --out weeks.csv\n\n\
     Robot and day of a log come from the columns of a manifest, from folders such as \
     `robot=17/day=2031-05-01/`, or from the file's name, `<robot>_<day>.csv`. A manifest is a CSV \
     file with a column `path` and any of `robot`, `day`, `urdf`, `support`; a list is a .txt file \
@@ -49,8 +52,13 @@ pub(super) struct Arguments {
         default_value = "robot,day"
     )]
     by: Vec<String>,
-    /// Folder that keeps rows under the hash of what they were made from; what is there is not
-    /// made again
+    /// Days that are put together: a row for each robot and so many days, named by the first of
+    /// them. Windows begin where the calendar says (those of 7 days on Mondays; numbered days from
+    /// 1 on), whatever days have logs
+    #[arg(long, value_name = "DAYS")]
+    window: Option<NonZeroU32>,
+    /// Folder that keeps rows, and with `--only parameters` what each log contributes, under the
+    /// hash of what they were made from; what is there is not made again
     #[arg(long, value_name = "DIR")]
     store: Option<PathBuf>,
     #[command(flatten)]
@@ -75,6 +83,9 @@ pub(super) struct Arguments {
     /// Page to write: what robots share, what changed, what to look at first, every row
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Robots that get a page beside the report, at most: those to look at first before others
+    #[arg(long, value_name = "N", default_value_t = ROBOTS, requires = "report")]
+    pages: usize,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -96,7 +107,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let others = others.filter_map(|path| path.to_str());
     data.chain(others).try_for_each(here)?;
     fleet::check_table(&arguments.out)?;
-    let inputs = fleet::inputs(&arguments.data, &arguments.by)?;
+    let mut inputs = fleet::inputs(&arguments.data, &arguments.by)?;
+    if let Some(days) = arguments.window {
+        inputs = fleet::windows(inputs, days)?;
+    }
     let places = inputs
         .iter()
         .flat_map(|input| [Some(&input.path), input.urdf.as_ref()]);
@@ -122,13 +136,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .makes(Kind::Page, &of_robots)
         .writes(Kind::Population, &arguments.prior_out)
         .check_writable()?;
-    let bar = &mut Bar::new("diagnosing");
+    let bar = &mut BarOrLines::new("diagnosing");
     let request = request(arguments, &inputs)?;
     if arguments.prior_out.is_some() {
         fleet::check_population(&request.groups)?;
     }
     let found = fleet::run(&request, bar)?;
-    bar.0.finish_and_clear();
+    bar.bar.0.finish_and_clear();
     // What cannot be known is said before anything is written.
     let mut population = None;
     if arguments.prior_out.is_some() {
@@ -145,7 +159,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(path) = &arguments.report {
         let folder = arguments.robot.urdf.parent();
         let drawn = skeleton(&found, &request.robot, &request.options, folder);
-        write_pages(path, &found, &summary, drawn.as_ref())?;
+        write_pages((path, arguments.pages), &found, &summary, drawn.as_ref())?;
     }
     match arguments.json {
         true => print_json(&answer(&found, &summary))?,
@@ -155,9 +169,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     Ok(if none { Outcome::Failed } else { Outcome::Ok })
 }
 
-/// The page of the fleet, and beside it a folder of its name with one for each robot.
+/// The page of the fleet, and beside it a folder of its name with one for each robot, or for as
+/// many as are wanted.
 fn write_pages(
-    path: &Path,
+    (path, robots): (&Path, usize),
     found: &Fleet,
     summary: &Summary,
     drawn: Option<&Skeleton>,
@@ -165,7 +180,7 @@ fn write_pages(
     let failed = |error: minijinja::Error| Error::Report(Box::new(error));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let command = super::command_line();
-    let pages = pages(found, summary, drawn, (&command, &name)).map_err(failed)?;
+    let pages = pages(found, summary, drawn, (&command, &name), robots).map_err(failed)?;
     let folder = path.with_file_name(&pages.folder);
     std::fs::create_dir_all(&folder).map_err(|error| files::failed(&folder, error))?;
     for (robot, text) in &pages.robots {

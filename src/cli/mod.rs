@@ -16,6 +16,7 @@ mod manners;
 mod outputs;
 mod plan;
 mod predict;
+mod progress_lines;
 mod shell;
 mod simulate;
 mod streams;

@@ -3,4 +3,6 @@
 
 mod faults;
 mod prior;
+mod store;
 mod table;
+mod windows;

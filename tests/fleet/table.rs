@@ -9,7 +9,7 @@ use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
 use sesc_virtual::fleet::Fleet;
 
 /// `sesc fleet` on `data` in `folder`, with further options; its JSON.
-fn fleet(folder: &Path, data: &str, options: &[&str]) -> Value {
+pub(super) fn fleet(folder: &Path, data: &str, options: &[&str]) -> Value {
     let data = folder.join(data).display().to_string();
     let urdf = op2();
     let mut words = vec!["fleet", &urdf, "--data", &data, "--json"];
@@ -17,12 +17,12 @@ fn fleet(folder: &Path, data: &str, options: &[&str]) -> Value {
     serde_json::from_str(&stdout(&sesc(&words))).unwrap()
 }
 
-fn at(folder: &Path, name: &str) -> String {
+pub(super) fn at(folder: &Path, name: &str) -> String {
     folder.join(name).display().to_string()
 }
 
 /// Records of a CSV table by the names of its columns.
-fn records(path: &str) -> Vec<Vec<(String, String)>> {
+pub(super) fn records(path: &str) -> Vec<Vec<(String, String)>> {
     let mut reader = csv::Reader::from_path(path).unwrap();
     let header = reader.headers().unwrap().clone();
     let record = |record: csv::StringRecord| {
@@ -37,7 +37,7 @@ fn records(path: &str) -> Vec<Vec<(String, String)>> {
         .collect()
 }
 
-fn field<'r>(record: &'r [(String, String)], name: &str) -> &'r str {
+pub(super) fn field<'r>(record: &'r [(String, String)], name: &str) -> &'r str {
     let found = record.iter().find(|(column, _)| column == name);
     found.map_or_else(|| panic!("no column {name}"), |(_, field)| field)
 }

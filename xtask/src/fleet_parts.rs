@@ -8,7 +8,7 @@ use std::time::Instant;
 use clap::Args;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use sesc::report::fleet::pages;
+use sesc::report::fleet::{ROBOTS, pages};
 use sesc_identify::diagnose::Verdict;
 use sesc_identify::fleet::summary::summary;
 use sesc_identify::fleet::{EffectFound, Fleet, Row, assembled, write};
@@ -57,7 +57,7 @@ impl FleetParts {
         let written = start.elapsed().as_secs_f64();
         let size = fs::metadata(&table)?.len() as f64 / 1e6;
         let start = Instant::now();
-        let pages = pages(&fleet, &said, None, ("sesc fleet", "fleet.html"))?;
+        let pages = pages(&fleet, &said, None, ("sesc fleet", "fleet.html"), ROBOTS)?;
         let paged = start.elapsed().as_secs_f64();
         println!(
             "| robots × days | rows | sorting, s | summary, s | table, s | pages, s | drawn, MB | at most, MB | table, MB | found |\n\

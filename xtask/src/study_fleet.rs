@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
-use sesc::report::fleet::pages;
+use sesc::report::fleet::{ROBOTS, pages};
 use sesc_identify::diagnose::Verdict;
 use sesc_identify::fleet::summary::{ChangeKind, Summary, summary};
 use sesc_identify::fleet::{Fleet as Found, Request, Row, groups, inputs, run};
@@ -272,7 +272,7 @@ fn names_more(row: &Row, fleet: &Fleet) -> bool {
 
 /// The headline of the fleet's page, and the robots that it says to look at first.
 fn on_the_page(found: &Found, summary: &Summary) -> Option<(String, BTreeSet<String>)> {
-    let page = pages(found, summary, None, ("sesc fleet", "fleet.html")).ok()?;
+    let page = pages(found, summary, None, ("sesc fleet", "fleet.html"), ROBOTS).ok()?;
     let between = |start: &str, end: &str| {
         let rest = page.fleet.split_once(start)?.1;
         Some(rest.split_once(end)?.0.to_string())

@@ -58,13 +58,29 @@ use crate::{Error, Setting, message};
 /// # Errors
 /// Those of [`fit`](super::fit).
 pub fn gather(request: &Request, watch: &mut dyn Watch) -> Result<Part, Error> {
-    let (request, health) = screened(request, watch)?;
+    let (request, health) = screened(request, is_alone(request), watch)?;
     joined(&request, health, watch)
+}
+
+/// [`gather`], where `alone` says whether the part is fitted without those of other logs.
+pub(crate) fn gather_as(
+    request: &Request,
+    alone: bool,
+    watch: &mut dyn Watch,
+) -> Result<Part, Error> {
+    let (request, health) = screened(request, alone, watch)?;
+    joined(&request, health, watch)
+}
+
+/// Whether the request is about one log and nothing else.
+pub(super) fn is_alone(request: &Request) -> bool {
+    request.logs.len() == 1 && request.parts.is_empty()
 }
 
 /// The request with its logs as far as they can be used, and what is wrong with them.
 pub(super) fn screened<'r>(
     request: &'r Request,
+    alone: bool,
     watch: &mut dyn Watch,
 ) -> Result<(Cow<'r, Request>, Vec<Finding>), Error> {
     let parts = request.parts.first().map(|(_, part)| part);
@@ -80,7 +96,7 @@ pub(super) fn screened<'r>(
         options: &logs.options,
         snapping: request.snapping,
         noise: request.noise,
-        alone: request.logs.len() == 1 && request.parts.is_empty(),
+        alone,
     };
     let (mut usable, mut findings) = (Vec::new(), Vec::new());
     for log in &request.logs {

@@ -13,7 +13,7 @@ use sesc_model::{Model, ModelFile, Snapping};
 use super::corrected::{Corrected, correct};
 use super::estimate::identify_within;
 use super::identification::{Identification, Settings};
-use super::joined::{joined, logs, screened};
+use super::joined::{is_alone, joined, logs, screened};
 use super::limits::Limits;
 use super::prior::Prior;
 use super::request::Request;
@@ -177,7 +177,7 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     ] {
         check_positive(setting, value)?;
     }
-    let (request, health) = screened(request, watch)?;
+    let (request, health) = screened(request, is_alone(request), watch)?;
     let (request, part) = (&*request, joined(&request, health, watch)?);
     // The robot of the logs is read already; that of parts is in them.
     let is_it =

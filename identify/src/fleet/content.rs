@@ -78,7 +78,7 @@ impl Log {
 
     /// What messages call it: the same wherever the file is.
     pub(super) fn name(&self) -> String {
-        format!("log {}", &self.hash[..12])
+        name_of(&self.hash)
     }
 
     /// The log for a diagnosis, with its sidecar.
@@ -90,6 +90,18 @@ impl Log {
         let bytes = std::sync::Arc::clone(&self.bytes);
         Ok(LogSource::bytes(name, bytes).with_sidecar(sidecar))
     }
+}
+
+impl Content {
+    /// What messages call the log: the same wherever the file is.
+    pub fn name(&self) -> String {
+        name_of(&self.hash)
+    }
+}
+
+/// What messages call the log of this hash.
+pub(super) fn name_of(hash: &str) -> String {
+    format!("log {}", hash.get(..12).unwrap_or(hash))
 }
 
 /// The text of the sidecar beside a log; empty where there is none.

@@ -42,7 +42,7 @@ pub trait Disk: Debug + Send + Sync {
     ///
     /// # Errors
     /// When one cannot be written.
-    fn write(&self, entries: &[(PathBuf, String)]) -> Result<(), Error>;
+    fn write(&self, entries: &[(PathBuf, Vec<u8>)]) -> Result<(), Error>;
 
     /// Read a URDF.
     ///
@@ -87,14 +87,14 @@ impl Disk for Local {
         }
     }
 
-    fn write(&self, entries: &[(PathBuf, String)]) -> Result<(), Error> {
-        for (path, text) in entries {
+    fn write(&self, entries: &[(PathBuf, Vec<u8>)]) -> Result<(), Error> {
+        for (path, bytes) in entries {
             let folder = path.parent().unwrap_or(Path::new("."));
             std::fs::create_dir_all(folder)
                 .map_err(|error| Error::write(folder.display().to_string(), error))?;
             // An entry begins with the hash of the rest: one that a power failure damages is
             // made again, and thousands need not wait for the disk.
-            files::write_unsynced(path, text)?;
+            files::write_unsynced(path, bytes)?;
         }
         Ok(())
     }

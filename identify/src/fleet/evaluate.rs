@@ -2,17 +2,19 @@
 
 use std::sync::Arc;
 
-use super::content::{Log, each_once};
+use super::content::{Content, Log, each_once};
 use super::joined_logs::together;
 use super::options::{Only, Options};
+use super::part_of_log::{Contribution, Gathering, prior, request, support_said};
 use super::row::Row;
 use crate::diagnose::{Request, diagnose};
-use crate::fit::prior::{Prior, PriorChoice};
-use crate::fit::{self, fit};
+use crate::fit::fit;
+use crate::fit::part::Part;
+use crate::fit::prior::Prior;
 use crate::logs::{LogSource, Options as Reading, PostureReader, Readings};
 use crate::robot::Robot;
 use crate::watch::Watch;
-use crate::{Error, ErrorKind};
+use crate::{Error, ErrorKind, Message};
 
 /// Rows read at once where a log is only looked at.
 const BLOCK: usize = 4096;
@@ -26,20 +28,22 @@ const BLOCK: usize = 4096;
 pub fn row(
     robot: &Arc<Robot>,
     options: &Options,
-    (name, day): (&str, &str),
+    name: (&str, &str),
     logs: &[Log],
     watch: &mut dyn Watch,
 ) -> Result<Row, Error> {
     let logs = each_once(logs);
-    let mut row = Row {
-        robot: name.to_string(),
-        day: day.to_string(),
-        urdf_hash: robot.description.hash.clone(),
-        support: options.support.clone().unwrap_or_default(),
-        inputs: logs.iter().map(|log| log.hash.clone()).collect(),
-        version: env!("CARGO_PKG_VERSION").to_string(),
-        ..Row::default()
+    let contents: Vec<Content> = logs.iter().map(Log::content).collect();
+    let mut from_memory = FromMemory(&logs);
+    let group = Group {
+        robot,
+        options,
+        logs: &contents,
     };
+    if options.only == Only::Parameters {
+        return group.row_of_parts(name, &mut from_memory, watch);
+    }
+    let mut row = group.row(name);
     let (mut errors, mut sources) = (Vec::new(), Vec::new());
     for log in &logs {
         let single = logs.len() == 1;
@@ -49,113 +53,268 @@ pub fn row(
             false => readable(robot, options, &source).map(|()| source),
         });
         match source {
-            Ok(source) => sources.push(source),
+            Ok(source) => sources.push((log.content(), source)),
             Err(error) => errors.push(error.to_string()),
         }
     }
-    if !sources.is_empty()
-        && let Err(error) = look(robot, options, &sources, &mut row, watch)
-    {
-        if error.kind() == ErrorKind::Interrupted {
-            return Err(error);
-        }
-        errors.push(error.to_string());
+    let (readable, sources): (Vec<Content>, Vec<LogSource>) = sources.into_iter().unzip();
+    let group = Group {
+        logs: &readable,
+        ..group
+    };
+    let made = group.diagnosed(&sources, &mut row, watch);
+    let made = made.and_then(|is_usable| match is_usable {
+        true => group.fitted(&mut row, &mut from_memory, watch),
+        false => Ok(Vec::new()),
+    });
+    match made {
+        Ok(faults) => errors.extend(faults),
+        Err(error) if error.kind() == ErrorKind::Interrupted => return Err(error),
+        Err(error) => errors.push(error.to_string()),
     }
-    row.error = (!errors.is_empty()).then(|| errors.join("; "));
+    row.set_errors(errors);
     Ok(row)
 }
 
-/// Diagnose and fit.
-fn look(
-    robot: &Arc<Robot>,
-    options: &Options,
-    sources: &[LogSource],
-    row: &mut Row,
-    watch: &mut dyn Watch,
-) -> Result<(), Error> {
-    let support = support(robot, options, sources)?;
-    row.support.clone_from(&support);
-    if options.only == Only::All {
-        diagnosed(robot, options, sources, row, watch)?;
-        if !row.is_usable() {
-            return Ok(());
-        }
-    }
-    let request = fit::Request {
-        robot: Some(Arc::clone(robot)),
-        logs: sources.to_vec(),
-        support: Some(support),
-        snapping: options.snapping(),
-        angles: options.angles,
-        prior: prior(options, Prior::DEFAULT),
-        noise: options.noise,
-        motion: options.motion_model(),
-        feet: options.feet(),
-        ..fit::Request::default()
-    };
-    let found = fit(&request, watch)?.identification;
-    if options.only == Only::Parameters {
-        row.fitted(&found);
-        if !found.is_usable() {
-            return Ok(());
-        }
-    }
-    row.params = found.parameters.iter().map(|p| p.value).collect();
-    let finite = |x: &f64| x.is_finite();
-    let parameters = found.parameters.iter();
-    row.std = parameters.map(|p| p.std.filter(finite)).collect();
-    if options.information {
-        let covariance = &found.estimate.covariance;
-        let lower = (0..covariance.nrows()).flat_map(|i| (0..=i).map(move |j| covariance[(i, j)]));
-        row.covariance = lower.collect();
-    }
-    Ok(())
+/// Where the parts of logs come from.
+pub(super) trait Parts {
+    /// What a log contributes.
+    ///
+    /// # Errors
+    /// The kind `Interrupted` where `watch` stops it; when a store cannot be written.
+    fn part(
+        &mut self,
+        how: &Gathering,
+        log: &Content,
+        watch: &mut dyn Watch,
+    ) -> Result<Contribution, Error>;
 }
 
-fn diagnosed(
-    robot: &Arc<Robot>,
-    options: &Options,
-    sources: &[LogSource],
-    row: &mut Row,
-    watch: &mut dyn Watch,
-) -> Result<(), Error> {
-    let log = match sources {
-        [one] => one.clone(),
-        several => together(several, &robot.description.dofs(), &reading(robot, options))?,
-    };
-    let mut request = Request::new(Arc::clone(robot), log);
-    request.support = Some(row.support.clone());
-    request.snapping = options.snapping();
-    // Several logs were put together in SI units.
-    request.angles = options.angles.filter(|_| sources.len() == 1);
-    request.prior = prior(options, Prior::OF_DIAGNOSES);
-    request.noise = options.noise;
-    request.floor = options.floor;
-    request.motion = options.motion_model();
-    request.feet = options.feet();
-    let report = diagnose(&request, watch)?;
-    row.diagnosed(&report.diagnosis);
-    Ok(())
-}
+/// Parts of logs that are in memory.
+struct FromMemory<'a>(&'a [Log]);
 
-fn prior(options: &Options, usual: &str) -> PriorChoice {
-    PriorChoice::from(options.prior.as_deref().unwrap_or(usual))
-}
-
-/// The link on the ground: that of the options, else of the first log that says.
-fn support(robot: &Robot, options: &Options, sources: &[LogSource]) -> Result<String, Error> {
-    if let Some(support) = &options.support {
-        return Ok(support.clone());
-    }
-    let mut odd = Vec::new();
-    for source in sources {
-        let (sidecar, own) = source.sidecar()?;
-        if let Some(support) = sidecar.support {
-            return Ok(support);
+impl Parts for FromMemory<'_> {
+    fn part(
+        &mut self,
+        how: &Gathering,
+        log: &Content,
+        watch: &mut dyn Watch,
+    ) -> Result<Contribution, Error> {
+        let is_it = |own: &&Log| own.hash == log.hash && own.sidecar == log.sidecar;
+        match self.0.iter().find(is_it) {
+            Some(log) => Contribution::of(how, log, watch),
+            None => Ok(Contribution::Fault(format!("{} is not here", log.name()))),
         }
-        odd.extend(own);
     }
-    Err(robot.no_support(&odd))
+}
+
+/// The links on the ground of a group.
+struct Supports<'a> {
+    /// Logs whose sidecars can be read, with the link that options or sidecar say.
+    of_logs: Vec<(&'a Content, Option<String>)>,
+    /// The first of these; where there is none, what is missing.
+    of_group: Result<String, Error>,
+    /// What is wrong with other sidecars.
+    faults: Vec<String>,
+}
+
+/// Logs of one robot and day, each once and sorted by what they hold.
+#[derive(Clone, Copy)]
+pub(super) struct Group<'a> {
+    pub robot: &'a Arc<Robot>,
+    pub options: &'a Options,
+    pub logs: &'a [Content],
+}
+
+impl Group<'_> {
+    /// The row, of parameters alone, of what logs contribute.
+    ///
+    /// # Errors
+    /// The kind `Interrupted` where `watch` stops it; those of `parts`.
+    pub fn row_of_parts(
+        &self,
+        name: (&str, &str),
+        parts: &mut dyn Parts,
+        watch: &mut dyn Watch,
+    ) -> Result<Row, Error> {
+        let mut row = self.row(name);
+        let faults = self.fitted(&mut row, parts, watch)?;
+        row.set_errors(faults);
+        Ok(row)
+    }
+
+    /// A row that says whose it is and nothing else.
+    pub fn row(&self, (name, day): (&str, &str)) -> Row {
+        Row {
+            robot: name.to_string(),
+            day: day.to_string(),
+            urdf_hash: self.robot.description.hash.clone(),
+            support: self.options.support.clone().unwrap_or_default(),
+            inputs: self.logs.iter().map(|log| log.hash.clone()).collect(),
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            ..Row::default()
+        }
+    }
+
+    fn supports(&self) -> Supports<'_> {
+        let (mut of_logs, mut odd, mut faults) = (Vec::new(), Vec::<Message>::new(), Vec::new());
+        for log in self.logs {
+            match support_said(self.options, log) {
+                Ok((support, of_log)) => {
+                    of_logs.push((log, support));
+                    odd.extend(of_log);
+                }
+                Err(error) => faults.push(error.to_string()),
+            }
+        }
+        let first = of_logs.iter().find_map(|(_, support)| support.clone());
+        Supports {
+            of_group: first.ok_or_else(|| self.robot.no_support(&odd)),
+            of_logs,
+            faults,
+        }
+    }
+
+    /// Fit what the logs contribute; gives what is wrong with those that contribute nothing.
+    fn fitted(
+        &self,
+        row: &mut Row,
+        parts: &mut dyn Parts,
+        watch: &mut dyn Watch,
+    ) -> Result<Vec<String>, Error> {
+        let Supports {
+            of_logs: logs,
+            of_group: support,
+            mut faults,
+        } = self.supports();
+        if logs.is_empty() {
+            return Ok(faults);
+        }
+        let support = match support {
+            Ok(support) => support,
+            Err(error) => {
+                faults.push(error.to_string());
+                return Ok(faults);
+            }
+        };
+        row.support.clone_from(&support);
+        let mut gathered = Vec::new();
+        for (log, own) in logs {
+            let own = own.unwrap_or_else(|| support.clone());
+            match parts.part(&self.gathering(&own, true), log, watch)? {
+                Contribution::Fault(fault) if faults.contains(&fault) => {}
+                Contribution::Fault(fault) => faults.push(fault),
+                part => gathered.push((log, own, part)),
+            }
+        }
+        let several = gathered.len() > 1;
+        let mut whole: Option<Part> = None;
+        for (log, own, part) in gathered {
+            let part = match part.depends_on_others() && several {
+                true => parts.part(&self.gathering(&own, false), log, watch)?,
+                false => part,
+            };
+            let part = match part {
+                Contribution::Part(part) => *part,
+                Contribution::Fault(fault) => {
+                    faults.push(fault);
+                    continue;
+                }
+            };
+            let merged = match &mut whole {
+                None => {
+                    whole = Some(part);
+                    Ok(())
+                }
+                Some(whole) => whole.merge(part, &log.name()),
+            };
+            if let Err(error) = merged {
+                faults.push(error.to_string());
+                return Ok(faults);
+            }
+        }
+        if let Some(whole) = whole
+            && let Err(error) = self.fit(&support, whole, row, watch)
+        {
+            if error.kind() == ErrorKind::Interrupted {
+                return Err(error);
+            }
+            faults.push(error.to_string());
+        }
+        Ok(faults)
+    }
+
+    fn gathering<'s>(&'s self, support: &'s str, alone: bool) -> Gathering<'s> {
+        Gathering {
+            robot: self.robot,
+            options: self.options,
+            support,
+            alone,
+        }
+    }
+
+    /// Fit the part of all logs.
+    fn fit(
+        &self,
+        support: &str,
+        whole: Part,
+        row: &mut Row,
+        watch: &mut dyn Watch,
+    ) -> Result<(), Error> {
+        let mut request = request(self.robot, self.options, support);
+        // Sums are in SI units.
+        request.angles = None;
+        request.parts = vec![("the logs of this group".to_string(), whole)];
+        let found = fit(&request, watch)?.identification;
+        if self.options.only == Only::Parameters {
+            row.fitted(&found);
+            if !found.is_usable() {
+                return Ok(());
+            }
+        }
+        row.params = found.parameters.iter().map(|p| p.value).collect();
+        let finite = |x: &f64| x.is_finite();
+        let parameters = found.parameters.iter();
+        row.std = parameters.map(|p| p.std.filter(finite)).collect();
+        if self.options.information {
+            let covariance = &found.estimate.covariance;
+            let lower =
+                (0..covariance.nrows()).flat_map(|i| (0..=i).map(move |j| covariance[(i, j)]));
+            row.covariance = lower.collect();
+        }
+        Ok(())
+    }
+
+    /// Diagnose the logs; gives whether they are fit for a fit.
+    fn diagnosed(
+        &self,
+        sources: &[LogSource],
+        row: &mut Row,
+        watch: &mut dyn Watch,
+    ) -> Result<bool, Error> {
+        let (robot, options) = (self.robot, self.options);
+        if sources.is_empty() {
+            return Ok(false);
+        }
+        row.support = self.supports().of_group?;
+        let log = match sources {
+            [one] => one.clone(),
+            several => together(several, &robot.description.dofs(), &reading(robot, options))?,
+        };
+        let mut request = Request::new(Arc::clone(robot), log);
+        request.support = Some(row.support.clone());
+        request.snapping = options.snapping();
+        // Several logs were put together in SI units.
+        request.angles = options.angles.filter(|_| sources.len() == 1);
+        request.prior = prior(options, Prior::OF_DIAGNOSES);
+        request.noise = options.noise;
+        request.floor = options.floor;
+        request.motion = options.motion_model();
+        request.feet = options.feet();
+        let report = diagnose(&request, watch)?;
+        row.diagnosed(&report.diagnosis);
+        Ok(row.is_usable())
+    }
 }
 
 fn reading(robot: &Robot, options: &Options) -> Reading {

@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 use sesc_model::Snapping;
 
 use super::disk::Disk;
+use super::failed::Failed;
 use super::row::Row;
 use super::table::assembled;
-use super::work::{Done, Failed};
+use super::work::Done;
 use crate::robot::Robot;
 
 /// A log that was given before under another name.

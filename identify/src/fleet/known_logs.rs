@@ -1,5 +1,4 @@
-//! What the logs of a group held when they were last read, so that a second run opens none of
-//! them.
+//! What a log held when it was last read, so that a second run does not open it.
 //!
 //! A log is taken for the same while its size, the time of its last change and its number on the
 //! disk stay; one of an object store while its size and its ETag stay. The time is the one that
@@ -7,8 +6,7 @@
 //! a log that was changed less than two seconds before it was read is read again, since another
 //! change may have the same time.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
@@ -20,10 +18,11 @@ use crate::Error;
 /// A change is older than this when a log is read, or it is read again the next time.
 const SETTLED: Duration = Duration::from_secs(2);
 
-/// Hashes of logs by their paths, with the files' stamps.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// The hash of a log, with the stamp of its file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Seen {
-    logs: BTreeMap<PathBuf, (Stamp, String)>,
+    stamp: Stamp,
+    hash: String,
 }
 
 /// A log of a group, in memory if it had to be read.
@@ -31,30 +30,44 @@ pub(super) struct Seen {
 pub(super) struct Held {
     pub content: Content,
     pub log: Option<Log>,
+    /// Whether its file was opened.
+    pub opened: bool,
+    /// What it is known by the next time, where the store does not have that yet.
+    pub seen: Option<Seen>,
 }
 
-impl Seen {
-    /// The log at `path`, which is read unless it is known.
+impl Held {
+    /// The log at `path`, which is read unless a store knows it: `known` is none without a store,
+    /// and otherwise what that has of the log.
     ///
     /// # Errors
     /// As [`Log::read`].
-    pub fn held(&self, disk: &dyn Disk, path: &Path, after: &mut Seen) -> Result<Held, Error> {
+    pub fn of(disk: &dyn Disk, path: &Path, known: Option<Option<Seen>>) -> Result<Held, Error> {
+        let Some(known) = known else {
+            return Held::read(disk, path, None);
+        };
         let stamp = disk.stamp(path);
-        let known = self
-            .logs
-            .get(path)
-            .filter(|(known, _)| stamp.as_ref() == Some(known));
-        if let Some((stamp, hash)) = known {
-            after
-                .logs
-                .insert(path.to_path_buf(), (stamp.clone(), hash.clone()));
+        if let Some(known) = known.filter(|known| stamp.as_ref() == Some(&known.stamp)) {
             let content = Content {
-                hash: hash.clone(),
-                size: stamp.size,
+                hash: known.hash,
+                size: known.stamp.size,
                 sidecar: read_sidecar(disk, path)?,
             };
-            return Ok(Held { content, log: None });
+            return Ok(Held {
+                content,
+                log: None,
+                opened: false,
+                seen: None,
+            });
         }
+        Held::read(disk, path, stamp)
+    }
+
+    /// The log at `path`, which had this stamp before it is read.
+    ///
+    /// # Errors
+    /// As [`Log::read`].
+    pub fn read(disk: &dyn Disk, path: &Path, stamp: Option<Stamp>) -> Result<Held, Error> {
         let now = SystemTime::now()
             .duration_since(UNIX_EPOCH)
             .unwrap_or_default();
@@ -64,14 +77,15 @@ impl Seen {
             let is_old = stamp.changed.is_none_or(|changed| changed + SETTLED <= now);
             is_old && stamp.size == content.size
         };
-        if let Some(stamp) = stamp.filter(settled) {
-            after
-                .logs
-                .insert(path.to_path_buf(), (stamp, log.hash.clone()));
-        }
+        let seen = stamp.filter(settled).map(|stamp| Seen {
+            stamp,
+            hash: log.hash.clone(),
+        });
         Ok(Held {
             content,
             log: Some(log),
+            opened: true,
+            seen,
         })
     }
 }

@@ -2,9 +2,9 @@
 //! together.
 //!
 //! ```text
-//! inputs ─▶ groups (robot, day) ─▶ row(URDF, options, logs) ─▶ table, Parquet or CSV
+//! inputs ─▶ groups (robot, day or window) ─▶ row(URDF, options, logs) ─▶ table, Parquet or CSV
 //!                                        ▲  │                    │
-//!                                        store                   ▼
+//!                      store: rows, and a part of each log       ▼
 //!                                                  summary: shared effects, changes,
 //!                                                  what to look at first
 //! ```
@@ -13,13 +13,17 @@
 //! one that comes twice counts once, and nothing of the result depends on time, paths or the
 //! order in which logs arrive. Whatever runs it (threads here, processes or machines
 //! elsewhere) and however often, the table is the same to the byte. A log that cannot be
-//! read is an error in its row and never the end of a run.
+//! read is an error in its row and never the end of a run. The parameters of a row come from
+//! the parts of its logs (`part_of_log`), so that a group with a new log reads that one alone; a
+//! diagnosis reads all of them.
 //!
 //! [`summary`](summary::summary()) is a pure function of the rows.
 
 mod content;
+mod desk;
 mod disk;
 mod evaluate;
+mod failed;
 mod gathering;
 mod groups;
 mod joined_logs;
@@ -28,12 +32,14 @@ mod manifest;
 mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod part_of_log;
 mod population;
 mod row;
 mod run;
 mod store;
 pub mod summary;
 mod table;
+mod windows;
 mod work;
 
 pub use content::Log;
@@ -42,6 +48,7 @@ pub use content::content_hash;
 #[doc(hidden)]
 pub use disk::{Disk, Local, Stamp};
 pub use evaluate::row;
+pub use failed::Failed;
 #[doc(hidden)]
 pub use gathering::Gathering;
 pub use gathering::{Fleet, Twice};
@@ -59,6 +66,6 @@ pub use store::Store;
 pub use table::{COLUMNS, write};
 #[doc(hidden)]
 pub use table::{assembled, check_table};
-pub use work::Failed;
+pub use windows::windows;
 #[doc(hidden)]
 pub use work::{Done, Job, work};

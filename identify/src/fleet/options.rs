@@ -108,6 +108,18 @@ impl Options {
         }
     }
 
+    /// Those that parts of logs depend on, all else as usual.
+    pub(super) fn of_parts(&self) -> Options {
+        Options {
+            // Each log's own support is another part of the name.
+            support: None,
+            floor: FLOOR_M,
+            only: Only::All,
+            information: false,
+            ..self.clone()
+        }
+    }
+
     /// Everything that rows depend on, as a text: the contents of a file of tolerances, too.
     pub(super) fn key(&self) -> String {
         let own = serde_json::to_string(self).unwrap_or_default();

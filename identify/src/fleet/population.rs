@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::groups::Group;
 use super::options::Options;
-use super::row::Row;
+use super::row::{Row, by_number};
 use super::summary::criteria::ROBOTS;
 use crate::Error;
 use crate::diagnose::FREE_MASSES;
@@ -77,7 +77,7 @@ pub fn population(
                 .any(|finding| finding.kind == Kind::EncoderStuck)
     };
     let mut supports: BTreeMap<&str, BTreeMap<&str, Vec<&Row>>> = BTreeMap::new();
-    for row in rows.iter().filter(is_told) {
+    for row in with_each_log_once(rows.iter().filter(is_told).collect()) {
         let robots = supports.entry(&row.support).or_default();
         robots.entry(&row.robot).or_default().push(row);
     }
@@ -119,6 +119,30 @@ pub fn population(
             .map(|row| row.iter().copied().collect())
             .collect(),
     })
+}
+
+/// Rows of which no two have a log in common: its readings are told once, in whatever robot's
+/// and day's name it is listed. Of two rows that of more logs stays, then that of the first robot
+/// and day.
+fn with_each_log_once(mut rows: Vec<&Row>) -> Vec<&Row> {
+    rows.sort_by(|a, b| {
+        let more = b.inputs.len().cmp(&a.inputs.len());
+        let robot = || by_number(&a.robot, &b.robot);
+        let day = || by_number(&a.day, &b.day);
+        let rest = || (&a.support, &a.inputs).cmp(&(&b.support, &b.inputs));
+        more.then_with(robot).then_with(day).then_with(rest)
+    });
+    let mut told: BTreeSet<&str> = BTreeSet::new();
+    rows.retain(|row| {
+        let is_new = row.inputs.iter().all(|log| !told.contains(log.as_str()));
+        if is_new {
+            told.extend(row.inputs.iter().map(String::as_str));
+        }
+        is_new
+    });
+    // Sums do not depend on which row has the most logs.
+    rows.sort_by(|a, b| by_number(&a.robot, &b.robot).then_with(|| by_number(&a.day, &b.day)));
+    rows
 }
 
 /// S⁺ of a factor with independent columns.
@@ -254,6 +278,31 @@ mod tests {
         // No direction is narrower than robots are.
         let gap = covariance - 0.8 * truth;
         assert!(gap.symmetric_eigenvalues().min() > -1e-12, "{gap}");
+    }
+
+    /// A log that is listed on two days, or for two robots, is no second measurement.
+    #[test]
+    fn a_log_counts_once_in_whatever_rows_it_is() {
+        let robot = Arc::new(Robot::parse(ROD, "rod.urdf").unwrap());
+        let (mut rows, _) = rows(&robot, 8);
+        for (k, row) in rows.iter_mut().enumerate() {
+            row.day = "1".into();
+            row.inputs = vec![format!("log {k}")];
+        }
+        let of = |rows: &[Row]| population(rows, &robot, &Options::default()).unwrap();
+        let once = of(&rows);
+        let mut again = rows.clone();
+        // One under another day, one under a robot of its own.
+        again.push(Row {
+            day: "2".into(),
+            ..rows[0].clone()
+        });
+        again.push(Row {
+            robot: "z".into(),
+            ..rows[1].clone()
+        });
+        again.reverse();
+        assert_eq!(of(&again), once);
     }
 
     #[test]

@@ -164,6 +164,11 @@ impl Row {
         self.verdict.map_or("", Verdict::name)
     }
 
+    /// Say what went wrong, if anything did.
+    pub(super) fn set_errors(&mut self, errors: Vec<String>) {
+        self.error = (!errors.is_empty()).then(|| errors.join("; "));
+    }
+
     /// Take over what a fit says of the data, where there is no diagnosis.
     pub(super) fn fitted(&mut self, found: &Identification) {
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());

@@ -158,13 +158,13 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Error> {
     begun(path, contents)?.finish()
 }
 
-/// Write a whole text that can be made again: nobody ever reads half of it, but it does not wait
+/// Write a whole file that can be made again: nobody ever reads half of it, but it does not wait
 /// for the disk, and a power failure may leave an empty or damaged file in its place.
 ///
 /// # Errors
 /// When the file cannot be written; nothing half-written stays.
-pub fn write_unsynced(path: &Path, text: &str) -> Result<(), Error> {
-    let mut file = begun(path, text)?;
+pub fn write_unsynced(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Error> {
+    let mut file = begun(path, contents)?;
     let flushed = file.flush();
     flushed.map_err(|source| failed(path, source))?;
     let mut noted = noted();

@@ -91,12 +91,13 @@ class Fleet:
             self._found.write(os.fspath(own))
             self._objects.write(os.fspath(path), own.read_bytes())
 
-    def report(self, path: str | os.PathLike[str]) -> None:
+    def report(self, path: str | os.PathLike[str], pages: int | None = None) -> None:
         """Write the page, ``fleet.html``: what robots share, what changed, what to look at first;
-        and beside it a folder ``fleet`` with a page for each robot."""
+        and beside it a folder ``fleet`` with a page for each of so many robots, 2000 unless
+        given, those to look at first before others."""
         at = local(path)
         above, slash, name = at.replace(os.sep, "/").rpartition("/")
-        text, folder, robots = self._found.pages(name)
+        text, folder, robots = self._found.pages(name, pages)
         if not is_address(at):
             Path(above or slash, folder).mkdir(exist_ok=True)
         for robot, page in robots:
@@ -149,6 +150,7 @@ def run(
     prior: str | os.PathLike[str] | None = None,
     noise: float | None = None,
     only: str | None = None,
+    window: int | None = None,
     information: bool = False,
     storage: Mapping[str, Any] | None = None,
     progress: _run.Progress = False,
@@ -162,16 +164,21 @@ def run(
             ``urdf``, ``support``. Paths may be addresses (``s3://``, ``gs://``), which fsspec reads.
         by: what makes a group, from the table's columns, the path's folders or the file's name:
             the last is the day, those before it the robot.
-        store: a folder that keeps rows under the hash of what they were made from, or an address.
+        store: a folder that keeps rows, and with ``only="parameters"`` what each log contributes,
+            under the hash of what they were made from; or an address.
         engine: any ``concurrent.futures.Executor`` (processes, Dask's ``client.get_executor()``),
             ``"ray"`` or a SparkSession; threads of this process, one a processor, unless given.
         support, angles, prior, noise: as in :func:`sesc.diagnose`; the parameters are fitted with
             the usual tolerances unless ``prior`` is given.
         only: ``"parameters"`` fits without a diagnosis, in a fraction of the time.
+        window: put so many days together: a row for each robot and window, named by its first day.
+            Windows begin where the calendar says (those of 7 days on Mondays; numbered days from 1
+            on), whatever days have logs. Days are dates (``2031-05-01``) or numbers.
         information: keep the covariance of the parameters with each row (19 kB), for
             :meth:`Fleet.save_prior`.
         storage: what fsspec is given for addresses: ``{"endpoint_url": "https://…"}``.
-        progress: print how far it is, or a function of what is done, how much, and of how much.
+        progress: print how far it is, or a function of what is done, how much, of how much, and, if
+            it takes a fourth argument, of how many seconds are left (None before that is known).
 
     Example:
         >>> sesc.fleet.run(robot, [])
@@ -189,7 +196,7 @@ def run(
     options = json.dumps({key: value for key, value in given.items() if value is not None})
     objects = Objects(storage)
     data, table = _named(paths_or_table, by, objects)
-    groups = _sesc.fleet_groups(data, table, list(by))
+    groups = _sesc.fleet_groups(data, table, list(by), window)
     folder = None if store is None else local(store)
     is_remote = any("://" in group for group in groups) or is_address(folder or "")
     show = _run.shown(progress)

@@ -8,7 +8,7 @@ mod robot;
 mod tests;
 mod text;
 
-pub use page::{Pages, page_of_robot, pages};
+pub use page::{Pages, ROBOTS, page_of_robot, pages};
 pub(in crate::report) use picture::mark_effect;
 pub use picture::skeleton;
 pub use text::text;

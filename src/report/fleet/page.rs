@@ -20,7 +20,7 @@ use super::robot::robot_page;
 use super::{count, hashes, headline, twice};
 
 /// Robots with a page of their own, at most.
-const ROBOTS: usize = 2000;
+pub const ROBOTS: usize = 2000;
 /// Days of the picture, at most: the last ones.
 const DAYS: usize = 31;
 
@@ -32,6 +32,15 @@ struct RobotLine {
     postures: u64,
     said: String,
     bad: bool,
+}
+
+/// A robot to look at, and how sure that is.
+#[derive(Serialize)]
+struct LookFirst<'a> {
+    robot: &'a str,
+    why: &'a str,
+    places: String,
+    chance: String,
 }
 
 /// A robot of the picture: a mark a day.
@@ -52,7 +61,8 @@ pub struct Pages {
 }
 
 /// All pages; `command` made them. That of the fleet has the name `file`, `fleet.html`, and those
-/// of robots stand in the folder `fleet` beside it. `drawn` is the robot on the page of the fleet.
+/// of robots stand in the folder `fleet` beside it: of so many robots, those to look at first
+/// before others. `drawn` is the robot on the page of the fleet.
 ///
 /// # Errors
 /// When a template cannot be filled.
@@ -61,6 +71,7 @@ pub fn pages(
     summary: &Summary,
     drawn: Option<&Skeleton>,
     (command, file): (&str, &str),
+    most: usize,
 ) -> Result<Pages, Error> {
     let folder = folder_of(Path::new(file));
     let mut robots: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
@@ -72,7 +83,7 @@ pub fn pages(
     let mut shown: Vec<&str> = Vec::new();
     let mut known = BTreeSet::new();
     for name in first.chain(robots.keys().copied()) {
-        if known.insert(name) && shown.len() < ROBOTS {
+        if known.insert(name) && shown.len() < most.min(ROBOTS) {
             shown.push(name);
         }
     }
@@ -101,6 +112,12 @@ pub fn pages(
             marks: marks.collect(),
         })
     });
+    let reasons = summary.reasons.iter().map(|reason| LookFirst {
+        robot: &reason.robot,
+        why: &reason.why,
+        places: reason.places_in_words(),
+        chance: reason.chance_in_words(),
+    });
     let context = context! {
         robot => drawn.map(|drawn| card(fleet, summary, drawn)),
         headline => headline(summary.shared.len(), summary.changes.len(), fleet.failed.len()),
@@ -110,7 +127,8 @@ pub fn pages(
         of_robots => count(robots.len(), "robot"),
         shared => Serde(&summary.shared),
         changes => Serde(&summary.changes),
-        reasons => Serde(&summary.reasons),
+        reasons => Serde(reasons.collect::<Vec<LookFirst>>()),
+        linked => shown.len(),
         population => Serde(summary.population.as_ref().map(|p| (p.robots, p.names.len()))),
         failed => Serde(&fleet.failed),
         twice => fleet.twice.iter().map(twice).collect::<Vec<String>>(),

@@ -40,7 +40,14 @@ fn fleet() -> Fleet {
 fn the_page_says_what_robots_share_and_escapes_names() {
     let fleet = fleet();
     let summary = summary(&fleet.rows, &Default::default(), None);
-    let all = pages(&fleet, &summary, None, ("sesc fleet", "my fleet.html")).unwrap();
+    let all = pages(
+        &fleet,
+        &summary,
+        None,
+        ("sesc fleet", "my fleet.html"),
+        ROBOTS,
+    )
+    .unwrap();
     let page = all.fleet;
     for text in [
         "4 robots share joint_offset:l_&lt;knee&gt;",
@@ -95,7 +102,7 @@ fn every_size_is_told_in_the_unit_that_people_read() {
     let mut fleet = Fleet::default();
     fleet.rows.push(row("r1", "1", &all.join(",")));
     let summary = summary(&fleet.rows, &Default::default(), None);
-    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html")).unwrap();
+    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html"), ROBOTS).unwrap();
     let page = &pages.robots[0].1;
     for text in [
         "mass, g",
@@ -128,7 +135,7 @@ fn the_page_of_a_robot_shows_what_is_suspected_on_it() {
     }
     let summary = summary(&fleet.rows, &Default::default(), None);
     let words = ("sesc fleet", "fleet.html");
-    let all = pages(&fleet, &summary, Some(&drawn), words).unwrap();
+    let all = pages(&fleet, &summary, Some(&drawn), words, ROBOTS).unwrap();
     let [first, second] = [&all.robots[0].1, &all.robots[1].1];
     assert_eq!(first.matches("<svg ").count(), 2);
     assert!(
@@ -156,9 +163,27 @@ fn rows_that_were_fitted_alone_are_called_so_on_page_and_console() {
     }
     let summary = summary(&fleet.rows, &Default::default(), None);
     let text = text(&fleet, &summary);
-    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html")).unwrap();
+    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html"), ROBOTS).unwrap();
     for told in ["fitted", "no result"] {
         assert!(text.contains(told), "{told}\n{text}");
         assert!(pages.fleet.contains(&format!("{told} on 1 day")), "{told}");
     }
+}
+
+/// A page that is not made is not linked to.
+#[test]
+fn robots_without_a_page_of_their_own_have_no_links() {
+    let fleet = fleet();
+    let summary = summary(&fleet.rows, &Default::default(), None);
+    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html"), 2).unwrap();
+    let names: Vec<&str> = pages.robots.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names.len(), 2);
+    let mut links: Vec<&str> = pages.fleet.split("href=\"fleet/").skip(1).collect();
+    assert!(!links.is_empty());
+    for link in &mut links {
+        let (name, _) = link.split_once('"').unwrap();
+        assert!(names.contains(&name), "{name}");
+    }
+    let said = "2 of them have a page of their own";
+    assert!(pages.fleet.contains(said), "{}", pages.fleet);
 }

@@ -41,7 +41,7 @@ pub fn text(fleet: &Fleet, summary: &Summary) -> String {
     let first = summary
         .reasons
         .iter()
-        .map(|r| format!("{}: {}", r.robot, r.why));
+        .map(|r| format!("{} (place {}): {}", r.robot, r.places_in_words(), r.why));
     let failed = fleet
         .failed
         .iter()

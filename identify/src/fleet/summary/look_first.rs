@@ -1,13 +1,28 @@
-//! Which robots to look at first, and why.
+//! Which robots to look at first, why, and how sure that is.
+//!
+//! ```text
+//! weight = Σ w_k (1 − p_k)          w_k: how urgent statement k is; p_k: its chance in a sound robot
+//! std²   = Σ w_k² p_k (1 − p_k)     whether each is true is drawn on its own
+//! robot j is before i for sure:     weight_j − weight_i > 1.96 √(std_j² + std_i²)
+//! ```
+//!
+//! p_k is that of the test which made the statement: of a change or a group in the whole fleet;
+//! of an effect of the robot's own 1/(1 + e^(E/2)/D), with E the evidence of the clearest of D
+//! days; of a finding on m of D days the chance that so many sound days have it. What files
+//! themselves say (another URDF, a log that cannot be read) has 0.
 
 use serde::Serialize;
+use statrs::distribution::{Binomial, DiscreteCDF as _};
 
 use super::changes::{Change, ChangeKind};
-use super::criteria::CLEAR;
+use super::criteria::{CLEAR, FALSE_FINDING};
 use super::history::{History, Key, Said, label, said};
-use super::shared::Shared;
+use super::shared::{Shared, one_in};
 use crate::diagnose::Verdict;
 use crate::fleet::row::Row;
+
+/// 97.5 % of a normal number.
+const Z: f64 = 1.959_963_985;
 
 /// Why a robot is to be looked at.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -16,93 +31,203 @@ pub struct Reason {
     /// The robot.
     pub robot: String,
     /// The larger, the sooner: what spoils data comes before what spoils the robot, what
-    /// changes before what stays, what is the robot's own before what others share.
+    /// changes before what stays, what is the robot's own before what others share. Each
+    /// statement counts by the probability that it is true.
     pub weight: f64,
+    /// Standard deviation of the weight: each statement is true or false.
+    pub weight_std: f64,
+    /// First and last place that the robot may have in the list, at 95 %; robots of one weight
+    /// share their places.
+    pub places: [usize; 2],
+    /// Chance that a sound robot is listed so: that no statement is true.
+    pub chance: f64,
+    /// The statements.
+    pub said: Vec<Statement>,
     /// Why, in sentences.
     pub why: String,
 }
 
+/// One thing that is said of a robot.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Statement {
+    /// How urgent it is.
+    pub weight: f64,
+    /// Chance that it is said where it is not true; 0 of what files themselves say.
+    pub chance: f64,
+    /// What is said, as a sentence.
+    pub sentence: String,
+}
+
+impl Reason {
+    /// How often a sound robot is listed so, as words: `in 1 of 40 robots`.
+    pub fn chance_in_words(&self) -> String {
+        match self.chance {
+            p if p <= 0.0 => "never".to_string(),
+            p => format!("in {} robots", one_in(p)),
+        }
+    }
+
+    /// The places that the robot may have, as words: `1`, or `2 to 4`.
+    pub fn places_in_words(&self) -> String {
+        match self.places {
+            [first, last] if first == last => first.to_string(),
+            [first, last] => format!("{first} to {last}"),
+        }
+    }
+}
+
+impl Statement {
+    fn new(weight: f64, chance: f64, sentence: String) -> Statement {
+        Statement {
+            weight,
+            chance: chance.clamp(0.0, 1.0),
+            sentence,
+        }
+    }
+}
+
 pub(super) fn reasons(histories: &[History], shared: &[Shared], changes: &[Change]) -> Vec<Reason> {
     let of = |history: &History| {
-        let mut said: Vec<(f64, String)> = Vec::new();
-        said.extend(data(history));
-        for change in changes
-            .iter()
-            .filter(|change| change.robot == history.robot)
-        {
-            let weight = match change.kind {
-                ChangeKind::Urdf => 1.0,
-                // The finding itself is said already.
-                ChangeKind::Health => 0.0,
-                ChangeKind::Effect | ChangeKind::Parameter => 4.0,
-            };
-            said.push((weight, format!("From {} on: {}", change.day, change.what)));
-        }
-        let changed = |key: &Key| {
-            let label = label((&key.0, &key.1));
-            changes
-                .iter()
-                .any(|c| c.robot == history.robot && c.target == label)
-        };
-        for key in history.keys().into_iter().filter(|key| lasts(history, key)) {
-            let group = shared.iter().find(|group| {
-                (&group.effect, &group.target) == (&key.0, &key.1)
-                    && group.robots.iter().any(|robot| robot == history.robot)
-            });
-            let name = label((&key.0, &key.1));
-            match group {
-                Some(group) => {
-                    said.push((
-                        2.0,
-                        format!("It shares {name} with {} others.", group.robots.len() - 1),
-                    ));
-                }
-                None if changed(&key) => {}
-                None => said.push((3.0, format!("It has {name}, which no group shares."))),
-            }
-        }
-        said.extend(unexplained(history));
-        said.extend(errors(history));
+        let said = statements(history, shared, changes);
         if said.is_empty() {
             return None;
         }
-        let weight = said.iter().map(|(weight, _)| weight).sum();
-        let why: Vec<String> = said.into_iter().map(|(_, why)| why).collect();
+        let true_part = |one: &Statement| one.weight * (1.0 - one.chance);
+        let variance = |one: &Statement| one.weight * one.chance * true_part(one);
+        let why: Vec<&str> = said.iter().map(|one| one.sentence.as_str()).collect();
         Some(Reason {
             robot: history.robot.to_string(),
-            weight,
+            weight: said.iter().map(true_part).sum(),
+            weight_std: said.iter().map(variance).sum::<f64>().sqrt(),
+            places: [0, 0],
+            chance: said.iter().map(|one| one.chance).product(),
             why: why.join(" "),
+            said,
         })
     };
     let mut reasons: Vec<Reason> = histories.iter().filter_map(of).collect();
     reasons.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.robot.cmp(&b.robot)));
+    place(&mut reasons);
     reasons
 }
 
-/// Findings about the data: those of two days or more, and those of the last.
-fn data(history: &History) -> Vec<(f64, String)> {
-    let rows = history.with_results();
-    let mut seen: Vec<(String, f64, usize, &str)> = Vec::new();
-    for (at, row) in rows.iter().enumerate() {
-        for finding in &row.health {
-            let name = label((finding.kind.name(), &finding.target));
-            let weight = if finding.kind.makes_unusable() {
-                6.0
-            } else {
-                5.0
-            };
-            match seen.iter_mut().find(|(known, ..)| *known == name) {
-                Some((_, _, count, _)) => *count += 1,
-                None if at + 1 == rows.len() || weight > 5.0 => {
-                    seen.push((name, weight, 2, &finding.sentence));
-                }
-                None => seen.push((name, weight, 1, &finding.sentence)),
+/// The places that each may have.
+fn place(reasons: &mut [Reason]) {
+    let known: Vec<(f64, f64)> = reasons.iter().map(|r| (r.weight, r.weight_std)).collect();
+    for (reason, own) in reasons.iter_mut().zip(&known) {
+        let is_before = |one: &(f64, f64), other: &(f64, f64)| {
+            // Sums of the same weights may differ in their last digits.
+            one.0 - other.0 > Z * one.1.hypot(other.1) + 1e-9
+        };
+        let before = known.iter().filter(|one| is_before(one, own)).count();
+        let after = known.iter().filter(|one| is_before(own, one)).count();
+        reason.places = [before + 1, known.len() - after];
+    }
+}
+
+fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<Statement> {
+    let mut all = data(history);
+    for change in changes
+        .iter()
+        .filter(|change| change.robot == history.robot)
+    {
+        let weight = match change.kind {
+            ChangeKind::Urdf => 1.0,
+            // The finding itself is said already.
+            ChangeKind::Health => 0.0,
+            ChangeKind::Effect | ChangeKind::Parameter => 4.0,
+        };
+        let sentence = format!("From {} on: {}", change.day, change.what);
+        all.push(Statement::new(
+            weight,
+            change.chance.unwrap_or(0.0),
+            sentence,
+        ));
+    }
+    let changed = |key: &Key| {
+        let label = label((&key.0, &key.1));
+        changes
+            .iter()
+            .any(|c| c.robot == history.robot && c.target == label)
+    };
+    for key in history.keys().into_iter().filter(|key| lasts(history, key)) {
+        let group = shared.iter().find(|group| {
+            (&group.effect, &group.target) == (&key.0, &key.1)
+                && group.robots.iter().any(|robot| robot == history.robot)
+        });
+        let name = label((&key.0, &key.1));
+        match group {
+            Some(group) => {
+                let sentence = format!("It shares {name} with {} others.", group.robots.len() - 1);
+                all.push(Statement::new(2.0, group.chance, sentence));
+            }
+            None if changed(&key) => {}
+            None => {
+                let sentence = format!("It has {name}, which no group shares.");
+                all.push(Statement::new(3.0, chance_of(history, &key), sentence));
             }
         }
     }
-    let lasting = seen.into_iter().filter(|(_, _, count, _)| *count > 1);
+    all.extend(unexplained(history));
+    all.extend(errors(history));
+    all
+}
+
+/// Chance of an effect of the robot's own: by the evidence of the clearest day, any of which
+/// might have been it.
+fn chance_of(history: &History, key: &Key) -> f64 {
+    let rows: Vec<&Row> = history.usable().collect();
+    let evidence = rows.iter().filter_map(|row| match said(row, key) {
+        Said::Found(found) => Some(found.evidence),
+        Said::Possible | Said::No => None,
+    });
+    let most = evidence.fold(0.0, f64::max);
+    let odds = (0.5 * most - (rows.len().max(1) as f64).ln()).exp();
+    1.0 / (1.0 + odds)
+}
+
+/// Chance that a sound robot has a finding on so many of its days or more.
+fn chance_of_days(count: usize, days: usize) -> f64 {
+    let law = Binomial::new(FALSE_FINDING, days as u64);
+    law.map_or(1.0, |law| law.sf((count as u64).saturating_sub(1)))
+}
+
+/// Findings about the data: those of two days or more, and those of the last.
+fn data(history: &History) -> Vec<Statement> {
+    struct Seen<'r> {
+        name: String,
+        weight: f64,
+        days: usize,
+        is_urgent: bool,
+        sentence: &'r str,
+    }
+    let rows = history.with_results();
+    let mut seen: Vec<Seen> = Vec::new();
+    for (at, row) in rows.iter().enumerate() {
+        for finding in &row.health {
+            let name = label((finding.kind.name(), &finding.target));
+            let unusable = finding.kind.makes_unusable();
+            match seen.iter_mut().find(|known| known.name == name) {
+                Some(known) => known.days += 1,
+                None => seen.push(Seen {
+                    name,
+                    weight: if unusable { 6.0 } else { 5.0 },
+                    days: 1,
+                    is_urgent: unusable || at + 1 == rows.len(),
+                    sentence: &finding.sentence,
+                }),
+            }
+        }
+    }
+    let lasting = seen
+        .into_iter()
+        .filter(|seen| seen.days > 1 || seen.is_urgent);
     lasting
-        .map(|(_, weight, _, sentence)| (weight, sentence.to_string()))
+        .map(|seen| {
+            let chance = chance_of_days(seen.days, rows.len());
+            Statement::new(seen.weight, chance, seen.sentence.to_string())
+        })
         .collect()
 }
 
@@ -126,7 +251,7 @@ fn lasts(history: &History, key: &Key) -> bool {
     (count > 1 && 2 * count >= since.len()) || clear
 }
 
-fn unexplained(history: &History) -> Option<(f64, String)> {
+fn unexplained(history: &History) -> Option<Statement> {
     let rows: Vec<&Row> = history.usable().collect();
     let count = rows
         .iter()
@@ -134,19 +259,18 @@ fn unexplained(history: &History) -> Option<(f64, String)> {
         .count();
     let lasts = count > 1 && 2 * count >= rows.len();
     lasts.then(|| {
-        (
-            3.5,
-            format!("{count} of {} days are unexplained.", rows.len()),
-        )
+        let sentence = format!("{count} of {} days are unexplained.", rows.len());
+        Statement::new(3.5, chance_of_days(count, rows.len()), sentence)
     })
 }
 
-fn errors(history: &History) -> Option<(f64, String)> {
+fn errors(history: &History) -> Option<Statement> {
     let failed: Vec<&str> = history
         .rows
         .iter()
         .filter(|row| row.error.is_some())
         .map(|row| row.day.as_str())
         .collect();
-    (!failed.is_empty()).then(|| (1.0, format!("Logs have errors on {}.", failed.join(", "))))
+    let sentence = || format!("Logs have errors on {}.", failed.join(", "));
+    (!failed.is_empty()).then(|| Statement::new(1.0, 0.0, sentence()))
 }

@@ -10,6 +10,7 @@ pub(super) mod criteria;
 mod history;
 mod look_first;
 mod shared;
+mod spread;
 #[cfg(test)]
 mod tests;
 
@@ -19,8 +20,8 @@ use serde::Serialize;
 
 pub use changes::{Change, ChangeKind};
 pub use criteria::FALSE_ALARM;
-pub use look_first::Reason;
-pub use shared::Shared;
+pub use look_first::{Reason, Statement};
+pub use shared::{Shared, SharedMember};
 
 use super::row::Row;
 use crate::fit::population::Population;

@@ -30,7 +30,8 @@ use statrs::function::gamma::ln_gamma;
 use super::criteria::FALSE_ALARM;
 use super::criteria::shared::{ALIKE, LASTING, LEAST_WINDOW};
 use super::history::{History, Key, Said, label, pooled, principal, said};
-use crate::diagnose::words::{NamedValue, named};
+use super::spread::interval;
+use crate::diagnose::words::{NamedValue, named, spoken};
 use crate::fleet::row::Size;
 
 /// An effect that robots share.
@@ -51,10 +52,26 @@ pub struct Shared {
     pub std: f64,
     /// Standard deviation of what each robot has of its own beside it.
     pub own_std: f64,
+    /// 95 % interval of `own_std`, from the profile likelihood.
+    pub own_std_interval: [f64; 2],
+    /// The size in each of the robots, in their order.
+    pub members: Vec<SharedMember>,
     /// The most that chance would make of it in a fleet whose robots share nothing.
     pub chance: f64,
     /// The same as a sentence.
     pub sentence: String,
+}
+
+/// What one robot of a group has of a shared effect, as its own days tell it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct SharedMember {
+    /// The robot.
+    pub robot: String,
+    /// The size over all its days.
+    pub value: f64,
+    /// Its standard deviation.
+    pub std: f64,
 }
 
 /// An effect in one robot over all its days.
@@ -232,26 +249,22 @@ fn group(
     }
     let sizes: Vec<Size> = members[i..=j].iter().map(|m| m.size).collect();
     let (size, own_std) = pooled(&sizes)?;
-    let mut robots: Vec<String> = members[i..=j].iter().map(|m| m.robot.to_string()).collect();
-    robots.sort();
+    let own_std_interval = interval(&sizes, own_std).unwrap_or([0.0, own_std]);
+    let of_group = members[i..=j].iter().map(|member| SharedMember {
+        robot: member.robot.to_string(),
+        value: member.size.value,
+        std: member.size.std,
+    });
+    let mut of_group: Vec<SharedMember> = of_group.collect();
+    of_group.sort_by(|a, b| a.robot.cmp(&b.robot));
+    let robots: Vec<String> = of_group.iter().map(|member| member.robot.clone()).collect();
     let (effect, target) = candidate.key.clone();
     let said = named(&NamedValue {
         name: &candidate.parameter,
         value: size.value,
         std: size.std,
     });
-    let own = named(&NamedValue {
-        name: &candidate.parameter,
-        value: own_std,
-        std: 0.0,
-    });
-    let own = match own_std > 0.0 {
-        true => format!(
-            "each differs from it by {} RMS",
-            own.split(" ±").next().unwrap_or(&own)
-        ),
-        false => "they differ by no more than their uncertainty".to_string(),
-    };
+    let own = own_in_words(&candidate.parameter, own_std, own_std_interval);
     let sentence = format!(
         "{} robots share {}: {said}; {own}. Chance would make such a group in {} fleets.",
         robots.len(),
@@ -266,9 +279,35 @@ fn group(
         size: size.value,
         std: size.std,
         own_std,
+        own_std_interval,
+        members: of_group,
         chance,
         sentence,
     })
+}
+
+/// How far robots are from what they share, with its 95 % interval.
+fn own_in_words(parameter: &str, own_std: f64, [low, high]: [f64; 2]) -> String {
+    let say = |value: f64| {
+        let said = spoken(&NamedValue {
+            name: parameter,
+            value,
+            std: 0.0,
+        });
+        said.split(" ±").next().unwrap_or(&said).to_string()
+    };
+    match own_std > 0.0 {
+        true => format!(
+            "each differs from it by {} RMS (95 %: {} to {})",
+            say(own_std),
+            say(low),
+            say(high)
+        ),
+        false => format!(
+            "they differ by no more than their uncertainty (95 %: at most {} RMS)",
+            say(high)
+        ),
+    }
 }
 
 /// `1 of 1000`, or of as many more.

@@ -98,10 +98,72 @@ fn a_batch_is_found_with_its_size_and_its_robots_alone() {
     assert!((shared.size - 0.03).abs() < 4.0 * shared.std, "{shared:?}");
     assert!((1e-4..4e-4).contains(&shared.std), "{shared:?}");
     assert!(shared.own_std < 1.5e-3, "{shared:?}");
+    // What each has of its own is 0.5 mrad, and every robot has its size with its deviation.
+    let [low, high] = shared.own_std_interval;
+    assert!(
+        low <= shared.own_std && shared.own_std <= high,
+        "{shared:?}"
+    );
+    assert!(low <= 5e-4 && (5e-4..3e-3).contains(&high), "{shared:?}");
+    assert!(shared.sentence.contains("95 %: "), "{}", shared.sentence);
+    assert_eq!(shared.members.len(), 8);
+    for (member, robot) in shared.members.iter().zip(&shared.robots) {
+        assert_eq!(member.robot, *robot);
+        assert!((member.value - 0.03).abs() < 3e-3, "{member:?}");
+        // Seven days of 1 mrad each, or more where they scatter more.
+        assert!((3e-4..1.2e-3).contains(&member.std), "{member:?}");
+    }
     assert!(found.changes.is_empty(), "{:?}", found.changes);
     // The robot with two offsets of its own comes first.
     assert_eq!(found.look_first[0], "r09");
     assert_eq!(found.look_first.len(), 10);
+    // Nothing is before it; the batch, of one weight, shares the last places.
+    let places: Vec<[usize; 2]> = found.reasons.iter().map(|reason| reason.places).collect();
+    assert_eq!((places[0], places[1], places[9]), ([1, 1], [2, 2], [3, 10]));
+    for reason in &found.reasons {
+        assert!(
+            reason.chance < 1e-6 && reason.weight_std < 1e-3,
+            "{reason:?}"
+        );
+        assert_eq!(reason.why, joined(reason));
+    }
+}
+
+/// The sentences of a robot's statements.
+fn joined(reason: &Reason) -> String {
+    let said: Vec<&str> = reason
+        .said
+        .iter()
+        .map(|one| one.sentence.as_str())
+        .collect();
+    said.join(" ")
+}
+
+/// An effect that one day hardly shows is less sure than one that many show clearly, and may be
+/// anywhere among robots of its kind.
+#[test]
+fn what_is_less_sure_counts_for_less_and_may_have_more_places() {
+    let mut fleet = Drawn::fleet(6, 2, 5);
+    fleet.offset(1, "l_knee", 0.05, 1);
+    fleet.offset(2, "r_el", 0.03, 1);
+    for row in &mut fleet.rows {
+        for found in &mut row.effects {
+            // Twice the logarithm of the odds: 12 to 1 of one of two days.
+            found.evidence = if row.robot == "r02" { 5.0 } else { 60.0 };
+        }
+    }
+    let found = fleet.summary();
+    assert_eq!(found.look_first, ["r01", "r02"]);
+    let [sure, unsure] = [&found.reasons[0], &found.reasons[1]];
+    assert!((sure.weight - 3.0).abs() < 1e-9, "{sure:?}");
+    let chance = 1.0 / (1.0 + 2.5_f64.exp() / 2.0);
+    assert!((unsure.chance - chance).abs() < 1e-12, "{unsure:?}");
+    assert!(
+        (unsure.weight - 3.0 * (1.0 - chance)).abs() < 1e-12,
+        "{unsure:?}"
+    );
+    assert_eq!((sure.places, unsure.places), ([1, 2], [1, 2]));
+    assert_eq!(unsure.chance_in_words(), "in 1 of 7 robots");
 }
 
 /// Offsets of random sizes at random joints: whoever shares one does so by chance.
