@@ -13,6 +13,7 @@
 
 mod dofs;
 mod snaps;
+mod supports;
 
 use std::collections::HashMap;
 
@@ -22,11 +23,13 @@ use serde::Serialize;
 use crate::Error;
 use crate::error::Problem;
 use crate::snap::{self, Snapping};
-use crate::text;
-use crate::urdf::nearest::suggest;
 use crate::urdf::{self, Description, JointType};
 use dofs::coordinates;
 use snaps::snaps;
+use supports::name_some;
+
+#[doc(hidden)]
+pub use supports::support_rank;
 
 /// Velocities of joints that bounds of the ZMP hold for, rad/s and m/s.
 #[doc(hidden)]
@@ -325,27 +328,6 @@ fn inertia(inertial: &urdf::Inertial) -> Matrix3<f64> {
     let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let turned = snap::rotation(inertial.origin.rpy, Snapping::Off).value;
     turned * own * turned.transpose()
-}
-
-/// Words in the names of links that stand on the ground, the likeliest first.
-const SUPPORTS: [&str; 3] = ["sole", "foot", "ankle"];
-
-/// How unlikely a robot stands on the link of this name: 0 for a sole.
-#[doc(hidden)]
-pub fn support_rank(link: &str) -> usize {
-    let name = link.to_lowercase();
-    let first = SUPPORTS.iter().position(|word| name.contains(word));
-    first.unwrap_or(SUPPORTS.len())
-}
-
-/// Up to a dozen names for a message, those that contain `asked` first, then soles and feet,
-/// and the one that was probably meant.
-fn name_some<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> String {
-    let mut names: Vec<&str> = names.collect();
-    let meant = suggest(asked, "", names.iter().copied()).unwrap_or_default();
-    let asked = asked.to_lowercase();
-    names.sort_by_key(|name| (!name.to_lowercase().contains(&asked), support_rank(name)));
-    text::listed(names, 12) + &meant
 }
 
 /// One joint as an edge, and the rotation error that snapping left in it, rad.

@@ -51,6 +51,7 @@ extern crate std;
 pub mod __private;
 mod dim;
 pub mod fit;
+mod from_sin_cos;
 mod lanes;
 mod model;
 pub mod power;
@@ -60,8 +61,9 @@ pub(crate) mod simd;
 pub mod trig;
 
 pub use dim::{Const, Dim};
+pub use from_sin_cos::SescFromSinCos;
 pub use lanes::{F32x16, F64x8, Lanes, pack, unpack};
-pub use model::{CorrectCop, FullParams, Params, Posture, Sesc, SescFromSinCos};
+pub use model::{CorrectCop, FullParams, Params, Posture, Sesc};
 pub use real::Real;
 pub use scalar::{Block, Scalar, Simd};
 pub use simd::{Batch, Many, Single, UnequalLengths};

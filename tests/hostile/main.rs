@@ -3,6 +3,7 @@
 mod cells;
 mod changes;
 mod composed;
+mod factor_files;
 mod faults;
 mod formats;
 mod kills;

@@ -33,6 +33,7 @@ mod own_sides;
 mod problem;
 mod proposal;
 pub mod remedy;
+mod report;
 mod request;
 mod resting;
 mod samples;
@@ -55,4 +56,5 @@ pub use findings::{
     ModelUse, NextPostures, Quantity, Remedy, Step, UrdfChange, Verdict,
 };
 pub(crate) use hypothesis::FREE_MASSES;
-pub use request::{NextLog, Report, Request, diagnose, look};
+pub use report::{NextLog, Report};
+pub use request::{Request, diagnose, look};

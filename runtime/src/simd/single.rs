@@ -4,7 +4,8 @@ use core::marker::PhantomData;
 
 use crate::__private::v1::{Array, SinCosRobot};
 use crate::dim::Dim;
-use crate::model::{FullParams, Params, Posture, SescFromSinCos};
+use crate::from_sin_cos::SescFromSinCos;
+use crate::model::{FullParams, Params, Posture};
 use crate::scalar::sealed::{Machine, Task};
 use crate::scalar::{Scalar, Simd};
 
