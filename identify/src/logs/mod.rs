@@ -37,6 +37,7 @@ mod settle;
 mod shared;
 mod sidecar;
 mod source;
+mod stamps;
 mod stillness;
 mod suspect;
 mod table;

@@ -49,6 +49,8 @@ pub struct PostureReader {
     raw: Raw,
     /// Rows of `raw` that were given out.
     given: usize,
+    /// Rows that are taken from the file at once.
+    chunk: usize,
     started: bool,
     ended: bool,
     last_pose: Option<i64>,
@@ -119,6 +121,7 @@ impl PostureReader {
             assembler,
             raw: Raw::default(),
             given: 0,
+            chunk: CHUNK,
             started: false,
             ended: false,
             last_pose: None,
@@ -206,6 +209,28 @@ impl PostureReader {
         }
     }
 
+    /// Pass over about `rows` rows without a look at them, and take `then` at once from there on;
+    /// false where the format cannot, and nothing is passed over then. What is said of the whole
+    /// log afterwards does not know of these rows.
+    ///
+    /// # Errors
+    /// A file that cannot be read there.
+    pub(crate) fn skip(&mut self, rows: u64, then: usize) -> Result<bool, Error> {
+        let waiting = self.raw.line.len() - self.given;
+        let beyond = rows.saturating_sub(waiting as u64);
+        if self.ended || !self.source.skip(&self.columns, beyond)? {
+            return Ok(false);
+        }
+        self.given = self.raw.line.len();
+        self.chunk = then.max(1);
+        Ok(true)
+    }
+
+    /// Rows that were taken from the file so far, those that were passed over not among them.
+    pub(crate) fn taken(&self) -> u64 {
+        self.rows + (self.raw.line.len() - self.given) as u64
+    }
+
     /// At the end of a log of which stays alone were asked for, and which has none.
     fn no_stay(&self, block: Block) -> Result<Block, Error> {
         match self.stays {
@@ -260,8 +285,8 @@ impl PostureReader {
         self.raw.clear();
         self.given = 0;
         if !self.ended {
-            self.source.fill(&self.columns, CHUNK, &mut self.raw)?;
-            self.ended = self.raw.line.len() < CHUNK;
+            self.source.fill(&self.columns, self.chunk, &mut self.raw)?;
+            self.ended = self.raw.line.len() < self.chunk;
             self.warnings.extend(self.source.warnings());
         }
         if first {

@@ -1,5 +1,5 @@
 //! What a whole log looks like it got wrong: degrees for radians, two columns
-//! swapped, millimetres, time running backwards.
+//! swapped, millimetres, time running backwards, standing still or in another unit.
 //!
 //! Each is a warning: the values are possible, only unlikely. Memory: some
 //! numbers per joint.
@@ -10,6 +10,7 @@ use super::block::Block;
 use super::columns::T;
 use super::criteria::{FEW, SLACK, SOLE};
 use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
+use super::stamps::Stamps;
 use crate::{Message, Setting, message};
 
 /// Statistics of a log, and what was said about it.
@@ -25,7 +26,8 @@ pub(super) struct Suspicions {
     reach: f64,
     last_t: f64,
     backwards: Option<u64>,
-    said: [bool; 5],
+    stamps: Stamps,
+    said: [bool; 7],
 }
 
 /// What one joint did.
@@ -159,7 +161,8 @@ impl Suspicions {
             reach: 0.0,
             last_t: f64::NEG_INFINITY,
             backwards: None,
-            said: [false; 5],
+            stamps: Stamps::new(dofs),
+            said: [false; 7],
         }
     }
 
@@ -178,6 +181,9 @@ impl Suspicions {
             }
             self.last_t = *t;
         }
+        if let Some(t) = &block.t {
+            self.stamps.see(t, &block.q);
+        }
     }
 
     /// Say what was noticed and not yet said.
@@ -192,6 +198,8 @@ impl Suspicions {
                 let remedy = "sort the log by time if it is one motion";
                 Message::from(format!("row {line}: `{T}` runs backwards; {remedy}"))
             }),
+            self.stamps.all_the_same().map(Message::from),
+            self.stamps.other_unit().map(Message::from),
         ];
         for (said, found) in self.said.iter_mut().zip(found) {
             if let (false, Some(found)) = (*said, found) {

@@ -235,6 +235,12 @@ impl RowSource for TableSource {
         Ok(())
     }
 
+    fn skip(&mut self, _: &Columns, rows: u64) -> Result<bool, Error> {
+        let rows = usize::try_from(rows).unwrap_or(usize::MAX);
+        self.done = self.done.saturating_add(rows).min(self.rows);
+        Ok(true)
+    }
+
     fn progress(&self) -> (u64, Option<u64>) {
         (self.done as u64, Some(self.rows as u64))
     }

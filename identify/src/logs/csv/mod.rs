@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use csv::ByteRecord;
 
-use self::rows::RowInput;
+use self::rows::{Passing, RowInput};
 use super::columns::{Columns, POSE};
 use super::input::{Meter, Metered};
 use super::names::short;
@@ -33,6 +33,7 @@ pub(super) struct CsvSource {
     meter: Arc<Meter>,
     /// Bytes handed to the parser since the last row.
     since_row: Arc<AtomicU64>,
+    passing: Arc<Passing>,
     links: Interner,
     /// Line of the last row.
     line: u64,
@@ -58,9 +59,11 @@ impl CsvSource {
             .map_err(|error| bad(None, unreadable(&error)))?;
         let delimiter = delimiter(&head).map_err(|message| bad(None, message))?;
         let since_row = Arc::new(AtomicU64::new(0));
+        let passing = Arc::new(Passing::default());
         let input: Box<dyn Read + Send> = Box::new(RowInput::new(
             Cursor::new(head).chain(input),
             since_row.clone(),
+            passing.clone(),
         ));
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(delimiter)
@@ -84,6 +87,7 @@ impl CsvSource {
             header,
             meter,
             since_row,
+            passing,
             links: Interner::default(),
             line: 1,
             below: 0,
@@ -116,7 +120,8 @@ impl CsvSource {
                     .filter(|byte| **byte == b'\n')
                     .count(),
             };
-            self.line = below.saturating_sub(1 + within as u64);
+            let above = self.passing.lines.load(Ordering::Relaxed);
+            self.line = above + below.saturating_sub(1 + within as u64);
             if self.record.len() != 1 || !self.record[0].trim_ascii().is_empty() {
                 return Ok(true);
             }
@@ -168,6 +173,15 @@ impl RowSource for CsvSource {
             filled.map_err(|message| Error::log(self.file.clone(), Some(self.line), message))?;
         }
         Ok(())
+    }
+
+    /// By the length of the rows so far; the row in which this ends is left out.
+    fn skip(&mut self, _: &Columns, rows: u64) -> Result<bool, Error> {
+        let at = self.reader.position();
+        let length = at.byte() as f64 / at.line().max(1) as f64;
+        let bytes = (length * rows as f64) as u64;
+        self.passing.bytes.store(bytes, Ordering::Relaxed);
+        Ok(true)
     }
 
     fn progress(&self) -> (u64, Option<u64>) {

@@ -217,6 +217,29 @@ impl ParquetSource {
         Ok(())
     }
 
+    /// Pass over `n` rows of the open group, of which it has more.
+    fn pass(&mut self, n: u64) -> Result<(), Error> {
+        let mut open = std::mem::take(&mut self.open);
+        let count = usize::try_from(n).unwrap_or(usize::MAX);
+        for reader in &mut open {
+            let passed = guarded(|| match reader {
+                ColumnReader::BoolColumnReader(reader) => reader.skip_records(count),
+                ColumnReader::Int32ColumnReader(reader) => reader.skip_records(count),
+                ColumnReader::Int64ColumnReader(reader) => reader.skip_records(count),
+                ColumnReader::Int96ColumnReader(reader) => reader.skip_records(count),
+                ColumnReader::FloatColumnReader(reader) => reader.skip_records(count),
+                ColumnReader::DoubleColumnReader(reader) => reader.skip_records(count),
+                ColumnReader::ByteArrayColumnReader(reader) => reader.skip_records(count),
+                ColumnReader::FixedLenByteArrayColumnReader(reader) => reader.skip_records(count),
+            });
+            self.complete(passed.map_err(|e| self.broken(&e))?, count)?;
+        }
+        self.open = open;
+        self.left -= n;
+        self.done += n;
+        Ok(())
+    }
+
     fn broken(&self, error: &ParquetError) -> Error {
         damaged(&self.file, Some(self.done + 1), error)
     }
@@ -256,6 +279,20 @@ impl RowSource for ParquetSource {
             self.hash = Some(hash.map_err(|source| Error::read(self.file.clone(), source))?);
         }
         Ok(())
+    }
+
+    fn skip(&mut self, columns: &Columns, rows: u64) -> Result<bool, Error> {
+        let mut rows = rows;
+        while rows >= self.left {
+            rows -= self.left;
+            self.done += self.left;
+            self.left = 0;
+            if !self.next_group(columns)? {
+                return Ok(true);
+            }
+        }
+        self.pass(rows)?;
+        Ok(true)
     }
 
     fn progress(&self) -> (u64, Option<u64>) {

@@ -2,6 +2,7 @@
 
 mod faults;
 mod memory;
+mod skips;
 
 use std::fs;
 use std::path::{Path, PathBuf};
