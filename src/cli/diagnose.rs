@@ -13,6 +13,7 @@ use super::{
 };
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
+use crate::report::unusable;
 use crate::servos;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::feet::Feet;
@@ -109,18 +110,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if usable {
         write(arguments, &report)?;
     } else {
-        let named = [
-            &arguments.out,
-            &arguments.corrected,
-            &arguments.next,
-            &arguments.report,
-        ];
+        let named = [&arguments.out, &arguments.corrected, &arguments.next];
         for path in named.into_iter().flatten() {
             message(&format!(
                 "{} is not written: the data cannot be used",
                 path.display()
             ));
         }
+        let mut files = Together::default();
+        if let Some(path) = &arguments.report {
+            let found = &report.diagnosis;
+            let text = unusable::page_of_diagnosis(found, &report.model_file, &command_line());
+            files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        }
+        files.finish()?;
     }
     let asked = Asked {
         model: arguments.out.is_some(),

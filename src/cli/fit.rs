@@ -127,8 +127,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .iter()
         .for_each(|note| message(&format!("note: {note}")));
     if !found.identification.is_usable() {
-        let named = arguments.out.iter().chain(arguments.outputs.files());
+        let named = arguments.out.iter().chain(arguments.outputs.urdf());
         named.for_each(|path| message(&not_written(path)));
+        let mut files = Together::default();
+        arguments
+            .outputs
+            .write_broken(&found.identification, &mut files)?;
+        files.finish()?;
         match arguments.json {
             true => print_json(&Unusable::of(&found.identification))?,
             false => show(&report::fit::text(&found.identification))?,

@@ -10,7 +10,8 @@ use super::outputs::{Files, Together};
 use super::{cad_mass_kg, command_line, units};
 use crate::Error;
 use crate::report::fit::{FitReport, Shown, page};
-use sesc_identify::fit::{Report, Request};
+use crate::report::unusable;
+use sesc_identify::fit::{Identification, Report, Request};
 
 #[derive(Args)]
 pub(super) struct Outputs {
@@ -42,9 +43,9 @@ impl Outputs {
         files.writes(Kind::Page, &self.report)
     }
 
-    /// Files to write.
-    pub(super) fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.urdf, &self.report].into_iter().flatten()
+    /// The URDF to write.
+    pub(super) fn urdf(&self) -> Option<&PathBuf> {
+        self.urdf.as_ref()
     }
 
     /// Ask for what they are made of.
@@ -66,6 +67,19 @@ impl Outputs {
     pub(super) fn shown(&self, report: &Report, folder: Option<&Path>) -> Option<Shown> {
         let sample = || report.residuals.clone();
         (self.report.is_some()).then(|| Shown::of(report, sample(), command_line(), folder))
+    }
+
+    /// Write the page of data that cannot be used, where one is asked for.
+    pub(super) fn write_broken(
+        &self,
+        found: &Identification,
+        files: &mut Together,
+    ) -> Result<(), Error> {
+        if let Some(path) = &self.report {
+            let text = unusable::page_of_fit(found, &command_line());
+            files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        }
+        Ok(())
     }
 
     /// Write what is asked for.

@@ -103,6 +103,7 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
         ("next.html", include_str!("next.html")),
         ("plan.html", include_str!("plan.html")),
         ("robot.html", include_str!("robot.html")),
+        ("unusable.html", include_str!("unusable.html")),
     ] {
         environment.add_template(name, source)?;
     }

@@ -21,6 +21,7 @@ mod svg;
 pub mod table;
 #[cfg(test)]
 mod tests;
+pub mod unusable;
 
 use serde::Serialize;
 use sesc_identify::diagnose::Diagnosis;

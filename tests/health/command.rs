@@ -59,7 +59,7 @@ fn json(output: &Output) -> Value {
 }
 
 #[test]
-fn neither_command_writes_anything_of_data_that_cannot_be_used() {
+fn neither_command_makes_anything_but_a_page_of_data_that_cannot_be_used() {
     let mut log = Log::of("r_sole", &[], |w| w, 80);
     log.cop.iter_mut().for_each(|y| y[1] = 0.0);
     let case = Case::of(&log);
@@ -77,7 +77,12 @@ fn neither_command_writes_anything_of_data_that_cannot_be_used() {
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(said.contains("check the sensor's wiring"), "{said}");
         let files = std::fs::read_dir(case.folder.path()).unwrap().count();
-        assert_eq!(files, 1, "{command}");
+        assert_eq!(files, 2, "{command}");
+        let page = case.page().unwrap();
+        assert!(page.contains("These data cannot be used"), "{command}");
+        assert!(page.contains("cop axis dead, y") && page.contains("CoP y, mm"));
+        assert!(!page.contains("NaN"), "{command}");
+        std::fs::remove_file(case.folder.path().join("page.html")).unwrap();
     }
     let part = case.folder.path().join("log.part").display().to_string();
     let given = [
@@ -159,4 +164,19 @@ fn a_fit_goes_on_beside_a_stuck_encoder() {
     page.run("diagnose", &[]);
     let page = page.page().unwrap();
     assert!(page.contains("r_knee as the CoP has it, °"));
+}
+
+/// The log states 0.3 mm. What a fit tells the rows beside that is no noise of the log.
+#[test]
+fn noise_is_not_called_overstated_beside_a_stuck_encoder() {
+    for joint in ["r_knee", "r_ank_pitch", "r_hip_roll"] {
+        let mut log = Log::of("r_sole", &[], |w| w, 83);
+        let at = log.joints.iter().position(|name| name == joint).unwrap();
+        log.q.iter_mut().for_each(|q| q[at] = 0.1);
+        let found = json(&Case::of(&log).run("fit", &["--json"]));
+        let kinds: Vec<&str> = (found["health"].as_array().unwrap().iter())
+            .map(|h| h["kind"].as_str().unwrap())
+            .collect();
+        assert_eq!(kinds, ["encoder_stuck"], "{joint}");
+    }
 }

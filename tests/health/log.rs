@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use sesc_identify::diagnose::{FLOOR_M, Report, Request, Verdict, diagnose};
+use sesc_identify::fit::{self, Identification};
 use sesc_identify::health::{self, Health};
 use sesc_identify::logs::{LogSource, Sidecar, Table};
 use sesc_identify::observations::postures::Postures;
@@ -73,7 +74,8 @@ impl Log {
         health::examine(&self.robot, &model, Snapping::default(), &data)
     }
 
-    pub fn diagnose(&self, support: &str) -> Report {
+    /// The log as a source.
+    fn source(&self) -> LogSource {
         let axis = |k: usize| -> Vec<f64> { self.cop.iter().map(|y| y[k]).collect() };
         let mut log = Table::new("log");
         for k in 0..self.places.len() {
@@ -99,7 +101,21 @@ impl Log {
                 ..Sidecar::default()
             });
         }
-        let mut request = Request::new(self.robot.clone(), log);
+        log
+    }
+
+    /// What a fit of masses says.
+    pub fn fit(&self, support: &str) -> Identification {
+        let mut request = fit::Request::default();
+        request.robot = Some(self.robot.clone());
+        request.logs = vec![self.source()];
+        request.support = Some(support.into());
+        request.noise = (self.stated.is_none() && self.noise_is_given).then_some(NOISE_M);
+        fit::fit(&request, &mut ()).unwrap().identification
+    }
+
+    pub fn diagnose(&self, support: &str) -> Report {
+        let mut request = Request::new(self.robot.clone(), self.source());
         request.support = Some(support.into());
         request.noise = (self.stated.is_none() && self.noise_is_given).then_some(NOISE_M);
         diagnose(&request, &mut ()).unwrap()

@@ -1,8 +1,10 @@
 //! Broken data are seen before any hypothesis; healthy ones are left alone.
 
+mod axes;
 mod command;
 mod effects;
 mod log;
 mod rows;
+mod stamps;
 mod stretches;
 mod unusable;

@@ -53,7 +53,7 @@ pub(super) fn overstated(problem: &Problem, found: &Explained) -> Option<Finding
         floor_m: problem.data.noise_floor,
         source: problem.data.noise_source,
     }
-    .overstated_noise()
+    .overstated_noise(&found.diagnosis.health)
     .map(|finding| Finding {
         picture: Some(left(problem, found)),
         ..finding
@@ -69,5 +69,6 @@ fn left(problem: &Problem, found: &Explained) -> Picture {
         points: postures
             .flat_map(|k| [0, 1].map(|axis| (k + 1, left(2 * k + axis), true)))
             .collect(),
+        ..Picture::default()
     }
 }

@@ -89,7 +89,7 @@ pub(super) fn identify_within(
         floor_m: noise.floor,
         source: noise.source,
     };
-    health.extend(over.overstated_noise());
+    health.extend(over.overstated_noise(&gathered.health));
     if noise.source == NoiseSource::Unknown {
         warnings.push(format!(
             "{rows} rows for {} directions leave nothing to tell the noise from, and CAD's error \

@@ -13,25 +13,27 @@ pub(super) fn dead_axes(look: &Look, wirings: &Wirings) -> Option<Finding> {
     let name = |k: usize| ["x", "y"][k];
     match dead[..] {
         [] => None,
-        [k] => Some(Finding::new(
-            Kind::CopAxisDead,
-            name(k),
-            format!(
+        [k] => {
+            let sentence = format!(
                 "cop_{} does not move with the robot, where CAD moves it by {:.1} mm RMS: check \
                  the sensor's wiring and the column.",
                 name(k),
                 millimetres(k)
-            ),
-        )),
-        _ => Some(Finding::new(
-            Kind::CopConstant,
-            "-",
-            format!(
+            );
+            let finding = Finding::new(Kind::CopAxisDead, name(k), sentence);
+            Some(finding.showing(look.beside_cad(k)))
+        }
+        _ => {
+            let sentence = format!(
                 "The CoP does not move with the robot, where CAD moves it by {:.1} mm RMS: check \
                  that the sensor is on and that its topic is the right one.",
                 rms([millimetres(0), millimetres(1)].into_iter())
-            ),
-        )),
+            );
+            // The axis that should move more shows it best.
+            let axis = usize::from(millimetres(1) > millimetres(0));
+            let finding = Finding::new(Kind::CopConstant, "-", sentence);
+            Some(finding.showing(look.beside_cad(axis)))
+        }
     }
 }
 

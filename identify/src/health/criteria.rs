@@ -155,3 +155,35 @@ pub(super) const SAMPLES_PER_UNKNOWN: f64 = 4.0;
 /// Where rows are independent, chance leaves as little this seldom. Chosen: it is the rate of
 /// false alarms itself.
 pub(super) const OVERSTATED_BY_CHANCE: f64 = 1e-6;
+
+/// Time runs backwards if more than this part of the rows is stamped before the one above it.
+/// Chosen: recordings that were put behind one another run backwards where they meet only.
+pub(super) const BACKWARDS: f64 = 0.9;
+/// Stamps are looked at if more than this part of the rows is stamped before the one above it.
+/// Chosen: of stamps in any order it is half (closed form); packets of a network are out of
+/// order by a few per cent.
+pub(super) const OUT_OF_ORDER: f64 = 0.2;
+/// Joints jump from stamp to stamp by more than this part of what rows in any order do, where
+/// stamps are of other rows. Chosen: with half of it jitter of stamps that are dense is enough.
+pub(super) const JUMPS: f64 = 0.5;
+/// From row to row they jump by no more than this part of that. Chosen: a sine of 0.4 Hz at
+/// 4 Hz has 0.2 (closed form); postures drawn at random have 1.
+pub(super) const JUMPS_LESS: f64 = 0.25;
+
+/// The sensor's axes are turned about the normal by this at least, rad. Chosen: 17°; smaller
+/// ones are sensors that were not mounted straight, which the effect `sensor_rotation` is for.
+pub(super) const LEAST_YAW: f64 = 0.3;
+/// A turn this near to a right angle is one, rad. Chosen: 6°; a few degrees of it are a payload.
+pub(super) const RIGHT_ANGLE: f64 = 0.1;
+/// Turned axes leave no more than this part of what CAD and every wiring leave, each with any
+/// zero and gain of the sensor, in quadrature beside the noise. Chosen: a turn by 30° leaves half
+/// of CAD's CoP to the gap (closed form); with larger parts other effects of that size are
+/// taken for turns.
+pub(super) const TURNED_LEAVES: f64 = 0.5;
+/// The gap is looked at from so many deviations of the noise on. Chosen: below it noise hides
+/// what is turned.
+pub(super) const TURNED_SHOWS: f64 = 2.0;
+/// Free masses leave so many times more of the readings as they stand than of the readings
+/// turned back, m over m. Chosen: with 30 independent samples the odds are e²⁴ (closed form);
+/// half as much above 1 is what noise and motion leave of either.
+pub(super) const MASSES_LEAVE: f64 = 1.5;

@@ -21,18 +21,27 @@ pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
         return None;
     }
     let foot = other_foot(look);
-    let (turned, axes) = turned(look);
+    let frame = turned(look);
+    let (turned, axes) = (frame.left, frame.flat);
     let tree = &look.model.tree;
     let support = &tree.links[tree.support].name;
     let better = |there: f64| wirings.left([0, 1]) < BETTER * there;
     match foot {
-        Some((there, link, model)) if there < FITS * here && there <= turned => {
-            let known = better(wirings.left_on(&model));
-            (!known).then(|| on_other_foot(support, here, &link, there))
+        Some(foot) if foot.left < FITS * here && foot.left <= turned => {
+            let known = better(wirings.left_on(&foot.model));
+            (!known).then(|| {
+                let marks = [&*format!("on {}", foot.link), &*format!("on {support}")];
+                let picture = look.distances(&foot.cop, marks);
+                on_other_foot(support, here, &foot.link, foot.left).showing(picture)
+            })
         }
         _ if turned < FITS * here => {
             let known = better(wirings.left(axes));
-            (!known).then(|| in_turned_frame(support, here, turned))
+            (!known).then(|| {
+                let marks = ["with another axis up", "in this frame"];
+                let picture = look.distances(&frame.cop, marks);
+                in_turned_frame(support, here, turned).showing(picture)
+            })
         }
         _ => None,
     }
@@ -65,8 +74,28 @@ fn in_turned_frame(support: &str, here: f64, turned: f64) -> Finding {
     )
 }
 
-/// Another link that carries no joint, which the readings fit best, and the gap on it, m.
-fn other_foot(look: &Look) -> Option<(f64, String, Model)> {
+/// Another link that the readings may be of.
+struct Foot {
+    /// Gap to the readings, m.
+    left: f64,
+    link: String,
+    model: Model,
+    /// CoP by CAD on it, m.
+    cop: Vec<f64>,
+}
+
+/// Another frame of the support that the readings may be in.
+struct Frame {
+    /// Gap to the readings, m.
+    left: f64,
+    /// Axes that lie in the sole.
+    flat: [usize; 2],
+    /// CoP by CAD in it, m.
+    cop: Vec<f64>,
+}
+
+/// Another link that carries no joint, which the readings fit best.
+fn other_foot(look: &Look) -> Option<Foot> {
     let tree = &look.model.tree;
     let support = &tree.links[tree.support].name;
     let leaves = leaf_links(look.robot)
@@ -75,10 +104,16 @@ fn other_foot(look: &Look) -> Option<(f64, String, Model)> {
     let on = |link: String| {
         let model = look.robot.model(&link, look.snapping, None).ok()?;
         let cop = Evaluator::new(&model, Function::Cop).run(&look.data.q, look.data.len());
-        Some((gap(look.data, cop.into_iter()), link, model))
+        let left = gap(look.data, cop.iter().copied());
+        Some(Foot {
+            left,
+            link,
+            model,
+            cop,
+        })
     };
     let feet = leaves.take(FEET).filter_map(on);
-    feet.min_by(|a, b| a.0.total_cmp(&b.0))
+    feet.min_by(|a, b| a.left.total_cmp(&b.left))
 }
 
 /// Links that carry no joint: feet, hands, the head.
@@ -89,17 +124,24 @@ fn leaf_links(robot: &Robot) -> Vec<String> {
     links.filter(|link| !carries(link)).collect()
 }
 
-/// The least gap in a frame that is turned by right angles, m, and the axes that lie in the
-/// sole then.
-fn turned(look: &Look) -> (f64, [usize; 2]) {
+/// The frame, turned by right angles, that the readings fit best.
+fn turned(look: &Look) -> Frame {
     let frames = axes_with_another_up().into_iter().map(|(axes, flat)| {
         let row = |c: &[f64], k: usize| -> f64 { (0..3).map(|m| axes[(k, m)] * c[m]).sum() };
         let com = look.com.chunks_exact(3);
-        let cop = com.flat_map(|c| [row(c, 0), row(c, 1)]);
-        (gap(look.data, cop), flat)
+        let cop: Vec<f64> = com.flat_map(|c| [row(c, 0), row(c, 1)]).collect();
+        let left = gap(look.data, cop.iter().copied());
+        Frame { left, flat, cop }
     });
-    let nothing = (f64::INFINITY, [0, 1]);
-    frames.fold(nothing, |best, own| if own.0 < best.0 { own } else { best })
+    let nothing = Frame {
+        left: f64::INFINITY,
+        flat: [0, 1],
+        cop: Vec::new(),
+    };
+    frames.fold(nothing, |best, own| match own.left < best.left {
+        true => own,
+        false => best,
+    })
 }
 
 /// Rotations by right angles after which another axis than z is vertical, and the axes that

@@ -30,8 +30,14 @@ pub struct FitResiduals {
 }
 
 impl FitResiduals {
-    /// A finding where the noise is stated and several times what is left.
-    pub fn overstated_noise(&self) -> Option<Finding> {
+    /// A finding where the noise is stated and several times what is left, and nothing that was
+    /// found `before` explains it: beside an encoder that is stuck, rows are told deviations that
+    /// the log does not state, and data that cannot be used leave anything.
+    pub fn overstated_noise(&self, before: &[Finding]) -> Option<Finding> {
+        let explains = |kind: Kind| kind == Kind::EncoderStuck || kind.makes_unusable();
+        if before.iter().any(|finding| explains(finding.kind)) {
+            return None;
+        }
         let told = matches!(self.source, NoiseSource::Given | NoiseSource::Stated);
         let left = self.floor_m * (self.chi2 / self.expected.max(1.0)).sqrt();
         (told && self.is_known() && OVERSTATED * left < self.noise_m).then(|| {
@@ -84,15 +90,24 @@ mod tests {
     #[test]
     fn few_rows_tell_what_chance_does_not() {
         // A χ² of 1/16 of its mean: once in 10⁴ with six rows, once in 10¹⁰ with fifteen.
-        assert!(four_times(3.0, 1.0).overstated_noise().is_none());
-        assert!(four_times(15.0, 1.0).overstated_noise().is_some());
-        assert!(four_times(120.0, 1.0).overstated_noise().is_some());
+        assert!(four_times(3.0, 1.0).overstated_noise(&[]).is_none());
+        assert!(four_times(15.0, 1.0).overstated_noise(&[]).is_some());
+        assert!(four_times(120.0, 1.0).overstated_noise(&[]).is_some());
         // 200 rows of correlated noise may be worth no more than what was fitted.
-        assert!(four_times(120.0, 2.0).overstated_noise().is_none());
-        assert!(four_times(1000.0, 2.0).overstated_noise().is_some());
+        assert!(four_times(120.0, 2.0).overstated_noise(&[]).is_none());
+        assert!(four_times(1000.0, 2.0).overstated_noise(&[]).is_some());
         // A fifth less than stated is no finding, however well it is known.
         let mut known = four_times(1e5, 1.0);
         known.chi2 = 0.64 * known.expected;
-        assert!(known.overstated_noise().is_none());
+        assert!(known.overstated_noise(&[]).is_none());
+    }
+
+    #[test]
+    fn what_another_finding_explains_is_not_said() {
+        let left = four_times(120.0, 1.0);
+        let beside = |kind| left.overstated_noise(&[Finding::new(kind, "-", String::new())]);
+        assert!(beside(Kind::EncoderStuck).is_none());
+        assert!(beside(Kind::FrameTurned).is_none());
+        assert!(beside(Kind::RowsCopied).is_some());
     }
 }

@@ -1,6 +1,6 @@
 //! One look at a log for a fit, in memory that does not grow with it.
 //!
-//! The first rows are looked at one by one and, thinned out, as postures. A stuck encoder
+//! Rows are looked at one by one and, thinned out, as postures. A stuck encoder
 //! leaves its joint's motion to the noise:
 //!
 //! ```text
@@ -14,7 +14,7 @@ use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
 use super::rows::{self, LogRows};
-use super::{Finding, Health, Views, Whereabouts, examine_views, standing};
+use super::{Axes, Finding, Health, Views, Whereabouts, examine_views, standing};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, Screen, Screening};
@@ -64,7 +64,7 @@ pub fn look(
     let views = Views::of(robot, model, &read, still.as_ref());
     let Health {
         findings, stuck, ..
-    } = examine_views(robot, model, reading.snapping, &views).after(findings);
+    } = examine_views(robot, model, reading.snapping, &views, Axes::AreOfSupport).after(findings);
     let inner = (!left_out.is_nothing()).then(|| Arc::new(left_out) as Arc<dyn Screen>);
     let screen: Option<Arc<dyn Screen>> = match stuck.first() {
         Some(&Whereabouts { joint, .. }) => Some(Arc::new(LessKnown {

@@ -3,6 +3,7 @@
 //! ```text
 //! columns    an axis of the CoP that does not move where CAD says it must
 //! frames     CAD on another link, or with another axis up, predicts the readings
+//! axes       CAD predicts the readings of a sensor that is turned about the sole's normal (fits)
 //! order      readings scatter as CAD says, and go with no posture
 //! encoders   an encoder that does not move, and a gap that motion of its joint explains
 //! ```
@@ -12,6 +13,7 @@
 //! hold under every wiring that the effects know (`wirings`) and any offset, gain, rotation
 //! or exchange of the sensor's axes.
 
+mod axes;
 mod columns;
 mod criteria;
 mod encoders;
@@ -177,7 +179,17 @@ pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures
         model,
         snapping,
         &Views::of(robot, model, data, still.as_ref()),
+        Axes::MayBeTurned,
     )
+}
+
+/// Whether a sensor whose axes are turned about the normal of the sole is a finding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Axes {
+    /// It is an effect, which a diagnosis names.
+    MayBeTurned,
+    /// It is, for who fits masses alone.
+    AreOfSupport,
 }
 
 /// Postures as their readings may be meant.
@@ -214,7 +226,13 @@ impl<'a> Views<'a> {
 /// Examine postures as they were read, and without what motion adds to their readings: a
 /// dead sensor does not move, and would with what is taken from it; a stuck encoder may hide
 /// more than motion does, so that the farther view is the right one.
-fn examine_views(robot: &Robot, model: &Model, snapping: Snapping, views: &Views) -> Health {
+fn examine_views(
+    robot: &Robot,
+    model: &Model,
+    snapping: Snapping,
+    views: &Views,
+    axes: Axes,
+) -> Health {
     let (read, standing) = (views.read, views.nearer);
     let of = |data| Look::of(robot, model, snapping, data);
     let dead = || columns::dead_axes(&of(read), &Wirings::new(model, read));
@@ -226,6 +244,12 @@ fn examine_views(robot: &Robot, model: &Model, snapping: Snapping, views: &Views
         false => elsewhere().or_else(dead),
     };
     let broken = broken.or_else(|| order::shuffled(&look, &wirings));
+    // What motion adds by CAD has CAD's axes: readings are looked at as they are.
+    let turned = || axes::turned(&of(read), &Wirings::new(model, read));
+    let broken = match axes {
+        Axes::AreOfSupport => broken.or_else(turned),
+        Axes::MayBeTurned => broken,
+    };
     if let Some(finding) = broken {
         return Health::only(finding);
     }
@@ -250,6 +274,26 @@ impl<'a> Look<'a> {
     /// Between readings and CAD, m RMS.
     fn gap(&self) -> f64 {
         statistics::gap(self.data, self.predicted.iter().copied())
+    }
+
+    /// One axis of the readings beside what CAD says.
+    fn beside_cad(&self, axis: usize) -> Picture {
+        let title = ["CoP x, mm", "CoP y, mm"][axis];
+        let cad = |k: usize| 1e3 * self.predicted[2 * k + axis];
+        let read = |k: usize| 1e3 * self.data.reading[2 * k + axis];
+        Picture::of_two(title, self.data.len(), [&cad, &read], ["CAD", "reading"])
+    }
+
+    /// Distance of the readings from CAD's CoP as they should be meant, and as they are.
+    fn distances(&self, meant: &[f64], marks: [&str; 2]) -> Picture {
+        let from = |cop: &[f64], k: usize| {
+            let gap = |axis: usize| self.data.reading[2 * k + axis] - cop[2 * k + axis];
+            1e3 * gap(0).hypot(gap(1))
+        };
+        let sound = |k: usize| from(meant, k);
+        let found = |k: usize| from(&self.predicted, k);
+        let title = "Distance of the CoP from CAD's, mm";
+        Picture::of_two(title, self.data.len(), [&sound, &found], marks)
     }
 
     fn of(robot: &'a Robot, model: &'a Model, snapping: Snapping, data: &'a Postures) -> Look<'a> {

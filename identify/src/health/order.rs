@@ -25,6 +25,7 @@ pub(super) fn shuffled(look: &Look, wirings: &Wirings) -> Option<Finding> {
              joints do not belong together; check how they were joined."
                 .to_string(),
         )
+        .showing(look.beside_cad(0))
     })
 }
 

@@ -66,6 +66,12 @@ pub(super) fn left_by_plane(y: &[f64], x: [&[f64]; 2]) -> f64 {
     rms(left.into_iter())
 }
 
+/// What the best `c + a·x` with `a ≥ 0` leaves of `y`, RMS.
+pub(super) fn left_by_gain(y: &[f64], x: &[f64]) -> f64 {
+    let along = correlation(y, x).max(0.0);
+    scatter(y) * (1.0 - along * along).max(0.0).sqrt()
+}
+
 /// Size of gaps on two axes, RMS over both.
 pub(super) fn rms_of_gaps(gaps: impl Iterator<Item = [f64; 2]>) -> f64 {
     rms(gaps.flatten())

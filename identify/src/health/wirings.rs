@@ -16,7 +16,7 @@ use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
 use super::criteria::CHANCE;
-use super::statistics::{axis, left_by_plane, scatter};
+use super::statistics::{axis, left_by_gain, left_by_plane, scatter};
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::observations::postures::Postures;
 
@@ -141,6 +141,16 @@ impl<'a> Wirings<'a> {
             f64::hypot(left(0), left(1)) / f64::sqrt(2.0)
         };
         com.iter().map(both).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same in the axes of the support: the sensor's zero and the gain of each axis are free,
+    /// and none is mirrored.
+    pub fn left_upright(&self) -> f64 {
+        let both = |com: &Vec<f64>| {
+            let left = |k| left_by_gain(&axis(&self.reading, k), &column(com, k));
+            f64::hypot(left(0), left(1)) / f64::sqrt(2.0)
+        };
+        self.com().iter().map(both).fold(f64::INFINITY, f64::min)
     }
 
     /// Whether some axis of the readings goes with the postures under some wiring.

@@ -28,7 +28,8 @@ pub fn health(picture: &Picture) -> String {
         let mark = if meant { found } else { row };
         figure.mark(plane.at([at as f64, value]), mark);
     }
-    let marks = [(row, "row"), (found, "what the finding is about")];
+    let [other, meant] = picture.marks();
+    let marks = [(row, other), (found, meant)];
     key(&mut figure, EDGES[2], EDGES[1] - HEADING, &marks);
     figure.finish()
 }

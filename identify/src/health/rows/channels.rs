@@ -43,15 +43,16 @@ pub(super) fn saturated(
             left_out.ends.push(End { channel, upper, at });
             let title = format!("{name}, mm");
             let value = |k: usize| 1e3 * values[k];
-            let picture = Picture::of(&title, values.len(), value, |k| values[k] == at);
+            let picture = Picture::of(&title, values.len(), value, |k| values[k] == at)
+                .numbered(|k| rows.number[kept[k]]);
             let finding = Finding::new(
                 Kind::ChannelSaturated,
                 name,
                 format!(
-                    "{name} ends at {:.1} mm, where {count} of {} rows are: the channel is \
+                    "{name} ends at {:.1} mm, where {count} of {} are: the channel is \
                      saturated there; these rows are left out. Check its range and amplifier.",
                     1e3 * at,
-                    rows.len()
+                    rows.total()
                 ),
             );
             found.push(finding.showing(picture));
@@ -60,7 +61,8 @@ pub(super) fn saturated(
         if let Some(step) = coarse_step(&values, rows.noise, left) {
             left_out.steps[channel] = step / f64::sqrt(12.0);
             let title = format!("{name}, mm");
-            let picture = Picture::of(&title, values.len(), |k| 1e3 * values[k], |_| true);
+            let picture = Picture::of(&title, values.len(), |k| 1e3 * values[k], |_| true)
+                .numbered(|k| rows.number[kept[k]]);
             let finding = Finding::new(
                 Kind::ChannelSaturated,
                 name,

@@ -39,9 +39,9 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
         Kind::ContactLost,
         "-",
         format!(
-            "In {} rows ({share:.0} %, {stretches} {}) {what}: the foot lost contact or the sensor \
+            "In {} ({share:.0} %, {stretches} {}) {what}: the foot lost contact or the sensor \
              dropped out; they are left out. Check that the foot stands flat, and the sensor's cable.",
-            lost.len(),
+            rows.some(lost.len()),
             if stretches == 1 {
                 "stretch"
             } else {
@@ -51,15 +51,20 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     );
     let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
     let load = |k: usize| rows.force(k).iter().sum::<f64>();
-    Some(finding.showing(match rows.cells {
-        0 => Picture::of(
-            "Distance of the CoP from the origin, mm",
-            rows.len(),
-            length,
-            gone,
+    Some(
+        finding.showing(
+            match rows.cells {
+                0 => Picture::of(
+                    "Distance of the CoP from the origin, mm",
+                    rows.len(),
+                    length,
+                    gone,
+                ),
+                _ => Picture::of("Load on all cells, N", rows.len(), load, gone),
+            }
+            .numbered(|k| rows.number[k]),
         ),
-        _ => Picture::of("Load on all cells, N", rows.len(), load, gone),
-    }))
+    )
 }
 
 /// Cells that never show a load while the others do.
@@ -90,7 +95,7 @@ pub(super) fn unplugged(rows: &LogRows) -> Vec<Finding> {
             &format!("fsr_{}", cell + 1),
             sentence(cell),
         )
-        .showing(picture)
+        .showing(picture.numbered(|k| rows.number[k]))
     };
     dead.into_iter().map(of).collect()
 }

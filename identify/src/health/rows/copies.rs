@@ -6,10 +6,10 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::LogRows;
 use super::key::{key, reading_of};
 use super::screen::LeftOut;
 use super::steps::step;
-use super::{LogRows, ROWS};
 use crate::Error;
 use crate::health::criteria::{COPIED_SHARE, FEW_ROWS, FINE, HELD_SHARE};
 use crate::health::statistics::scatter;
@@ -48,16 +48,19 @@ pub(super) fn of(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
         Kind::RowsCopied,
         "-",
         format!(
-            "{} of {} rows repeat an earlier row to the last digit: they are copies, not readings, \
+            "{} of {} repeat an earlier row to the last digit: they are copies, not readings, \
              and are left out. Check how the log was put together.",
             copied.len(),
-            rows.len()
+            rows.total()
         ),
     );
     let copied: HashSet<usize> = copied.into_iter().collect();
     let x = |k: usize| 1e3 * rows.reading[k][0];
     let meant = |k: usize| copied.contains(&k);
-    Some(finding.showing(Picture::of("CoP x, mm", rows.len(), x, meant)))
+    Some(
+        finding
+            .showing(Picture::of("CoP x, mm", rows.len(), x, meant).numbered(|k| rows.number[k])),
+    )
 }
 
 /// Refuse a log whose rows are one row, or two, again and again: repeats without any noise of
@@ -67,7 +70,7 @@ pub(super) fn of(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
 /// Where the log `name` is such a one.
 pub(super) fn check_distinct(rows: &LogRows, name: &str) -> Result<(), Error> {
     // Of a longer log the rest may be sound.
-    if rows.len() >= ROWS {
+    if rows.is_part {
         return Ok(());
     }
     let of = |k: usize| key(rows.q(k), &reading_of(rows.reading[k], rows.force(k)));

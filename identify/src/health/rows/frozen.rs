@@ -87,14 +87,16 @@ pub(super) fn stretches(rows: &LogRows, left_out: &mut LeftOut) -> Option<Findin
         Part::Y => (1, "CoP y, mm"),
         Part::X | Part::BothAxes | Part::Cells => (0, "CoP x, mm"),
     };
-    let picture = Picture::of(title, n, |k| 1e3 * rows.reading[k][axis], is_frozen);
+    let picture = Picture::of(title, n, |k| 1e3 * rows.reading[k][axis], is_frozen)
+        .numbered(|k| rows.number[k]);
     let share = 100.0 * rows_frozen as f64 / n as f64;
     if rows_frozen as f64 > MOST_LOST * n as f64 {
         left_out.frozen.clear();
         let sentence = format!(
-            "In {rows_frozen} of {n} rows the {what} the same to the last digit while CAD moves \
+            "In {rows_frozen} of {} the {what} the same to the last digit while CAD moves \
              the CoP by up to {:.1} mm: check that the sensor is on and that its topic is the \
              right one.",
+            rows.total(),
             1e3 * moved
         );
         let finding = Finding::new(Kind::CopConstant, "-", sentence);
@@ -110,10 +112,12 @@ pub(super) fn stretches(rows: &LogRows, left_out: &mut LeftOut) -> Option<Findin
         several => format!("{several} stretches"),
     };
     let sentence = format!(
-        "In {rows_frozen} rows ({share:.0} %, {stretches}; the longest is rows {} to {to}) the \
+        "In {} ({share:.0} %, {stretches}; the longest is rows {} to {}) the \
          {what} the same to the last digit while the joints move it by {:.1} mm: the message is \
          stale; these rows are left out. Check the sensor's driver and how its topic was recorded.",
-        from + 1,
+        rows.some(rows_frozen),
+        rows.number[from],
+        rows.number[to - 1],
         1e3 * moved
     );
     Some(Finding::new(Kind::CopFrozen, target, sentence).showing(picture))

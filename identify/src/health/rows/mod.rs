@@ -6,10 +6,12 @@
 //! frozen     a reading that stays the same to the last digit while the joints move
 //! channels   a CoP or a cell that ends at one value, or moves in coarse steps
 //! copies     the same joints and the same reading, to the last digit, once more
+//! stamps     joints jump from stamp to stamp and not from row to row, or time runs backwards
 //! ```
 //!
-//! The first [`ROWS`] rows are looked at; what is found wrong in them is left out of the
-//! whole log by a [`Screen`](crate::logs::Screen), and the rest is used.
+//! [`ROWS`] rows are looked at; of longer logs a first stretch and short ones over the rest
+//! ([`sample`]). What is found wrong in them is left out of the whole log by a
+//! [`Screen`](crate::logs::Screen), and the rest is used.
 
 mod channels;
 mod contact;
@@ -17,8 +19,10 @@ mod copies;
 mod frozen;
 mod key;
 mod outside;
+mod sample;
 mod screen;
 mod sole;
+mod stamps;
 mod steps;
 
 use std::f64::consts::PI;
@@ -37,12 +41,12 @@ use crate::observations::correlation;
 use crate::observations::rows::CopRows;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
+use sample::Sample;
 use screen::Everything;
 pub(super) use screen::LeftOut;
 
 /// Rows that are looked at, at most.
 pub(super) const ROWS: usize = 50_000;
-const BLOCK: usize = 4096;
 /// Half the time over which an acceleration is looked at, s.
 const SWING_S: f64 = 0.15;
 /// Rows that masses are fitted to, at most.
@@ -53,6 +57,11 @@ pub(super) struct LogRows {
     pub q: Vec<f64>,
     pub dof: usize,
     pub reading: Vec<[f64; 2]>,
+    /// Numbers of the rows from 1: those on this support, or in the log where not all are here.
+    pub number: Vec<usize>,
+    first_line: Option<u64>,
+    /// Whether the log has more rows than are here.
+    pub is_part: bool,
     /// Row by row, N; none where the log has a CoP.
     pub force: Vec<f64>,
     pub cells: usize,
@@ -74,6 +83,22 @@ pub(super) struct LogRows {
 impl LogRows {
     pub fn len(&self) -> usize {
         self.reading.len()
+    }
+
+    /// Some of the rows, in words that say what they are part of where that is not the log.
+    pub fn some(&self, count: usize) -> String {
+        match self.is_part {
+            true => format!("{count} of {}", self.total()),
+            false => format!("{count} rows"),
+        }
+    }
+
+    /// All rows, in words that say what they are part of.
+    pub fn total(&self) -> String {
+        match self.is_part {
+            true => format!("{} rows that were looked at", self.len()),
+            false => format!("{} rows", self.len()),
+        }
     }
 
     pub fn q(&self, row: usize) -> &[f64] {
@@ -122,6 +147,9 @@ impl LogRows {
             q: Vec::new(),
             dof: dofs.len(),
             reading: Vec::new(),
+            number: Vec::new(),
+            first_line: None,
+            is_part: false,
             force: Vec::new(),
             cells: 0,
             places: reader.sidecar.cells.clone().unwrap_or_default(),
@@ -133,11 +161,8 @@ impl LogRows {
             sole: None,
         };
         let mut variance = Vec::new();
-        while rows.len() < ROWS {
-            let mut block = reader.block(BLOCK)?;
-            if block.is_empty() {
-                break;
-            }
+        let mut sample = Sample::default();
+        while let Some(mut block) = sample.next(&mut reader)? {
             if let (Some(all), Some(support)) = (&block.support, support) {
                 let here = |link: &Arc<str>| link.is_empty() || **link == *support;
                 let here: Vec<bool> = all.iter().map(here).collect();
@@ -151,10 +176,18 @@ impl LogRows {
             let mean = variance.iter().sum::<f64>() / variance.len() as f64;
             rows.noise = Some(mean.sqrt());
         }
+        rows.is_part = sample.is_part();
+        if !rows.is_part {
+            rows.number = (1..=rows.len()).collect();
+        }
         Ok((rows, reader.averaged()))
     }
 
     fn take(&mut self, block: Block, variance: &mut Vec<f64>) {
+        let first = block.line.first().copied().unwrap_or(0);
+        let first = *self.first_line.get_or_insert(first);
+        let number = |line: &u64| usize::try_from(line.saturating_sub(first)).unwrap_or(0) + 1;
+        self.number.extend(block.line.iter().map(number));
         self.q.extend(block.q);
         self.pose.extend(block.pose);
         self.t.extend(block.t.unwrap_or_default());
@@ -247,6 +280,7 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
     findings.extend(contact::unplugged(&rows));
     findings.extend(channels::saturated(&rows, None, &mut left_out));
     findings.extend(copies::of(&rows, &mut left_out));
+    findings.extend(stamps::shuffled(&rows));
     Ok(findings)
 }
 
@@ -257,6 +291,7 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     if rows.len() < FEW_ROWS {
         return (left_out, findings);
     }
+    findings.extend(stamps::shuffled(rows));
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
     findings.extend(outside::sole(rows, &mut left_out));

@@ -42,9 +42,10 @@ pub(super) fn sole(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let length = |k: usize| rows.reading[k][0].hypot(rows.reading[k][1]);
     left_out.sole = inside.sole;
     let sentence = format!(
-        "The CoP of {count} of {total} rows lies beyond the sole and every CoP that CAD predicts, \
+        "The CoP of {count} of {} lies beyond the sole and every CoP that CAD predicts, \
          up to {:.2} m from the frame's origin: these rows are left out; check the sensor's cable \
          and the topic.",
+        rows.total(),
         (0..total).map(length).fold(0.0, f64::max)
     );
     Some(Finding::new(Kind::CopOutsideSole, "-", sentence).showing(picture(rows, beyond)))
@@ -94,7 +95,7 @@ fn frame(rows: &LogRows, middle: [f64; 2]) -> Finding {
 fn picture(rows: &LogRows, meant: impl Fn(usize) -> bool) -> Picture {
     let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
     let title = "Distance of the CoP from the origin, mm";
-    Picture::of(title, rows.len(), length, meant)
+    Picture::of(title, rows.len(), length, meant).numbered(|k| rows.number[k])
 }
 
 /// Whether readings scatter no more than CAD says: in another unit they would.

@@ -1,0 +1,104 @@
+//! The page of data that cannot be used: what is wrong with them, and nothing that was made of
+//! them.
+
+use minijinja::{Error, context};
+
+use super::data::Data;
+use super::html::render;
+use super::next_steps;
+use super::origin::Origin;
+use sesc_identify::diagnose::Diagnosis;
+use sesc_identify::fit::Identification;
+use sesc_identify::health::Finding;
+use sesc_identify::next_steps::{NextStep, Output};
+use sesc_model::ModelFile;
+
+/// What the page is about.
+struct Broken<'a> {
+    robot: &'a str,
+    support: &'a str,
+    postures: u64,
+    /// How many rows there are, and what they are worth.
+    rows: String,
+    health: &'a [Finding],
+    next: &'a [NextStep],
+    origin: Origin<'a>,
+}
+
+/// The page of a fit to such data; `command` makes it again.
+///
+/// # Errors
+/// A fault of the page's template.
+pub fn page_of_fit(found: &Identification, command: &str) -> Result<String, Error> {
+    let times = found.data.iter().filter_map(|log| log.times);
+    page(&Broken {
+        robot: &found.robot,
+        support: &found.support,
+        postures: found.postures,
+        rows: found.samples.sentence(),
+        health: &found.health,
+        next: &found.next_steps,
+        origin: Origin {
+            robot: [&found.robot, &found.hash],
+            logs: found
+                .data
+                .iter()
+                .map(|log| (&*log.file, log.rows, &*log.hash))
+                .collect(),
+            times: times.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]),
+            command,
+        },
+    })
+}
+
+/// The page of a diagnosis of such data; `made` says of which robot and data it is, `command`
+/// makes it again.
+///
+/// # Errors
+/// A fault of the page's template.
+pub fn page_of_diagnosis(
+    found: &Diagnosis,
+    made: &ModelFile,
+    command: &str,
+) -> Result<String, Error> {
+    page(&Broken {
+        robot: &found.robot,
+        support: &found.support,
+        postures: found.postures as u64,
+        rows: found.samples.sentence(),
+        health: &found.health,
+        next: &found.next_steps,
+        origin: Origin {
+            robot: [&made.robot, &made.hash],
+            logs: made
+                .data
+                .iter()
+                .map(|log| (&*log.file, log.rows, &*log.hash))
+                .collect(),
+            times: found.times,
+            command,
+        },
+    })
+}
+
+fn page(broken: &Broken<'_>) -> Result<String, Error> {
+    let data = Data {
+        lines: vec![
+            ("rows", broken.rows.clone()),
+            ("postures", broken.postures.to_string()),
+        ],
+        dofs: &[],
+        used: &[],
+        postures: Vec::new(),
+        health: broken.health,
+    };
+    let context = context! {
+        robot_name => broken.robot,
+        support => broken.support,
+        log => broken.origin.logs.iter().map(|log| log.0).collect::<Vec<&str>>().join(" + "),
+        data => data.context(),
+        next => next_steps::context(broken.next, &[Output::Page]),
+        origin => broken.origin.context(),
+    };
+    render("unusable.html", context)
+}

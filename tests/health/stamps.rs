@@ -1,0 +1,129 @@
+//! Stamps of other rows, and a fault that begins late in a long log.
+
+use std::sync::Arc;
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use sesc_identify::fit::{self, Identification};
+use sesc_identify::logs::{LogSource, Table};
+use sesc_identify::robot::Robot;
+use sesc_test_support::command::{op2, sesc};
+use sesc_virtual::moving::Swing;
+use sesc_virtual::recording::{Kind, Noise, Recording};
+use sesc_virtual::stage::{Platform, Stage};
+
+/// An OP2 that swings at up to 0.4 Hz with noise of 0.5 mm.
+fn swing(seconds: f64, rate: f64, seed: u64) -> Recording {
+    let stage = Stage::new(Platform::Op2);
+    let noise = Noise {
+        kind: Kind::White,
+        std: [5e-4; 2],
+        visit_std: 0.0,
+    };
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    Swing::new(0.4, 0.15, seconds).record(&stage, stage.world(), noise, rate, random)
+}
+
+fn table(recording: &Recording) -> LogSource {
+    let columns = recording.columns(true).into_iter();
+    let table = columns.fold(Table::new("log"), |table, (name, values)| {
+        table.numbers(&name, values)
+    });
+    table.into()
+}
+
+fn fitted(log: LogSource) -> Identification {
+    let robot = Robot::read(&Stage::new(Platform::Op2).urdf).unwrap();
+    let mut request = fit::Request::default();
+    request.robot = Some(Arc::new(robot));
+    request.logs = vec![log];
+    request.support = Some("r_sole".into());
+    fit::fit(&request, &mut ()).unwrap().identification
+}
+
+fn kinds(found: &Identification) -> Vec<(&str, &str)> {
+    let health = found.health.iter();
+    health.map(|h| (h.kind.name(), &*h.target)).collect()
+}
+
+#[test]
+fn stamps_of_other_rows_are_seen() {
+    let sound = swing(30.0, 50.0, 300);
+    let n = sound.t.len();
+    assert_eq!(kinds(&fitted(table(&sound))), []);
+    let mut permuted = sound.clone();
+    // 1500 and 617 have no common divisor.
+    permuted.t = (0..n).map(|k| sound.t[(617 * k + 11) % n]).collect();
+    assert_eq!(kinds(&fitted(table(&permuted))), [("rows_shuffled", "t")]);
+    let mut reversed = sound.clone();
+    reversed.t.reverse();
+    assert_eq!(kinds(&fitted(table(&reversed))), [("rows_shuffled", "t")]);
+    // Whole rows in another order, and one recording behind another.
+    let mut rows = sound.clone();
+    for k in 0..n {
+        let from = (617 * k + 11) % n;
+        rows.t[k] = sound.t[from];
+        rows.q[k] = sound.q[from].clone();
+        rows.cop[k] = sound.cop[from];
+    }
+    assert_eq!(kinds(&fitted(table(&rows))), []);
+    let mut twice = sound.clone();
+    let late = n / 2;
+    let again: Vec<f64> = sound.t[..n - late].to_vec();
+    twice.t[late..].copy_from_slice(&again);
+    assert_eq!(kinds(&fitted(table(&twice))), []);
+}
+
+/// Rows 60,000 to 70,000 of 100,000 are frozen, those from 62,000 on lie beyond the sole.
+#[test]
+fn a_fault_that_begins_late_in_a_long_log_is_found() {
+    let mut recording = swing(200.0, 500.0, 310);
+    assert_eq!(recording.t.len(), 100_000);
+    let last = recording.cop[60_000];
+    recording.cop[60_000..70_000].fill(last);
+    let csv = csv(&recording);
+    for log in [table(&recording), LogSource::bytes("log.csv", csv)] {
+        let found = fitted(log);
+        assert_eq!(kinds(&found), [("cop_frozen", "-")]);
+        let said = &found.health[0].sentence;
+        assert!(said.contains("rows that were looked at"), "{said}");
+        println!("{said}");
+        let picture = found.health[0].picture.as_ref().unwrap();
+        let meant: Vec<usize> = picture.points.iter().filter(|p| p.2).map(|p| p.0).collect();
+        let inside = |row: &usize| (60_001..=70_000).contains(row);
+        assert!(meant.len() > 20 && meant.iter().all(inside), "{meant:?}");
+    }
+}
+
+fn csv(recording: &Recording) -> Vec<u8> {
+    let columns = recording.columns(true);
+    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let mut text = names.join(",") + "\n";
+    for k in 0..recording.t.len() {
+        let row: Vec<String> = columns.iter().map(|(_, v)| v[k].to_string()).collect();
+        text += &(row.join(",") + "\n");
+    }
+    text.into_bytes()
+}
+
+/// Rows that are 10 ms apart by stamps in ms are 10 s apart for who reads seconds.
+#[test]
+fn stamps_in_milliseconds_and_stamps_that_stand_still_are_warned_of() {
+    let mut recording = swing(30.0, 100.0, 320);
+    let folder = tempfile::tempdir().unwrap();
+    let said = |recording: &Recording| {
+        let log = folder.path().join("log.csv");
+        std::fs::write(&log, csv(recording)).unwrap();
+        let log = log.display().to_string();
+        let given = ["fit", &op2(), "--support", "r_sole", "--data", &log];
+        String::from_utf8(sesc(&given).stderr).unwrap()
+    };
+    let sound = said(&recording);
+    assert!(!sound.contains("`t`"), "{sound}");
+    recording.t.iter_mut().for_each(|t| *t *= 1e3);
+    let slow = said(&recording);
+    assert!(slow.contains("is `t` in ms?"), "{slow}");
+    recording.t.fill(3.0);
+    let still = said(&recording);
+    assert!(still.contains("`t` is 3 in every row"), "{still}");
+}
