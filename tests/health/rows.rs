@@ -107,6 +107,16 @@ fn copied_rows_count_once() {
     assert_eq!(found_beside(&log), only("rows_copied", "-"));
     let found = log.diagnose("r_sole").diagnosis;
     assert_eq!(found.postures, POSTURES);
+    assert_eq!(
+        (found.samples.rows, found.samples.independent),
+        (POSTURES, POSTURES)
+    );
+    // A fit counts them once, too, with stamps of their own.
+    let found = log.fit("r_sole");
+    assert_eq!(
+        (found.samples.rows, found.readings),
+        (POSTURES, POSTURES as u64)
+    );
 }
 
 #[test]

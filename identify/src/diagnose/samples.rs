@@ -120,8 +120,7 @@ fn noise_factors(problem: &Problem, now: [f64; 2], correlation: &[Correlation; 2
 /// What is said of it.
 pub(super) fn said(problem: &Problem, correlation: &[Correlation; 2]) -> Samples {
     let data = &problem.data;
-    let rows = data.summary.as_ref().map(|summary| summary.rows as usize);
-    let rows = rows.unwrap_or(data.len());
+    let rows = data.rows;
     let timed = data.t.as_ref().is_some_and(|t| step(t).is_some());
     // Postures count by what their stays are worth, and may be correlated themselves.
     let rows_of = |k: usize| {
@@ -136,6 +135,6 @@ pub(super) fn said(problem: &Problem, correlation: &[Correlation; 2]) -> Samples
         }
     };
     let mut sum = Sum::default();
-    sum.push(rows as u64, &[0, 1].map(rows_of), timed);
-    sum.of(rows as u64)
+    sum.push(rows, &[0, 1].map(rows_of), timed);
+    sum.of(rows)
 }

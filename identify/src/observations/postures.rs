@@ -76,6 +76,9 @@ pub struct Postures {
     pub raw_cells: bool,
     /// Postures of the log, of which these are an even choice.
     pub postures: usize,
+    /// Rows of the log on its support, those that were left out as copies or without contact
+    /// not among them.
+    pub rows: u64,
     /// Rows of a posture, on average.
     pub rows_per_posture: f64,
     /// What the reader says about the log; none of postures that were given.
@@ -128,7 +131,7 @@ impl Postures {
         let support = &model.tree.links[model.tree.support].name;
         let mut gathering = Gathering::new(taking.options.any_unit);
         let (mut stated, mut timed, mut raw) = (false, false, false);
-        let mut elsewhere = 0_u64;
+        let (mut elsewhere, mut taken) = (0_u64, 0_u64);
         let dof = dofs.len();
         loop {
             let (block, motion) = reader.rows(BLOCK)?;
@@ -161,6 +164,7 @@ impl Postures {
                     moving: Motions::of(motion.as_ref(), k, dof),
                 };
                 gathering.push(row, gravity, std);
+                taken += 1;
             }
         }
         gathering.close();
@@ -183,6 +187,7 @@ impl Postures {
         let planned = reader.plan().is_some();
         data.motion = planned.then(|| gathering.motion(dof));
         data.summary = reader.summary();
+        data.rows = taken;
         data.warnings.splice(0..0, reader.warnings.iter().cloned());
         let moved = gathering.known.moved();
         if moved > 0 {
@@ -267,6 +272,7 @@ impl Postures {
             cells: Vec::new(),
             raw_cells: false,
             postures: gathering.seen,
+            rows: count as u64,
             rows_per_posture: all.iter().map(|p| p.rows).sum::<f64>() / count.max(1) as f64,
             summary: None,
             warnings: noise.warning.into_iter().map(Message::from).collect(),
