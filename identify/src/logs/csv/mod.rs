@@ -175,7 +175,7 @@ impl RowSource for CsvSource {
         Ok(())
     }
 
-    /// By the length of the rows so far; the row in which this ends is left out.
+    // By the length of the rows so far; the row in which these bytes end is passed over, too.
     fn skip(&mut self, _: &Columns, rows: u64) -> Result<bool, Error> {
         let at = self.reader.position();
         let length = at.byte() as f64 / at.line().max(1) as f64;
