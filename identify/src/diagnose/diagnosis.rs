@@ -126,10 +126,8 @@ pub fn find<'m>(
         motion: problem.data.motion_use.clone(),
         visits: problem.data.visits,
         closure,
-        again: noise::untold(problem, verdict).and_then(|untold| {
-            let data = &problem.data;
-            Again::of(untold, &problem.rows, &data.pose, data.t.as_deref())
-        }),
+        again: noise::untold(problem, verdict)
+            .and_then(|untold| Again::of(untold, problem.model, &problem.data)),
         sentence: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),

@@ -5,7 +5,6 @@ use super::gather::Gathered;
 use super::logs::Logs;
 use crate::Error;
 use crate::observations::revisits::{Again, Untold};
-use crate::observations::rows::CopRows;
 use crate::watch::Watch;
 
 /// Longer logs are recordings: they are not read once more.
@@ -35,9 +34,6 @@ pub(super) fn of(
     }
     let support = logs.first_support()?;
     let model = logs.robot.model(&support, logs.snapping, None)?;
-    let Some(data) = logs.postures(log, &model, watch)? else {
-        return Ok(None);
-    };
-    let rows = CopRows::new(&model).of(&data.q, data.len(), None);
-    Ok(Again::of(untold, &rows, &data.pose, data.t.as_deref()))
+    let data = logs.postures(log, &model, watch)?;
+    Ok(data.and_then(|data| Again::of(untold, &model, &data)))
 }

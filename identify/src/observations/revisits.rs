@@ -10,8 +10,11 @@
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use sesc_model::Model;
 
 use super::correlation::step;
+use super::postures::Postures;
+use super::rows::CopRows;
 use crate::next_steps::NextStep;
 
 /// Postures that are asked for.
@@ -38,10 +41,17 @@ pub struct Again {
 }
 
 impl Again {
-    /// Choose postures to repeat, which tell what is `untold`, in a log of `poses` whose regressor rows (two per posture)
-    /// are `rows`, at times `t` (s); none of recordings, nor of fewer postures than are asked
-    /// for.
-    pub(crate) fn of(
+    /// Choose postures to repeat, which tell what is `untold`, among those of `data`, by the rows
+    /// of `model` without effects: fits and diagnoses ask for the same, whatever explains the
+    /// log. None of recordings, nor of fewer postures than twice those that are asked for.
+    pub(crate) fn of(untold: Untold, model: &Model, data: &Postures) -> Option<Again> {
+        let rows = CopRows::new(model).of(&data.q, data.len(), None);
+        Again::among(untold, &rows, &data.pose, data.t.as_deref())
+    }
+
+    /// The same in a log of `poses` whose regressor rows (two per posture) are `rows`, at times
+    /// `t` (s).
+    fn among(
         untold: Untold,
         rows: &DMatrix<f64>,
         poses: &[i64],
@@ -143,15 +153,18 @@ mod tests {
         let poses: Vec<i64> = (100..120).collect();
         let slow: Vec<f64> = (0..20).map(|k| 3.0 * f64::from(k)).collect();
         let fast: Vec<f64> = (0..20).map(|k| 0.01 * f64::from(k)).collect();
-        let asked = Again::of(Untold::Noise, &rows, &poses, None).unwrap();
+        let asked = Again::among(Untold::Noise, &rows, &poses, None).unwrap();
         assert_eq!(asked.poses.len(), COUNT);
         assert!(asked.poses.windows(2).all(|pair| pair[0] < pair[1]));
         assert!(asked.poses.iter().all(|pose| poses.contains(pose)));
-        let again = Again::of(Untold::Noise, &rows, &poses, Some(&slow));
+        let again = Again::among(Untold::Noise, &rows, &poses, Some(&slow));
         assert_eq!(again, Some(asked));
-        assert_eq!(Again::of(Untold::Noise, &rows, &poses, Some(&fast)), None);
-        assert_eq!(Again::of(Untold::Noise, &rows, &poses[..9], None), None);
-        let of_visits = Again::of(Untold::Visits, &rows, &poses, None).unwrap();
+        assert_eq!(
+            Again::among(Untold::Noise, &rows, &poses, Some(&fast)),
+            None
+        );
+        assert_eq!(Again::among(Untold::Noise, &rows, &poses[..9], None), None);
+        let of_visits = Again::among(Untold::Visits, &rows, &poses, None).unwrap();
         assert!(of_visits.sentence.contains("leaving each in between"));
     }
 }
