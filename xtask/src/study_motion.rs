@@ -31,6 +31,9 @@ const EVERY: [usize; 4] = [1, 2, 5, 10];
 /// 4096 ticks a turn, rad.
 const TICK: f64 = TAU / 4096.0;
 
+/// ± this many deviations hold 95 %.
+const OF_95: f64 = 1.959_964;
+
 /// How many logs.
 #[derive(Args)]
 pub struct StudyMotion {
@@ -119,6 +122,40 @@ impl Case {
         request.prior = "tight".into();
         Ok(diagnose(&request, &mut ())?.diagnosis)
     }
+}
+
+/// What of a hidden effect is estimated by which parameter of the explanation.
+fn truth(hidden: Option<(Effect, &'static str, &'static [f64])>) -> Vec<(&'static str, f64)> {
+    match hidden {
+        Some((Effect::JointOffset, _, values)) => vec![("offset_rad", values[0])],
+        Some((Effect::SensorGain, _, values)) => {
+            vec![("gain_x", 1.0 + values[0]), ("gain_y", 1.0 + values[1])]
+        }
+        Some((Effect::Payload, _, values)) => vec![("mass_kg", values[0])],
+        Some((Effect::TimeDelay, _, values)) => vec![("delay_s", values[0])],
+        _ => Vec::new(),
+    }
+}
+
+/// How many of the hidden effect's parameters have intervals, and how many of these hold the truth.
+fn intervals(case: &Case, found: &Diagnosis) -> [usize; 2] {
+    let Some((effect, target, _)) = case.hidden else {
+        return [0; 2];
+    };
+    let step = found
+        .steps
+        .iter()
+        .find(|step| step.effect == effect.name() && (target == NOWHERE || step.target == target));
+    let Some(step) = step else { return [0; 2] };
+    let known = truth(case.hidden).into_iter().filter_map(|(name, truth)| {
+        let found = step.parameters.get(name)?;
+        Some((found.value - truth) / found.std)
+    });
+    let off: Vec<f64> = known.collect();
+    [
+        off.len(),
+        off.iter().filter(|off| off.abs() <= OF_95).count(),
+    ]
 }
 
 fn cases() -> Vec<Case> {
@@ -212,10 +249,10 @@ impl StudyMotion {
              Recordings of 20 s with noise of 0.5 mm, each looked at by `diagnose --prior tight` at \
              100, 50, 20 and 10 Hz. The same is said at all rates where the verdict is the same \
              and one explanation, every effect with its target, is among those that each rate \
-             leaves. `cargo xtask study-motion --logs {} --seed \
+             leaves. Intervals are the 95 % ones of the hidden effect's sizes, at all rates. `cargo xtask study-motion --logs {} --seed \
              {}{only}` counts the same logs again.\n\n\
-             | recording | a verdict but none at 100, 50, 20, 10 Hz | the same at all rates |\n\
-             |---|---|---|\n",
+             | recording | a verdict but none at 100, 50, 20, 10 Hz | the same at all rates | intervals hold |\n\
+             |---|---|---|---|\n",
             self.logs, self.seed
         );
         let (mut recordings, mut agreeing) = (0, 0);
@@ -228,12 +265,16 @@ impl StudyMotion {
             let robot = Arc::new(Robot::read(&stage.urdf)?);
             let mut alarms = [0; EVERY.len()];
             let mut same = 0;
+            let mut counted = [0; 2];
             for seed in self.seed..self.seed + self.logs {
                 let recording = case.record(&stage, seed)?;
                 let mut all = Vec::new();
                 for (k, nth) in EVERY.into_iter().enumerate() {
                     let found = case.diagnosed(&stage, &robot, &recording.every(nth))?;
                     alarms[k] += usize::from(found.verdict != Verdict::None);
+                    let [known, holding] = intervals(&case, &found);
+                    counted[0] += known;
+                    counted[1] += holding;
                     if self.sentences {
                         eprintln!(
                             "  seed {seed}, {} Hz: {}; worth {}; {} share {:?}",
@@ -252,9 +293,11 @@ impl StudyMotion {
             agreeing += same;
             let alarms: Vec<String> = alarms.iter().map(usize::to_string).collect();
             let line = format!(
-                "| {name} | {} of {} | {same} of {1} |",
+                "| {name} | {} of {} | {same} of {1} | {} of {} |",
                 alarms.join(", "),
-                self.logs
+                self.logs,
+                counted[1],
+                counted[0]
             );
             eprintln!("{line}");
             let _ = writeln!(text, "{line}");

@@ -23,6 +23,7 @@ use crate::feet::{Closure, ROWS};
 use crate::fit::prior::{Prior, Tolerances};
 use crate::lsq::factor_normal;
 use crate::lsq::information::Beyond;
+use crate::observations::correlation::{Correlation, Process};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
@@ -49,6 +50,8 @@ pub struct Problem<'m> {
     pub weight: Vec<f64>,
     /// Factor of each axis's noise for the correlation of its readings in time.
     pub widened: [f64; 2],
+    /// How each axis's noise lasts; none where readings are independent.
+    lasting: [Option<Process>; 2],
     /// Masses within the prior that was asked for.
     pub nuisance: Nuisance,
     /// Masses within the usual tolerances of CAD, for `mass_distribution`.
@@ -185,6 +188,7 @@ impl<'m> Problem<'m> {
             params: model.cad_params(),
             offset: None,
             widened: [1.0; 2],
+            lasting: [None; 2],
             model,
             kinds: kinds.len() + hypothesis::MODELS,
             context,
@@ -218,6 +222,7 @@ impl<'m> Problem<'m> {
             params: model.cad_params(),
             offset: None,
             widened: [1.0; 2],
+            lasting: [None; 2],
             model,
             kinds: self.kinds,
             context,
@@ -277,6 +282,13 @@ impl<'m> Problem<'m> {
             *std *= factors[row % 2];
         }
         self.weigh();
+    }
+
+    /// The same by what `correlation` says, which also tells how far deviations of unknowns are
+    /// from those of noise that is as slow as whatever they explain.
+    pub(super) fn correlate_noise(&mut self, correlation: &[Correlation; 2]) {
+        self.widen_noise(correlation.map(|axis| axis.rows_per_sample.sqrt()));
+        self.lasting = correlation.map(|axis| axis.process);
     }
 
     /// Readings count by their deviations.

@@ -21,7 +21,6 @@ use super::exact::{Exact, masses_of};
 use super::hypothesis::effects_of;
 use super::problem::{ALL, Fit, Problem};
 use crate::evaluate::FASTEST;
-use crate::lsq::damped;
 
 /// Rounds, at most.
 const ROUNDS: usize = 12;
@@ -164,7 +163,7 @@ impl Predictions {
         }
         let scales = problem.scales(&fit.terms);
         Fit {
-            covariance: damped::covariance(&state.normal.0, &scales),
+            covariance: problem.covariance(&state, &scales, &root, errors),
             unknowns: state.unknowns,
             predicted: Rc::new(state.predicted),
             residual: Rc::new(state.residual),

@@ -35,7 +35,7 @@ pub(super) fn explained<'m>(
     // Where noise lasts, it is no explanation yet.
     for _ in 0..ROUNDS {
         let own = noise::beside(&problem, &found);
-        let own = own.filter(|_| about.usable && factors(&correlation).is_none());
+        let own = own.filter(|_| about.usable && !counts(&correlation));
         let Some((left, taken)) = own else {
             break;
         };
@@ -50,13 +50,13 @@ pub(super) fn explained<'m>(
     // what a wrong one has added to it: a gap that an effect bends wrongly looks like noise that
     // lasts for ever. What fewer unknowns leave has all of the noise in it.
     for _ in 0..ROUNDS {
-        let Some(factors) = factors(&correlation).filter(|_| about.usable) else {
+        if !counts(&correlation) || !about.usable {
             break;
-        };
+        }
         times = noise_factors(&problem, times, &correlation);
         problem = first.clone();
         problem.scale_noise(times);
-        problem.widen_noise(factors);
+        problem.correlate_noise(&correlation);
         found = diagnosis::find(&mut problem, further, about, watch)?;
         let again = self::correlation(&problem, &found.best);
         let fewer = found.best.unknowns.len() < unknowns;
@@ -98,10 +98,10 @@ fn correlation(problem: &Problem, fit: &Fit) -> [Correlation; 2] {
     })
 }
 
-/// The factors of the noise on each axis; none where readings are independent enough.
-fn factors(correlation: &[Correlation; 2]) -> Option<[f64; 2]> {
+/// Whether the readings of an axis are not independent enough.
+fn counts(correlation: &[Correlation; 2]) -> bool {
     let factors = correlation.map(|axis| axis.rows_per_sample.sqrt());
-    (factors[0].max(factors[1]) > COUNTS).then_some(factors)
+    factors[0].max(factors[1]) > COUNTS
 }
 
 /// How many times as large as residuals of a first fit showed it the noise of each axis is;

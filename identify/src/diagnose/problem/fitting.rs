@@ -132,7 +132,7 @@ impl Problem<'_> {
         let scales = self.scales(terms);
         let expand = |unknowns| self.state(terms, unknowns, posture_context, &root, masses);
         let state = damped::minimise(expand(start), &scales, expand);
-        let covariance = damped::covariance(&state.normal.0, &scales);
+        let covariance = self.covariance(&state, &scales, &root, masses);
         let mut objective = state.value + masses.log_det - self.nuisance.log_det;
         if let Some(sides) = sides {
             objective += sides.penalty;
@@ -156,6 +156,40 @@ impl Problem<'_> {
             at_bound: state.at_bound,
             masses: None,
         }
+    }
+
+    /// Covariance of the unknowns. The fit weighs rows as if noise were white over as many as are
+    /// worth one; what it moves them by is that of noise which lasts as it does:
+    ///
+    /// ```text
+    /// C = A⁻¹ (A + Σ_axis Zᵀ (R/f − I) Z) A⁻¹        A = Jᵀ Z,  Z = (I + F Fᵀ)⁻¹ J
+    /// ```
+    ///
+    /// R is the correlation of an axis's rows, f how many are worth one, F what masses do.
+    pub(in crate::diagnose) fn covariance(
+        &self,
+        state: &State,
+        scales: &[f64],
+        root: &Option<Vec<f64>>,
+        masses: &Nuisance,
+    ) -> DMatrix<f64> {
+        let as_white = damped::covariance(&state.normal.0, scales);
+        let (Some(t), true) = (&self.data.t, self.lasting.iter().any(Option::is_some)) else {
+            return as_white;
+        };
+        let counted = |mut slopes: DMatrix<f64>| {
+            let rows = root.iter().flatten().enumerate();
+            rows.for_each(|(row, root)| slopes.row_mut(row).scale_mut(*root));
+            slopes
+        };
+        let z = counted(masses.project_out(&counted(state.slopes.clone())));
+        let mut spread = DMatrix::zeros(z.ncols(), z.ncols());
+        for (axis, process) in self.lasting.iter().enumerate() {
+            let Some(process) = process else { continue };
+            let own = DMatrix::from_fn(t.len(), z.ncols(), |k, c| z[(2 * k + axis, c)]);
+            spread += process.spread(t, &own) / self.widened[axis].powi(2) - own.tr_mul(&own);
+        }
+        &as_white + &as_white * spread * &as_white
     }
 
     pub fn scales(&self, terms: &[Term]) -> Vec<f64> {

@@ -20,6 +20,7 @@
 
 mod mixture;
 mod restricted;
+mod spread;
 mod windows;
 
 use std::ops::Range;

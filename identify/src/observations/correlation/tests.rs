@@ -168,3 +168,61 @@ fn times_that_run_backwards_say_nothing() {
     t.swap(10, 20);
     assert_eq!(Correlation::of(&t, &y, &x), Correlation::NONE);
 }
+
+/// Noise of windows, entry by entry: e_k = m_w + d_k, where m of two windows are correlated and d
+/// are independent; with a pause, after which a window begins.
+#[test]
+fn the_spread_of_a_sum_is_that_of_the_dense_covariance() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let t: Vec<f64> = (0..97)
+        .map(|k| 0.01 * f64::from(k) + if k < 41 { 0.0 } else { 0.3 })
+        .collect();
+    let z = DMatrix::from_fn(t.len(), 3, |k, c| match c {
+        0 => 1.0,
+        1 => (40.0 * t[k]).sin(),
+        _ => gauss(&mut rng),
+    });
+    for (rows, share, lasting) in [(1, 1.0, 1.0), (1, 0.6, 1.0), (8, 1.0, 0.7), (8, 0.8, 0.4)] {
+        let cut = Cut::new(rows, 0.01);
+        let process = Process {
+            cut,
+            tau_s: 0.12,
+            share,
+            lasting,
+        };
+        let windows = {
+            let mut all: Vec<Range<usize>> = Vec::new();
+            for part in [0..41, 41..97] {
+                let starts = part.clone().step_by(rows);
+                all.extend(starts.map(|k| k..(k + rows).min(part.end)));
+            }
+            all
+        };
+        let window = |k: usize| windows.iter().position(|w| w.contains(&k)).unwrap();
+        let middle =
+            |w: usize| windows[w].clone().map(|k| t[k]).sum::<f64>() / windows[w].len() as f64;
+        let mean = |w: usize| lasting + (1.0 - lasting) / windows[w].len() as f64;
+        let dense = DMatrix::from_fn(t.len(), t.len(), |k, l| {
+            let (a, b) = (window(k), window(l));
+            let own = match a == b {
+                // d_k and d_l of one window sum to nothing.
+                true => {
+                    (1.0 - lasting) * (f64::from(u8::from(k == l)) - 1.0 / windows[a].len() as f64)
+                }
+                false => 0.0,
+            };
+            let apart = (middle(a) - middle(b)).abs();
+            let alike = match a == b {
+                true => 1.0,
+                false => share * (-apart / 0.12).exp(),
+            };
+            own + alike * (mean(a) * mean(b)).sqrt()
+        });
+        let expected = z.tr_mul(&dense) * &z;
+        let found = process.spread(&t, &z);
+        assert!(
+            (&found - &expected).amax() < 1e-9 * expected.amax(),
+            "{rows}: {found} {expected}"
+        );
+    }
+}
