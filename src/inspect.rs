@@ -7,7 +7,7 @@ use serde::Serialize;
 use sesc_model::base::{Column, Unobservable};
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
-use sesc_model::tree::Snap;
+use sesc_model::tree::{Snap, on_many_feet};
 use sesc_model::{Function, Given, Model, numeric};
 
 use sesc_identify::evaluate::Evaluator;
@@ -54,7 +54,7 @@ pub struct Inspection {
     pub unobservable: Vec<Unobservable>,
     /// Right angles that were made exact.
     pub snaps: Vec<Snap>,
-    /// What is odd about the URDF.
+    /// What is odd about the URDF, and what its feet can be used for where they are many.
     pub notes: Vec<String>,
     /// Operations of each function.
     pub operations: BTreeMap<&'static str, Counts>,
@@ -179,7 +179,12 @@ pub fn inspect(model: &Model) -> Inspection {
             .collect(),
         unobservable: base.unobservable.clone(),
         snaps: tree.snaps.clone(),
-        notes: tree.notes.clone(),
+        notes: tree
+            .notes
+            .iter()
+            .cloned()
+            .chain(on_many_feet(&tree.feet))
+            .collect(),
         operations,
         rounding_bound,
     }

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::DMatrix;
 use sesc_model::text::listed;
-use sesc_model::tree::support_rank;
+use sesc_model::tree::{feet, on_many_feet, support_rank};
 use sesc_model::urdf::{self, Description};
 use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 
@@ -94,7 +94,8 @@ impl Robot {
     }
 
     /// What is said where nobody names the link on the ground: soles and feet first, and what
-    /// is odd about sidecars, which may have meant to name it.
+    /// is odd about sidecars, which may have meant to name it; and what can be said of a robot
+    /// on more feet than two.
     pub(crate) fn no_support(&self, odd: &[Message]) -> Error {
         let mut names: Vec<&str> = self.description.link_names().collect();
         names.sort_by_key(|name| support_rank(name));
@@ -104,8 +105,15 @@ impl Robot {
             "no support link given; add ",
             Setting::Support,
             has,
-            odd
+            odd,
+            self.feet_note()
         ])
+    }
+
+    /// What ends a message about the support of a robot with more than two feet; empty of others.
+    pub(crate) fn feet_note(&self) -> String {
+        let said = on_many_feet(&feet(&self.description));
+        said.map_or(String::new(), |said| format!(". Note that {said}"))
     }
 
     /// The symbolic model on `support`, with identified parameters if given.

@@ -29,7 +29,7 @@ use snaps::snaps;
 use supports::name_some;
 
 #[doc(hidden)]
-pub use supports::support_rank;
+pub use supports::{feet, on_many_feet, support_rank};
 
 /// Velocities of joints that bounds of the ZMP hold for, rad/s and m/s.
 #[doc(hidden)]
@@ -205,6 +205,9 @@ pub struct Tree {
     pub snaps: Vec<Snap>,
     /// What was dropped, ignored or looks doubtful.
     pub notes: Vec<String>,
+    /// Links that are feet by their names.
+    #[doc(hidden)]
+    pub feet: Vec<String>,
 }
 
 /// Re-root `description` at `support`.
@@ -313,6 +316,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         dofs,
         snaps: Vec::new(),
         notes,
+        feet: supports::feet(description),
     };
     if tree.mass.is_nan() || tree.mass < urdf::limits::LEAST_KG {
         let file = tree.file.clone();

@@ -18,13 +18,14 @@ use crate::servos;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::logs::{self, Stays};
+use sesc_identify::logs::{self, Recording, Stays};
 use sesc_identify::robot::Robot;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --out model.toml --urdf corrected.urdf --report report.html\n  \
     sesc diagnose op2.urdf --data log.csv --next next.csv\n  \
+    sesc diagnose op2.urdf --data log.csv --mcap diagnosis.mcap\n  \
     sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --prior cad --json";
 
@@ -73,6 +74,10 @@ pub(super) struct Arguments {
     /// Page to write: where the gap is, what closes it, what these data cannot tell apart
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Recording to write, for Foxglove and PlotJuggler: joint states, the CoP as measured, as
+    /// CAD predicts it and as the explanation does, and what each leaves
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
     /// Exit with 1 if the held-out error exceeds K noise floors
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = super::positive)]
     fail_above: Option<f64>,
@@ -97,8 +102,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .writes(Kind::Urdf, &arguments.corrected)
         .writes_logs(Kind::Postures, &arguments.next)
         .writes(Kind::Page, &arguments.report)
+        .writes(Kind::Recording, &arguments.mcap)
         .prints(arguments.json)
         .check_writable()?;
+    if let Some(path) = &arguments.mcap {
+        Recording::check_format(path)?;
+    }
     let bar = &mut Bar::new("reading");
     let report = diagnose::diagnose(&request(arguments)?, bar)?;
     bar.0.finish_and_clear();
@@ -110,7 +119,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if usable {
         write(arguments, &report)?;
     } else {
-        let named = [&arguments.out, &arguments.corrected, &arguments.next];
+        let named = [
+            &arguments.out,
+            &arguments.corrected,
+            &arguments.next,
+            &arguments.mcap,
+        ];
         for path in named.into_iter().flatten() {
             message(&format!(
                 "{} is not written: the data cannot be used",
@@ -170,6 +184,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.corrected_urdf = arguments.corrected.is_some();
     request.total_mass = arguments.total_mass;
     request.view = arguments.report.is_some();
+    request.recording = arguments.mcap.is_some();
     Ok(request)
 }
 
@@ -209,6 +224,9 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
     if let (Some(path), Some(view)) = (&arguments.report, &report.view) {
         let text = page(&report.diagnosis, view, &report.model_file, &command_line());
         files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+    }
+    if let (Some(path), Some(recording)) = (&arguments.mcap, &report.recording) {
+        files.add_begun(path, recording.begun(path)?);
     }
     files.finish()
 }

@@ -30,8 +30,11 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    let (_, model) = arguments.robot.load(None)?;
+    let model = arguments.robot.stance(None)?.model()?;
     let inspection = inspect(&model);
+    for note in &inspection.notes {
+        super::message(&format!("note: {note}"));
+    }
     if arguments.json {
         print_json(&inspection)?;
     } else {

@@ -189,12 +189,14 @@ impl Together {
     pub(super) fn add(&mut self, path: &Path, text: &str) -> Result<(), Error> {
         match is_standard(path) {
             true => self.printed = Some(text.to_string()),
-            false => {
-                let file = (path.to_path_buf(), files::begun(path, text)?);
-                self.files.push(file);
-            }
+            false => self.add_begun(path, files::begun(path, text)?),
         }
         Ok(())
+    }
+
+    /// A file that is not yet in its place.
+    pub(super) fn add_begun(&mut self, path: &Path, file: NewFile) {
+        self.files.push((path.to_path_buf(), file));
     }
 
     /// Move them to their places, and say so.

@@ -207,3 +207,46 @@ fn effects_are_hidden_in_simulated_robots() {
         &["joint_ofset", "known are"],
     );
 }
+
+/// Before any log is taken, it is said which logs a robot with four feet can be used with.
+#[test]
+fn a_robot_with_four_feet_is_told_on_which_it_can_stand() {
+    let urdf = format!("{ROOT}/robots/quadruped/quadruped.urdf");
+    let words = [
+        "4 feet (lf_foot, rf_foot, lh_foot, rh_foot)",
+        "`both_feet = true`",
+        "recorded on more than two feet cannot be used",
+    ];
+    let inspect = ["inspect", &urdf, "--support", "lf_foot", "--json"];
+    let output = sesc(&inspect);
+    let said: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let note = said["notes"].as_array().unwrap().last().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    for word in words {
+        assert!(note.as_str().unwrap().contains(word), "{note}");
+        assert!(stderr.contains(word), "{stderr}");
+    }
+    let folder = folder();
+    let log = folder.path().join("log.csv").display().to_string();
+    let stand = [
+        "simulate",
+        &urdf,
+        "--support",
+        "lf_foot",
+        "--noise",
+        "0.001",
+    ];
+    stdout(&sesc(
+        &[&stand[..], &["--poses", "3", "--out", &log]].concat(),
+    ));
+    std::fs::remove_file(format!("{log}.toml")).unwrap();
+    for command in ["fit", "diagnose"] {
+        let output = sesc(&[command, &urdf, "--data", &log]);
+        refused(
+            &output,
+            &[&["no support link", "--support LINK"][..], &words].concat(),
+        );
+    }
+    let two = sesc(&["inspect", &op2(), "--support", "r_sole", "--json"]);
+    assert!(!stdout(&two).contains("feet"));
+}

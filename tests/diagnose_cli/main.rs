@@ -5,3 +5,4 @@ mod asking;
 mod contract;
 mod next;
 mod outputs;
+mod recording;

@@ -21,7 +21,7 @@ fn predicted(urdf: &str, more: &[&str]) -> Vec<[f64; 2]> {
     rows.collect()
 }
 
-fn worst(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
+pub fn worst(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
     assert_eq!(found.len(), truth.len());
     let gaps = found.iter().zip(truth);
     gaps.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]])
@@ -30,21 +30,21 @@ fn worst(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
 
 /// A log with three effects, diagnosed with masses beyond doubt: the world of the
 /// values in the model file is what every output has to agree with.
-struct Told {
+pub struct Told {
     folder: tempfile::TempDir,
-    log: String,
+    pub log: String,
     said: Value,
-    world: World,
-    q: Vec<Vec<f64>>,
+    pub world: World,
+    pub q: Vec<Vec<f64>>,
 }
 
 impl Told {
-    fn path(&self, name: &str) -> String {
+    pub fn path(&self, name: &str) -> String {
         self.folder.path().join(name).display().to_string()
     }
 }
 
-fn told(truth: Vec<Hidden>) -> Told {
+pub fn told(truth: Vec<Hidden>) -> Told {
     let folder = folder();
     let log = logged(folder.path(), "log", truth);
     let prior = write(
@@ -53,11 +53,20 @@ fn told(truth: Vec<Hidden>) -> Told {
         "[default]\nmass = 0.0\ncom = 0.0\n",
     );
     let path = |name: &str| folder.path().join(name).display().to_string();
-    let [model, urdf, report, next] =
-        ["model.toml", "corrected.urdf", "report.html", "next.csv"].map(path);
-    let outputs = [
+    let [model, urdf, report, next, mcap] = [
+        "model.toml",
+        "corrected.urdf",
+        "report.html",
+        "next.csv",
+        "told.mcap",
+    ]
+    .map(path);
+    let mut outputs = vec![
         "--out", &model, "--urdf", &urdf, "--report", &report, "--next", &next,
     ];
+    if cfg!(feature = "mcap") {
+        outputs.extend(["--mcap", &mcap]);
+    }
     let said = diagnose(
         &log,
         &[&["--no-snap", "--prior", &prior][..], &outputs].concat(),
@@ -92,7 +101,7 @@ fn told(truth: Vec<Hidden>) -> Told {
 }
 
 impl Told {
-    fn truth(&self) -> Vec<[f64; 2]> {
+    pub fn truth(&self) -> Vec<[f64; 2]> {
         self.q.iter().map(|q| self.world.cop(q)).collect()
     }
 }

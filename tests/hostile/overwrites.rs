@@ -67,7 +67,7 @@ const COMMANDS: [(&str, &str, &str); 5] = [
     (
         "diagnose a.urdf --data log.csv --prior prior.toml --servos servos.toml",
         "a.urdf log.csv log.toml prior.toml servos.toml",
-        "--out --urdf --report --next",
+        "--out --urdf --report --next --mcap",
     ),
     (
         "plan a.urdf --support foot --poses 3 --limits limits.csv --sole sole.csv --model \
@@ -235,6 +235,9 @@ fn outputs_take_the_place_of_their_like_alone() {
         fs::write(inputs.path(name), text).unwrap();
     }
     fs::copy(inputs.path("log.csv"), inputs.path("precious.csv")).unwrap();
+    // The header of a recording that ROS made.
+    let recorded = b"\x89MCAP0\r\n\x01\x13\0\0\0\0\0\0\0\x04\0\0\0ros2\x07\0\0\0libmcap";
+    fs::write(inputs.path("robot.mcap"), recorded).unwrap();
     stdout(&inputs.run("fit a.urdf --data log.csv --urdf b.urdf --out b.toml"));
     let plan = "plan a.urdf --support foot --poses 3 --cop-box 0.2 --candidates 50 --out";
     stdout(&inputs.run(&format!("{plan} poses.csv")));
@@ -250,6 +253,7 @@ fn outputs_take_the_place_of_their_like_alone() {
             "diagnose a.urdf --data log.csv --next precious.csv",
             is_there,
         ),
+        ("diagnose a.urdf --data log.csv --mcap robot.mcap", is_there),
         (&format!("{plan} precious.csv"), is_there),
         (&format!("{plan} free.csv --report thesis.html"), is_there),
         (
@@ -294,6 +298,10 @@ fn outputs_take_the_place_of_their_like_alone() {
             "written as .part",
         ),
         (
+            "diagnose a.urdf --data log.csv --mcap new.bag",
+            "written as .mcap",
+        ),
+        (
             &format!("{plan} free.csv --report foot.stl"),
             ".html or .htm",
         ),
@@ -303,6 +311,7 @@ fn outputs_take_the_place_of_their_like_alone() {
     assert!(inputs.all() == before);
     // Empty files are nobody's, and what a command wrote it writes again.
     fs::write(inputs.path("empty.html"), "").unwrap();
+    fs::write(inputs.path("empty.mcap"), "").unwrap();
     for line in [
         "fit a.urdf --data log.csv --out b.toml --urdf b.urdf --report empty.html",
         "fit a.urdf --data log.csv --out b.toml --urdf b.urdf --report empty.html",
@@ -310,6 +319,11 @@ fn outputs_take_the_place_of_their_like_alone() {
         "simulate a.urdf --support foot --poses 3 --out precious.csv",
     ] {
         stdout(&inputs.run(line));
+    }
+    #[cfg(feature = "mcap")]
+    for _ in 0..2 {
+        stdout(&inputs.run("diagnose a.urdf --data log.csv --mcap empty.mcap"));
+        assert!(fs::read(inputs.path("empty.mcap")).unwrap().len() > 100);
     }
 }
 

@@ -32,6 +32,7 @@ mod outliers;
 mod own_sides;
 mod problem;
 mod proposal;
+mod recording;
 pub mod remedy;
 mod report;
 mod request;

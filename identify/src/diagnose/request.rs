@@ -3,7 +3,7 @@
 //! ```text
 //! log ─▶ postures ─▶ search ─▶ class, verdict, held-out errors ─▶ report
 //! further logs ──────────────┘                                    ├▶ model file, URDF
-//!                                                                 └▶ next postures, view
+//!                                                                 └▶ next postures, view, recording
 //! ```
 
 use super::criteria::FLOOR_M;
@@ -20,6 +20,7 @@ use super::further_logs::FurtherLog;
 use super::model_file::model_file;
 use super::next_postures;
 use super::problem::Problem;
+use super::recording;
 use super::remedy::{self, Servo};
 use super::report::{Report, next_log};
 use super::view::DiagnosisView;
@@ -85,6 +86,9 @@ pub struct Request {
     /// Whether the rows of figures are wanted.
     #[doc(hidden)]
     pub view: bool,
+    /// Whether the postures are wanted as a recording.
+    #[doc(hidden)]
+    pub recording: bool,
 }
 
 impl Request {
@@ -112,6 +116,7 @@ impl Request {
             corrected_urdf: false,
             total_mass: None,
             view: false,
+            recording: false,
         }
     }
 }
@@ -275,6 +280,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             let skeleton = Skeleton::of(&model, &robot.description, meshes);
             DiagnosisView::of(&problem, &found, skeleton)
         }),
+        recording: request.recording.then(|| recording::of(&problem, &found)),
         next: next_log(
             next,
             &model,

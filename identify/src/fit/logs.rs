@@ -209,6 +209,7 @@ impl<'r> Logs<'r> {
                     let odd = file.sidecar()?.1.into_iter();
                     end.extend(odd.map(|message| format!("; {message}")));
                 }
+                end += &self.robot.feet_note();
                 let start = "no support link: add ";
                 Err(Error::request(message![start, Setting::Support, end]))
             }

@@ -31,6 +31,8 @@ mod options;
 mod parquet;
 mod predictions;
 mod reader;
+mod recorder;
+mod recording;
 mod row;
 mod screen;
 mod settle;
@@ -58,6 +60,8 @@ pub use input::LogSource;
 pub use options::{Options, Readings, Stays, StillnessLimits};
 pub use predictions::{PREDICTED, PredictionWriter};
 pub use reader::{PostureReader, Summary, column_names};
+#[doc(hidden)]
+pub use recording::{Recording, Track, TrackKind};
 pub use row::{Row, Written};
 #[doc(hidden)]
 pub use screen::{Screen, Screening};

@@ -42,6 +42,8 @@ struct Current<R> {
     readings: Vec<R>,
     /// Readings before the last state in which the robot was seen to hold still.
     confirmed: usize,
+    /// It is a posture however short it is held, and all its readings count.
+    whole: bool,
 }
 
 impl<R> StillnessCutter<R> {
@@ -73,21 +75,16 @@ impl<R> StillnessCutter<R> {
             }
         }
         let ended = self.end();
-        self.now = (slow && t.is_finite()).then(|| {
-            let mut now = Current {
-                pose: self.next_pose,
-                start: t,
-                last: t,
-                sum: vec![0.0; q.len()],
-                states: 0,
-                reference: q.to_vec(),
-                reference_t: t,
-                readings: Vec::new(),
-                confirmed: 0,
-            };
-            now.see(t, q);
-            now
-        });
+        self.now = (slow && t.is_finite()).then(|| Current::begun(self.next_pose, t, q, false));
+        ended
+    }
+
+    /// All joints at time `t` (s), as a posture of its own, of which every reading up to the next one
+    /// is; gives back the posture that ended.
+    #[cfg(any(test, feature = "mcap"))]
+    pub fn posture(&mut self, t: f64, q: &[f64]) -> Option<Posture<R>> {
+        let ended = self.end();
+        self.now = Some(Current::begun(self.next_pose, t, q, true));
         ended
     }
 
@@ -111,10 +108,13 @@ impl<R> StillnessCutter<R> {
     pub fn reading(&mut self, reading: R) -> Option<Posture<R>> {
         let now = self.now.as_mut()?;
         now.readings.push(reading);
+        if now.whole {
+            now.confirmed = now.readings.len();
+        }
         if now.readings.len() < MOST {
             return None;
         }
-        let long = now.last - now.start >= self.stillness.duration && now.confirmed > 0;
+        let long = now.is_held(self.stillness) && now.confirmed > 0;
         let part = now.part();
         now.readings.clear();
         now.confirmed = 0;
@@ -127,8 +127,7 @@ impl<R> StillnessCutter<R> {
     /// The recording or the posture ends.
     pub fn end(&mut self) -> Option<Posture<R>> {
         let mut now = self.now.take()?;
-        let long = now.last - now.start >= self.stillness.duration;
-        long.then(|| {
+        now.is_held(self.stillness).then(|| {
             self.next_pose = now.pose + 1;
             now.part()
         })
@@ -136,6 +135,28 @@ impl<R> StillnessCutter<R> {
 }
 
 impl<R> Current<R> {
+    fn begun(pose: i64, t: f64, q: &[f64], whole: bool) -> Current<R> {
+        let mut now = Current {
+            pose,
+            start: t,
+            last: t,
+            sum: vec![0.0; q.len()],
+            states: 0,
+            reference: q.to_vec(),
+            reference_t: t,
+            readings: Vec::new(),
+            confirmed: 0,
+            whole,
+        };
+        now.see(t, q);
+        now
+    }
+
+    /// Whether it was held for so long that it is a posture.
+    fn is_held(&self, stillness: StillnessLimits) -> bool {
+        self.whole || self.last - self.start >= stillness.duration
+    }
+
     fn see(&mut self, t: f64, q: &[f64]) {
         self.sum.iter_mut().zip(q).for_each(|(sum, q)| *sum += q);
         self.states += 1;
@@ -226,6 +247,19 @@ mod tests {
             "slower than the threshold"
         );
         assert_eq!(postures(|_| 0.0, 0.03), [], "the message says it moves");
+    }
+
+    #[test]
+    fn a_posture_of_its_own_is_one_however_short_and_alike_it_is() {
+        let mut cutter = StillnessCutter::new(StillnessLimits::default());
+        let mut found = Vec::new();
+        for k in 0..3 {
+            found.extend(cutter.posture(0.01 * f64::from(k), &[0.5]));
+            found.extend(cutter.reading(k));
+        }
+        found.extend(cutter.end());
+        let said: Vec<(i64, Vec<i32>)> = found.into_iter().map(|p| (p.pose, p.readings)).collect();
+        assert_eq!(said, [(0, vec![0]), (1, vec![1]), (2, vec![2])]);
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! Links that a robot may stand on, by their names.
 
+use std::collections::HashMap;
+
 use crate::text;
+use crate::urdf::Description;
 use crate::urdf::nearest::suggest;
 
 /// Words in the names of links that stand on the ground, the likeliest first.
@@ -14,6 +17,45 @@ pub fn support_rank(link: &str) -> usize {
     first.unwrap_or(SUPPORTS.len())
 }
 
+/// The feet of a robot by their names: links with `sole` or `foot` in it that no other such link
+/// carries, so that a sole frame and the foot that it is fixed to are one. `base_footprint`, the
+/// frame of a robot on the ground, is none.
+#[doc(hidden)]
+pub fn feet(robot: &Description) -> Vec<String> {
+    let names: Vec<&str> = robot.link_names().collect();
+    let is_foot = |name: &str| support_rank(&name.to_lowercase().replace("footprint", "")) < 2;
+    let foot: Vec<bool> = names.iter().map(|name| is_foot(name)).collect();
+    let index: HashMap<&str, usize> = names.iter().copied().zip(0..).collect();
+    let mut carrier = vec![None; names.len()];
+    for joint in &robot.joints {
+        if let Some(&child) = index.get(joint.child.as_str()) {
+            carrier[child] = index.get(joint.parent.as_str()).copied();
+        }
+    }
+    let is_first = |&link: &usize| {
+        let mut carriers = std::iter::successors(carrier[link], |&link| carrier[link]);
+        foot[link] && !carriers.any(|link| foot[link])
+    };
+    let first = (0..names.len()).filter(is_first);
+    first.map(|link| names[link].to_string()).collect()
+}
+
+/// What can and cannot be said of a robot that stands on more than two feet at once, where it
+/// has so many.
+#[doc(hidden)]
+pub fn on_many_feet(feet: &[String]) -> Option<String> {
+    let count = feet.len();
+    (count > 2).then(|| {
+        format!(
+            "the robot has {count} feet ({}): its CoM holds however many stand; the CoP is that of \
+             one foot that carries the robot alone, or of two flat feet on one floor \
+             (`both_feet = true` in the sidecar of the log). Point feet that stand together are \
+             not described, and a log that was recorded on more than two feet cannot be used",
+            text::listed(feet, 12)
+        )
+    })
+}
+
 /// Up to a dozen names for a message, those that contain `asked` first, then soles and feet,
 /// and the one that was probably meant.
 pub(super) fn name_some<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> String {
@@ -22,4 +64,55 @@ pub(super) fn name_some<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -
     let asked = asked.to_lowercase();
     names.sort_by_key(|name| (!name.to_lowercase().contains(&asked), support_rank(name)));
     text::listed(names, 12) + &meant
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::urdf;
+
+    /// Feet of a robot whose links hang on each other by fixed joints.
+    fn feet_of(carried: &[(&str, &str)]) -> Vec<String> {
+        let mut text = "<robot name='r'><link name='trunk'><inertial><mass value='1'/></inertial>\
+            </link>"
+            .to_string();
+        for (child, parent) in carried {
+            text += &format!(
+                "<link name='{child}'/><joint name='to_{child}' type='fixed'>\
+                 <parent link='{parent}'/><child link='{child}'/></joint>"
+            );
+        }
+        feet(&urdf::parse(&(text + "</robot>"), "r.urdf").unwrap())
+    }
+
+    #[test]
+    fn a_foot_and_its_sole_are_one_foot() {
+        let humanoid = [
+            ("base_footprint", "trunk"),
+            ("l_foot", "trunk"),
+            ("l_sensor", "l_foot"),
+            ("l_sole", "l_sensor"),
+            ("R_Foot", "trunk"),
+            ("r_toe", "R_Foot"),
+        ];
+        let feet = feet_of(&humanoid);
+        assert_eq!(feet, ["l_foot", "R_Foot"]);
+        assert_eq!(on_many_feet(&feet), None);
+    }
+
+    #[test]
+    fn four_feet_are_told_what_they_can_be_used_for() {
+        let legs = ["lf", "rf", "lh", "rh"];
+        let names = legs.map(|leg| format!("{leg}_foot"));
+        let carried: Vec<(&str, &str)> = names.iter().map(|name| (&**name, "trunk")).collect();
+        assert_eq!(feet_of(&carried), names);
+        let said = on_many_feet(&names).unwrap();
+        for words in [
+            "4 feet (lf_foot, rf_foot, lh_foot, rh_foot)",
+            "both_feet",
+            "cannot be used",
+        ] {
+            assert!(said.contains(words), "{said}");
+        }
+    }
 }

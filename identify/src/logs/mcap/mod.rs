@@ -14,13 +14,18 @@
 //!
 //! Stretches in which the robot holds still are postures, see [`StillnessLimits`]; each
 //! reading in one is a row, with the joints' means. A log without readings has
-//! one row per posture.
+//! one row per posture. In a recording of [`Recording`](super::recording::Recording) each joint
+//! state is a posture, and the CoP's topic is the one that it names.
 
 mod cdr;
+mod encode;
+mod format;
 mod records;
 mod survey;
 #[cfg(test)]
 pub(super) mod tests;
+mod write;
+mod writer;
 
 use std::collections::{HashMap, VecDeque};
 use std::io::BufReader;
@@ -39,6 +44,8 @@ use super::options::{Options, Readings, StillnessLimits};
 use super::source::{Interner, Raw, RowSource};
 use super::stillness::{Posture, StillnessCutter};
 use crate::{Error, Message};
+
+pub(super) use self::write::begun;
 
 const STATE: &str = "sensor_msgs/msg/JointState";
 const WRENCH: &str = "geometry_msgs/msg/WrenchStamped";
@@ -75,7 +82,7 @@ pub(super) struct McapSource {
     q: Vec<f64>,
     /// Topic of the readings, if they are wanted.
     topic: Option<String>,
-    /// The user named the topic.
+    /// The user named the topic, or the recording does.
     chosen: bool,
     links: Vec<String>,
     stillness: StillnessLimits,
@@ -119,7 +126,7 @@ impl McapSource {
             q: vec![f64::NAN; survey.joints.len()],
             place: survey.joints.into_iter().zip(0..).collect(),
             topic: survey.topic,
-            chosen: topic.is_some(),
+            chosen: topic.is_some() || survey.said,
             links: options.links.clone(),
             stillness: options.stillness,
             cutter: StillnessCutter::new(options.stillness),
@@ -151,7 +158,8 @@ impl McapSource {
                 let state = check_encoding(&channel)
                     .and_then(|()| JointState::decode(data))
                     .map_err(at)?;
-                self.state(&state, message.log_time).map_err(at)
+                let apart = channel.own_postures;
+                self.state(&state, message.log_time, apart).map_err(at)
             }
             schema @ (WRENCH | POINT) => {
                 match &self.topic {
@@ -172,7 +180,8 @@ impl McapSource {
         }
     }
 
-    fn state(&mut self, state: &JointState, log_time: f64) -> Result<(), String> {
+    /// Joint positions, as a posture of its own where it is `apart`.
+    fn state(&mut self, state: &JointState, log_time: f64, apart: bool) -> Result<(), String> {
         if state.position.len() != state.name.len() {
             return Err(format!(
                 "{} positions for {} joints",
@@ -191,7 +200,10 @@ impl McapSource {
             speed = speed.max(velocity.map_or(0.0, |v| v.abs()));
         }
         let t = state.header.stamp.unwrap_or(log_time);
-        let ended = self.cutter.state(t, &self.q, speed);
+        let ended = match apart {
+            true => self.cutter.posture(t, &self.q),
+            false => self.cutter.state(t, &self.q, speed),
+        };
         self.keep(ended);
         Ok(())
     }

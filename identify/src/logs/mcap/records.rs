@@ -17,7 +17,8 @@ use std::io::Read;
 use std::ops::Range;
 use std::sync::Arc;
 
-const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
+use super::format::opcode::{CHANNEL, CHUNK, FOOTER, MESSAGE, SCHEMA};
+use super::format::{MAGIC, OWN_POSTURES};
 
 /// Larger records are refused, bytes. Recorders write chunks of about 1 MiB,
 /// images included.
@@ -32,12 +33,6 @@ const EXPANSION: u64 = 200;
 const NAME: usize = 1024;
 const NAMES: usize = 16 << 20;
 
-const FOOTER: u8 = 0x02;
-const SCHEMA: u8 = 0x03;
-const CHANNEL: u8 = 0x04;
-const MESSAGE: u8 = 0x05;
-const CHUNK: u8 = 0x06;
-
 /// What a channel carries.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Channel {
@@ -46,6 +41,8 @@ pub(super) struct Channel {
     pub schema: String,
     /// How its messages are written, such as `cdr`.
     pub encoding: String,
+    /// Whether each message is a posture of its own, or its reading.
+    pub own_postures: bool,
 }
 
 /// A message: where it is from, and where its bytes are.
@@ -214,6 +211,7 @@ impl<R: Read> Records<R> {
             topic: fields.name()?,
             encoding: fields.name()?,
             schema: self.schemas.get(&schema).cloned().unwrap_or_default(),
+            own_postures: fields.has(OWN_POSTURES),
         };
         let names = channel.topic.len() + channel.encoding.len() + channel.schema.len();
         self.channels.insert(id, Arc::new(channel));
@@ -247,14 +245,14 @@ impl<R: Read> Records<R> {
     }
 }
 
-fn crc32(bytes: &[u8]) -> u32 {
+pub(super) fn crc32(bytes: &[u8]) -> u32 {
     let mut crc = flate2::Crc::new();
     crc.update(bytes);
     crc.sum()
 }
 
 /// The records of a chunk; `size` bounds what they may grow to.
-fn unpack(compression: &str, packed: &[u8], size: u64) -> Result<Vec<u8>, String> {
+pub(super) fn unpack(compression: &str, packed: &[u8], size: u64) -> Result<Vec<u8>, String> {
     let mut records = Vec::new();
     let done = match compression {
         "" => {
@@ -338,5 +336,21 @@ impl<'a> Fields<'a> {
             return Err(format!("a name of {length} bytes; the file is damaged"));
         }
         Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
+    }
+
+    /// Whether a map of texts, which may be missing, has this entry.
+    fn has(&mut self, [key, value]: [&str; 2]) -> bool {
+        let entries = self.u32().and_then(|length| self.take(length as usize));
+        let mut entries = Fields(entries.unwrap_or_default());
+        let mut text = || {
+            let length = entries.u32().ok()?;
+            entries.take(length as usize).ok()
+        };
+        while let (Some(own), Some(said)) = (text(), text()) {
+            if own == key.as_bytes() {
+                return said == value.as_bytes();
+            }
+        }
+        false
     }
 }

@@ -20,6 +20,8 @@ pub(super) struct Survey {
     pub joints: Vec<String>,
     /// Topic of the CoP, if it is wanted.
     pub topic: Option<String>,
+    /// Whether the recording says that this is the topic.
+    pub said: bool,
 }
 
 impl Survey {
@@ -31,7 +33,7 @@ impl Survey {
         wanted: bool,
     ) -> Result<Survey, String> {
         let mut missing: HashSet<&str> = dofs.iter().map(|dof| dof.joint.trim()).collect();
-        let (mut seen, mut found) = (HashSet::new(), None);
+        let (mut seen, mut found, mut said) = (HashSet::new(), None, false);
         while !missing.is_empty() || (wanted && found.is_none()) {
             let Some(message) = records.next()? else {
                 break;
@@ -49,8 +51,10 @@ impl Survey {
                         }
                     }
                 }
-                WRENCH | POINT if topic.is_none_or(|topic| topic == channel.topic) => {
-                    found.get_or_insert_with(|| channel.topic.clone());
+                WRENCH | POINT
+                    if found.is_none() && topic.is_none_or(|topic| topic == channel.topic) =>
+                {
+                    (found, said) = (Some(channel.topic.clone()), channel.own_postures);
                 }
                 _ => {}
             }
@@ -88,6 +92,7 @@ impl Survey {
         Ok(Survey {
             joints,
             topic: found.filter(|_| wanted),
+            said,
         })
     }
 }

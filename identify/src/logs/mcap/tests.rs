@@ -1,5 +1,7 @@
 //! Recordings put together byte by byte, as the standard says.
 
+mod written;
+
 use super::super::tests::{dofs, log, read_file};
 use super::*;
 

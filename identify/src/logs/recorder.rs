@@ -1,0 +1,40 @@
+//! Which build writes a [`Recording`], and how.
+
+use std::path::Path;
+
+use sesc_model::files::NewFile;
+
+use super::recording::Recording;
+use crate::Error;
+
+/// What begins a file with a recording, whose postures have these stamps, ns.
+type Begin = fn(&Recording, &[u64], &Path) -> Result<NewFile, Error>;
+
+#[cfg(feature = "mcap")]
+fn writer(_: &Path) -> Result<Begin, Error> {
+    Ok(super::mcap::begun)
+}
+
+#[cfg(not(feature = "mcap"))]
+fn writer(path: &Path) -> Result<Begin, Error> {
+    Err(Error::without("mcap", "MCAP", &path.display().to_string()))
+}
+
+impl Recording {
+    /// Whether this build can write one.
+    ///
+    /// # Errors
+    /// Where the format is left out, naming the file that was asked for.
+    pub fn check_format(path: &Path) -> Result<(), Error> {
+        writer(path).map(drop)
+    }
+
+    /// The recording as a file, not yet in its place.
+    ///
+    /// # Errors
+    /// Times that stamps do not hold, a file that cannot be written, and
+    /// [`check_format`](Self::check_format).
+    pub fn begun(&self, path: &Path) -> Result<NewFile, Error> {
+        writer(path)?(self, &self.stamps()?, path)
+    }
+}
