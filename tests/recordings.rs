@@ -227,39 +227,3 @@ fn a_gap_that_is_bent_wrongly_is_no_noise_without_end() {
     assert!((0.8e-3..1.25e-3).contains(&found.noise), "{}", found.noise);
     assert!(matches!(found.verdict, Verdict::Named | Verdict::Class));
 }
-
-/// A robot that swings at 0.7 Hz in noise that lasts half a second: readings count as forty
-/// independent ones for what is slow, and know an offset that swings with the robot three times as
-/// well. Off by its deviation is what such an estimate is: the mean square of eight is 1 ± 0.5, where such readings would make it a tenth.
-#[test]
-fn deviations_of_an_explanation_are_those_of_noise_that_lasts() {
-    let stage = Stage::new(Platform::Op2);
-    let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
-    let noise = Noise {
-        kind: Kind::Ar1(0.5),
-        std: [5e-4; 2],
-        visit_std: 0.0,
-    };
-    let offset = 0.05;
-    let squares = (20..28).map(|seed| {
-        let random = &mut ChaCha8Rng::seed_from_u64(seed);
-        let world = stage.world().joint_offset("r_hip_roll", offset);
-        let swing = Swing::new(0.7, 0.15, 20.0);
-        let recording = swing.record(&stage, world.unwrap(), noise, 10.0, random);
-        let columns = recording.columns(true).into_iter();
-        let log = columns.fold(Table::new("recording"), |table, (name, values)| {
-            table.numbers(&name, values)
-        });
-        let mut request = Request::new(Arc::clone(&robot), log);
-        request.support = Some(stage.support.into());
-        request.noise = Some(5e-4);
-        request.prior = "tight".into();
-        let found = diagnose(&request, &mut ()).unwrap().diagnosis;
-        let step = found.steps.iter().find(|step| step.target == "r_hip_roll");
-        let found = &step.expect("the offset is found").parameters["offset_rad"];
-        println!("{:.2}", (found.value - offset) / found.std);
-        ((found.value - offset) / found.std).powi(2)
-    });
-    let mean = squares.sum::<f64>() / 8.0;
-    assert!((0.3..2.5).contains(&mean), "{mean}");
-}

@@ -249,9 +249,10 @@ impl StudyMotion {
              Recordings of 20 s with noise of 0.5 mm, each looked at by `diagnose --prior tight` at \
              100, 50, 20 and 10 Hz. The same is said at all rates where the verdict is the same \
              and one explanation, every effect with its target, is among those that each rate \
-             leaves. Intervals are the 95 % ones of the hidden effect's sizes, at all rates. `cargo xtask study-motion --logs {} --seed \
-             {}{only}` counts the same logs again.\n\n\
-             | recording | a verdict but none at 100, 50, 20, 10 Hz | the same at all rates | intervals hold |\n\
+             leaves. Intervals are the 95 % ones of the hidden effect's sizes, at all rates. \
+             `cargo xtask study-motion --logs {} --seed {}{only}` counts the same logs again.\n\n\
+             | recording | a verdict but none at 100, 50, 20, 10 Hz | the same at all rates | \
+             intervals hold |\n\
              |---|---|---|---|\n",
             self.logs, self.seed
         );

@@ -78,9 +78,10 @@ pub const WRITERS: [Writer; 11] = [
     writer(
         "diagnose",
         [
-            "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv",
             "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv \
-             --prior cad",
+             --mcap found.mcap",
+            "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv \
+             --mcap found.mcap --prior cad",
         ],
     ),
     writer(

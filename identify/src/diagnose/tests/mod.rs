@@ -3,6 +3,7 @@
 mod backlash_sides;
 mod data;
 mod held_out;
+mod lasting;
 mod leftover;
 mod new_effect;
 mod next;

@@ -1,0 +1,93 @@
+//! Deviations of what is found in noise that lasts, against the scatter of what is found.
+
+use super::{Bench, NOISE, gauss, term};
+use crate::diagnose::problem::ALL;
+use crate::diagnose::words;
+use crate::observations::correlation::{Correlation, Cut, Process};
+use crate::observations::postures::Postures;
+
+const ROWS: usize = 200;
+const STEP_S: f64 = 0.1;
+/// What noise lasts, s.
+const TAU_S: f64 = 0.5;
+const LOGS: u64 = 300;
+
+/// Both joints swing at 0.7 Hz and about it, rad.
+fn swing() -> Vec<f64> {
+    let at = |k: usize| {
+        let t = STEP_S * k as f64;
+        [(4.4 * t).sin(), (3.7 * t + 1.0).sin()].map(|x| 0.4 * x)
+    };
+    (0..ROWS).flat_map(at).collect()
+}
+
+/// AR(1) noise of deviation NOISE on both axes: e_k = a e_{k−1} + √(1 − a²) w_k.
+fn noise(seed: u64) -> Vec<f64> {
+    let a = (-STEP_S / TAU_S).exp();
+    let mut gauss = gauss(seed);
+    let mut e = [gauss(), gauss()];
+    let mut all = Vec::new();
+    for _ in 0..ROWS {
+        all.extend(e.map(|e| NOISE * e));
+        e = e.map(|e| a * e + (1.0 - a * a).sqrt() * gauss());
+    }
+    all
+}
+
+/// Beside an offset, which is as slow as noise can be, a gain is seen by the swing alone: what is
+/// found of both, in its deviations, has a mean square of 1 ± 0.08. Deviations of the gain as of
+/// noise that is white over as many rows as are worth one are more than twice too large.
+#[test]
+fn deviations_are_those_of_noise_that_lasts() {
+    let bench = Bench::skew();
+    let (world, q) = (bench.world(), swing());
+    let rows_per_sample = {
+        let a = (-STEP_S / TAU_S).exp();
+        (1.0 + a) / (1.0 - a)
+    };
+    let process = Process {
+        cut: Cut::new(1, STEP_S),
+        tau_s: TAU_S,
+        share: 1.0,
+        lasting: 1.0,
+    };
+    let correlation = Correlation {
+        time_s: 0.5 * STEP_S * rows_per_sample,
+        rows_per_sample,
+        variance: 1.0,
+        process: Some(process),
+    };
+    let clean: Vec<f64> = q.chunks_exact(2).flat_map(|q| world.cop(q)).collect();
+    // Squares of gain x and y, then of offset x and y, in the deviations that are stated, and of
+    // the gain in those of white noise.
+    let (mut squares, mut as_white) = ([0.0; 4], 0.0);
+    for seed in 0..LOGS {
+        let noise = noise(seed);
+        let reading: Vec<f64> = clean.iter().zip(noise).map(|(x, e)| x + e).collect();
+        let mut data = Postures::given(2, &q, &reading, NOISE, 0.0);
+        data.t = Some((0..ROWS).map(|k| STEP_S * k as f64).collect());
+        let mut problem = bench.certain(data);
+        let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&problem, name, "-"));
+        problem.correlate_noise(&[correlation; 2]);
+        let found = words::values(&problem, &problem.fit(&terms, None, ALL)).concat();
+        for (k, (found, truth)) in found.iter().zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
+            squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
+        }
+        problem.correlate_noise(
+            &[Correlation {
+                process: None,
+                ..correlation
+            }; 2],
+        );
+        // Readings are widened twice now: the deviation is √(rows per sample) times as large.
+        let again = words::values(&problem, &problem.fit(&terms, None, ALL)).concat();
+        let std = again[0].std / rows_per_sample.sqrt();
+        as_white += ((again[0].value - 1.0) / std).powi(2) / LOGS as f64;
+    }
+    println!("{squares:.2?}, as white {as_white:.2}");
+    for square in squares {
+        // 1 ± 3 √(2/LOGS)
+        assert!((square - 1.0).abs() < 0.25, "{squares:?}");
+    }
+    assert!(as_white < 0.25, "{as_white}");
+}
