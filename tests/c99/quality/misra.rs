@@ -37,6 +37,7 @@ fn departures() -> BTreeSet<String> {
 const UNSEEN: &str = "5.1";
 
 #[test]
+#[ignore = "minutes of a processor: `.ci/run` has it where it may come out otherwise"]
 fn cppcheck_finds_only_the_departures_that_are_listed() {
     let folder = folder("cppcheck");
     let mut cases = vec![
