@@ -466,8 +466,8 @@ fn run(folder: &Path, line: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// With the lines of the page a robot stands on its sole: its CoM is 40 mm higher, and nothing
-/// else is changed.
+/// With the lines of the page, or the name of a sole, a robot stands on its sole: its CoM is 40 mm
+/// higher, and nothing else is changed.
 #[test]
 fn lines_for_a_sole_frame_make_one() {
     let lines = blocks(&read("docs/limits.md"), "xml").concat();
@@ -478,15 +478,23 @@ fn lines_for_a_sole_frame_make_one() {
     fs::write(folder.path().join("foot_sole.urdf"), with_sole).unwrap();
     let log = folder.path().join("log.csv");
     fs::write(log, "pose,ankle,knee\n0,0.1,-0.2\n").unwrap();
-    let [foot, sole] = ["foot", "foot_sole"].map(|link| -> Vec<f64> {
-        let line = format!("sesc predict {link}.urdf --support {link} --data log.csv | tail -1");
+    let robots = [
+        ("foot", "foot"),
+        ("foot_sole", "foot_sole"),
+        ("foot", "foot@40mm"),
+        ("foot", "foot --sole-height 0.04"),
+    ];
+    let [foot, soles @ ..] = robots.map(|(urdf, link)| -> Vec<f64> {
+        let line = format!("sesc predict {urdf}.urdf --support {link} --data log.csv | tail -1");
         let row = run(folder.path(), &line);
         let cells = row.trim().split(',');
         cells.map(|cell| cell.parse().unwrap()).collect()
     });
     assert_eq!(foot.len(), 6);
-    for (k, (a, b)) in foot.iter().zip(&sole).enumerate() {
-        let higher = if k == 3 { 0.04 } else { 0.0 };
-        assert!((b - a - higher).abs() < 1e-12, "{foot:?} {sole:?}");
+    for sole in &soles {
+        for (k, (a, b)) in foot.iter().zip(sole).enumerate() {
+            let higher = if k == 3 { 0.04 } else { 0.0 };
+            assert!((b - a - higher).abs() < 1e-12, "{foot:?} {sole:?}");
+        }
     }
 }

@@ -70,7 +70,8 @@ impl Builder {
         }
     }
 
-    /// The link that stands on the ground.
+    /// The link that stands on the ground, its sole at z = 0 of its frame; `foot@40mm` is the
+    /// frame 40 mm below that of the link `foot`.
     ///
     /// ```
     /// use sesc_codegen::Builder;

@@ -43,7 +43,7 @@ impl Error {
     pub fn kind(&self) -> ErrorKind {
         match *self.0 {
             Problem::Urdf(_) => ErrorKind::Urdf,
-            Problem::UnknownSupport { .. } => ErrorKind::UnknownSupport,
+            Problem::UnknownSupport { .. } | Problem::NoHeight { .. } => ErrorKind::UnknownSupport,
             Problem::MassBeyondFreeJoint { .. } => ErrorKind::MassBeyondFreeJoint,
             Problem::NoMass { .. } => ErrorKind::NoMass,
             Problem::TooManyJoints { .. } => ErrorKind::TooManyJoints,
@@ -71,7 +71,7 @@ impl Error {
             | Problem::Read { file, .. }
             | Problem::Write { file, .. }
             | Problem::ModelFile { file, .. } => Some(file),
-            Problem::MassBeyondFreeJoint { .. } => None,
+            Problem::NoHeight { .. } | Problem::MassBeyondFreeJoint { .. } => None,
         }
     }
 
@@ -139,6 +139,12 @@ pub(crate) enum Problem {
         name: String,
         links: String,
     },
+    /// The height of a sole is none, or has a shorter spelling.
+    #[error(
+        "`{support}` is no sole: write the height of the link's frame above it in mm, with the \
+         digits it needs, such as `{meant}`"
+    )]
+    NoHeight { support: String, meant: String },
     /// A planar or floating joint has mass on its far side.
     #[error(
         "{kind} joint `{joint}` carries `{link}`, which has mass; a statically equivalent chain \

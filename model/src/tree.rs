@@ -13,6 +13,7 @@
 
 mod dofs;
 mod snaps;
+mod sole;
 mod supports;
 
 use std::collections::HashMap;
@@ -26,8 +27,9 @@ use crate::snap::{self, Snapping};
 use crate::urdf::{self, Description, JointType};
 use dofs::coordinates;
 use snaps::snaps;
-use supports::name_some;
 
+#[doc(hidden)]
+pub use sole::{below, is_support, like_sole, sole_of};
 #[doc(hidden)]
 pub use supports::{feet, on_many_feet, support_rank};
 
@@ -194,6 +196,9 @@ pub struct Tree {
     /// Index of the support link.
     #[doc(hidden)]
     pub support: usize,
+    /// The support is the sole of a link of the URDF, and none of its links.
+    #[doc(hidden)]
+    pub by_height: bool,
     /// In preorder; children in the document order of their joints.
     #[doc(hidden)]
     pub edges: Vec<Edge>,
@@ -210,14 +215,16 @@ pub struct Tree {
     pub feet: Vec<String>,
 }
 
-/// Re-root `description` at `support`.
+/// Re-root `description` at `support`, a link or the sole of one (`foot@40mm`: 40 mm below its
+/// frame).
 ///
 /// # Errors
 /// When no link has that name, too many joints move, or mass hangs on a planar or floating
 /// joint.
 #[doc(hidden)]
 pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> Result<Tree, Error> {
-    let robot = description;
+    let standing = sole::standing(description, support)?;
+    let robot = &*standing;
     let mut notes = description.notes.clone();
     let index: HashMap<&str, usize> = robot
         .links
@@ -225,11 +232,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         .enumerate()
         .map(|(i, link)| (link.name.as_str(), i))
         .collect();
-    let support = *index.get(support).ok_or_else(|| Problem::UnknownSupport {
-        file: description.file.clone(),
-        name: support.to_string(),
-        links: name_some(support, robot.link_names()),
-    })?;
+    let support = index[support];
     let moving = robot
         .joints
         .iter()
@@ -310,6 +313,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
             .filter(|(_, seen)| **seen)
             .map(|(link, _)| link.mass)
             .sum(),
+        by_height: links.len() > description.links.len(),
         links,
         support,
         edges,

@@ -36,14 +36,15 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Stands a robot on a link.
+    /// Stands a robot on a link, or on the sole below one (`foot@40mm`).
     ///
     /// # Errors
     /// `ErrorKind::UnknownLink`; `ErrorKind::MassBeyondFreeJoint` where mass has no
     /// known place; `ErrorKind::NoMass`.
     pub fn new(robot: &Robot, support: &str) -> Result<Self, Error> {
+        let robot = robot.with_sole(support)?;
         let support_index = robot.link_index(support)?;
-        let beyond = find_free_joints(robot, support_index);
+        let beyond = find_free_joints(&robot, support_index);
         for (link, joint) in robot.links().iter().zip(&beyond) {
             if let (Some(joint), true) = (*joint, link.mass_kg != 0.0) {
                 let joint = &robot.joints()[joint];
@@ -61,7 +62,7 @@ impl Reference {
             return Err(Problem::NoMass.into());
         }
         Ok(Self {
-            robot: robot.clone(),
+            robot,
             support: support_index,
             total_mass_kg,
             beyond,

@@ -107,6 +107,36 @@ impl Robot {
         })
     }
 
+    /// The robot with the frame that `support` names where that is none of its links:
+    /// `foot@40mm` is 40 mm below the frame of `foot`, along its −z.
+    pub(crate) fn with_sole(&self, support: &str) -> Result<Robot, Error> {
+        let sole = support
+            .strip_suffix("mm")
+            .and_then(|name| name.rsplit_once('@'));
+        let sole = sole.and_then(|(link, mm)| Some((link, mm.parse::<f64>().ok()?)));
+        let Some((link, mm)) = sole.filter(|_| self.link_index(support).is_err()) else {
+            return Ok(self.clone());
+        };
+        let (mut links, mut joints) = (self.links.clone(), self.joints.clone());
+        joints.push(Joint {
+            name: support.to_owned(),
+            kind: JointKind::Fixed,
+            parent: self.link_index(link)?,
+            child: links.len(),
+            origin: Pose::translation(0.0, 0.0, -mm / 1000.0),
+            axis: Vector3::x_axis(),
+            limits: (f64::NEG_INFINITY, f64::INFINITY),
+            mimic: None,
+        });
+        links.push(Link {
+            name: support.to_owned(),
+            mass_kg: 0.0,
+            com_m: Point3::origin(),
+            inertia_kg_m2: Matrix3::zeros(),
+        });
+        Robot::new(self.name.clone(), links, joints)
+    }
+
     /// Index of a joint in the posture.
     ///
     /// # Errors

@@ -10,6 +10,7 @@ use sesc_identify::fit::prior::PriorChoice;
 use sesc_identify::logs::{Angles, Stays};
 use sesc_identify::robot::Robot;
 use sesc_identify::stance::Stance;
+use sesc_model::tree::sole_of;
 use sesc_model::{Model, ModelFile, Snapping};
 
 use super::{left_out, notes, units};
@@ -132,13 +133,32 @@ pub(super) struct StandingArguments {
     /// Link that stands on the ground; its sole is z = 0 of its frame. Parameters are those of
     /// this link, and rows of a log stand on it unless a column `support` says otherwise
     #[arg(long, value_name = "LINK")]
-    pub(super) support: Option<String>,
+    support: Option<String>,
+    /// Of a link whose origin is not in its sole: how far above the sole it is, along z, m.
+    /// `--support foot --sole-height 0.04` is short for `--support foot@40mm`, which sidecars,
+    /// build scripts and sesc.toml take, too
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::length_m)]
+    sole_height: Option<f64>,
     /// Take decimals of right angles (1.5708) literally
     #[arg(long)]
     pub(super) no_snap: bool,
 }
 
 impl StandingArguments {
+    /// What the robot stands on: a link, or the sole of one.
+    pub(super) fn support(&self) -> Result<Option<String>, Error> {
+        match (&self.support, self.sole_height) {
+            (link, None) => Ok(link.clone()),
+            (Some(link), Some(height)) if height.is_finite() => Ok(Some(sole_of(link, height))),
+            (Some(_), Some(_)) => Err(Error::Usage(
+                "--sole-height: give a number of metres".to_string(),
+            )),
+            (None, Some(_)) => Err(Error::Usage(
+                "--sole-height: name the link that has this sole by --support".to_string(),
+            )),
+        }
+    }
+
     pub(super) fn snapping(&self) -> Snapping {
         if self.no_snap {
             Snapping::Off
@@ -152,7 +172,7 @@ impl RobotArguments {
     /// The robot, with the parameters of a model file if one is given.
     pub(super) fn stance(&self, model_file: Option<&Path>) -> Result<Stance, Error> {
         let mut stance = Stance::new(Robot::read(&self.urdf)?);
-        stance.support.clone_from(&self.standing.support);
+        stance.support = self.standing.support()?;
         stance.snapping = self.standing.snapping();
         Ok(match model_file {
             Some(path) => stance.with_parameters(ModelFile::read(path)?)?,

@@ -114,7 +114,7 @@ fn model(
         };
     };
     let mut request = Request::new(Arc::clone(robot), LogSource::from(path));
-    request.support.clone_from(&arguments.standing.support);
+    request.support = arguments.standing.support()?;
     request.snapping = arguments.standing.snapping();
     let reading = &arguments.how.reading;
     request.angles = reading.angles();

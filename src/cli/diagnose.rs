@@ -161,7 +161,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     let mut request = Request::new(robot, streams::log(&arguments.data)?);
     let then = arguments.then.iter().map(|path| streams::log(path));
     request.then = then.collect::<Result<_, _>>()?;
-    request.support = arguments.robot.standing.support.clone();
+    request.support = arguments.robot.standing.support()?;
     request.snapping = arguments.robot.standing.snapping();
     let reading = &arguments.how.reading;
     request.angles = reading.angles();

@@ -199,7 +199,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     };
     let logs = arguments.data.iter().map(|path| streams::log(path));
     request.logs = logs.collect::<Result<_, _>>()?;
-    request.support = arguments.standing.support.clone();
+    request.support = arguments.standing.support()?;
     request.snapping = arguments.standing.snapping();
     request.angles = arguments.reading.angles();
     request.prior = arguments.reading.prior_or(Prior::DEFAULT);

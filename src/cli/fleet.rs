@@ -215,7 +215,7 @@ fn request(arguments: &Arguments, inputs: &[fleet::Input]) -> Result<fleet::Requ
     let feet = Feet::from(&arguments.feet);
     let mut options = Options::default();
     let (standing, reading) = (&arguments.robot.standing, &arguments.how.reading);
-    options.support = standing.support.clone();
+    options.support = standing.support()?;
     options.snap = !standing.no_snap;
     options.angles = reading.angles();
     options.prior = reading.prior.clone();

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use sesc_codegen::emit::header::at_most;
-use sesc_model::{Function, Interface};
+use sesc_model::{Function, Interface, tree};
 
 use super::{Outcome, RobotArguments, print_json, show};
 use crate::Error;
@@ -30,8 +30,11 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    let model = arguments.robot.stance(None)?.model()?;
-    let inspection = inspect(&model);
+    let stance = arguments.robot.stance(None)?;
+    let model = stance.model()?;
+    let mut inspection = inspect(&model);
+    let below = tree::below(&stance.robot.description, model.support());
+    inspection.notes.extend(below);
     for note in &inspection.notes {
         super::message(&format!("note: {note}"));
     }

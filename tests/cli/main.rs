@@ -8,6 +8,7 @@ mod manners;
 mod model_files;
 mod pipes;
 mod processors;
+mod sole;
 mod streams;
 mod unfinished;
 

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use sesc_model::effects::{Carry, EffectContext, Experiment, PostureContext};
+use sesc_model::tree::is_support;
 use sesc_model::{Model, Snapping};
 
 use super::criteria::{self, NEXT_POSTURES};
@@ -304,7 +305,7 @@ fn other_foot(robot: &Robot, support: &str, snapping: Snapping) -> Option<Model>
         } else {
             support.replacen(b, a, 1)
         };
-        (swapped != support && names.contains(&swapped.as_str())).then_some(swapped)
+        (swapped != support && is_support(&swapped, names.iter().copied())).then_some(swapped)
     })?;
     robot.model(&mirrored, snapping, None).ok()
 }

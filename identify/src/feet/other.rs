@@ -46,6 +46,12 @@ impl Feet {
         if !said.unwrap_or(named.is_some()) {
             return Ok(None);
         }
+        if model.tree.by_height {
+            return Err(Error::request(message![
+                "both feet are on the floor, and the support is given by the height of a foot; add \
+                 to the URDF a link in each sole (docs/limits.md has the lines)"
+            ]));
+        }
         let links = &model.tree.links;
         let name = match named {
             Some(name) => name.to_string(),

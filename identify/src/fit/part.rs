@@ -8,6 +8,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use sesc_model::tree::is_support;
 use sesc_model::{Model, Snapping, files};
 
 use super::gather::{Gathered, LogUsed};
@@ -162,7 +163,7 @@ impl Part {
         if robot.description.hash != self.hash {
             return bad("the URDF in a factor file is not the one that it was made with".into());
         }
-        let unknown = |link: &&String| robot.description.link_names().all(|own| own != *link);
+        let unknown = |link: &&String| !is_support(link, robot.description.link_names());
         if let Some(link) = self.supports.iter().find(unknown) {
             let link = short(link);
             return bad(format!(

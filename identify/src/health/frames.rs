@@ -12,6 +12,7 @@ use super::wirings::Wirings;
 use super::{Finding, Kind, Look};
 use crate::evaluate::Evaluator;
 use crate::robot::Robot;
+use sesc_model::tree::like_sole;
 use sesc_model::{Function, Model};
 
 /// Another link, or other axes of this one, that the readings fit.
@@ -100,6 +101,10 @@ fn other_foot(look: &Look) -> Option<Foot> {
     let support = &tree.links[tree.support].name;
     let leaves = leaf_links(look.robot)
         .into_iter()
+        .map(|link| match tree.by_height {
+            true => like_sole(support, &link),
+            false => link,
+        })
         .filter(|link| link != support);
     let on = |link: String| {
         let model = look.robot.model(&link, look.snapping, None).ok()?;

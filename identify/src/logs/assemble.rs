@@ -21,7 +21,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use sesc_model::spelling::nearest;
-use sesc_model::tree::Dof;
+use sesc_model::tree::{Dof, is_support};
 
 use super::block::{Block, Cells};
 use super::bounds::{self, LEAST_LOAD_N, check, check_gravity, check_joint, three_digits};
@@ -379,7 +379,8 @@ impl Assembler {
     }
 
     fn known_link(&self, link: &str) -> Result<(), String> {
-        if self.links.is_empty() || self.links.iter().any(|known| known == link) {
+        let known = self.links.iter().map(String::as_str);
+        if self.links.is_empty() || is_support(link, known) {
             return Ok(());
         }
         let links: Vec<&str> = self.links.iter().map(String::as_str).collect();

@@ -164,7 +164,7 @@ pub struct Limit {
 }
 
 impl Limit {
-    pub(super) const NONE: Limit = Limit {
+    pub(crate) const NONE: Limit = Limit {
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
         effort: 0.0,

@@ -89,6 +89,7 @@ impl World {
     pub fn new(robot: &Robot, support: &str) -> Result<Self, Error> {
         let reference = Reference::new(robot, support)?;
         let dof = reference.dof();
+        let robot = reference.robot();
         Ok(Self {
             moved: moved_links(robot, robot.link_index(support)?),
             nominal_kg: reference.total_mass(),
