@@ -6,15 +6,18 @@
 
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use sesc_identify::diagnose::footprint::{Feature, Footprint, Footprints, Quantity, Telling};
 use sesc_identify::fit::prior::{Prior, PriorChoice};
+use sesc_identify::logs::LogSource;
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::candidates::sample;
 use sesc_identify::plan::geometry::Geometry;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::scene::Scene;
 use sesc_identify::robot::Robot;
+use sesc_identify::simulate;
 use sesc_model::effects::about::{EffectAbout, TargetKind, about};
 use sesc_model::effects::{Catalog, Unit};
 use sesc_model::{Model, Snapping};
@@ -38,6 +41,10 @@ const CELLS: [[f64; 2]; 4] = [
     [-0.041, 0.025],
 ];
 const SEED: u64 = 1;
+/// A motion lasts so many seconds, has so many rows each, and joints go so far, degrees.
+const SECONDS: usize = 20;
+const HERTZ: usize = 20;
+const SWING_DEG: f64 = 20.0;
 /// Targets in the table, and imitators of each.
 const TARGETS: usize = 8;
 const IMITATORS: usize = 3;
@@ -51,8 +58,9 @@ const FAINT: f64 = 0.3;
 
 /// The OP2 in the postures that all pages are about.
 pub struct Bench {
-    model: Model,
+    model: Arc<Model>,
     q: Vec<f64>,
+    motion: LogSource,
 }
 
 /// Everything about one effect.
@@ -63,6 +71,8 @@ pub struct EffectPage {
     pub footprints: Vec<Footprint>,
     /// How the first of them differs from its first imitator.
     pub telling: Option<Telling>,
+    /// They are of a robot that moves.
+    pub is_moving: bool,
     joints: Vec<String>,
 }
 
@@ -73,7 +83,7 @@ impl Bench {
     /// Where the robot cannot be read.
     pub fn new() -> Result<Bench, Error> {
         let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
-        let model = robot.model("r_sole", Snapping::default(), None)?;
+        let model = Arc::new(robot.model("r_sole", Snapping::default(), None)?);
         let mut limits = Limits::of_urdf(&model.tree.dofs);
         let range = RANGE_DEG.to_radians();
         for (low, high) in &mut limits.ranges {
@@ -85,7 +95,12 @@ impl Bench {
         let (q, _) = sample(&scene, SEED, POSTURES, 100 * POSTURES, |_| {
             ControlFlow::Continue(())
         });
-        Ok(Bench { q, model })
+        let mut motion = simulate::Request::new(Arc::clone(&model), SECONDS * HERTZ);
+        motion.rate = Some(HERTZ as f64);
+        motion.range = Some(SWING_DEG.to_radians());
+        motion.seed = SEED;
+        let motion = simulate::simulate(&motion, &mut ())?;
+        Ok(Bench { model, q, motion })
     }
 
     /// The pages of these effects; of all where none is named.
@@ -95,13 +110,22 @@ impl Bench {
     pub fn pages(&self, wanted: Option<&str>) -> Result<Vec<EffectPage>, Error> {
         let prior = PriorChoice::from(Prior::OF_DIAGNOSES);
         let all = Footprints::new(&self.model, &self.q, &CELLS, NOISE_M, &prior)?;
+        let moving = Footprints::moving(&self.model, &self.motion, NOISE_M, &prior)?;
         let effects = about(&Catalog::standard()).into_iter();
         let effects = effects.filter(|effect| wanted.is_none_or(|name| effect.name == name));
-        Ok(effects.map(|about| self.page(about, &all)).collect())
+        Ok(effects
+            .map(|about| self.page(about, &all, &moving))
+            .collect())
     }
 
-    fn page(&self, about: EffectAbout, all: &Footprints) -> EffectPage {
-        let footprints = all.of(about.name);
+    /// In postures at rest, or in the motion where these do not show it.
+    fn page(&self, about: EffectAbout, at_rest: &Footprints, moving: &Footprints) -> EffectPage {
+        let mut footprints = at_rest.of(about.name);
+        let is_moving = footprints.is_empty();
+        let all = if is_moving { moving } else { at_rest };
+        if is_moving {
+            footprints = all.of(about.name);
+        }
         let first = footprints.first();
         let telling = first.and_then(|first| {
             let by = first.imitators.first()?;
@@ -113,6 +137,7 @@ impl Bench {
             about,
             footprints,
             telling,
+            is_moving,
         }
     }
 }
@@ -146,13 +171,18 @@ impl EffectPage {
     }
 
     fn on_the_op2(&self, first: &Footprint, out: &mut String) {
-        let _ = writeln!(
-            out,
-            "On the OP2, in {POSTURES} balanced postures (joints within ±{RANGE_DEG:.0}°, CoP \
-             within ±{:.0} mm){}:\n",
-            1e3 * BOX_M,
-            size(first)
-        );
+        let where_ = match self.is_moving {
+            false => format!(
+                "in {POSTURES} balanced postures (joints within ±{RANGE_DEG:.0}°, CoP within \
+                 ±{:.0} mm)",
+                1e3 * BOX_M
+            ),
+            true => format!(
+                "moving for {SECONDS} s (two sines of 0.05 to 0.25 Hz a joint, within \
+                 ±{SWING_DEG:.0}°), read {HERTZ} times a second"
+            ),
+        };
+        let _ = writeln!(out, "On the OP2, {where_}{}:\n", size(first));
         let several = self.footprints.len() > 1;
         let rows = self.footprints.iter().take(TARGETS);
         let rows = rows.map(|footprint| row(footprint, several));
@@ -179,7 +209,7 @@ impl EffectPage {
                 first.phrase,
                 by.phrase,
                 percent(by.share),
-                told_apart(telling)
+                told_apart(telling, self.rows())
             );
             return;
         }
@@ -190,7 +220,7 @@ impl EffectPage {
             by.phrase,
             percent(by.share),
             Prior::OF_DIAGNOSES,
-            told_apart(telling)
+            told_apart(telling, self.rows())
         );
         if telling.postures >= COUNTLESS {
             return;
@@ -205,13 +235,22 @@ impl EffectPage {
             .collect();
         let _ = write!(
             out,
-            "{} of the difference stands in a tenth of the postures",
-            percent(telling.share_of_tenth)
+            "{} of the difference stands in a tenth of the {}",
+            percent(telling.share_of_tenth),
+            self.rows()
         );
         let _ = match features.is_empty() {
             true => writeln!(out, ", which nothing else sets apart."),
             false => writeln!(out, ":\n{}.", features.join(",\n")),
         };
+    }
+
+    /// What the readings are of, one each.
+    fn rows(&self) -> &'static str {
+        match self.is_moving {
+            true => "rows",
+            false => "postures",
+        }
     }
 
     /// `the CoM is 176 mm high there, 201 ± 8 mm in all`
@@ -225,14 +264,19 @@ impl EffectPage {
                 (text, false)
             }
             Quantity::Joint(j) => (self.joints[j].clone(), true),
+            Quantity::JointSpeed(j) => (format!("the speed of {}", self.joints[j]), true),
             _ => (String::new(), false),
         };
         let unit = if angle { 1_f64.to_degrees() } else { 1e3 };
         // Whole numbers, and no negative zero.
         let whole = |x: f64| (unit * x).round() + 0.0;
         let [among, all, spread] = [feature.among, feature.all, feature.spread].map(whole);
+        let each = match feature.what {
+            Quantity::JointSpeed(_) => "°/s",
+            _ => "°",
+        };
         match angle {
-            true => format!("{what} is {among}° there, {all}° ± {spread}° in all"),
+            true => format!("{what} is {among}{each} there, {all}{each} ± {spread}{each} in all"),
             false => format!("{what} is {among} mm there, {all} ± {spread} mm in all"),
         }
     }
@@ -269,15 +313,15 @@ pub fn acts_on(about: &EffectAbout) -> String {
     }
 }
 
-fn told_apart(telling: &Telling) -> String {
+fn told_apart(telling: &Telling, rows: &str) -> String {
     let noise = format!(
         "read to {} mm, tell them apart (five standard deviations).",
         1e3 * NOISE_M
     );
     match telling.postures.ceil() {
-        n if n < 10.0 => format!("Fewer than ten postures like these, {noise}"),
-        n if n < COUNTLESS => format!("About {} postures like these, {noise}", round(n)),
-        _ => "No number of postures like these tells them apart.".to_string(),
+        n if n < 10.0 => format!("Fewer than ten {rows} like these, {noise}"),
+        n if n < COUNTLESS => format!("About {} {rows} like these, {noise}", round(n)),
+        _ => format!("No number of {rows} like these tells them apart."),
     }
 }
 

@@ -134,7 +134,7 @@ pub(super) struct StandingArguments {
     /// this link, and rows of a log stand on it unless a column `support` says otherwise
     #[arg(long, value_name = "LINK")]
     support: Option<String>,
-    /// Of a link whose origin is not in its sole: how far above the sole it is, along z, m.
+    /// Height of the support link's origin over its sole, along z, m, where it is not in the sole.
     /// `--support foot --sole-height 0.04` is short for `--support foot@40mm`, which sidecars,
     /// build scripts and sesc.toml take, too
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::length_m)]

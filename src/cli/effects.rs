@@ -2,6 +2,7 @@
 
 use clap::Args;
 use serde::Serialize;
+use sesc_identify::diagnose::MODEL_PAGES;
 use sesc_model::effects::Catalog;
 use sesc_model::effects::about::{EffectAbout, about};
 use sesc_model::urdf::suggestion;
@@ -13,7 +14,7 @@ use crate::report::table::Table;
 
 /// What a diagnosis may also name, besides effects.
 const BESIDE: &str = "\nA diagnosis may also say `mass_distribution` (masses are not CAD's, beyond \
-    their\ntolerances) and `cop_outliers` (postures whose readings no noise explains).\n\n\
+    their\ntolerances) and `cop_outliers` (a few readings that come from elsewhere).\n\n\
     sesc effects NAME explains one: its equation, what imitates it, and which postures\n\
     tell it apart.\n";
 
@@ -37,7 +38,13 @@ struct Listed {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let mut effects = about(&Catalog::standard());
+    let mut models = MODEL_PAGES.iter().map(|(name, _, page)| (*name, *page));
     if let Some(name) = &arguments.name {
+        let model = models.find(|(model, _)| model == name);
+        if let Some((name, page)) = model.filter(|_| !arguments.json) {
+            show(&format!("{name}: {}", without_fences(page)))?;
+            return Ok(Outcome::Ok);
+        }
         let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
         if !names.contains(&name.as_str()) {
             let meant = suggestion(name, names.iter().copied());
@@ -52,13 +59,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         (true, _) => print_json(&Listed { effects })?,
         (false, Some(name)) => {
             for page in Bench::new()?.pages(Some(name))? {
-                let text = page.text().replace("```text\n", "").replace("```\n", "");
-                show(&format!("{name}: {text}"))?;
+                show(&format!("{name}: {}", without_fences(&page.text())))?;
             }
         }
         (false, None) => show(&(table(&effects) + BESIDE))?,
     }
     Ok(Outcome::Ok)
+}
+
+/// A page as a terminal shows it.
+fn without_fences(page: &str) -> String {
+    page.replace("```text\n", "").replace("```\n", "")
 }
 
 fn table(effects: &[EffectAbout]) -> String {

@@ -35,6 +35,13 @@ fn effects_are_listed_and_explained() {
         page.contains(body) && body.contains("joint_compliance:all"),
         "{one}"
     );
+    // What is no effect has a page, too.
+    for name in ["mass_distribution", "cop_outliers"] {
+        let said = stdout(&sesc(&["effects", name]));
+        let page = std::fs::read_to_string(format!("{ROOT}/docs/effects/{name}.md")).unwrap();
+        let page = page.replace("```text\n", "").replace("```\n", "");
+        assert!(page.contains(said.strip_prefix(&format!("{name}: ")).unwrap().trim_end()));
+    }
     refused(
         &sesc(&["effects", "backlsh"]),
         &["no effect `backlsh`", "did you mean `backlash`?"],

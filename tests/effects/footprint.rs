@@ -3,6 +3,7 @@
 use sesc_identify::diagnose::FIVE_DEVIATIONS;
 use sesc_identify::diagnose::footprint::{Footprints, Quantity};
 use sesc_identify::fit::prior::PriorChoice;
+use sesc_identify::logs::{LogSource, Table};
 use sesc_identify::robot::Robot;
 use sesc_model::{Model, Snapping};
 
@@ -130,4 +131,58 @@ fn what_needs_motion_is_not_seen() {
     assert!(all.of("cell_gain").is_empty());
     let sign = &all.of("joint_sign")[0];
     assert!(sign.size.is_empty() && sign.moves_m > 0.01);
+}
+
+/// The ZMP of [`SPIN`] at time `t` of a swing of 1 rad at 0.5 Hz, in closed form: that of a point
+/// on a circle, c − (z/g) c̈, whose spin about the vertical moves nothing.
+fn zmp(t: f64) -> [f64; 2] {
+    let w = std::f64::consts::PI;
+    let (sin, cos) = (w * t).sin_cos();
+    let (q, rate, acceleration) = (sin, w * cos, -w * w * sin);
+    let by_height = 0.3 / 9.80665;
+    let out = 0.1 * (1.0 + by_height * rate * rate);
+    let along = -0.1 * by_height * acceleration;
+    [
+        out * q.cos() - along * q.sin(),
+        out * q.sin() + along * q.cos(),
+    ]
+}
+
+/// Angles that are older than readings by a little move the ZMP by its own speed.
+#[test]
+fn a_delay_moves_the_zmp_of_a_swing_by_its_speed() {
+    let model = model();
+    let times: Vec<f64> = (0..400).map(|k| 0.02 * k as f64).collect();
+    let column = |of: &dyn Fn(f64) -> f64| -> Vec<f64> { times.iter().map(|t| of(*t)).collect() };
+    let table = Table::new("swing")
+        .numbers("t", times.clone())
+        .numbers("yaw", column(&|t| (std::f64::consts::PI * t).sin()))
+        .numbers("cop_x", column(&|t| zmp(t)[0]))
+        .numbers("cop_y", column(&|t| zmp(t)[1]));
+    let log = LogSource::from(table);
+    let prior = PriorChoice::from("tight");
+    let moving = Footprints::moving(&model, &log, NOISE_M, &prior).unwrap();
+    let [delay] = &moving.of("time_delay")[..] else {
+        panic!("one delay");
+    };
+    let seconds = delay.size[0].value;
+    let speed = |t: f64| {
+        let (a, b) = (zmp(t - 1e-5), zmp(t + 1e-5));
+        (b[0] - a[0]).hypot(b[1] - a[1]) / 2e-5
+    };
+    // Rows at either end do not know their accelerations.
+    let known = &times[5..395];
+    let squares: f64 = known.iter().map(|t| speed(*t).powi(2)).sum();
+    let expected = seconds * (squares / known.len() as f64).sqrt();
+    assert!(
+        (delay.moves_m / expected - 1.0).abs() < 0.02,
+        "{} instead of {expected}",
+        delay.moves_m
+    );
+    // Nobody sees it in a robot that stands.
+    let standing = Footprints::new(&model, &round(), &[], NOISE_M, &prior).unwrap();
+    assert!(standing.of("time_delay").is_empty());
+    let telling = moving.telling(delay, &delay.imitators[0].label).unwrap();
+    let speeds = telling.features.iter();
+    assert!(speeds.clone().any(|f| f.what == Quantity::JointSpeed(0)));
 }

@@ -11,6 +11,7 @@ use sesc::demo::{self, hidden};
 use sesc::effect_pages;
 use sesc::report::figures::diagnose::course;
 use sesc::{Error, OP2_URDF};
+use sesc_identify::diagnose::MODEL_PAGES;
 use sesc_identify::robot::Robot;
 
 /// Robots with checked-in code: folder under `robots/`, support link, module.
@@ -66,8 +67,16 @@ fn effect_pages() -> Result<Vec<(PathBuf, String)>, Error> {
             files.push((folder.join(format!("{name}-left.svg")), left));
         }
     }
-    list += "\nA diagnosis may also say `mass_distribution` (masses are not CAD's, beyond their \
-             tolerances) and\n`cop_outliers` (postures whose readings no noise explains).\n";
+    list += "\nA diagnosis may also name what is no effect: a wider prior of masses, or noise of two \
+             widths.\n\n| name | about | what it is |\n|---|---|---|\n";
+    for (name, about, page) in MODEL_PAGES {
+        let sentence = page.lines().next().unwrap_or_default();
+        list += &format!("| [{name}]({name}.md) | {about} | {sentence} |\n");
+        files.push((
+            folder.join(format!("{name}.md")),
+            format!("# {name}\n\n{page}"),
+        ));
+    }
     files.push((folder.join("index.md"), list));
     Ok(files)
 }

@@ -1,5 +1,5 @@
-//! What an effect does to the readings of a standing robot, what masses take of it, which
-//! other effect imitates the rest, and in which postures the two differ.
+//! What an effect does to the readings of a robot that stands or moves, what masses take of it,
+//! which other effect imitates the rest, and in which postures the two differ.
 //!
 //! ```text
 //! Z = W ∂y/∂e diag(ordinary sizes)          S: what is no mass error (see `nuisance`)
@@ -10,19 +10,21 @@
 //! Everything is to first order, as in the dictionary of a diagnosis; effects that have no
 //! slope at none (a dead band, crossed wires) count with what they do at an ordinary size.
 
-use super::criteria::FIVE_DEVIATIONS;
 use nalgebra::DMatrix;
 use sesc_model::effects::{Catalog, Value};
 use sesc_model::{Function, Model};
 
-use super::criteria;
+use super::criteria::{self, FIVE_DEVIATIONS};
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, effect_terms};
+use super::motion;
 use super::problem::Problem;
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::fit::prior::PriorChoice;
-use crate::observations::postures::{Postures, rms};
+use crate::fit::prior::{Prior, PriorChoice};
+use crate::logs::{LogSource, Options};
+use crate::observations::motion_use::MotionModel;
+use crate::observations::postures::{Postures, Taking, rms};
 
 /// Share of postures that count as the telling ones.
 const TELLING: f64 = 0.1;
@@ -112,6 +114,8 @@ pub enum Quantity {
     Cop(usize),
     /// The position of a joint, rad or m.
     Joint(usize),
+    /// The speed of a joint in a log of a motion, rad/s or m/s.
+    JointSpeed(usize),
 }
 
 impl<'m> Footprints<'m> {
@@ -132,8 +136,50 @@ impl<'m> Footprints<'m> {
         let mut data = Postures::given(model.dof(), q, &without, noise_m, 0.0);
         data.cells = cells.to_vec();
         let prior = prior.of(model)?;
-        let problem = Problem::new(model, data, &prior, &Catalog::standard())?;
-        let dictionary = Dictionary::new(&problem, q);
+        Footprints::of_readings(model, data, &prior, without)
+    }
+
+    /// All standard effects on `model` in a log of a motion, whose CoPs are read with this noise
+    /// (m, one axis).
+    ///
+    /// # Errors
+    /// A log that cannot be read, or does not know its accelerations; a prior that is none.
+    pub fn moving(
+        model: &'m Model,
+        log: &LogSource,
+        noise_m: f64,
+        prior: &PriorChoice,
+    ) -> Result<Footprints<'m>, Error> {
+        let taking = Taking {
+            options: Options {
+                support: Some(model.support().to_string()),
+                ..Options::default()
+            },
+            noise: Some(noise_m),
+            floor: 0.0,
+        };
+        let mut data = Postures::read(log, model, &taking, &mut ())?;
+        let prior = prior.of(model)?;
+        motion::account(&mut data, model, &prior, MotionModel::Auto);
+        if data.moved.is_none() {
+            let message = "its readings are not those of a motion that is known";
+            return Err(Error::log(log.name(), None, message));
+        }
+        let none = data.reading.clone();
+        let mut all = Footprints::of_readings(model, data, &prior, none)?;
+        let (q, context) = (&all.problem.data.q, &all.problem.data.posture_context);
+        all.without = all.problem.evaluate(&[], &[], q, context);
+        Ok(all)
+    }
+
+    fn of_readings(
+        model: &'m Model,
+        data: Postures,
+        prior: &Prior,
+        without: Vec<f64>,
+    ) -> Result<Footprints<'m>, Error> {
+        let problem = Problem::new(model, data, prior, &Catalog::standard())?;
+        let dictionary = Dictionary::new(&problem, &problem.data.q);
         Ok(Footprints {
             problem,
             dictionary,
@@ -260,6 +306,9 @@ impl<'m> Footprints<'m> {
         let quantities = quantities
             .chain((0..2).flat_map(|axis| [Quantity::Cop(axis), Quantity::CopOut(axis)]))
             .chain((0..dof).map(Quantity::Joint));
+        let rates = data.motion.as_ref().map_or(&[][..], |motion| &motion.rates);
+        let moving = if rates.is_empty() { 0 } else { dof };
+        let quantities = quantities.chain((0..moving).map(Quantity::JointSpeed));
         let mut features: Vec<(f64, Feature)> = quantities
             .map(|what| {
                 let values = match what {
@@ -267,6 +316,7 @@ impl<'m> Footprints<'m> {
                     Quantity::Cop(axis) => cop(axis),
                     Quantity::CopOut(axis) => out(axis),
                     Quantity::Joint(j) => joint(j),
+                    Quantity::JointSpeed(j) => (0..n).map(|k| rates[k * dof + j].abs()).collect(),
                 };
                 let all = mean(&values);
                 let spread = rms(values.iter().map(|x| x - all));

@@ -23,6 +23,7 @@ mod hypothesis;
 mod leftover;
 mod model_check;
 mod model_file;
+mod model_pages;
 mod motion;
 mod next_postures;
 mod next_steps;
@@ -57,5 +58,7 @@ pub use findings::{
     ModelUse, NextPostures, Quantity, Remedy, Step, UrdfChange, Verdict,
 };
 pub(crate) use hypothesis::FREE_MASSES;
+#[doc(hidden)]
+pub use model_pages::MODEL_PAGES;
 pub use report::{NextLog, Report};
 pub use request::{Request, diagnose, look};

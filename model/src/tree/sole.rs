@@ -49,7 +49,7 @@ pub fn below(robot: &Description, support: &str) -> Option<String> {
         format!(
             "the collision shape of `{link}` reaches {mm:.1} mm below the frame of `{link}`, whose \
              z = 0 counts as the ground; where the robot stands on its lowest point, \
-             `--support {sole}` is the sole"
+             the support is `{sole}`"
         )
     })
 }
