@@ -73,19 +73,19 @@ fn without_fences(page: &str) -> String {
 }
 
 fn table(effects: &[EffectAbout]) -> String {
-    let mut table = Table::new(&["effect", "acts on", "parameters", "what it is"]);
+    let mut table = Table::new(&["effect", "acts on", "what it is (its parameters)"]);
     for effect in effects {
+        let names: Vec<&str> = effect.parameters.iter().map(|p| p.name).collect();
+        let parameters = match names.is_empty() {
+            true => String::new(),
+            false => format!(" ({})", names.join(", ")),
+        };
+        let target = effect.target.to_string();
         table.row(&[
             effect.name,
-            &effect.target.to_string(),
-            &parameters(effect),
-            effect.sentence,
+            &target,
+            &(effect.sentence.to_string() + &parameters),
         ]);
     }
     table.to_string()
-}
-
-fn parameters(effect: &EffectAbout) -> String {
-    let names: Vec<&str> = effect.parameters.iter().map(|p| p.name).collect();
-    names.join(", ")
 }
