@@ -38,6 +38,9 @@ mod _sesc {
 
     #[pymodule_export]
     use super::arrow::arrow_columns;
+    #[cfg(debug_assertions)]
+    #[pymodule_export]
+    use super::calls::_panic;
     #[pymodule_export]
     use super::checks::{compare_models, effects_about, verify_model};
     #[pymodule_export]
