@@ -50,7 +50,7 @@ pub(super) struct Alone {
     rest: Vec<Run>,
     /// Constants in their places, zero elsewhere.
     initial: Vec<f64>,
-    /// Of each argument: which of its values go where.
+    /// The values that each argument has to give, and the places that they go to.
     inputs: Vec<Vec<(u32, u32)>>,
     outputs: Vec<u32>,
 }
