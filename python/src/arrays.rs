@@ -118,12 +118,15 @@ impl<'py> Target<'py> {
     }
 
     /// Its values, row by row.
+    #[allow(unsafe_code)]
     pub fn values(&mut self) -> PyResult<&mut [f64]> {
         match self {
-            // SAFETY: the array was made by this call, has memory of its own, and has been given
-            // to nobody; `&mut self` keeps it from being given away meanwhile.
-            #[allow(unsafe_code)]
-            Target::New(array) => Ok(unsafe { array.as_slice_mut() }?),
+            Target::New(array) => {
+                // SAFETY: the array was made by this call, has memory of its own, and has been
+                // given to nobody; `&mut self` keeps it from being given away meanwhile.
+                let values = unsafe { array.as_slice_mut() };
+                Ok(values?)
+            }
             Target::Given(array) => Ok(array.as_slice_mut()?),
         }
     }
