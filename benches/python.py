@@ -4,7 +4,7 @@ nanoseconds a posture.
     pip install ./python pin mujoco "adam-robotics[casadi]"
     python benches/python.py [URDF SUPPORT]      # the OP2 on its right sole unless given
 
-Each number is the least of several repeats. Rust's are those of `cargo bench --bench tape`.
+Each number is the least of many short repeats, which other programs leave alone. Rust's are those of `cargo bench --bench tape`.
 Pinocchio and MuJoCo have no batches in Python, so that a loop is what their users write; adam
 writes functions for CasADi, whose `map` evaluates batches. Packages that are not installed are
 left out. `--fit` times `sesc.fit` of a million rows of a data frame beside the command on the
@@ -30,14 +30,26 @@ import numpy as np
 import sesc
 
 ROOT = Path(__file__).resolve().parents[1]
-POSTURES = 100_000
+POSTURES = 10_000
+#: Functions, and how many arrays each takes: positions, velocities, accelerations.
+FUNCTIONS = {
+    "com": 1,
+    "com_jacobian": 1,
+    "com_velocity": 2,
+    "gravity_moments": 1,
+    "cop": 1,
+    "cop_rows": 1,
+    "com_rows": 1,
+    "full_rows": 1,
+    "zmp": 3,
+}
 #: For packages that take microseconds a posture.
-FEW = 2_000
+FEW = 500
 
 
-def least(call: Callable[[], object], number: int, per: int = 1) -> float:
+def least(call: Callable[[], object], number: int, per: int = 1, repeat: int = 300) -> float:
     """Nanoseconds of one of `per` postures in one call."""
-    return 1e9 * min(timeit.repeat(call, number=number, repeat=5)) / number / per
+    return 1e9 * min(timeit.repeat(call, number=number, repeat=repeat)) / number / per
 
 
 def in_rust(urdf: str, support: str) -> dict[str, tuple[float, float]]:
@@ -52,18 +64,20 @@ def in_rust(urdf: str, support: str) -> dict[str, tuple[float, float]]:
 
 
 def ours(model: sesc.Model, rust: dict[str, tuple[float, float]]) -> None:
+    """One posture as one types it, `model.com(q)`; batches into an array that is there."""
     q = np.random.default_rng(1).uniform(-0.5, 0.5, (POSTURES, model.dof))
     one = q[0].copy()
-    print(f"{'':18} {'one: Rust':>10} {'Python':>8}   {'batch: Rust':>11} {'Python':>8} {'ratio':>6} {'threads=2':>10}")
-    for name in ("com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows"):
-        call = getattr(model, name)
-        out, place = call(q), call(one)
-        alone = least(lambda: call(one, out=place), 10_000)
-        batch = least(lambda: call(q, out=out), 1, POSTURES)
-        two = least(lambda: call(q, out=out, threads=2), 1, POSTURES)
+    print(f"{'':18} {'one: Rust':>10} {'Python':>8} {'out=':>6}   {'batch: Rust':>11} {'Python':>8} {'ratio':>6} {'threads=2':>10}")
+    for name, count in FUNCTIONS.items():
+        call, many, single = getattr(model, name), [q] * count, [one] * count
+        out, place = call(*many), call(*single)
+        alone = least(lambda: call(*single), 200)
+        into = least(lambda: call(*single, out=place), 200)
+        batch = least(lambda: call(*many, out=out), 1, POSTURES)
+        two = least(lambda: call(*many, out=out, threads=2), 1, POSTURES)
         theirs = rust.get(name, (np.nan, np.nan))
         print(
-            f"{name:18} {theirs[0]:10.0f} {alone:8.0f}   {theirs[1]:11.1f} {batch:8.1f} "
+            f"{name:18} {theirs[0]:10.0f} {alone:8.0f} {into:6.0f}   {theirs[1]:11.1f} {batch:8.1f} "
             f"{batch / theirs[1]:6.2f} {two:10.1f}"
         )
 
@@ -73,8 +87,8 @@ def pinocchio(urdf: str) -> tuple[float, float]:
 
     peer = pin.buildModelFromUrdf(urdf)
     data, q = peer.createData(), pin.neutral(peer)
-    com = least(lambda: pin.centerOfMass(peer, data, q), FEW)
-    return com, least(lambda: pin.jacobianCenterOfMass(peer, data, q), FEW)
+    com = least(lambda: pin.centerOfMass(peer, data, q), 200)
+    return com, least(lambda: pin.jacobianCenterOfMass(peer, data, q), 200)
 
 
 def mujoco(urdf: str) -> tuple[float, float]:
@@ -92,7 +106,7 @@ def mujoco(urdf: str) -> tuple[float, float]:
         com()
         mj.mj_jacSubtreeCom(peer, data, jacobian, 1)
 
-    return least(com, FEW), least(com_jacobian, FEW)
+    return least(com, 200), least(com_jacobian, 200)
 
 
 def adam(urdf: str) -> tuple[float, float]:
@@ -105,7 +119,7 @@ def adam(urdf: str) -> tuple[float, float]:
     times = []
     for function in (peer.CoM_position_fun(), peer.CoM_jacobian_fun()):
         batch = function.map(FEW)
-        times.append(least(lambda: batch(base, q), 1, FEW))
+        times.append(least(lambda: batch(base, q), 1, FEW, 20))
     return times[0], times[1]
 
 

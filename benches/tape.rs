@@ -2,7 +2,7 @@
 //! batch. `benches/python.py` runs it beside the same calls from Python.
 //!
 //! `cargo bench --bench tape -- URDF SUPPORT` prints a line of each function: its name, one
-//! posture, a batch. Each number is the least of several repeats.
+//! posture, a batch. Each number is the least of many short repeats.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -14,14 +14,20 @@ use sesc_identify::stance::Stance;
 use sesc_model::Function;
 
 /// The functions that Python has, by its names.
-const FUNCTIONS: [(&str, Function); 6] = [
+const FUNCTIONS: [(&str, Function); 9] = [
     ("com", Function::Com),
     ("com_jacobian", Function::ComJacobian),
+    ("com_velocity", Function::ComVelocity),
     ("gravity_moments", Function::GravityMoments),
     ("cop", Function::Cop),
     ("cop_rows", Function::RegressorCop),
     ("com_rows", Function::Regressor),
+    ("full_rows", Function::RegressorFull),
+    ("zmp", Function::Zmp),
 ];
+
+/// Calls of one posture that are timed together: short enough to be left alone by other programs.
+const ALONE: usize = 200;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -33,24 +39,28 @@ fn main() {
     let model =
         Robot::read(Path::new(urdf)).and_then(|robot| Stance::new(robot).on(support).model());
     let model = model.expect("the robot can be read");
-    let (postures, repeats) = if tested { (100, 1) } else { (100_000, 7) };
+    let (postures, repeats) = if tested { (100, 1) } else { (10_000, 300) };
     let q: Vec<f64> = (0..postures * model.dof())
         .map(|k| 0.5 * f64::sin(k as f64))
         .collect();
     for (name, function) in FUNCTIONS {
         let evaluator = Evaluator::new(&model, function);
         let mut out = vec![0.0; postures * evaluator.width()];
+        let few = ALONE.min(postures);
         let one = least(repeats, || {
-            for q in q.chunks_exact(model.dof()).take(10_000) {
-                evaluator.run_into(black_box(q), 1, &mut out);
+            for q in q.chunks_exact(model.dof()).take(few) {
+                // Velocities and accelerations for those that take them.
+                let q = black_box(q);
+                evaluator.run_moving_into(q, q, q, 1, &mut out);
             }
         });
         let batch = least(repeats, || {
-            evaluator.run_into(black_box(&q), postures, &mut out)
+            let q = black_box(&q[..]);
+            evaluator.run_moving_into(q, q, q, postures, &mut out)
         });
         println!(
             "{name:<20} {:>10.1} {:>10.1}",
-            1e9 * one / postures.min(10_000) as f64,
+            1e9 * one / few as f64,
             1e9 * batch / postures as f64
         );
     }

@@ -75,7 +75,7 @@ for processor in "${processors[@]}"; do
   rustup target add "$target"
   rm -f "$out"/sesc-*_"$processor".whl
   maturin build --quiet --release --locked --zig --compatibility manylinux_2_28 --target "$target" \
-    --manifest-path python/Cargo.toml --out "$out"
+    --manifest-path python/Cargo.toml --config python/wheel.toml --out "$out"
   wheel=$(echo "$out"/sesc-*_"$processor".whl)
   looked_at "$wheel"
   [[ $processor != "$(uname -m)" ]] || tried "$wheel"

@@ -13,6 +13,9 @@ use sesc_runtime::{Simd, power, trig};
 /// The support frame's.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// Sines and cosines, velocities, accelerations, parameters and a direction.
+const MOST_ARGUMENTS: usize = 6;
+
 /// Additions that take as long as a sine with its cosine, a division or a power.
 const LONG_OPERATION: usize = 20;
 
@@ -184,23 +187,30 @@ impl Evaluator {
             Given::Positions => (Vec::new(), Vec::new()),
             Given::SinesCosines | Given::Direction => self.sines(q),
         };
-        let mut arguments = match self.given {
-            Given::Positions => vec![Values::PerPosture(q)],
+        // A call of one posture is shorter than to ask for memory a few times.
+        let mut places = [Values::Shared(&[]); MOST_ARGUMENTS];
+        let positions = match self.given {
+            Given::Positions => [Some(Values::PerPosture(q)), None],
             Given::SinesCosines | Given::Direction => {
-                vec![Values::PerPosture(&sin), Values::PerPosture(&cos)]
+                [&sin, &cos].map(|x| Some(Values::PerPosture(x)))
             }
         };
-        arguments.extend(moving.into_iter().flatten());
-        arguments.extend(self.params.as_deref().map(Values::Shared));
+        let params = [self.params.as_deref().map(Values::Shared)];
+        let given = positions.into_iter().chain(moving).chain(params).flatten();
+        let mut count = 0;
+        for (place, value) in places.iter_mut().zip(given) {
+            *place = value;
+            count += 1;
+        }
         if self.given != Given::Direction {
-            return self.tape.run(&arguments, postures, out, self.kernels);
+            return self.tape.run(&places[..count], postures, out, self.kernels);
         }
         let columns = self.tape.outputs();
         let mut row = vec![0.0; postures * columns];
         for (k, along) in AXES.iter().enumerate() {
-            arguments.push(Values::Shared(along));
-            self.tape.run(&arguments, postures, &mut row, self.kernels);
-            arguments.pop();
+            places[count] = Values::Shared(along);
+            self.tape
+                .run(&places[..=count], postures, &mut row, self.kernels);
             let places = out[k * columns..].chunks_mut(self.width().max(1));
             for (place, row) in places.zip(row.chunks(columns.max(1))) {
                 place[..columns].copy_from_slice(row);

@@ -85,10 +85,11 @@ pub struct Tape {
 impl Tape {
     /// Make `program` ready: for blocks in its own order, for one posture with angles first.
     pub fn new(program: &Program) -> Tape {
+        let sources = sources(program);
         Tape {
-            sources: sources(program),
             blocks: Plan::new(program, &as_written(program)),
-            alone: Alone::new(program),
+            alone: Alone::new(program, &sources),
+            sources,
             lens: program.inputs.iter().map(|array| array.len).collect(),
         }
     }
@@ -121,7 +122,7 @@ impl Tape {
             "room for every output"
         );
         match postures {
-            1 => self.alone.run(&self.sources, arguments, out, kernels),
+            1 => self.alone.run(arguments, out, kernels),
             0..=FEW => self.in_blocks::<SHORT>(arguments, postures, out, kernels),
             _ => self.in_blocks::<BLOCK>(arguments, postures, out, kernels),
         }

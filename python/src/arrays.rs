@@ -7,7 +7,9 @@
 //! Arrays of 64-bit floats in C order are read where they are; everything else is converted
 //! once by `sesc._arrays`.
 
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{
+    PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -76,28 +78,64 @@ pub fn numbers<'py>(
     })
 }
 
-/// The caller's array for results, or a new one.
-pub fn result<'py>(
-    py: Python<'py>,
-    out: Option<&Bound<'py, PyAny>>,
-    shape: &[usize],
-) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let Some(out) = out else {
-        return Ok(PyArrayDyn::zeros(py, shape, false));
-    };
-    let array = out
-        .cast::<PyArrayDyn<f64>>()
-        .map_err(|_| PyTypeError::new_err("out must be a numpy array of 64-bit floats"))?;
-    if array.shape() != shape || !array.is_c_contiguous() {
-        return Err(PyValueError::new_err(format!(
-            "out has the shape {:?}{}; give a C-contiguous array of the shape {shape:?}",
-            array.shape(),
-            if array.is_c_contiguous() {
-                ""
-            } else {
-                ", and gaps"
-            },
-        )));
+/// An array for results.
+pub enum Target<'py> {
+    /// Just made: nobody else has it yet.
+    New(Bound<'py, PyArrayDyn<f64>>),
+    /// The caller's.
+    Given(PyReadwriteArrayDyn<'py, f64>),
+}
+
+impl<'py> Target<'py> {
+    /// The caller's array, or a new one.
+    pub fn of(
+        py: Python<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+        shape: &[usize],
+    ) -> PyResult<Target<'py>> {
+        let Some(out) = out else {
+            return Ok(Target::New(PyArrayDyn::zeros(py, shape, false)));
+        };
+        let array = out
+            .cast::<PyArrayDyn<f64>>()
+            .map_err(|_| PyTypeError::new_err("out must be a numpy array of 64-bit floats"))?;
+        if array.shape() != shape || !array.is_c_contiguous() {
+            return Err(PyValueError::new_err(format!(
+                "out has the shape {:?}{}; give a C-contiguous array of the shape {shape:?}",
+                array.shape(),
+                if array.is_c_contiguous() {
+                    ""
+                } else {
+                    ", and gaps"
+                },
+            )));
+        }
+        let overlap = "out shares memory with an argument; give an array of its own";
+        let array = array.try_readwrite();
+        array
+            .map(Target::Given)
+            .map_err(|_| PyValueError::new_err(overlap))
     }
-    Ok(array.clone())
+
+    /// Its values, row by row.
+    #[allow(unsafe_code)]
+    pub fn values(&mut self) -> PyResult<&mut [f64]> {
+        match self {
+            Target::New(array) => {
+                // SAFETY: the array was made by this call, has memory of its own, and has been
+                // given to nobody; `&mut self` keeps it from being given away meanwhile.
+                let values = unsafe { array.as_slice_mut() };
+                Ok(values?)
+            }
+            Target::Given(array) => Ok(array.as_slice_mut()?),
+        }
+    }
+
+    /// The array, for the caller.
+    pub fn array(self) -> Bound<'py, PyArrayDyn<f64>> {
+        match self {
+            Target::New(array) => array,
+            Target::Given(array) => (**array).clone(),
+        }
+    }
 }

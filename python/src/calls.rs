@@ -164,3 +164,21 @@ fn look(py: Python<'_>, show: Option<&Py<PyAny>>, shared: &Shared) -> PyResult<(
         _ => Ok(()),
     }
 }
+
+/// Panics inside the package, in each way in which it calls the library (`short`, `long`,
+/// `watched`): builds for tests have it, releases do not.
+#[cfg(debug_assertions)]
+#[pyfunction]
+pub fn _panic(py: Python<'_>, way: String) -> PyResult<()> {
+    fn beyond_the_end(way: &str) -> usize {
+        [1, 2, 3][way.len()]
+    }
+    match way.as_str() {
+        "short" => guarded(py, || Ok(beyond_the_end(&way))).map(drop),
+        "long" => detached(py, || Ok(beyond_the_end(&way))).map(drop),
+        _ => watched(py, None, Stopped::Awaited, move |_| {
+            Ok(beyond_the_end(&way))
+        })
+        .map(drop),
+    }
+}

@@ -66,6 +66,9 @@ mod _sesc {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         calls::keep_panics_to_ourselves();
+        // Beside what the module exports.
+        #[cfg(debug_assertions)]
+        module.setattr("_panic", wrap_pyfunction!(calls::_panic, module)?)?;
         module.add("OP2_URDF", sesc::OP2_URDF)?;
         let columns = sesc_identify::fleet::COLUMNS;
         module.add("FLEET_COLUMNS", PyTuple::new(module.py(), columns)?)?;

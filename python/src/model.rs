@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use numpy::{PyArray1, PyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use sesc::inspect::inspect;
 use sesc_identify::evaluate::Evaluator;
 use sesc_model::{self as model, Function, Given, ModelFile};
 
-use crate::arrays::{Axis, numbers, result};
+use crate::arrays::{Axis, Target, numbers};
 use crate::batch::Batch;
 use crate::calls::{detached, guarded};
 use crate::errors::{Doing, Failure};
@@ -47,27 +47,20 @@ type Found<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 pub struct Model {
     pub inner: Arc<model::Model>,
     joints: Vec<String>,
-    /// None of a function that the model does not have.
-    evaluators: [OnceLock<Option<Evaluator>>; FUNCTIONS.len()],
+    reading: [String; 2],
+    prepared: [OnceLock<Prepared>; FUNCTIONS.len()],
 }
 
 impl Model {
-    /// The prepared function, and the shape of its result; none where the model does not have it.
-    fn evaluator(&self, py: Python<'_>, function: Function) -> Option<(&Evaluator, Vec<usize>)> {
+    /// The prepared function.
+    fn prepared(&self, py: Python<'_>, function: Function) -> &Prepared {
         let place = FUNCTIONS.iter().position(|known| *known == function);
-        let prepared = &self.evaluators[place.unwrap_or_default()];
-        let prepare = || {
-            let params = self.inner.params();
-            Evaluator::variant(&self.inner, function, Given::Positions, params)
-        };
-        let evaluator = match prepared.get() {
-            Some(evaluator) => evaluator,
+        let prepared = &self.prepared[place.unwrap_or_default()];
+        match prepared.get() {
+            Some(prepared) => prepared,
             // Most of a millisecond, in which other threads go on.
-            None => py.detach(|| prepared.get_or_init(prepare)),
-        };
-        let columns = function.columns().on(&self.inner);
-        let shape = function.rows().into_iter().chain([columns]).collect();
-        evaluator.as_ref().map(|evaluator| (evaluator, shape))
+            None => py.detach(|| prepared.get_or_init(|| Prepared::new(&self.inner, function))),
+        }
     }
 
     /// A function of arrays of one shape: positions, and velocities and accelerations where
@@ -81,20 +74,12 @@ impl Model {
     ) -> Found<'py> {
         let py = inputs[0].1.py();
         guarded(py, || {
-            let (evaluator, own) = match self.evaluator(py, function) {
-                Some((evaluator, own)) => (Some(evaluator), own),
-                None => (None, vec![READING.len()]),
-            };
-            let reading = READING.map(String::from);
+            let prepared = self.prepared(py, function);
             let axis = match function {
-                Function::CorrectCop => Axis::Reading(&reading),
+                Function::CorrectCop => Axis::Reading(&self.reading),
                 _ => Axis::Joints(&self.joints),
             };
-            let given = |(name, input)| numbers(input, axis, name);
-            let arrays = inputs
-                .into_iter()
-                .map(given)
-                .collect::<PyResult<Vec<_>>>()?;
+            let arrays = each(inputs.map(|(name, input)| numbers(input, axis, name)))?;
             let shape = arrays[0].shape();
             if arrays.iter().any(|array| array.shape() != shape) {
                 let shapes: Vec<String> = inputs
@@ -107,50 +92,75 @@ impl Model {
                     shapes.join(", ")
                 )));
             }
-            let (n, shape) = self.shape(shape, &own);
-            let out = result(py, out, &shape)?;
-            {
-                let mut target = out.try_readwrite().map_err(|_| overlap())?;
-                let target = target.as_slice_mut()?;
-                let q = arrays.iter().map(|array| array.as_slice());
-                let q = q.collect::<Result<Vec<_>, _>>()?;
-                let Some(evaluator) = evaluator else {
-                    // Without effects of the sensor a reading is the CoP itself.
-                    target.copy_from_slice(q[0]);
-                    return Ok(out.clone());
-                };
-                let width = axis.names().len();
-                let batch = Batch {
-                    postures: n,
-                    width: evaluator.width(),
-                    operations: evaluator.operations(),
-                    threads: threads.unwrap_or(1),
-                };
-                let run = |start: usize, n: usize, out: &mut [f64]| {
-                    let from = |k: usize| &q[k.min(N - 1)][start * width..];
-                    match N {
-                        1 => evaluator.run_into(from(0), n, out),
-                        _ => evaluator.run_moving_into(from(0), from(1), from(2), n, out),
-                    }
-                };
-                batch.run(py, target, run)?;
+            let outer = &shape[..shape.len() - 1];
+            let shape: Vec<usize> = outer.iter().chain(&prepared.shape).copied().collect();
+            let mut target = Target::of(py, out, &shape)?;
+            let values = target.values()?;
+            let mut q: [&[f64]; N] = [&[]; N];
+            for (q, array) in q.iter_mut().zip(&arrays) {
+                *q = array.as_slice()?;
             }
-            Ok(out)
+            match &prepared.evaluator {
+                // Without effects of the sensor a reading is the CoP itself.
+                None => values.copy_from_slice(q[0]),
+                Some(evaluator) => {
+                    let width = axis.names().len();
+                    let batch = Batch {
+                        postures: outer.iter().product(),
+                        width: evaluator.width(),
+                        operations: evaluator.operations(),
+                        threads: threads.unwrap_or(1),
+                    };
+                    batch.run(py, values, |start, n, out| {
+                        let from = |k: usize| &q[k.min(N - 1)][start * width..];
+                        match N {
+                            1 => evaluator.run_into(from(0), n, out),
+                            _ => evaluator.run_moving_into(from(0), from(1), from(2), n, out),
+                        }
+                    })?;
+                }
+            }
+            Ok(target.array())
         })
     }
+}
 
-    /// How many postures there are, and the shape of their results.
-    fn shape(&self, q: &[usize], own: &[usize]) -> (usize, Vec<usize>) {
-        let outer = &q[..q.len() - 1];
-        let shape = outer.iter().chain(own).copied().collect();
-        (outer.iter().product(), shape)
+/// A function that is ready to be called.
+struct Prepared {
+    /// None where the model does not have it.
+    evaluator: Option<Evaluator>,
+    /// Shape of the result of one posture.
+    shape: Vec<usize>,
+}
+
+impl Prepared {
+    fn new(model: &model::Model, function: Function) -> Prepared {
+        let evaluator = Evaluator::variant(model, function, Given::Positions, model.params());
+        let columns = function.columns().on(model);
+        let rows = function.rows().into_iter();
+        let shape = match &evaluator {
+            Some(_) => rows.chain([columns]).collect(),
+            None => vec![READING.len()],
+        };
+        Prepared { evaluator, shape }
     }
 }
 
-fn overlap() -> PyErr {
-    PyValueError::new_err("out shares memory with an argument; give an array of its own")
+/// All of the results, or the first error.
+fn each<T, const N: usize>(results: [PyResult<T>; N]) -> PyResult<[T; N]> {
+    let mut error = None;
+    let values = results.map(|result| match result {
+        Ok(value) => Some(value),
+        Err(own) => {
+            error.get_or_insert(own);
+            None
+        }
+    });
+    match error {
+        Some(error) => Err(error),
+        None => Ok(values.map(|value| value.expect("there is no error"))),
+    }
 }
-
 #[pymethods]
 impl Model {
     /// `robot` on `support` with the parameters of a model file, by its text or its path.
@@ -485,7 +495,8 @@ impl Model {
                 .map(|dof| dof.joint.clone())
                 .collect(),
             inner: Arc::new(inner),
-            evaluators: Default::default(),
+            reading: READING.map(String::from),
+            prepared: Default::default(),
         }
     }
 }

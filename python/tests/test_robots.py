@@ -71,6 +71,21 @@ def test_a_defect_is_an_error_of_its_own() -> None:
         sesc._sesc.simulate_log(model, {**options, "rate": None, "motion": True, "hide": []})
 
 
+@pytest.mark.skipif(not hasattr(sesc._sesc, "_panic"), reason="a release has no panic to ask for")
+@pytest.mark.parametrize("way", ["short", "long", "watched"])
+def test_a_panic_is_an_internal_error(way: str, capfd: Any) -> None:
+    """An index out of range inside the package, in a call of each kind."""
+    fail: Any = getattr(sesc._sesc, "_panic")
+    for _ in range(2):
+        with pytest.raises(sesc.InternalError, match=f"the index is {len(way)}") as caught:
+            fail(way)
+        assert "calls.rs" in str(caught.value) and "a defect of sesc" in str(caught.value)
+        assert isinstance(caught.value, RuntimeError)
+    assert capfd.readouterr() == ("", "")
+    # Nothing is left behind: no lock that is held, no sentence that another error would get.
+    assert com_of(sesc.Robot(POLE).on("foot")).shape == (3, 3)
+
+
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
 def test_copies_compute_the_same(model: sesc.Model, copied: Any) -> None:
     again = copied(model)
@@ -147,3 +162,9 @@ print(sorted({name.split('.')[0] for name in set(sys.modules) - before} - set(sy
 """
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "['sesc']", run.stdout
+
+
+def test_importing_takes_30_ms_of_a_processor() -> None:
+    code = "import time, numpy; start = time.process_time(); import sesc; print(time.process_time() - start)"
+    runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True) for _ in range(5)]
+    assert min(float(run.stdout) for run in runs) < 0.030

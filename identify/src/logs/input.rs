@@ -1,4 +1,6 @@
-//! Where a log is: a file, the bytes of one, or a table in memory.
+//! Where a log is: a file, the bytes of one, a stream of them, or a table in memory.
+
+mod stream;
 
 use std::fs::File;
 use std::hash::Hasher as _;
@@ -10,6 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use sesc_model::files::Stamp;
 use twox_hash::XxHash64;
 
+use self::stream::Opener;
 use super::screen::Screen;
 use super::shared::Shared;
 use super::sidecar::Sidecar;
@@ -19,7 +22,7 @@ use crate::{Error, Message};
 /// A posture log that can be opened, as often as needed.
 ///
 /// A path, or a path-like value, is a log on disk; its sidecar is looked for
-/// beside it. A [`Table`] or the bytes of a file have the sidecar they are given.
+/// beside it. A [`Table`], a stream or the bytes of a file have the sidecar they are given.
 ///
 /// ```
 /// use sesc_identify::logs::{LogSource, Sidecar, Table};
@@ -52,6 +55,7 @@ pub struct LogSource {
 pub(super) enum Place {
     File(PathBuf),
     Bytes(Shared<u8>),
+    Stream(Opener),
     Table(Arc<Table>),
 }
 
@@ -61,9 +65,59 @@ impl LogSource {
         name: impl Into<String>,
         bytes: impl AsRef<[u8]> + Send + Sync + 'static,
     ) -> LogSource {
+        LogSource::at(name.into(), Place::Bytes(Shared::new(bytes)))
+    }
+
+    /// A log file of any format that comes from anything that can be read, such as a socket or
+    /// an entry of an archive: it is read to its end now, into memory. `name` stands for the file
+    /// in messages.
+    ///
+    /// # Errors
+    /// Where reading fails.
+    ///
+    /// ```
+    /// use sesc_identify::logs::LogSource;
+    ///
+    /// let csv = "pose,hip,cop_x,cop_y\n0,0.1,0.010,0.001\n";
+    /// let log = LogSource::reader("run.csv", csv.as_bytes())?;
+    /// assert!(log.can_be_read_again());
+    /// # Ok::<(), sesc_identify::Error>(())
+    /// ```
+    pub fn reader(name: impl Into<String>, mut from: impl Read) -> Result<LogSource, Error> {
+        let (name, mut bytes) = (name.into(), Vec::new());
+        match from.read_to_end(&mut bytes) {
+            Ok(_) => Ok(LogSource::bytes(name, bytes)),
+            Err(source) => Err(Error::read(name, source)),
+        }
+    }
+
+    /// A log file of any format as a stream, which `open` starts from its first byte, as often as
+    /// a fit or a diagnosis goes over its rows: CSV, packed or not, and MCAP are never in memory
+    /// as a whole, Parquet is, since it begins at its end. Every stream has to give the same
+    /// bytes. `name` stands for the file in messages.
+    ///
+    /// ```
+    /// use std::io::Read;
+    /// use sesc_identify::logs::LogSource;
+    ///
+    /// let rows = |k| format!("{k},0.1,0.010,0.001\n").into_bytes();
+    /// let log = LogSource::stream("run.csv", move || {
+    ///     let header: &[u8] = b"pose,hip,cop_x,cop_y\n";
+    ///     Ok(header.chain(std::io::Cursor::new(rows(0))).chain(std::io::Cursor::new(rows(1))))
+    /// });
+    /// assert_eq!(log.name(), "run.csv");
+    /// ```
+    pub fn stream<R: Read + Send + 'static>(
+        name: impl Into<String>,
+        open: impl Fn() -> io::Result<R> + Send + Sync + 'static,
+    ) -> LogSource {
+        LogSource::at(name.into(), Place::Stream(Opener::new(open)))
+    }
+
+    fn at(name: String, place: Place) -> LogSource {
         LogSource {
-            name: name.into(),
-            place: Place::Bytes(Shared::new(bytes)),
+            name,
+            place,
             sidecar: None,
             screen: None,
             was: None,
@@ -118,7 +172,7 @@ impl LogSource {
     pub fn can_be_read_again(&self) -> bool {
         match &self.place {
             Place::File(path) => path.metadata().is_ok_and(|about| about.is_file()),
-            Place::Bytes(_) | Place::Table(_) => true,
+            Place::Bytes(_) | Place::Stream(_) | Place::Table(_) => true,
         }
     }
 
@@ -137,7 +191,7 @@ impl LogSource {
     pub fn path(&self) -> Option<&Path> {
         match &self.place {
             Place::File(path) => Some(path),
-            Place::Bytes(_) | Place::Table(_) => None,
+            Place::Bytes(_) | Place::Stream(_) | Place::Table(_) => None,
         }
     }
 
@@ -145,7 +199,7 @@ impl LogSource {
     pub fn table(&self) -> Option<&Table> {
         match &self.place {
             Place::Table(table) => Some(table),
-            Place::File(_) | Place::Bytes(_) => None,
+            Place::File(_) | Place::Bytes(_) | Place::Stream(_) => None,
         }
     }
 
@@ -154,7 +208,7 @@ impl LogSource {
     pub fn content(&self) -> Option<&[u8]> {
         match &self.place {
             Place::Bytes(bytes) => Some(bytes.as_ref()),
-            Place::File(_) | Place::Table(_) => None,
+            Place::File(_) | Place::Stream(_) | Place::Table(_) => None,
         }
     }
 
@@ -179,25 +233,13 @@ impl LogSource {
 impl<P: AsRef<Path>> From<P> for LogSource {
     fn from(path: P) -> LogSource {
         let path = path.as_ref();
-        LogSource {
-            name: path.display().to_string(),
-            place: Place::File(path.to_path_buf()),
-            sidecar: None,
-            screen: None,
-            was: None,
-        }
+        LogSource::at(path.display().to_string(), Place::File(path.to_path_buf()))
     }
 }
 
 impl From<Table> for LogSource {
     fn from(table: Table) -> LogSource {
-        LogSource {
-            name: table.name().to_string(),
-            place: Place::Table(Arc::new(table)),
-            sidecar: None,
-            screen: None,
-            was: None,
-        }
+        LogSource::at(table.name().to_string(), Place::Table(Arc::new(table)))
     }
 }
 
@@ -207,10 +249,11 @@ impl From<&LogSource> for LogSource {
     }
 }
 
-/// Bytes of a log file, on disk or in memory.
+/// Bytes of a log file, on disk, in memory or on their way.
 pub(super) enum Bytes {
     File(File),
     Memory(Cursor<Shared<u8>>),
+    Stream(Box<dyn Read + Send>),
 }
 
 impl Bytes {
@@ -219,11 +262,12 @@ impl Bytes {
         match place {
             Place::File(path) => Ok(Bytes::File(File::open(path)?)),
             Place::Bytes(bytes) => Ok(Bytes::Memory(Cursor::new(bytes.clone()))),
+            Place::Stream(opener) => Ok(Bytes::Stream(opener.open()?)),
             Place::Table(_) => Err(io::ErrorKind::Unsupported.into()),
         }
     }
 
-    /// How many there are; not known of a pipe.
+    /// How many there are; not known of a pipe or a stream.
     pub fn count(&self) -> Option<u64> {
         match self {
             Bytes::File(file) => {
@@ -231,6 +275,7 @@ impl Bytes {
                 about.filter(|a| a.is_file()).map(|a| a.len())
             }
             Bytes::Memory(bytes) => u64::try_from(bytes.get_ref().as_ref().len()).ok(),
+            Bytes::Stream(_) => None,
         }
     }
 }
@@ -240,6 +285,7 @@ impl Seek for Bytes {
         match self {
             Bytes::File(file) => file.seek(to),
             Bytes::Memory(bytes) => bytes.seek(to),
+            Bytes::Stream(_) => Err(io::ErrorKind::NotSeekable.into()),
         }
     }
 }
@@ -249,6 +295,7 @@ impl Read for Bytes {
         match self {
             Bytes::File(file) => file.read(buffer),
             Bytes::Memory(bytes) => bytes.read(buffer),
+            Bytes::Stream(stream) => stream.read(buffer),
         }
     }
 }

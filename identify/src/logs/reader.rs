@@ -15,6 +15,7 @@ use super::input::{Bytes, LogSource, Metered, Place};
 use super::options::{Options, Stays, StillnessLimits};
 use super::screen::Screening;
 use super::settle::Settling;
+use super::shared::Shared;
 use super::sidecar::{Angles, Sidecar};
 use super::source::{Raw, RowSource};
 use super::suspect::Suspicions;
@@ -355,7 +356,15 @@ fn open_source(
         .read_to_end(&mut head)
         .map_err(failed)?;
     if head.starts_with(b"PAR1") {
-        return open_parquet(place, file);
+        return match place {
+            // What its columns are stands at the end.
+            Place::Stream(_) => {
+                let mut bytes = head;
+                input.read_to_end(&mut bytes).map_err(failed)?;
+                open_parquet(&Place::Bytes(Shared::new(bytes)), file)
+            }
+            _ => open_parquet(place, file),
+        };
     }
     if head.starts_with(b"\x89MCAP") {
         return open_mcap(place, file, dofs, options, sidecar);

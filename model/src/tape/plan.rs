@@ -61,7 +61,8 @@ pub(super) fn as_written(program: &Program) -> Vec<Id> {
 }
 
 /// The same nodes in three parts: angles that no sine is part of, their sines and cosines,
-/// everything else. The second number counts the nodes of the first part.
+/// everything else in few runs of one operation each. The second number counts the nodes of the
+/// first part.
 pub(super) fn angles_first(program: &Program) -> (Vec<Id>, usize) {
     // Whether a node is made of sines, and whether sines are made of it.
     let mut made = vec![false; program.nodes.len()];
@@ -82,10 +83,33 @@ pub(super) fn angles_first(program: &Program) -> (Vec<Id>, usize) {
         Expr::Sin(a) | Expr::Cos(a) if early(a) => 1,
         _ => 2,
     };
+    let phase = phases(program, part);
     let mut order = as_written(program);
-    order.sort_by_key(part);
+    order.sort_by_key(|id| (part(id), phase[id.index()]));
     let angles = order.iter().filter(|id| part(id) == 0).count();
     (order, angles)
+}
+
+/// In which run of one operation each node of the last part can stand: operations take turns,
+/// and a node waits for the turn of its own after those of its operands.
+fn phases(program: &Program, part: impl Fn(&Id) -> i32) -> Vec<usize> {
+    const TURNS: usize = 4;
+    let mut phases = vec![0; program.nodes.len()];
+    for (id, node) in program.iter() {
+        let turn = match node.expr {
+            Expr::Const(_) | Expr::Input { .. } => continue,
+            Expr::Mul(..) => 0,
+            Expr::Add(..) => 1,
+            Expr::Sub(..) => 2,
+            _ => 3,
+        };
+        if part(&id) == 2 {
+            let before = operands(node.expr).map(|operand| phases[operand.index()]);
+            let first = before.max().unwrap_or(0);
+            phases[id.index()] = first + (TURNS + turn - first % TURNS) % TURNS;
+        }
+    }
+    phases
 }
 
 impl Plan {

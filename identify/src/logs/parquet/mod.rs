@@ -67,6 +67,7 @@ impl ParquetSource {
                     let bytes = bytes::Bytes::from_owner(bytes.into_inner());
                     Box::new(SerializedFileReader::new(bytes)?)
                 }
+                Bytes::Stream(_) => return Err(ParquetError::General("a stream".to_string())),
             })
         })
         .map_err(|error| damaged(file, None, &error))?;

@@ -280,9 +280,23 @@ fn written_logs_are_read_back() {
         writer.finish(&sidecar).unwrap();
         let (block, warnings) = read_file(&path, &joints, &Options::default()).unwrap();
         let (sidecar, _) = Sidecar::of(&path).unwrap();
-        let bytes = LogSource::bytes(*name, fs::read(&path).unwrap()).with_sidecar(sidecar);
-        let mut reader = PostureReader::open(bytes, &joints, &Options::default()).unwrap();
-        assert_eq!(reader.block(100).unwrap(), block, "{name} in memory");
+        let from = path.clone();
+        let forms = [
+            LogSource::bytes(*name, fs::read(&path).unwrap()),
+            LogSource::reader(*name, fs::File::open(&path).unwrap()).unwrap(),
+            LogSource::stream(*name, move || fs::File::open(&from)),
+        ];
+        for form in forms {
+            let form = form.with_sidecar(sidecar.clone());
+            for time in ["once", "again"] {
+                let mut reader = PostureReader::open(&form, &joints, &Options::default()).unwrap();
+                assert_eq!(
+                    reader.block(100).unwrap(),
+                    block,
+                    "{name}, {form:?}, {time}"
+                );
+            }
+        }
         assert!(warnings.is_empty(), "{warnings:?}");
         assert_eq!(block.pose, [-2, -1, 0, 1, 2]);
         assert_eq!(block.t.as_ref().unwrap()[1], 1.0 / 3.0);
