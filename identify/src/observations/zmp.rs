@@ -409,8 +409,8 @@ impl Zmp {
             let own: Vec<Parts> = own.iter().map(|parts| Parts::of(*parts)).collect();
             for (joint, lever) in levers.iter_mut().enumerate() {
                 let shift = own[1 + joint].shift([0.0; 2]);
-                for axis in 0..2 {
-                    let gain = shift[axis] / SMALL;
+                for (axis, shift) in shift.into_iter().enumerate() {
+                    let gain = shift / SMALL;
                     let moved = own[1 + dof + joint].com[axis] - own[0].com[axis];
                     let position = moved / STEP;
                     lever.gain[axis] += gain * gain / some as f64;
