@@ -324,7 +324,8 @@ def diagnose(
         motion: ``"auto"`` compares readings with the ZMP where a log with times knows
             accelerations; ``"off"`` takes all as those of standing postures.
         settle: take only rows of stays: stretches of at least so many seconds in which every
-            joint is slower than 0.02 rad/s; each is one posture.
+            joint is slower than 0.02 rad/s; each is one posture. 0 takes every row as one of a
+            robot that moves.
         servos: TOML file of the servos: remedies are in its ticks.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 

@@ -540,7 +540,8 @@ def fit(
         motion: ``"auto"`` compares readings with the ZMP where a log with times knows
             accelerations; ``"off"`` takes all as those of standing postures.
         settle: take only rows of stays: stretches of at least so many seconds in which every
-            joint is slower than 0.02 rad/s; each is one posture.
+            joint is slower than 0.02 rad/s; each is one posture. 0 takes every row as one of a
+            robot that moves.
         unit: the robot of its type that the logs are of: parts of another one are refused.
         duplicates: ``"refuse"`` a part with a log that another one has, or ``"skip"`` parts whose
             logs are all there already.

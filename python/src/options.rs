@@ -93,10 +93,10 @@ pub fn motion(counts: bool) -> MotionModel {
     }
 }
 
-/// Stays of at least so many seconds alone, where that is asked for.
+/// Stays of at least so many seconds alone, or all rows, where that is asked for.
 pub fn stays(settle: Option<f64>) -> Result<Stays, Failure> {
     let Some(seconds) = settle else {
         return Ok(Stays::default());
     };
-    Stays::alone(seconds).map_err(|what| Failure::plain(Doing::Fit, format!("`settle`: {what}")))
+    Stays::settled(seconds).map_err(|what| Failure::plain(Doing::Fit, format!("`settle`: {what}")))
 }

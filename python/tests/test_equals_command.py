@@ -91,7 +91,11 @@ def stays(log: Path) -> Path:
 
 @pytest.mark.parametrize(
     ("options", "words"),
-    [({"settle": 0.5}, ["--settle", 0.5]), ({"motion": "off"}, ["--motion", "off"])],
+    [
+        ({"settle": 0.5}, ["--settle", 0.5]),
+        ({"settle": 0.0}, ["--settle", 0]),
+        ({"motion": "off"}, ["--motion", "off"]),
+    ],
 )
 def test_stays_and_motion_are_equal(
     small: sesc.Robot, robots: Path, stays: Path, command_json: Any, options: Any, words: Any
@@ -108,7 +112,7 @@ def test_stays_of_no_length_and_unknown_motion_are_refused(small: sesc.Robot, st
     asks: list[Any] = [sesc.fit, sesc.diagnose, sesc.gather]
     for ask in asks:
         with pytest.raises(sesc.FitError, match="`settle`: give 0.01 to 3600 seconds"):
-            ask(small, stays, settle=0.0)
+            ask(small, stays, settle=-0.5)
         with pytest.raises(ValueError, match="motion 'slow': give 'auto' or 'off'"):
             ask(small, stays, motion="slow")
 

@@ -84,7 +84,8 @@ pub(super) struct DiagnosisArguments {
 #[derive(Args)]
 pub(super) struct StaysArguments {
     /// Take only rows of stays: stretches of at least so many seconds in which every joint is
-    /// slower than 0.02 rad/s; each is one posture. Recordings of ROS have 0.3 s unless given.
+    /// slower than 0.02 rad/s; each is one posture. Recordings of ROS have 0.3 s unless given,
+    /// where the robot holds still at all. 0 takes every row as one of a robot that moves.
     /// Else rows of a stay of a second are one posture where a log has `t` and no `pose`
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = units::stays)]
     pub(super) settle: Option<Stays>,

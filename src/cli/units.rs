@@ -25,7 +25,7 @@ pub(super) fn deviation_m(text: &str) -> Result<f64, String> {
 /// How long a robot holds still, s.
 pub(super) fn stays(text: &str) -> Result<Stays, String> {
     let seconds = text.parse();
-    Stays::alone(seconds.map_err(|_| "give a number of seconds".to_string())?)
+    Stays::settled(seconds.map_err(|_| "give a number of seconds".to_string())?)
 }
 
 /// A length on the robot's scale, m.
@@ -117,6 +117,7 @@ mod tests {
         assert!(said.contains("2.93 for 2930 g"), "{said}");
         assert!(check_mass(Some(3.0), 2.9).is_ok() && check_mass(None, 0.0).is_ok());
         assert_eq!(stays("0.5"), Ok(Stays::Alone(0.5)));
-        assert!(stays("0").is_err() && stays("nan").is_err() && stays("x").is_err());
+        assert_eq!(stays("0"), Ok(Stays::Moving));
+        assert!(stays("-1").is_err() && stays("nan").is_err() && stays("x").is_err());
     }
 }

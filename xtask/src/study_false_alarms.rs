@@ -20,6 +20,8 @@ use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{self, Verdict, diagnose};
 use sesc_identify::fit::{self, fit};
 use sesc_identify::logs::Table;
+use sesc_identify::observations::motion::{Plan, Wanted};
+use sesc_identify::observations::zmp::Zmp;
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
 use sesc_virtual::moving::Swing;
@@ -34,6 +36,9 @@ const SECONDS: [f64; 2] = [30.0, 120.0];
 const TAUS: [f64; 2] = [0.05, 1.0];
 /// 4096 ticks a turn, rad.
 const TICK: f64 = TAU / 4096.0;
+/// What is left over noise that is this many times as large as said is unexplained: the root of
+/// `LEFTOVER_RATIO` of a diagnosis.
+const CLEARLY_OFF: f64 = 1.0724;
 /// ± this many deviations hold 95 %.
 const OF_95: f64 = 1.959_964;
 
@@ -49,6 +54,9 @@ pub struct StudyFalseAlarms {
     /// Fit, and diagnose nothing
     #[arg(long)]
     fits: bool,
+    /// Print how far the ZMP is off over what is said of it, and fit and diagnose nothing
+    #[arg(long)]
+    zmp: bool,
     /// Logs in whose groups this stands alone
     #[arg(long, value_name = "WORD")]
     only: Option<String>,
@@ -140,6 +148,41 @@ impl Drawn {
             Kind::Smooth(tau) => 4.0 * tau,
         };
         2.0 * swing.seconds / lasts.max(1.0 / self.rate)
+    }
+
+    /// How far the ZMP of the joints that were read is from the readings without their noise, over
+    /// what is said of it, RMS, and the same of ZMP and noise together; of each axis of a log that
+    /// moves and is differentiated.
+    fn zmp_off(seed: u64) -> Result<Option<[[f64; 2]; 2]>, Box<dyn Error>> {
+        let (mut drawn, mut quiet) = (Drawn::of(seed), Drawn::of(seed));
+        let stage = Stage::new(drawn.platform);
+        let model = Robot::read(&stage.urdf)?.model(stage.support, Snapping::default(), None)?;
+        quiet.noise.std = [0.0; 2];
+        let (recording, quiet) = (drawn.record(&stage), quiet.record(&stage));
+        let (t, q) = (&recording.t, recording.q.concat());
+        let log = (&t[..], &q[..], recording.joints.len());
+        let motion = Plan::of(t, &q, log.2)
+            .filter(|_| drawn.moves.is_some())
+            .and_then(|plan| plan.motion(log, 0..t.len(), Wanted::All));
+        let Some(motion) = motion else {
+            return Ok(None);
+        };
+        let moved = Zmp::new(&model).moved(&q, &motion, 0..t.len(), &vec![[0.0; 2]; t.len()]);
+        let cad = model.cad_params();
+        let mean = |square: &dyn Fn(usize) -> f64| -> f64 {
+            let known = (0..t.len()).filter(|k| motion.known[*k]);
+            known.map(square).sum::<f64>() / t.len() as f64
+        };
+        Ok(Some([0, 1].map(|axis| {
+            let off = mean(&|k| {
+                let row = moved.rows.row(2 * k + axis).iter().zip(&cad);
+                let zmp = row.map(|(a, b)| a * b).sum::<f64>() + moved.correction[k][axis];
+                (quiet.cop[k][axis] - zmp).powi(2)
+            });
+            let said = mean(&|k| moved.std[k][axis].powi(2));
+            let noise = mean(&|_| drawn.noise.std[axis].powi(2));
+            [(off / said).sqrt(), ((off + noise) / (said + noise)).sqrt()]
+        })))
     }
 
     fn groups(&self) -> [String; 3] {
@@ -268,11 +311,46 @@ impl StudyFalseAlarms {
         command
     }
 
+    /// Prints how far the ZMP is off over what is said of it.
+    fn print_zmp(&self) -> Result<(), Box<dyn Error>> {
+        let (mut logs, mut beyond) = (0, 0);
+        let mut all = [Vec::new(), Vec::new()];
+        for seed in (self.seed..self.seed + self.logs).filter(|seed| self.asks(&Drawn::of(*seed))) {
+            if let Some(axes) = Drawn::zmp_off(seed)? {
+                logs += 1;
+                beyond += usize::from(axes.iter().any(|[_, whole]| *whole > CLEARLY_OFF));
+                axes.iter()
+                    .flatten()
+                    .zip([0, 1, 0, 1])
+                    .for_each(|(off, k)| all[k].push(*off));
+            }
+        }
+        println!("{logs} logs, on each axis; said is 1:");
+        for (name, own) in ["ZMP", "ZMP and noise"].into_iter().zip(&mut all) {
+            own.sort_by(f64::total_cmp);
+            let part = |part: f64| {
+                own.get((part * own.len() as f64) as usize)
+                    .unwrap_or(&f64::NAN)
+            };
+            println!(
+                "{name}: 2 % are below {:.2}, half below {:.2}, 98 % below {:.2}",
+                part(0.02),
+                part(0.5),
+                part(0.98)
+            );
+        }
+        println!("ZMP and noise are beyond {CLEARLY_OFF} in {beyond} of {logs} logs");
+        Ok(())
+    }
+
     /// Draws, diagnoses and fits every log; writes the tables.
     ///
     /// # Errors
     /// A log that cannot be read; a file that cannot be written.
     pub fn run(&self, root: &Path) -> Result<(), Box<dyn Error>> {
+        if self.zmp {
+            return self.print_zmp();
+        }
         let (next, all) = (AtomicU64::new(0), Mutex::new(BTreeMap::new()));
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         std::thread::scope(|scope| {

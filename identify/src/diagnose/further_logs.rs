@@ -5,7 +5,13 @@
 //!                                                unknowns, see `experiment`
 //! ```
 //!
-//! Masses are marginalised log by log: what both know of them together is left out.
+//! Masses are marginalised log by log: what both know of them together is left out. Noise that
+//! lasts in a log moves the unknowns by that log's rows: with A of all logs and what their noise
+//! spreads the gradient by beyond white noise,
+//!
+//! ```text
+//! C = A⁻¹ (A + B_1 + Sᵀ B_2 S) A⁻¹        B: that of `Problem::covariance`
+//! ```
 
 use std::rc::Rc;
 
@@ -15,13 +21,25 @@ use sesc_model::effects::Experiment;
 
 use super::backlash_sides;
 use super::experiment::{self, CarriedExplanation};
+use super::hypothesis::Term;
 use super::problem::{Fit, Problem, State};
 use crate::lsq::damped::{self, Expansion};
 
 /// A log of an experiment, on the support that it was taken on.
+#[derive(Clone)]
 pub struct FurtherLog<'m> {
     pub experiment: Experiment,
     pub problem: Problem<'m>,
+}
+
+impl FurtherLog<'_> {
+    /// What `fit`, of the `first` log or of all, says of this one: its terms here, and what they
+    /// leave.
+    pub(super) fn explained_by(&self, first: &Problem, fit: &Fit) -> (Vec<Term>, State) {
+        let log = Log::new(first, fit, self);
+        let state = log.state(&fit.unknowns);
+        (log.carried.terms, state)
+    }
 }
 
 /// `fit` of the first log, fitted to all: its score is that of all logs, its
@@ -51,8 +69,17 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
         .iter()
         .map(|f| f.problem.data.len() as f64)
         .sum::<f64>();
+    let own_masses = masses.as_ref().unwrap_or(first.masses(&fit.terms));
+    let mut spread = first.lasting_spread(&at.first, &root, own_masses);
+    for log in &logs {
+        log.add_spread(&at.first.unknowns, &mut spread);
+    }
+    let as_white = damped::covariance(&at.normal, &scales);
     Fit {
-        covariance: damped::covariance(&at.normal, &scales),
+        covariance: match spread {
+            Some(spread) => &as_white + &as_white * spread * &as_white,
+            None => as_white,
+        },
         objective: at.value + rest,
         penalty: fit.penalty + scales.len() as f64 * (all / n).ln(),
         unknowns: at.first.unknowns,
@@ -101,6 +128,21 @@ impl<'f, 'm> Log<'f, 'm> {
         let masses = self.problem.masses(terms);
         self.problem
             .squares(terms, unknowns, &self.posture_context, &None, masses)
+    }
+
+    /// Add how far noise that lasts in this log spreads the gradient of the unknowns of all.
+    fn add_spread(&self, unknowns: &[f64], spread: &mut Option<DMatrix<f64>>) {
+        let masses = self.problem.masses(&self.carried.terms);
+        let state = self.state(unknowns);
+        let Some(own) = self.problem.lasting_spread(&state, &None, masses) else {
+            return;
+        };
+        let all = spread.get_or_insert_with(|| DMatrix::zeros(unknowns.len(), unknowns.len()));
+        for (a, &(to_a, sign_a)) in self.carried.columns.iter().enumerate() {
+            for (b, &(to_b, sign_b)) in self.carried.columns.iter().enumerate() {
+                all[(to_a, to_b)] += sign_a * sign_b * own[(a, b)];
+            }
+        }
     }
 }
 

@@ -224,7 +224,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         .told();
         (problem, found, correlation) = explain(&data, watch)?;
     }
-    found.diagnosis.samples = samples::said(&problem, &correlation);
+    found.diagnosis.samples = samples::said(&problem, &further, &correlation);
     found.diagnosis.motion = motion::said(&problem, &found.best);
     let overstated = noise::overstated(&problem, &found);
     found.diagnosis.health.extend(overstated);

@@ -10,6 +10,7 @@ use super::criteria::samples::{COUNTS, LONGER, STAYED};
 use super::diagnosis;
 use super::findings::{About, Explained};
 use super::further_logs::FurtherLog;
+use super::hypothesis::Term;
 use super::noise;
 use super::problem::{Fit, Problem};
 use crate::Error;
@@ -21,47 +22,73 @@ use crate::watch::Watch;
 /// Rounds in which the number of independent readings and the explanation settle.
 const ROUNDS: usize = 3;
 
-/// The best explanation of a log, with noise counted for as long as it lasts.
+/// How the noise of one log counts.
+#[derive(Clone, Copy)]
+struct Counting {
+    /// How many times as large as it was taken for the noise of each axis is.
+    times: [f64; 2],
+    correlation: [Correlation; 2],
+}
+
+/// The best explanation of a log and further ones, with noise counted for as long as it lasts in
+/// each; with the correlation of what is left, log by log.
 pub(super) fn explained<'m>(
     mut first: Problem<'m>,
-    further: &[FurtherLog<'_>],
+    further: &[FurtherLog<'m>],
     about: &About<'_>,
     watch: &mut dyn Watch,
-) -> Result<(Problem<'m>, Explained, [Correlation; 2]), Error> {
+) -> Result<(Problem<'m>, Explained, Vec<[Correlation; 2]>), Error> {
     let mut problem = first.clone();
-    let mut found = diagnosis::find(&mut problem, further, about, watch)?;
-    let mut correlation = self::correlation(&problem, &found.best);
+    let mut logs = further.to_vec();
+    let mut found = diagnosis::find(&mut problem, &logs, about, watch)?;
+    let mut correlation = correlations(&problem, &logs, &found.best);
     // What free masses leave is noise and what they cannot explain; the best explanation can.
     // Where noise lasts, it is no explanation yet.
     for _ in 0..ROUNDS {
         let own = noise::beside(&problem, &found);
-        let own = own.filter(|_| about.usable && !counts(&correlation));
+        let own = own.filter(|_| about.usable && !counts(&correlation[0]));
         let Some((left, taken)) = own else {
             break;
         };
         first.take_noise(&left, taken);
         problem = first.clone();
-        found = diagnosis::find(&mut problem, further, about, watch)?;
-        correlation = self::correlation(&problem, &found.best);
+        found = diagnosis::find(&mut problem, &logs, about, watch)?;
+        correlation = correlations(&problem, &logs, &found.best);
     }
-    let mut times = [1.0; 2];
+    let mut times = vec![[1.0; 2]; correlation.len()];
     let mut unknowns = found.best.unknowns.len();
     // What an explanation too many has taken from the noise shows when it is gone, and so does
     // what a wrong one has added to it: a gap that an effect bends wrongly looks like noise that
     // lasts for ever. What fewer unknowns leave has all of the noise in it.
     for _ in 0..ROUNDS {
-        if !counts(&correlation) || !about.usable {
+        if !correlation.iter().any(counts) || !about.usable {
             break;
         }
-        times = noise_factors(&problem, times, &correlation);
-        problem = first.clone();
-        problem.scale_noise(times);
-        problem.correlate_noise(&correlation);
-        found = diagnosis::find(&mut problem, further, about, watch)?;
-        let again = self::correlation(&problem, &found.best);
+        let problems = [&problem]
+            .into_iter()
+            .chain(logs.iter().map(|log| &log.problem));
+        for ((times, correlation), problem) in times.iter_mut().zip(&correlation).zip(problems) {
+            *times = noise_factors(problem, *times, correlation);
+        }
+        let mut all = times.iter().zip(&correlation);
+        let mut counted = |log: &Problem<'m>| match all.next() {
+            Some((&times, &correlation)) => Counting { times, correlation }.of(log),
+            None => log.clone(),
+        };
+        problem = counted(&first);
+        logs = further
+            .iter()
+            .map(|log| FurtherLog {
+                experiment: log.experiment,
+                problem: counted(&log.problem),
+            })
+            .collect();
+        found = diagnosis::find(&mut problem, &logs, about, watch)?;
+        let again = correlations(&problem, &logs, &found.best);
         let fewer = found.best.unknowns.len() < unknowns;
-        let changed = (0..2).any(|axis| {
-            let ratio = again[axis].rows_per_sample / correlation[axis].rows_per_sample;
+        let pairs = again.iter().flatten().zip(correlation.iter().flatten());
+        let changed = pairs.into_iter().any(|(again, before)| {
+            let ratio = again.rows_per_sample / before.rows_per_sample;
             ratio > LONGER || fewer && ratio < 1.0 / LONGER
         });
         if !changed {
@@ -73,16 +100,43 @@ pub(super) fn explained<'m>(
     Ok((problem, found, correlation))
 }
 
-/// Correlation of what is left, on each axis.
-fn correlation(problem: &Problem, fit: &Fit) -> [Correlation; 2] {
+impl Counting {
+    /// A log whose noise counts like this; as it is where its rows are independent.
+    fn of<'m>(self, log: &Problem<'m>) -> Problem<'m> {
+        let mut log = log.clone();
+        if counts(&self.correlation) {
+            log.scale_noise(self.times);
+            log.correlate_noise(&self.correlation);
+        }
+        log
+    }
+}
+
+/// Correlation of what is left on each axis, of the first log and of further ones.
+fn correlations(problem: &Problem, further: &[FurtherLog<'_>], fit: &Fit) -> Vec<[Correlation; 2]> {
+    let first = correlation(problem, &fit.terms, &fit.residual, &fit.slopes);
+    let others = further.iter().map(|log| {
+        let (terms, state) = log.explained_by(problem, fit);
+        correlation(&log.problem, &terms, &state.residual, &state.slopes)
+    });
+    [first].into_iter().chain(others).collect()
+}
+
+/// Correlation of what terms leave of a log, on each axis.
+fn correlation(
+    problem: &Problem,
+    terms: &[Term],
+    residual: &DVector<f64>,
+    slopes: &DMatrix<f64>,
+) -> [Correlation; 2] {
     let Some(t) = &problem.data.t else {
         return [Correlation::NONE; 2];
     };
-    let masses = problem.masses(&fit.terms);
+    let masses = problem.masses(terms);
     [0, 1].map(|axis| {
         let n = problem.data.len();
-        let y = DVector::from_fn(n, |k, _| fit.residual[2 * k + axis]);
-        let unknowns = fit.slopes.ncols();
+        let y = DVector::from_fn(n, |k, _| residual[2 * k + axis]);
+        let unknowns = slopes.ncols();
         let columns = masses.columns();
         // Their coefficients have deviation one.
         let held = match masses.is_negligible() {
@@ -91,7 +145,7 @@ fn correlation(problem: &Problem, fit: &Fit) -> [Correlation; 2] {
         };
         let x = DMatrix::from_fn(n, 1 + unknowns + held, |k, c| match c {
             0 => 1.0,
-            c if c <= unknowns => fit.slopes[(2 * k + axis, c - 1)],
+            c if c <= unknowns => slopes[(2 * k + axis, c - 1)],
             c => columns[(2 * k + axis, c - 1 - unknowns)],
         });
         Correlation::with_held(t, &y, &x, held)
@@ -117,10 +171,26 @@ fn noise_factors(problem: &Problem, now: [f64; 2], correlation: &[Correlation; 2
     .map(|factor| factor.max(1.0))
 }
 
-/// What is said of it.
-pub(super) fn said(problem: &Problem, correlation: &[Correlation; 2]) -> Samples {
+/// What is said of the first log and of further ones.
+pub(super) fn said(
+    problem: &Problem,
+    further: &[FurtherLog<'_>],
+    correlation: &[[Correlation; 2]],
+) -> Samples {
+    let problems = [problem]
+        .into_iter()
+        .chain(further.iter().map(|log| &log.problem));
+    let mut sum = Sum::default();
+    let mut rows = 0;
+    for (problem, correlation) in problems.zip(correlation) {
+        add(problem, correlation, &mut sum);
+        rows += problem.data.rows;
+    }
+    sum.of(rows)
+}
+
+fn add(problem: &Problem, correlation: &[Correlation; 2], sum: &mut Sum) {
     let data = &problem.data;
-    let rows = data.rows;
     let timed = data.t.as_ref().is_some_and(|t| step(t).is_some());
     // Postures count by what their stays are worth, and may be correlated themselves.
     let rows_of = |k: usize| {
@@ -134,7 +204,5 @@ pub(super) fn said(problem: &Problem, correlation: &[Correlation; 2]) -> Samples
             false => beside,
         }
     };
-    let mut sum = Sum::default();
-    sum.push(rows, &[0, 1].map(rows_of), timed);
-    sum.of(rows)
+    sum.push(data.rows, &[0, 1].map(rows_of), timed);
 }

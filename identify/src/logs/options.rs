@@ -59,6 +59,9 @@ pub enum Stays {
     Pooled,
     /// They are rows like others.
     Apart,
+    /// They are rows like others, of a robot that moves: every reading of an MCAP recording is a
+    /// row, with the joints between its messages.
+    Moving,
     /// They alone are read, from stays of at least so many seconds; of an MCAP recording, too.
     Alone(f64),
 }
@@ -67,6 +70,24 @@ pub enum Stays {
 const STAYS_S: [f64; 2] = [0.01, 3600.0];
 
 impl Stays {
+    /// What `--settle` asks for: stays of at least so many seconds alone, all rows by 0.
+    ///
+    /// # Errors
+    /// As [`Stays::alone`].
+    ///
+    /// # Examples
+    /// ```
+    /// # use sesc_identify::logs::Stays;
+    /// assert_eq!(Stays::settled(0.5), Ok(Stays::Alone(0.5)));
+    /// assert_eq!(Stays::settled(0.0), Ok(Stays::Moving));
+    /// ```
+    pub fn settled(seconds: f64) -> Result<Stays, String> {
+        match seconds == 0.0 {
+            true => Ok(Stays::Moving),
+            false => Stays::alone(seconds).map_err(|said| format!("{said}, or 0 for all rows")),
+        }
+    }
+
     /// Stays of at least so many seconds alone.
     ///
     /// # Errors

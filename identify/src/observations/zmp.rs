@@ -9,7 +9,8 @@
 //! products of parameters that p holds are taken to first order about CAD. p⁰ is that of what was
 //! read, Y of [smooth](super::motion::Smooth) motion: noise that both shared would bend the fit. How well
 //! accelerations and positions are known adds to the noise:
-//! `σ² = Σ_j (∂p/∂q̈_j)² σ(q̈_j)² + (∂c/∂q_j)² σ(q_j)²`.
+//! `σ² = Σ_j a_j² + b_j² + 2 ρ a_j b_j`, `a_j = (∂p/∂q̈_j) σ(q̈_j)`, `b_j = (∂c/∂q_j) σ(q_j)`, where ρ is
+//! their correlation: an acceleration is made of the position that was read, too.
 
 use super::criteria::accelerations::LEAST_LOAD;
 use std::ops::Range;
@@ -31,6 +32,8 @@ const STEP: f64 = 1e-5;
 /// and the robot by this along its motion, s.
 const STEP_S: f64 = 1e-3;
 
+/// Postures in which it is asked what joints do to the ZMP, at most.
+const LEVERS: usize = 32;
 /// Postures that one thread works on: what a tape says of them stays in its cache.
 const PART: usize = 256;
 
@@ -125,24 +128,26 @@ impl Moved {
     }
 }
 
-/// What one joint does to the ZMP, by axis.
+/// What one joint does to the ZMP, by axis: means over postures.
 #[derive(Clone, Copy, Default)]
 struct Lever {
-    /// Effect of its acceleration on the CoP, m s²/rad or s².
+    /// Square of the effect of its acceleration on the CoP, (m s²/rad)² or s⁴.
     gain: [f64; 2],
-    /// Effect of its position on the CoP, m/rad or 1.
+    /// Square of the effect of its position on the CoP, (m/rad)² or 1.
     position: [f64; 2],
+    /// Product of both.
+    both: [f64; 2],
 }
 
-/// Deviation of the ZMP where accelerations and positions have these, by axis, m.
-fn deviation(levers: &[Lever], gains_std: &[f64], positions_std: &[f64]) -> [f64; 2] {
-    let own = gains_std.iter().zip(positions_std).zip(levers);
+/// Deviation of the ZMP in a row of `motion`, whose joints are at `own`, by axis, m.
+fn deviation(levers: &[Lever], motion: &Motion, own: Range<usize>) -> [f64; 2] {
     [0, 1].map(|axis| {
-        let by = own.clone().map(|((gain, position), lever)| {
-            let (gain, position) = (gain * lever.gain[axis], position * lever.position[axis]);
-            gain * gain + position * position
+        let by = levers.iter().zip(own.clone()).map(|(lever, at)| {
+            let (gain, position) = (motion.gains_std[at], motion.positions_std[at]);
+            let both = motion.with_positions[at] * gain * position * lever.both[axis];
+            gain * gain * lever.gain[axis] + position * position * lever.position[axis] + 2.0 * both
         });
-        by.sum::<f64>().sqrt()
+        by.sum::<f64>().max(0.0).sqrt()
     })
 }
 
@@ -244,7 +249,7 @@ impl Zmp {
             .all(|std| *std <= 0.0);
         let levers = match stands {
             true => vec![Lever::default(); self.dof],
-            false => self.levers(&q[(n / 2) * self.dof..(n / 2 + 1) * self.dof]),
+            false => self.levers(q),
         };
         let parts = by_parts(0..n, PART, |own| {
             let of_log = rows.start + own.start..rows.start + own.end;
@@ -281,17 +286,16 @@ impl Zmp {
             }
             None => self.run(q, rates, gains),
         };
-        let gains_std = motion.gains_std[own.clone()].chunks_exact(self.dof);
-        let noise = gains_std.zip(motion.positions_std[own].chunks_exact(self.dof));
         let mut moved = Moved::with_room(n, p);
         let (read, _) = read.as_chunks::<8>();
         let both = read.iter().zip(of_rows.chunks_exact(self.tape.outputs()));
-        for (((read, of_rows), tilt), (gains_std, positions_std)) in both.zip(tilts).zip(noise) {
+        for (row, ((read, of_rows), tilt)) in rows.zip(both.zip(tilts)) {
             let parts = Parts::of(*read);
             moved.add_rows(&parts, of_rows, *tilt, self);
             moved.shift.push(parts.shift(*tilt));
             moved.lift.push(parts.load() / GRAVITY - 1.0);
-            moved.std.push(deviation(levers, gains_std, positions_std));
+            let own = row * self.dof..(row + 1) * self.dof;
+            moved.std.push(deviation(levers, motion, own));
         }
         moved
     }
@@ -377,25 +381,47 @@ impl Zmp {
         (0..tilts.len()).map(of).collect()
     }
 
-    /// What joints do to the ZMP near posture `q`.
+    /// What joints do to the ZMP in postures `q`, on average of some of them.
     fn levers(&self, q: &[f64]) -> Vec<Lever> {
-        let still = vec![0.0; self.dof];
-        let parts = |q: &[f64], gains: &[f64]| {
-            let out = self.run(q, &still, gains);
-            self.parts(&out, &self.params)
-        };
-        let com = parts(q, &still).com;
-        let of = |joint: usize| {
-            let (mut gains, mut moved) = (still.clone(), q.to_vec());
-            gains[joint] = SMALL;
-            moved[joint] += STEP;
-            let shift = parts(q, &gains).shift([0.0; 2]);
-            let after = parts(&moved, &still).com;
-            Lever {
-                gain: shift.map(|x| x / SMALL),
-                position: [0, 1].map(|axis| (after[axis] - com[axis]) / STEP),
+        let (dof, n) = (self.dof, q.len() / self.dof);
+        let some = n.min(LEVERS);
+        // Each posture as it is, with each joint accelerated, and with each joint moved.
+        let each = 1 + 2 * dof;
+        let mut postures = Vec::with_capacity(some * each * dof);
+        let mut gains = vec![0.0; some * each * dof];
+        for k in 0..some {
+            let own = (2 * k + 1) * n / (2 * some) * dof;
+            for change in 0..each {
+                let at = (k * each + change) * dof;
+                postures.extend(&q[own..own + dof]);
+                match change {
+                    0 => {}
+                    _ if change <= dof => gains[at + change - 1] = SMALL,
+                    _ => postures[at + change - 1 - dof] += STEP,
+                }
             }
-        };
-        (0..self.dof).map(of).collect()
+        }
+        let still = vec![0.0; gains.len()];
+        let out = self.run_on(&self.by_cad, [&postures, &still, &gains]);
+        let (parts, _) = out.as_chunks::<8>();
+        let mut levers = vec![Lever::default(); dof];
+        for own in parts.chunks_exact(each) {
+            let own: Vec<Parts> = own.iter().map(|parts| Parts::of(*parts)).collect();
+            for (joint, lever) in levers.iter_mut().enumerate() {
+                let shift = own[1 + joint].shift([0.0; 2]);
+                for (axis, shift) in shift.into_iter().enumerate() {
+                    let gain = shift / SMALL;
+                    let moved = own[1 + dof + joint].com[axis] - own[0].com[axis];
+                    let position = moved / STEP;
+                    lever.gain[axis] += gain * gain / some as f64;
+                    lever.position[axis] += position * position / some as f64;
+                    lever.both[axis] += gain * position / some as f64;
+                }
+            }
+        }
+        levers
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -174,9 +174,24 @@ impl Problem<'_> {
         masses: &Nuisance,
     ) -> DMatrix<f64> {
         let as_white = damped::covariance(&state.normal.0, scales);
-        let (Some(t), true) = (&self.data.t, self.lasting.iter().any(Option::is_some)) else {
-            return as_white;
-        };
+        match self.lasting_spread(state, root, masses) {
+            Some(spread) => &as_white + &as_white * spread * &as_white,
+            None => as_white,
+        }
+    }
+
+    /// `Σ_axis Zᵀ (R/f − I) Z`: how far noise that lasts spreads the gradient of the unknowns beyond
+    /// noise that is white; none where no noise lasts. That of several logs is the sum of theirs.
+    pub(in crate::diagnose) fn lasting_spread(
+        &self,
+        state: &State,
+        root: &Option<Vec<f64>>,
+        masses: &Nuisance,
+    ) -> Option<DMatrix<f64>> {
+        let t = self.data.t.as_ref()?;
+        if self.lasting.iter().all(Option::is_none) {
+            return None;
+        }
         let counted = |mut slopes: DMatrix<f64>| {
             let rows = root.iter().flatten().enumerate();
             rows.for_each(|(row, root)| slopes.row_mut(row).scale_mut(*root));
@@ -189,7 +204,7 @@ impl Problem<'_> {
             let own = DMatrix::from_fn(t.len(), z.ncols(), |k, c| z[(2 * k + axis, c)]);
             spread += process.spread(t, &own) / self.widened[axis].powi(2) - own.tr_mul(&own);
         }
-        &as_white + &as_white * spread * &as_white
+        Some(spread)
     }
 
     pub fn scales(&self, terms: &[Term]) -> Vec<f64> {

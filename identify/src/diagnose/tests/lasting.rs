@@ -1,7 +1,14 @@
 //! Deviations of what is found in noise that lasts, against the scatter of what is found.
 
-use super::{Bench, NOISE, gauss, term};
+use std::ops::Range;
+
+use sesc_model::effects::Experiment;
+
+use super::{Bench, NOISE, about, gauss, term};
+use crate::diagnose::Verdict;
+use crate::diagnose::further_logs::{FurtherLog, together};
 use crate::diagnose::problem::ALL;
+use crate::diagnose::samples::{explained, said};
 use crate::diagnose::words;
 use crate::observations::correlation::{Correlation, Cut, Process};
 use crate::observations::postures::Postures;
@@ -34,6 +41,101 @@ fn noise(seed: u64) -> Vec<f64> {
     all
 }
 
+/// Correlation of that noise on one axis, in closed form.
+fn correlation() -> Correlation {
+    let a = (-STEP_S / TAU_S).exp();
+    let rows_per_sample = (1.0 + a) / (1.0 - a);
+    Correlation {
+        time_s: 0.5 * STEP_S * rows_per_sample,
+        rows_per_sample,
+        variance: 1.0,
+        process: Some(Process {
+            cut: Cut::new(1, STEP_S),
+            tau_s: TAU_S,
+            share: 1.0,
+            lasting: 1.0,
+        }),
+    }
+}
+
+/// A log of some rows of the swing with such noise.
+fn log(bench: &Bench, rows: Range<usize>, seed: u64) -> Postures {
+    let q = &swing()[2 * rows.start..2 * rows.end];
+    let world = bench.world();
+    let clean = q.chunks_exact(2).flat_map(|q| world.cop(q));
+    let reading: Vec<f64> = clean.zip(noise(seed)).map(|(x, e)| x + e).collect();
+    let mut data = Postures::given(2, q, &reading, NOISE, 0.0);
+    data.t = Some(rows.map(|k| STEP_S * k as f64).collect());
+    data
+}
+
+/// What a gain and an offset are found to be in two logs together, in their deviations, has a
+/// mean square of 1 as in one log, whichever of the two is the first.
+#[test]
+fn deviations_of_two_logs_are_those_of_noise_that_lasts() {
+    let bench = Bench::skew();
+    let mut squares = [0.0; 4];
+    for seed in 0..LOGS {
+        let cut = if seed % 2 == 0 { 60 } else { 140 };
+        let of = |rows: Range<usize>, seed: u64| {
+            let mut problem = bench.certain(log(&bench, rows, seed));
+            problem.correlate_noise(&[correlation(); 2]);
+            problem
+        };
+        let first = of(0..cut, 2 * seed);
+        let second = FurtherLog {
+            experiment: Experiment::Postures,
+            problem: of(cut..ROWS, 2 * seed + 1),
+        };
+        let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&first, name, "-"));
+        let both = together(&first, first.fit(&terms, None, ALL), &[second]);
+        let found = words::values(&first, &both).concat();
+        for (k, (found, truth)) in found.iter().zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
+            squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
+        }
+    }
+    println!("{squares:.2?}");
+    for square in squares {
+        // 1 ± 3 √(2/LOGS)
+        assert!((square - 1.0).abs() < 0.25, "{squares:?}");
+    }
+}
+
+/// Rows of every log are worth what its own noise lets them be.
+#[test]
+fn each_of_several_logs_is_worth_what_its_own_noise_says() {
+    let bench = Bench::skew();
+    let white = |rows: Range<usize>| {
+        let mut data = log(&bench, rows, 0);
+        let (mut gauss, world) = (gauss(1), bench.world());
+        let clean = data.q.chunks_exact(2).flat_map(|q| world.cop(q));
+        data.reading = clean.map(|x| x + NOISE * gauss()).collect();
+        data
+    };
+    let first = bench.problem(white(0..ROWS), "tight");
+    let second = FurtherLog {
+        experiment: Experiment::Postures,
+        problem: bench.problem(log(&bench, 0..ROWS, 7), "tight"),
+    };
+    let logs = [second];
+    let (problem, found, each) = explained(first, &logs, &about(), &mut ()).unwrap();
+    assert_eq!(found.diagnosis.verdict, Verdict::None);
+    let [own, other] = &each[..] else {
+        panic!("{each:?}")
+    };
+    let worth = |axes: &[Correlation; 2]| axes.map(|axis| axis.rows_per_sample);
+    assert_eq!(worth(own), [1.0; 2]);
+    // An estimate from 20 independent samples.
+    let expected = correlation().rows_per_sample;
+    for found in worth(other) {
+        assert!((0.5..2.0).contains(&(found / expected)), "{found}");
+    }
+    let samples = said(&problem, &logs, &each);
+    assert_eq!(samples.rows, 2 * ROWS);
+    let all = ROWS as f64 + ROWS as f64 / worth(other)[0].max(worth(other)[1]);
+    assert_eq!(samples.independent, all.round() as usize);
+}
+
 /// Beside an offset, which is as slow as noise can be, a gain is seen by the swing alone: what is
 /// found of both, in its deviations, has a mean square of 1 ± 0.08. Deviations of the gain as of
 /// noise that is white over as many rows as are worth one are more than twice too large.
@@ -41,22 +143,8 @@ fn noise(seed: u64) -> Vec<f64> {
 fn deviations_are_those_of_noise_that_lasts() {
     let bench = Bench::skew();
     let (world, q) = (bench.world(), swing());
-    let rows_per_sample = {
-        let a = (-STEP_S / TAU_S).exp();
-        (1.0 + a) / (1.0 - a)
-    };
-    let process = Process {
-        cut: Cut::new(1, STEP_S),
-        tau_s: TAU_S,
-        share: 1.0,
-        lasting: 1.0,
-    };
-    let correlation = Correlation {
-        time_s: 0.5 * STEP_S * rows_per_sample,
-        rows_per_sample,
-        variance: 1.0,
-        process: Some(process),
-    };
+    let correlation = correlation();
+    let rows_per_sample = correlation.rows_per_sample;
     let clean: Vec<f64> = q.chunks_exact(2).flat_map(|q| world.cop(q)).collect();
     // Squares of gain x and y, then of offset x and y, in the deviations that are stated, and of
     // the gain in those of white noise.

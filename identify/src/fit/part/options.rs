@@ -45,6 +45,7 @@ impl PartOptions {
         let stays = match self.stays {
             Stays::Pooled => "none".to_string(),
             Stays::Apart => "rows apart".to_string(),
+            Stays::Moving => "0 s".to_string(),
             Stays::Alone(seconds) => format!("{seconds} s"),
         };
         let robust = match self.robust {

@@ -14,12 +14,14 @@
 //!
 //! Stretches in which the robot holds still are postures, see [`StillnessLimits`]; each
 //! reading in one is a row, with the joints' means. A log without readings has
-//! one row per posture. In a recording of [`Recording`](super::recording::Recording) each joint
+//! one row per posture. Of a robot that holds still nowhere, or where [`Stays::Moving`] is asked
+//! for, every reading is a row, with the joints between their messages ([`moving`]). In a recording of [`Recording`](super::recording::Recording) each joint
 //! state is a posture, and the CoP's topic is the one that it names.
 
 mod cdr;
 mod encode;
 mod format;
+mod moving;
 mod records;
 mod survey;
 #[cfg(test)]
@@ -34,13 +36,14 @@ use std::sync::Arc;
 use sesc_model::tree::Dof;
 
 use self::cdr::{Header, JointState};
+use self::moving::{LONGEST_S, Moving, Row};
 use self::records::{Channel, Records};
 use self::survey::Survey;
 use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, POSE, SUPPORT, T};
 use super::input::{Bytes, Meter, Metered, Place};
 use super::names::short;
-use super::options::{Options, Readings, StillnessLimits};
+use super::options::{Options, Readings, Stays, StillnessLimits};
 use super::source::{Interner, Raw, RowSource};
 use super::stillness::{Posture, StillnessCutter};
 use crate::{Error, Message};
@@ -87,6 +90,8 @@ pub(super) struct McapSource {
     links: Vec<String>,
     stillness: StillnessLimits,
     cutter: StillnessCutter<Reading>,
+    /// Joints and readings, where the recording is one of a robot that moves.
+    moving: Option<Moving<Reading>>,
     ready: VecDeque<Ready>,
     frames: Interner,
     readings: u64,
@@ -115,6 +120,25 @@ impl McapSource {
         };
         let wanted = options.readings != Readings::Ignored;
         let survey = Survey::of(start()?.0, dofs, topic, wanted).map_err(bad)?;
+        let mut warnings = Vec::new();
+        let moves = match options.stays {
+            _ if survey.topic.is_none() || survey.said => false,
+            Stays::Moving => true,
+            Stays::Alone(_) => false,
+            Stays::Pooled | Stays::Apart => {
+                let holds = survey.holds_still(start()?.0, options.stillness);
+                let moves = !holds.map_err(bad)?;
+                if moves {
+                    let StillnessLimits { speed, duration } = options.stillness;
+                    let warning = format!(
+                        "{file}: the robot holds still nowhere ({duration} s with every joint \
+                         below {speed} rad/s): every reading is a row of a robot that moves"
+                    );
+                    warnings.push(warning.into());
+                }
+                moves
+            }
+        };
         let (records, meter) = start()?;
         let skip = if survey.topic.is_some() { 5 } else { 3 };
         let names = FIRST[..skip].iter().map(|name| name.to_string());
@@ -124,6 +148,7 @@ impl McapSource {
             meter,
             header: names.chain(survey.joints.iter().cloned()).collect(),
             q: vec![f64::NAN; survey.joints.len()],
+            moving: moves.then(|| Moving::new(survey.joints.len())),
             place: survey.joints.into_iter().zip(0..).collect(),
             topic: survey.topic,
             chosen: topic.is_some() || survey.said,
@@ -136,7 +161,7 @@ impl McapSource {
             airborne: 0,
             postures: 0,
             ended: false,
-            warnings: Vec::new(),
+            warnings,
         })
     }
 
@@ -146,6 +171,7 @@ impl McapSource {
             self.ended = true;
             let last = self.cutter.end();
             self.keep(last);
+            self.take_moving();
             return self.conclude();
         };
         let Some(channel) = self.records.channel_of(&message) else {
@@ -189,6 +215,16 @@ impl McapSource {
                 state.name.len()
             ));
         }
+        let t = state.header.stamp.unwrap_or(log_time);
+        if let Some(moving) = &mut self.moving {
+            for (name, position) in state.name.iter().zip(&state.position) {
+                if let Some(place) = self.place.get(name.trim()) {
+                    moving.position(*place, t, *position);
+                }
+            }
+            self.take_moving();
+            return Ok(());
+        }
         let mut speed = 0.0f64;
         for (k, name) in state.name.iter().enumerate() {
             let Some(place) = self.place.get(name.trim()) else {
@@ -199,7 +235,6 @@ impl McapSource {
             let velocity = state.velocity.get(k).filter(|v| v.is_finite());
             speed = speed.max(velocity.map_or(0.0, |v| v.abs()));
         }
-        let t = state.header.stamp.unwrap_or(log_time);
         let ended = match apart {
             true => self.cutter.posture(t, &self.q),
             false => self.cutter.state(t, &self.q, speed),
@@ -222,8 +257,28 @@ impl McapSource {
             frame: self.frames.get(if known { frame } else { "" }),
             cop,
         };
+        if let Some(moving) = &mut self.moving {
+            moving.reading(reading.t, reading);
+            self.take_moving();
+            return;
+        }
         let part = self.cutter.reading(reading);
         self.keep(part);
+    }
+
+    /// Rows of a robot that moves, whose joints are known by now.
+    fn take_moving(&mut self) {
+        let Some(moving) = &mut self.moving else {
+            return;
+        };
+        while let Some(Row { q, reading }) = moving.next(self.ended) {
+            self.postures += 1;
+            self.ready.push_back(Ready {
+                pose: reading.number as i64,
+                q: q.into(),
+                reading,
+            });
+        }
     }
 
     /// Rows of a posture.
@@ -258,7 +313,22 @@ impl McapSource {
     /// What to say at the end of the recording.
     fn conclude(&mut self) -> Result<(), String> {
         if self.postures == 0 {
-            return Err(self.stillness.nothing());
+            return Err(match self.moving {
+                Some(_) => format!(
+                    "no reading of the CoP lies between joint states that are at most \
+                     {LONGEST_S} s apart"
+                ),
+                None => self.stillness.nothing(),
+            });
+        }
+        let left_out = self.moving.as_ref().map_or(0, |moving| moving.left_out);
+        if left_out > 0 {
+            let warning = format!(
+                "{}: {left_out} of {} readings lie between no joint states that are at most \
+                 {LONGEST_S} s apart, and are left out",
+                self.file, self.readings
+            );
+            self.warnings.push(warning.into());
         }
         if self.airborne > 0 {
             let warning = format!(

@@ -1,6 +1,6 @@
 //! A first look at a recording: which joints and which CoP it has.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::io::Read;
 
 use sesc_model::tree::Dof;
@@ -10,6 +10,8 @@ use super::cdr::JointState;
 use super::records::Records;
 use super::{FIRST, POINT, STATE, WRENCH, check_encoding};
 use crate::logs::names::list;
+use crate::logs::options::StillnessLimits;
+use crate::logs::stillness::StillnessCutter;
 
 /// Names kept for messages about joints that are missing.
 const MOST_JOINTS: usize = 10_000;
@@ -25,6 +27,45 @@ pub(super) struct Survey {
 }
 
 impl Survey {
+    /// Whether the robot holds still anywhere, or each joint state is a posture of its own; reads
+    /// up to the end of the first such stretch.
+    pub fn holds_still<R: Read>(
+        &self,
+        mut records: Records<R>,
+        stillness: StillnessLimits,
+    ) -> Result<bool, String> {
+        let places = self.joints.iter().map(String::as_str).zip(0..);
+        let places: HashMap<&str, usize> = places.collect();
+        let mut q = vec![f64::NAN; self.joints.len()];
+        let mut cutter: StillnessCutter<()> = StillnessCutter::new(stillness);
+        while let Some(message) = records.next()? {
+            let Some(channel) = records.channel_of(&message) else {
+                continue;
+            };
+            if channel.schema != STATE {
+                continue;
+            }
+            if channel.own_postures {
+                return Ok(true);
+            }
+            check_encoding(&channel)?;
+            let state = JointState::decode(records.data(&message))?;
+            let mut speed = 0.0_f64;
+            for (k, (name, position)) in state.name.iter().zip(&state.position).enumerate() {
+                if let Some(place) = places.get(name.trim()) {
+                    q[*place] = *position;
+                    let velocity = state.velocity.get(k).filter(|v| v.is_finite());
+                    speed = speed.max(velocity.map_or(0.0, |v| v.abs()));
+                }
+            }
+            let t = state.header.stamp.unwrap_or(message.log_time);
+            if cutter.state(t, &q, speed).is_some() {
+                return Ok(true);
+            }
+        }
+        Ok(cutter.end().is_some())
+    }
+
     /// Read until every joint and a reading were seen.
     pub fn of<R: Read>(
         mut records: Records<R>,

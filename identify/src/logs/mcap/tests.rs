@@ -1,5 +1,6 @@
 //! Recordings put together byte by byte, as the standard says.
 
+mod moving;
 mod written;
 
 use super::super::tests::{dofs, log, read_file};

@@ -65,17 +65,24 @@ pub(super) enum Local {
 }
 
 impl Local {
-    /// The row `after` seconds from the node; joints that are not `moving` stand.
-    pub fn push(&self, after: f64, moving: &[Option<f64>], motion: &mut Motion) {
+    /// The row `after` seconds from the node, which is the mean of so many `rows`; joints that are
+    /// not `moving` stand.
+    pub fn push(&self, after: f64, rows: f64, moving: &[Option<f64>], motion: &mut Motion) {
         let (first, all) = (motion.rates.len(), motion.rates.len() + moving.len());
-        for column in [&mut motion.rates, &mut motion.gains, &mut motion.gains_std] {
+        for column in [
+            &mut motion.rates,
+            &mut motion.gains,
+            &mut motion.gains_std,
+            &mut motion.with_positions,
+        ] {
             column.resize(all, 0.0);
         }
         if let Local::Moving(fit, _) = self {
             let own = first..all;
             fit.rates(after, &mut motion.rates[own.clone()]);
             fit.gains(after, &mut motion.gains[own.clone()]);
-            fit.gains_std(moving, &mut motion.gains_std[own]);
+            fit.gains_std(moving, &mut motion.gains_std[own.clone()]);
+            motion.with_positions[own].fill(fit.with_own / rows.sqrt());
             for (joint, variance) in moving.iter().enumerate() {
                 if variance.is_none() {
                     motion.rates[first + joint] = 0.0;

@@ -116,6 +116,8 @@ pub struct Motion {
     pub gains_std: Vec<f64>,
     /// Standard deviation of the positions that were read, rad or m; 0 of joints that stand.
     pub positions_std: Vec<f64>,
+    /// Correlation of `gains` with the positions that were read, which they are made of.
+    pub with_positions: Vec<f64>,
     /// First derivative of `gains` in time; 0 where it is not known or not [`Wanted`],
     pub jerks: Vec<f64>,
     /// and second.
@@ -216,7 +218,7 @@ impl Plan {
                 }
                 let (_, local) = at.as_ref().expect("set above");
                 let after = t[row] - nodes.t[node];
-                local.push(after, &moving, &mut motion);
+                local.push(after, nodes.rows as f64, &moving, &mut motion);
                 if let Local::Moving(fit, true) = local {
                     let own = &q[row * dof..(row + 1) * dof];
                     positions.add(fit, after, own, |joint| nodes.position(node, joint));
@@ -377,6 +379,7 @@ impl Motion {
                 self.gains.extend(other.gains);
                 self.gains_std.extend(other.gains_std);
                 self.positions_std.extend(other.positions_std);
+                self.with_positions.extend(other.with_positions);
                 self.jerks.extend(other.jerks);
                 self.snaps.extend(other.snaps);
                 self.known.extend(other.known);
@@ -391,7 +394,7 @@ impl Motion {
     }
 
     /// What is known of each row and joint.
-    pub fn columns(&mut self) -> [&mut Vec<f64>; 6] {
+    pub fn columns(&mut self) -> [&mut Vec<f64>; 7] {
         self.own_and_smooth().0
     }
 
@@ -403,18 +406,27 @@ impl Motion {
     }
 
     /// Columns of the motion itself, and the smooth one.
-    fn own_and_smooth(&mut self) -> ([&mut Vec<f64>; 6], &mut Option<Smooth>) {
+    fn own_and_smooth(&mut self) -> ([&mut Vec<f64>; 7], &mut Option<Smooth>) {
         let Motion {
             rates,
             gains,
             gains_std,
             positions_std,
+            with_positions,
             jerks,
             snaps,
             known: _,
             smooth,
         } = self;
-        let own = [rates, gains, gains_std, positions_std, jerks, snaps];
+        let own = [
+            rates,
+            gains,
+            gains_std,
+            positions_std,
+            with_positions,
+            jerks,
+            snaps,
+        ];
         (own, smooth)
     }
 

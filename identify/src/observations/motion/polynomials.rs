@@ -28,6 +28,9 @@ pub(super) struct Polynomials {
     pub weight: f64,
     /// How much of the polynomial at the node is the node's own.
     pub own: f64,
+    /// Correlation of an acceleration with the node's own position: a position that is read too
+    /// large bends the polynomial down there.
+    pub with_own: f64,
 }
 
 impl Polynomials {
@@ -82,6 +85,7 @@ impl Polynomials {
             half,
             weight: 2.0 / (half * half) * inverse[2][2].max(0.0).sqrt(),
             own: inverse[0][0],
+            with_own: inverse[2][0] / inverse[2][2].max(f64::MIN_POSITIVE).sqrt(),
         })
     }
 

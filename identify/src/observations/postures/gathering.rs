@@ -29,7 +29,7 @@ pub(super) struct Motions {
     pub(super) rows: f64,
     /// Whether a row does not know its motion.
     pub(super) unknown: bool,
-    pub(super) sums: [Vec<f64>; 6],
+    pub(super) sums: [Vec<f64>; 7],
 }
 
 impl Motions {
@@ -52,6 +52,7 @@ impl Motions {
                 variances(&motion.positions_std),
                 of(&motion.jerks),
                 of(&motion.snaps),
+                of(&motion.with_positions),
             ],
         }
     }
@@ -201,6 +202,10 @@ impl Gathering {
                 positions_std: of(3).map(|mean| (mean / own.rows).sqrt()).collect(),
                 jerks: of(4).collect(),
                 snaps: of(5).collect(),
+                // Of the mean of the positions, whose noise is so much less.
+                with_positions: of(6)
+                    .map(|mean| (mean * own.rows.sqrt()).clamp(-1.0, 1.0))
+                    .collect(),
                 known: vec![!own.unknown],
                 smooth: None,
             });

@@ -1,0 +1,182 @@
+//! Recordings of a robot that holds still nowhere, whose readings lie between its joint states.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use sesc_model::Snapping;
+use sesc_reference::{Robot as Twin, Track, World};
+
+use super::*;
+use crate::diagnose::{Verdict, diagnose};
+use crate::fit::{self, fit};
+use crate::robot::Robot;
+
+/// Two skewed joints on a foot: every mass moves both axes.
+const SKEW: &str = "<robot name='skew'>\
+    <link name='sole'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/></inertial></link>\
+    <joint name='hip' type='revolute'><parent link='sole'/><child link='thigh'/>\
+    <origin xyz='0 0 0.1'/><axis xyz='0.3 0.8 0.2'/><limit lower='-0.6' upper='0.6'/></joint>\
+    <link name='thigh'><inertial><origin xyz='0.05 0.1 0.2'/><mass value='3'/></inertial></link>\
+    <joint name='knee' type='revolute'><parent link='thigh'/><child link='shank'/>\
+    <origin xyz='0.02 0.01 0.4'/><axis xyz='0.9 -0.2 0.3'/><limit lower='-1' upper='1'/></joint>\
+    <link name='shank'><inertial><origin xyz='0.1 -0.05 0.3'/><mass value='4'/></inertial></link>\
+    </robot>";
+
+/// Standard deviation of a reading, m.
+const NOISE: f64 = 2e-4;
+/// Moments of joint states, and of readings, which lie between them, s.
+const STATES_S: f64 = 0.02;
+const READINGS_S: f64 = 0.023;
+const SECONDS: f64 = 30.0;
+
+/// Hip and knee at time `t`, which begins at 100 s.
+fn swing(t: f64) -> Vec<f64> {
+    let t = t - 100.0;
+    vec![0.35 * (3.1 * t).sin(), 0.5 * (2.3 * t + 1.0).sin()]
+}
+
+fn moments(step: f64) -> Vec<f64> {
+    let count = (SECONDS / step) as usize;
+    (0..count)
+        .map(|k| 100.0 + 0.004 + step * k as f64)
+        .collect()
+}
+
+/// Joint states, hip and knee from topics of their own, and readings that the twin gives.
+fn recorded() -> Vec<u8> {
+    let head = [
+        schema(1, STATE),
+        schema(2, POINT),
+        channel(10, 1, "/hip/joint_states", "cdr"),
+        channel(11, 1, "/knee/joint_states", "cdr"),
+        channel(20, 2, "/cop", "cdr"),
+    ];
+    let mut messages: Vec<(f64, Vec<u8>)> = Vec::new();
+    for t in moments(STATES_S) {
+        // Each driver has stamps of its own.
+        for (id, joint, late) in [(10, 0, 0.0), (11, 1, 0.0071)] {
+            let (name, t) = (["hip", "knee"][joint], t + late);
+            messages.push((t, message(id, t, &state(t, &[name], &[swing(t)[joint]]))));
+        }
+    }
+    let times = moments(READINGS_S);
+    let twin = Twin::from_urdf(SKEW).unwrap();
+    let track = Track::moving(times.clone(), swing);
+    let readings = World::new(&twin, "sole")
+        .unwrap()
+        .unsettled()
+        .readings(&track);
+    let mut state = 1_u64;
+    // Uniform, of deviation NOISE.
+    let mut noise = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * NOISE * 12_f64.sqrt()
+    };
+    for (t, reading) in times.iter().zip(readings) {
+        let point = [reading.cop[0] + noise(), reading.cop[1] + noise(), 0.0];
+        let body = Body::header(*t, "sole");
+        let data = point.into_iter().fold(body, Body::double).done();
+        messages.push((*t, message(20, *t, &data)));
+    }
+    messages.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let all = messages.into_iter().flat_map(|(_, message)| message);
+    file(&head.concat().into_iter().chain(all).collect::<Vec<u8>>())
+}
+
+fn read_by(path: &Path, stays: Stays) -> Result<(crate::logs::Block, Vec<Message>), Error> {
+    let options = Options {
+        links: vec!["sole".into()],
+        stays,
+        ..Options::default()
+    };
+    read_file(path, &dofs(&["hip", "knee"]), &options)
+}
+
+#[test]
+fn where_nothing_is_held_every_reading_is_a_row_at_its_own_joints() {
+    let (_folder, path) = log("walk.mcap", &recorded(), "");
+    for stays in [Stays::Pooled, Stays::Moving, Stays::Apart] {
+        let (block, warnings) = read_by(&path, stays).unwrap();
+        let said = warnings.iter().map(|warning| warning.to_string());
+        let said: Vec<String> = said.collect();
+        let asked = stays == Stays::Moving;
+        let told = said.iter().any(|said| said.contains("still nowhere"));
+        assert_eq!(told, !asked, "{said:?}");
+        // The first one has no message of the knee before it.
+        assert_eq!(block.len(), moments(READINGS_S).len() - 1, "{said:?}");
+        for (k, t) in block.t.as_ref().unwrap().iter().enumerate() {
+            for (q, truth) in block.q[2 * k..2 * k + 2].iter().zip(swing(*t)) {
+                // 3/128 (ω Δt)⁴ within, (ω Δt)³/16 where one message lies beyond; stamps in ns.
+                let within = if t - 100.0 < 0.05 || t - 100.0 > SECONDS - 0.05 {
+                    1e-5
+                } else {
+                    1e-6
+                };
+                assert!((q - truth).abs() < within, "{t}: {q}, not {truth}");
+            }
+        }
+    }
+    let said = read_by(&path, Stays::Alone(0.3)).unwrap_err().to_string();
+    assert!(said.contains("no posture is held"), "{said}");
+}
+
+/// Stays are read as before where there are any, and all rows where that is asked for.
+#[test]
+fn a_recording_with_stays_is_read_by_them_unless_all_rows_are_asked_for() {
+    let (_folder, path) = log("log.mcap", &recording(""), "");
+    let (stays, warnings) = read_by(&path, Stays::Pooled).unwrap();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    let (all, _) = read_by(&path, Stays::Moving).unwrap();
+    // 30 readings, one in the air, the last after the last joint state but one.
+    assert!(
+        all.len() >= 28 && stays.len() < 20,
+        "{} {}",
+        all.len(),
+        stays.len()
+    );
+    let mut poses = all.pose.clone();
+    poses.dedup();
+    assert_eq!(poses.len(), all.len());
+}
+
+/// Masses of CAD come back from a recording that moves, and nothing is missing in it.
+#[test]
+fn a_moving_recording_is_fitted_and_diagnosed_by_the_zmp() {
+    let (_folder, path) = log("walk.mcap", &recorded(), "");
+    let robot = Arc::new(Robot::parse(SKEW, "skew.urdf").unwrap());
+    let model = robot.model("sole", Snapping::default(), None).unwrap();
+    let request = fit::Request {
+        robot: Some(Arc::clone(&robot)),
+        logs: vec![path.as_path().into()],
+        support: Some("sole".into()),
+        noise: Some(NOISE),
+        prior: "free".into(),
+        ..fit::Request::default()
+    };
+    let found = fit(&request, &mut ()).unwrap().identification;
+    assert!(found.motion.used, "{:?}", found.motion);
+    let share = found.motion.share.unwrap();
+    assert!(
+        (share.value - 1.0).abs() < 4.0 * share.std + 0.02,
+        "{share:?}"
+    );
+    for (parameter, truth) in found.parameters.iter().zip(model.cad_params()) {
+        let Some(std) = parameter.std else { continue };
+        let off = (parameter.value - truth).abs();
+        assert!(off < 4.0 * std, "{}: {off} of {std}", parameter.name);
+        assert!(std < 2e-3, "{}: {std}", parameter.name);
+    }
+    let mut request = crate::diagnose::Request::new(robot, path.as_path());
+    request.support = Some("sole".into());
+    request.noise = Some(NOISE);
+    let report = diagnose(&request, &mut ()).unwrap();
+    assert_eq!(
+        report.diagnosis.verdict,
+        Verdict::None,
+        "{}",
+        report.diagnosis.sentence
+    );
+    assert!(report.diagnosis.motion.used);
+}
