@@ -36,7 +36,7 @@ class Robot(_sesc.Robot):
         """The robot with the link ``support`` on the ground; its sole is z = 0 of its frame.
 
         Args:
-            support: name of the link.
+            support: name of the link; ``foot@40mm`` is the frame 40 mm below that of ``foot``.
             model: a model file, or a model, whose identified parameters and effects are taken;
                 CAD's unless given.
 

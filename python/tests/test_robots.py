@@ -41,6 +41,14 @@ def test_right_angles_are_snapped_unless_asked_not_to() -> None:
     assert exact[2] == 0.0 and literal[2] == pytest.approx(np.cos(1.5708), rel=1e-9)
 
 
+def test_a_robot_stands_on_the_sole_of_a_link() -> None:
+    robot = sesc.Robot(POLE)
+    above, below = (robot.on(name).com([0.3]) for name in ("foot", "foot@40mm"))
+    assert below - above == pytest.approx([0.0, 0.0, 0.04], abs=1e-15)
+    with pytest.raises(sesc.SupportError, match="such as `foot@0.5mm`"):
+        robot.on("foot@0.50mm")
+
+
 def test_objects_say_what_they_are(op2: sesc.Robot, model: sesc.Model) -> None:
     for thing in (op2, model):
         assert "\n" not in repr(thing) and "op2" in repr(thing)
