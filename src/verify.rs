@@ -25,15 +25,28 @@ pub use motion::JointMotion;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
+use sesc_identify::threads::each;
 use sesc_identify::{Watch, tell};
 use world::{Bent, beyond_rounding};
 
 /// Derivatives by differences are this exact, relative to the robot's size.
 const DIFFERENCES: f64 = 2e-10;
-/// One posture in so many is also differentiated, which costs 6 evaluations a joint.
+/// One posture in so many is also differentiated, which costs 6 evaluations a joint,
 const DIFFERENTIATED: usize = 50;
+/// and where joints are many, so few postures that these many derivatives are taken.
+const DERIVATIVES: usize = 10_000;
+/// Joint angles that [`samples`] draws, in postures that the limits below hold.
+const DRAWN: usize = 1_000_000;
+/// Postures of a robot of 100 joints or fewer.
+const MOST_SAMPLES: usize = 10_000;
+/// Postures of a robot of any size.
+const LEAST_SAMPLES: usize = 1_000;
 /// Postures evaluated together: their rows stay in the second cache.
 const BLOCK: usize = 128;
+/// The same where they are differentiated.
+const BLOCK_OF_DERIVATIVES: usize = 8;
+/// Blocks after which it is told how far the comparison is.
+const BLOCKS: usize = 8;
 
 /// What the comparison found.
 #[derive(Debug, Clone, Serialize)]
@@ -69,6 +82,12 @@ pub struct Verification {
 pub fn reference(robot: &Robot, support: &str) -> Result<Reference, Error> {
     let read = sesc_reference::Robot::from_urdf(robot.text())?;
     Ok(Reference::new(&read, support)?)
+}
+
+/// Random postures that are enough for a robot of `dof` joints: 10,000, and beyond 100 joints a
+/// million joint angles in all, since each posture then compares as much more.
+pub fn samples(dof: usize) -> usize {
+    (DRAWN / dof.max(1)).clamp(LEAST_SAMPLES, MOST_SAMPLES)
 }
 
 /// Compare `model` of `robot` with the reference, on `samples` random postures and as
@@ -149,43 +168,28 @@ pub fn verify(
             }
         }
     }
-    let mut room = Vec::new();
-    for start in (0..count).step_by(BLOCK) {
-        let n = BLOCK.min(count - start);
-        let q = &postures[start * dof..(start + n) * dof];
-        let truths: Vec<Truth> = (0..n)
-            .map(|k| {
-                let q = &q[k * dof..(k + 1) * dof];
-                let differentiate = (start + k) % DIFFERENTIATED == 0;
-                match &bent {
-                    Some(bent) => bent.truth(q, &joints, differentiate),
-                    None => Truth::new(reference, q, &joints, differentiate),
-                }
-            })
-            .collect();
-        for (name, function, params, evaluator) in &evaluators {
-            room.resize(n * evaluator.width(), 0.0);
-            evaluator.run_into(q, n, &mut room);
-            let entry = worst.entry(name.clone()).or_default();
-            for (values, truth) in room.chunks(evaluator.width().max(1)).zip(&truths) {
-                let error = truth.difference(*function, params, values);
-                // A NaN must not slip through a maximum.
-                *entry = if error.is_nan() {
-                    f64::INFINITY
-                } else {
-                    entry.max(error)
-                };
+    let blocks = Blocks::of(&postures, count, dof);
+    let blocks: Vec<Block> = blocks.iter().collect();
+    let compared = Compared {
+        reference,
+        bent: bent.as_ref(),
+        joints: &joints,
+        dof,
+        evaluators: &evaluators,
+    };
+    let mut done = 0;
+    for some in blocks.chunks(BLOCKS) {
+        let postures = some.iter().map(|block| block.postures).sum();
+        for found in each(postures, some, |block| compared.differences(block)) {
+            for ((name, ..), error) in evaluators.iter().zip(found.worst) {
+                let entry = worst.entry(name.clone()).or_default();
+                *entry = entry.max(error);
             }
+            left_out = left_out.max(found.left_out);
+            settled &= found.settled;
         }
-        for q in q.chunks(dof.max(1)) {
-            if let Some(bent) = &bent {
-                let (measured, most) = bent.left_out(q);
-                left_out = left_out.max(measured);
-                // Not so for what is not a number.
-                settled &= measured <= most + world::AT_REST;
-            }
-        }
-        tell(watch, "comparing", (start + n) as u64, count as u64)?;
+        done += postures;
+        tell(watch, "comparing", done as u64, count as u64)?;
     }
     // A function without outputs (the Jacobian of a robot without joints) is right.
     for name in bound.keys() {
@@ -251,6 +255,133 @@ pub fn corners(model: &Model, seed: u64) -> Vec<f64> {
     corners
 }
 
+/// What postures are compared by.
+struct Compared<'a> {
+    reference: &'a Reference,
+    bent: Option<&'a Bent>,
+    joints: &'a JointMotion,
+    dof: usize,
+    /// Name, function, what its rows are multiplied with, and its program on tape.
+    evaluators: &'a [(String, Function, Vec<f64>, Evaluator)],
+}
+
+/// What a block of postures shows.
+struct Differences {
+    /// Largest difference of each function; infinite where one is no number.
+    worst: Vec<f64>,
+    /// What rounds of springs leave out, m.
+    left_out: f64,
+    /// Whether that is within what is proven.
+    settled: bool,
+}
+
+impl Compared<'_> {
+    fn differences(&self, block: &Block) -> Differences {
+        let Block {
+            q,
+            postures,
+            differentiate,
+        } = *block;
+        let dof = self.dof;
+        let truths: Vec<Truth> = (0..postures)
+            .map(|k| {
+                let q = &q[k * dof..(k + 1) * dof];
+                match self.bent {
+                    Some(bent) => bent.truth(q, self.joints, differentiate),
+                    None => Truth::new(self.reference, q, self.joints, differentiate),
+                }
+            })
+            .collect();
+        let mut room = Vec::new();
+        let worst = |(_, function, params, evaluator): &(_, Function, Vec<f64>, Evaluator)| {
+            if !differentiate && is_derivative(*function) {
+                return 0.0;
+            }
+            room.resize(postures * evaluator.width(), 0.0);
+            evaluator.run_into(q, postures, &mut room);
+            let rows = room.chunks(evaluator.width().max(1)).zip(&truths);
+            let errors = rows.map(|(values, truth)| truth.difference(*function, params, values));
+            // A NaN must not slip through a maximum.
+            errors.fold(0.0, |worst: f64, error| match error.is_nan() {
+                true => f64::INFINITY,
+                false => worst.max(error),
+            })
+        };
+        let worst = self.evaluators.iter().map(worst).collect();
+        let (mut left_out, mut settled) = (0.0_f64, true);
+        for q in q.chunks(dof.max(1)) {
+            if let Some(bent) = self.bent {
+                let (measured, most) = bent.left_out(q);
+                left_out = left_out.max(measured);
+                // Not so for what is not a number.
+                settled &= measured <= most + world::AT_REST;
+            }
+        }
+        Differences {
+            worst,
+            left_out,
+            settled,
+        }
+    }
+}
+
+/// Postures in blocks: first those that are differentiated, then the others.
+struct Blocks {
+    dof: usize,
+    differentiated: Vec<f64>,
+    others: Vec<f64>,
+    /// Postures of each; robots without joints have one, of no numbers.
+    counts: [usize; 2],
+}
+
+/// Postures that are compared together.
+struct Block<'a> {
+    q: &'a [f64],
+    postures: usize,
+    differentiate: bool,
+}
+
+impl Blocks {
+    /// `count` postures, one in [`DIFFERENTIATED`] of them to be differentiated or, where
+    /// joints are many, one in so many that [`DERIVATIVES`] are taken.
+    fn of(postures: &[f64], count: usize, dof: usize) -> Blocks {
+        let one_in = DIFFERENTIATED.max((count * dof).div_ceil(DERIVATIVES));
+        let differentiated = count.div_ceil(one_in);
+        let mut blocks = Blocks {
+            dof,
+            differentiated: Vec::with_capacity(differentiated * dof),
+            others: Vec::with_capacity((count - differentiated) * dof),
+            counts: [differentiated, count - differentiated],
+        };
+        for (k, q) in postures.chunks(dof.max(1)).enumerate() {
+            match k % one_in {
+                0 => blocks.differentiated.extend(q),
+                _ => blocks.others.extend(q),
+            }
+        }
+        blocks
+    }
+
+    fn iter(&self) -> impl Iterator<Item = Block<'_>> {
+        let parts = [&self.differentiated, &self.others];
+        let parts = parts.into_iter().zip(self.counts).zip([true, false]);
+        parts.flat_map(move |((q, count), differentiate)| {
+            let size = match differentiate {
+                true => BLOCK_OF_DERIVATIVES,
+                false => BLOCK,
+            };
+            (0..count).step_by(size).map(move |start| {
+                let end = count.min(start + size);
+                Block {
+                    q: &q[start * self.dof..end * self.dof],
+                    postures: end - start,
+                    differentiate,
+                }
+            })
+        })
+    }
+}
+
 /// Joint velocities that the velocity of the CoM is compared at, rad/s or m/s: no two alike.
 fn velocities(dof: usize) -> Vec<f64> {
     (0..dof).map(|j| 1.0 / (1.0 + j as f64)).collect()
@@ -311,6 +442,14 @@ impl Truth {
             (Function::ComJacobian | Function::ComVelocity | Function::GravityMoments, None) => 0.0,
         }
     }
+}
+
+/// Whether the function is compared where postures are differentiated alone.
+fn is_derivative(function: Function) -> bool {
+    matches!(
+        function,
+        Function::ComJacobian | Function::ComVelocity | Function::GravityMoments
+    )
 }
 
 /// What rows of a function are multiplied with to be compared, if it has any.

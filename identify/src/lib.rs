@@ -57,7 +57,8 @@ pub mod simulate;
 pub mod skeleton;
 pub mod stance;
 mod svd;
-mod threads;
+#[doc(hidden)]
+pub mod threads;
 mod watch;
 mod words;
 

@@ -34,6 +34,20 @@ pub(crate) fn side_by_side<T: Send>(
     });
 }
 
+/// What `work` makes of each of `items`, which are about `rows` rows, in their order.
+pub fn each<T: Send, R: Send>(
+    rows: usize,
+    items: impl IntoIterator<Item = T>,
+    work: impl Fn(T) -> R + Sync,
+) -> Vec<R> {
+    let items: Vec<T> = items.into_iter().collect();
+    let mut done: Vec<Option<R>> = items.iter().map(|_| None).collect();
+    side_by_side(rows, items.into_iter().zip(&mut done), |(item, place)| {
+        *place = Some(work(item));
+    });
+    done.into_iter().flatten().collect()
+}
+
 /// What `work` makes of each `part` of some `rows`, in their order.
 pub(crate) fn by_parts<R: Send>(
     rows: Range<usize>,
@@ -41,9 +55,7 @@ pub(crate) fn by_parts<R: Send>(
     work: impl Fn(Range<usize>) -> R + Sync,
 ) -> Vec<R> {
     let starts = rows.clone().step_by(part);
-    let mut done: Vec<Option<R>> = starts.clone().map(|_| None).collect();
-    side_by_side(rows.len(), starts.zip(&mut done), |(start, place)| {
-        *place = Some(work(start..rows.end.min(start + part)));
-    });
-    done.into_iter().flatten().collect()
+    each(rows.len(), starts, |start| {
+        work(start..rows.end.min(start + part))
+    })
 }

@@ -22,12 +22,13 @@ pub fn verify_model(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     model: PyRef<'_, Model>,
-    samples: usize,
+    samples: Option<usize>,
     seed: u64,
     show: Option<Py<PyAny>>,
 ) -> PyResult<(String, Vec<(String, &'static str)>)> {
     let (robot, model) = (robot.inner.clone(), model.inner.clone());
     let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
+        let samples = samples.unwrap_or_else(|| verify::samples(model.dof()));
         let found = verify::verify(&robot, &model, samples, seed, watch);
         let found = found.map_err(|error| Failure::of_command(error, Doing::ModelFile))?;
         Ok((json(&found)?, found.units.into_iter().collect()))

@@ -8,7 +8,7 @@ use super::outputs::Files;
 use super::{Bar, Outcome, RobotArguments, print_json, show};
 use crate::Error;
 use crate::report::table::Table;
-use crate::verify::{holds, verify};
+use crate::verify::{holds, samples, verify};
 
 /// Compare the generated functions with the independent reference
 ///
@@ -29,9 +29,10 @@ pub(super) struct Arguments {
     /// Model file whose effects the functions have
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Random postures to compare, besides the corners of the joint limits
-    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
-    samples: u64,
+    /// Random postures to compare, besides the corners of the joint limits [default: 10000;
+    /// beyond 100 joints a million joint angles in all]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    samples: Option<u64>,
     /// Seed of the postures
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -43,7 +44,10 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     Files::default().reads(&arguments.model).check()?;
     let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
-    let samples = usize::try_from(arguments.samples).unwrap_or(usize::MAX);
+    let samples = match arguments.samples {
+        Some(given) => usize::try_from(given).unwrap_or(usize::MAX),
+        None => samples(model.dof()),
+    };
     let bar = &mut Bar::new("comparing");
     let found = verify(&robot, &model, samples, arguments.seed, bar)?;
     if arguments.json {
