@@ -1,21 +1,19 @@
 //! What there is to know about a robot before any data: tree, chain, base
 //! parameters, what no data can see, operation counts, rounding, snaps.
 
+mod rank;
+
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use sesc_identify::threads::each;
 use sesc_model::base::{Column, Unobservable};
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
 use sesc_model::tree::{Snap, on_many_feet};
-use sesc_model::{Function, Given, Model, numeric};
+use sesc_model::{Function, Given, Model};
 
-use sesc_identify::evaluate::Evaluator;
-
-/// Pivots below this, relative to the largest, count as dependent columns.
-const RANK_TOLERANCE: f64 = 1e-12;
-/// Pivots tell a rank if the last one that counts is so many times the next one.
-const GAP: f64 = 1e3;
+pub use rank::{Rank, RankCheck, numeric_rank};
 
 /// The JSON of `sesc inspect`.
 #[derive(Debug, Clone, Serialize)]
@@ -60,28 +58,6 @@ pub struct Inspection {
     pub operations: BTreeMap<&'static str, Counts>,
     /// Proven rounding bounds of each function, m.
     pub rounding_bound: BTreeMap<&'static str, Rounding>,
-}
-
-/// Ranks of stacked regressor rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Rank {
-    /// From three-dimensional CoM rows.
-    pub xyz: usize,
-    /// From flat CoP rows.
-    pub cop: usize,
-}
-
-/// What numeric ranks say of those by structure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum RankCheck {
-    /// They are the same.
-    Agrees,
-    /// Pivots shrink without a gap: they tell no rank.
-    Undecided,
-    /// They are others.
-    Contradicts,
 }
 
 /// One body of the chain.
@@ -130,21 +106,21 @@ pub struct Rounding {
 /// Gather everything.
 pub fn inspect(model: &Model) -> Inspection {
     let (tree, chain, base) = (&model.tree, &model.chain, &model.base);
+    let of_function = |function: Function| {
+        let program = model.program(function, Given::Positions)?;
+        let bound = |precision| model.rounding(&program, precision).worst;
+        let rounding = Rounding {
+            f64: bound(Precision::F64),
+            f32: bound(Precision::F32),
+        };
+        Some((function.name(), program.counts(), rounding))
+    };
+    let functions = each(usize::MAX, Function::ALL, of_function);
     let mut operations = BTreeMap::new();
     let mut rounding_bound = BTreeMap::new();
-    for function in Function::ALL {
-        let Some(program) = model.program(function, Given::Positions) else {
-            continue;
-        };
-        operations.insert(function.name(), program.counts());
-        let bound = |precision| model.rounding(&program, precision).worst;
-        rounding_bound.insert(
-            function.name(),
-            Rounding {
-                f64: bound(Precision::F64),
-                f32: bound(Precision::F32),
-            },
-        );
+    for (name, counts, rounding) in functions.into_iter().flatten() {
+        operations.insert(name, counts);
+        rounding_bound.insert(name, rounding);
     }
     let (numeric_rank, rank_check) = numeric_rank(model);
     Inspection {
@@ -208,52 +184,4 @@ fn bodies(model: &Model) -> Vec<Body> {
             .collect(),
     };
     chain.bodies.iter().enumerate().map(body).collect()
-}
-
-/// Ranks of the regressor the program computes, over enough wide postures, and what they say
-/// of the ranks by structure.
-pub fn numeric_rank(model: &Model) -> (Rank, RankCheck) {
-    let params = model.base.params.len();
-    let pivots = |function, rows: usize| {
-        let count = 4 * params / rows + 30;
-        let q = numeric::wide_postures(&model.chain, &model.tree.dofs, count).concat();
-        let values = Evaluator::new(model, function).run(&q, count);
-        numeric::pivots(&values, params)
-    };
-    let (xyz, xyz_check) = counted(&pivots(Function::Regressor, 3), params);
-    let (cop, cop_check) = counted(&pivots(Function::RegressorCop, 2), model.base.rank_cop);
-    (Rank { xyz, cop }, xyz_check.max(cop_check))
-}
-
-/// Pivots above the tolerance, and whether there are `expected` ones. Pivots that shrink to the
-/// tolerance without a gap, as those of hundreds of joints that follow one, tell no rank.
-fn counted(pivots: &[f64], expected: usize) -> (usize, RankCheck) {
-    let rank = pivots.iter().filter(|&&p| p > RANK_TOLERANCE).count();
-    let last = rank.checked_sub(1).map_or(1.0, |k| pivots[k]);
-    let next = pivots.get(rank).copied().unwrap_or(0.0);
-    let check = match rank == expected {
-        true => RankCheck::Agrees,
-        false if last <= GAP * next => RankCheck::Undecided,
-        false => RankCheck::Contradicts,
-    };
-    (rank, check)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pivots_contradict_a_count_only_where_they_have_a_gap() {
-        let clear = [1.0, 0.5, 1e-3, 1e-16];
-        assert_eq!(counted(&clear, 3), (3, RankCheck::Agrees));
-        assert_eq!(counted(&clear, 4), (3, RankCheck::Contradicts));
-        assert_eq!(counted(&clear, 2), (3, RankCheck::Contradicts));
-        assert_eq!(counted(&clear[..3], 4), (3, RankCheck::Contradicts));
-        let smooth: Vec<f64> = (0..20).map(|k| 10_f64.powi(-k)).collect();
-        let (rank, check) = counted(&smooth, 16);
-        assert_eq!((rank < 16, check), (true, RankCheck::Undecided));
-        assert_eq!(counted(&[], 0), (0, RankCheck::Agrees));
-        assert_eq!(counted(&[], 1), (0, RankCheck::Contradicts));
-    }
 }

@@ -161,13 +161,15 @@ pub(crate) enum Problem {
     NoMass { file: String },
     /// More joints move than functions can be generated for.
     #[error(
-        "{file}: {count} joints move (mimics included), more than {most}; fix those that do not \
-         matter, or describe a part of the robot"
+        "{file}: {count} joints move (mimics included), more than {most}{}; fix those that do not \
+         matter, or describe a part of the robot",
+        if *tied { " for a robot in which joints follow others" } else { "" }
     )]
     TooManyJoints {
         file: String,
         count: usize,
         most: usize,
+        tied: bool,
     },
     /// A file cannot be read.
     #[error("cannot read {file}")]

@@ -215,6 +215,27 @@ pub struct Tree {
     pub feet: Vec<String>,
 }
 
+/// Whether so many joints move that finding what they determine would take too long.
+fn check_size(robot: &Description) -> Result<(), Error> {
+    let moving = || robot.joints.iter().filter(|j| j.joint_type.is_single());
+    let tied = moving().any(|joint| joint.mimic.is_some());
+    let most = match tied {
+        true => urdf::limits::MOVING_WITH_MIMICS,
+        false => urdf::limits::MOVING,
+    };
+    let (file, count) = (robot.file.clone(), moving().count());
+    match count > most {
+        true => Err(Problem::TooManyJoints {
+            file,
+            count,
+            most,
+            tied,
+        }
+        .into()),
+        false => Ok(()),
+    }
+}
+
 /// Re-root `description` at `support`, a link or the sole of one (`foot@40mm`: 40 mm below its
 /// frame).
 ///
@@ -233,15 +254,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         .map(|(i, link)| (link.name.as_str(), i))
         .collect();
     let support = index[support];
-    let moving = robot
-        .joints
-        .iter()
-        .filter(|joint| joint.joint_type.is_single());
-    let (count, most) = (moving.count(), urdf::limits::MOVING);
-    if count > most {
-        let file = description.file.clone();
-        return Err(Problem::TooManyJoints { file, count, most }.into());
-    }
+    check_size(robot)?;
     let links: Vec<Link> = robot
         .links
         .iter()

@@ -161,7 +161,18 @@ fn robots_beyond_all_sizes_are_refused_at_once() {
             refused(&output, &["9998 joints move"]);
         }
     }
-    // A robot larger than any that was built.
-    let urdf = write(folder.path(), "chain.urdf", chain(200, false));
-    stdout(&bounded(&["inspect", &urdf, "--support", "l0"]));
+    let urdf = write(folder.path(), "chain.urdf", chain(1_001, true));
+    let output = bounded(&["inspect", &urdf, "--support", "l0"]);
+    refused(&output, &["1001 joints move", "follow others"]);
+}
+
+/// Robots larger than any that was built take what they must, and no more.
+#[test]
+#[cfg(unix)]
+fn chains_of_many_joints_are_inspected() {
+    let folder = folder();
+    for (joints, tied) in [(2_000, false), (200, true)] {
+        let urdf = write(folder.path(), "chain.urdf", chain(joints, tied));
+        stdout(&bounded(&["inspect", &urdf, "--support", "l0"]));
+    }
 }

@@ -13,9 +13,10 @@ pub const XML_NODES: u32 = 4_000_000;
 pub const ATTRIBUTES: usize = 256;
 /// Links, and likewise joints, of a robot.
 pub const LINKS: usize = 10_000;
-/// Joints of a robot that move, mimics included: rank checks and generated Jacobians grow
-/// with the square and the cube of it.
-pub const MOVING: usize = 1000;
+/// Joints of a robot that move: parameters and generated Jacobians grow with the square of it.
+pub const MOVING: usize = 2000;
+/// The same where one of them follows another: what is tied is found with the cube of it.
+pub const MOVING_WITH_MIMICS: usize = 1000;
 /// Bytes of one name.
 pub const NAME_BYTES: usize = 1024;
 
