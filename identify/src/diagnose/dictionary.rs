@@ -14,13 +14,16 @@ use sesc_model::effects::PostureContext;
 use super::criteria;
 use super::hypothesis::{Term, effect_terms};
 use super::problem::{Fit, Problem};
-use crate::lsq::factor_normal;
+use crate::lsq::{factor_normal, transposed_times};
 
 pub struct Dictionary {
     pub candidates: Vec<Candidate>,
     /// Whitened slopes, all candidates side by side, and S times them.
     slopes: DMatrix<f64>,
     projected: DMatrix<f64>,
+    /// Of each candidate, what its columns have in common with their projections: tried with
+    /// hundreds of residuals, and of none of them.
+    squares: Vec<DMatrix<f64>>,
     gram: Option<DMatrix<f64>>,
 }
 
@@ -85,7 +88,12 @@ impl Dictionary {
         let rows = columns.first().map_or(rows, Vec::len);
         let slopes = DMatrix::from_fn(rows, columns.len(), |row, k| columns[k][row]);
         let projected = problem.project_out(&problem.nuisance, &slopes);
+        let square = |c: &Candidate| {
+            let columns = slopes.columns(c.from, c.count);
+            columns.tr_mul(&projected.columns(c.from, c.count))
+        };
         Dictionary {
+            squares: candidates.iter().map(square).collect(),
             candidates,
             slopes,
             projected,
@@ -152,10 +160,11 @@ impl Dictionary {
         let of_own = own.tr_mul(&left);
         self.candidates
             .iter()
-            .map(|c| {
+            .zip(&self.squares)
+            .map(|(c, square)| {
                 let z = self.slopes.columns(c.from, c.count);
                 let sz = self.projected.columns(c.from, c.count);
-                let mut a = z.tr_mul(&sz);
+                let mut a = square.clone();
                 let mut b = z.tr_mul(&left);
                 let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
                 if let (Some(factor), true) = (&factor, own.ncols() > 0) {
@@ -174,11 +183,10 @@ impl Dictionary {
         let b = self.projected.tr_mul(residual);
         self.candidates
             .iter()
-            .map(|c| {
-                let z = self.slopes.columns(c.from, c.count);
-                let a = z.tr_mul(&self.projected.columns(c.from, c.count));
+            .zip(&self.squares)
+            .map(|(c, a)| {
                 let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
-                gain(a, &b.rows(c.from, c.count).into_owned(), &whole)
+                gain(a.clone(), &b.rows(c.from, c.count).into_owned(), &whole)
             })
             .collect()
     }
@@ -186,7 +194,7 @@ impl Dictionary {
     /// Every pair's gain: (first, second, gain).
     pub fn pairs(&mut self, residual: &DVector<f64>) -> Vec<(usize, usize, f64)> {
         if self.gram.is_none() {
-            self.gram = Some(self.slopes.tr_mul(&self.projected));
+            self.gram = Some(transposed_times(&self.slopes, &self.projected));
         }
         let gram = self.gram.as_ref().expect("made above");
         let b = self.projected.tr_mul(residual);

@@ -11,6 +11,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use crate::lsq::transposed_times;
+
 /// Directions of mass error, whitened: rows as readings, a column per direction.
 #[derive(Debug, Clone)]
 pub struct Nuisance {
@@ -47,7 +49,7 @@ impl Nuisance {
     }
 
     fn of(k: DMatrix<f64>) -> Nuisance {
-        let mut a = k.tr_mul(&k);
+        let mut a = transposed_times(&k, &k);
         for i in 0..a.nrows() {
             a[(i, i)] += 1.0;
         }
@@ -79,7 +81,7 @@ impl Nuisance {
 
     /// `S x` with `S = I − K A⁻¹ Kᵀ`: what of whitened columns is no mass error.
     pub fn project_out(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
-        let inner = self.factor.solve(&self.k.tr_mul(x));
+        let inner = self.factor.solve(&transposed_times(&self.k, x));
         x - &self.k * inner
     }
 

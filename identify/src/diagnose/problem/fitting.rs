@@ -17,6 +17,7 @@ use crate::diagnose::hypothesis::Term;
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
 use crate::lsq::damped::{self, Expansion, SETTLED};
+use crate::lsq::transposed_times;
 
 /// Starts of a fit, at most.
 const STARTS: usize = 8;
@@ -275,7 +276,10 @@ impl Problem<'_> {
         }
         let inner = masses.project_out_one(&e);
         let mut value = e.dot(&inner);
-        let mut normal = (j.tr_mul(&masses.project_out(&j)), j.tr_mul(&inner));
+        let mut normal = (
+            transposed_times(&j, &masses.project_out(&j)),
+            j.tr_mul(&inner),
+        );
         let closed = self.closed(terms, &unknowns, posture_context);
         if let (Some(closure), Some(closed)) = (&self.closure, &closed) {
             let (residual, slopes) = (&closed.residual, &closed.slopes);
