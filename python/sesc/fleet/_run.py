@@ -145,7 +145,7 @@ class Fleet:
             self._found.write(os.fspath(own))
             self._objects.write(os.fspath(path), own.read_bytes())
 
-    def report(self, path: str | os.PathLike[str], pages: int | None = None) -> None:
+    def report(self, path: str | os.PathLike[str], *, pages: int | None = None) -> None:
         """Write the page, ``fleet.html``: what robots share, what changed, what to look at first;
         and beside it a folder ``fleet`` with a page for each of so many robots, 2000 unless
         given, those to look at first before others.
