@@ -199,7 +199,7 @@ def test_other_threads_go_on_during_a_fit(op2: sesc.Robot, model: sesc.Model) ->
         counter.join()
         return rate
 
-    shares = []
+    shares: list[float] = []
     while len(shares) < 5 and max(shares, default=0.0) < 0.5:
         free = counted(lambda: time.sleep(0.3))
         shares.append(counted(lambda: sesc.fit(op2, log)) / free)
