@@ -11,6 +11,7 @@ mod alone;
 mod lowering;
 mod plan;
 mod products;
+mod step;
 
 use crate::program::Program;
 use crate::wide::{Loops, widest};

@@ -5,7 +5,8 @@
 //! ```
 
 use super::plan::RegisterFill;
-use super::products::{Operation, Step, Steps};
+use super::products::Steps;
+use super::step::{Operation, Step};
 use super::{Kernels, SHORT, Values};
 use crate::program::Program;
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::products::{Operation, Step};
+use super::step::{Operation, Step};
 use crate::expr::{Expr, Id};
 use crate::program::{Node, Program, operands};
 

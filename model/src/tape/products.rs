@@ -1,4 +1,5 @@
-//! The steps of one posture: products and sums as one operation, in the order of depth.
+//! The steps of one posture: products and sums as one operation, in the order in which they are
+//! waited for.
 //!
 //! ```text
 //! z = x y + w        a b = a b + (−0),   a + b = a · 1 + b,   a − b = b · (−1) + a
@@ -6,60 +7,16 @@
 //!
 //! A product that one sum alone uses is part of it. It is rounded before the sum, and products
 //! with ±1 are exact: the bits are those of the steps one by one. As everything but angles,
-//! sines and a few others is that one operation, a loop walks it without a branch, and as it
-//! goes by depth, many operations are under way that do not wait for each other.
+//! sines and a few others is that one operation, a loop walks it without a branch; what most
+//! steps are made of goes first, so that many are under way that do not wait for each other.
 
 use std::cmp::Reverse;
 
 use super::lowering::{About, Lowering, PARTS};
 use super::plan::RegisterFill;
+use super::step::Step;
 use crate::expr::Expr;
 use crate::program::Program;
-
-/// An operation that is no product and no sum.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Operation {
-    Div,
-    Clamp,
-    Pow,
-    /// The cosine goes where the second operand says.
-    SinCos,
-}
-
-/// A step, on values or on their places.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Step {
-    /// `[to, x, y, w]`
-    Product([usize; 4]),
-    /// `[to, a, b]`
-    Other(Operation, [usize; 3]),
-}
-
-impl Step {
-    pub fn operands(self) -> impl Iterator<Item = usize> {
-        let (used, count) = match self {
-            Step::Product([_, x, y, w]) => ([x, y, w], 3),
-            Step::Other(Operation::Clamp | Operation::SinCos, [_, a, _]) => ([a, a, a], 1),
-            Step::Other(_, [_, a, b]) => ([a, b, b], 2),
-        };
-        used.into_iter().take(count)
-    }
-
-    pub fn results(self) -> impl Iterator<Item = usize> {
-        let (to, also) = match self {
-            Step::Other(Operation::SinCos, [to, _, also]) => (to, Some(also)),
-            Step::Product([to, ..]) | Step::Other(_, [to, ..]) => (to, None),
-        };
-        [to].into_iter().chain(also)
-    }
-
-    fn placed(self, place: impl Fn(usize) -> usize) -> Step {
-        match self {
-            Step::Product(values) => Step::Product(values.map(place)),
-            Step::Other(operation, values) => Step::Other(operation, values.map(place)),
-        }
-    }
-}
 
 /// All steps of a program, on places.
 pub(super) struct Steps {
