@@ -190,9 +190,8 @@ impl<'a> Lowering<'a> {
     }
 
     fn constant(&mut self, x: f64) -> usize {
-        let known = self.constants.iter();
-        let known = known.filter(|(_, own)| own.to_bits() == x.to_bits());
-        if let Some((value, _)) = known.last() {
+        let mut known = self.constants.iter();
+        if let Some((value, _)) = known.find(|(_, own)| own.to_bits() == x.to_bits()) {
             return *value;
         }
         let value = self.value(0);
