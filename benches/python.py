@@ -82,13 +82,16 @@ def ours(model: sesc.Model, rust: dict[str, tuple[float, float]]) -> None:
         )
 
 
-def pinocchio(urdf: str) -> tuple[float, float]:
+def pinocchio(urdf: str) -> tuple[float, float, float]:
+    """CoM, its Jacobian, and the rates of momentum, which a ZMP is made of."""
     import pinocchio as pin
 
     peer = pin.buildModelFromUrdf(urdf)
     data, q = peer.createData(), pin.neutral(peer)
+    v, a = np.random.default_rng(1).uniform(-1, 1, (2, peer.nv))
     com = least(lambda: pin.centerOfMass(peer, data, q), 200)
-    return com, least(lambda: pin.jacobianCenterOfMass(peer, data, q), 200)
+    jacobian = least(lambda: pin.jacobianCenterOfMass(peer, data, q), 200)
+    return com, jacobian, least(lambda: pin.computeCentroidalMomentumTimeVariation(peer, data, q, v, a), 200)
 
 
 def mujoco(urdf: str) -> tuple[float, float]:
@@ -150,14 +153,15 @@ def main(arguments: list[str]) -> None:
     given = [word for word in arguments if not word.startswith("--")]
     urdf, support = given or [str(ROOT / "robots" / "op2" / "op2.urdf"), "r_sole"]
     ours(sesc.Robot(urdf).on(support), in_rust(urdf, support))
-    print(f"\n{'':18} {'CoM':>10} {'Jacobian':>10}")
-    for name, peer in (("pinocchio", pinocchio), ("mujoco", mujoco), ("adam", adam)):
+    peers: list[tuple[str, Callable[[str], tuple[float, ...]]]]
+    peers = [("pinocchio", pinocchio), ("mujoco", mujoco), ("adam", adam)]
+    print(f"\n{'':18} {'CoM':>10} {'Jacobian':>10} {'momentum':>10}")
+    for name, peer in peers:
         try:
             importlib.import_module(name)
         except ImportError:
             continue
-        com, jacobian = peer(urdf)
-        print(f"{name:18} {com:10.0f} {jacobian:10.0f}")
+        print(f"{name:18} " + " ".join(f"{time:10.0f}" for time in peer(urdf)))
     if "--fit" in arguments:
         print()
         fits(urdf, support)

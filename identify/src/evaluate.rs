@@ -428,14 +428,20 @@ mod tests {
         let model = Stance::new(robot).on("r_sole").model().unwrap();
         let (all, dof) = (200, model.dof());
         let q: Vec<f64> = (0..all * dof).map(|k| f64::sin(k as f64)).collect();
-        for function in [Function::Com, Function::ComJacobian, Function::RegressorCop] {
-            let portable = Evaluator::new(&model, function);
-            let fastest = Evaluator::new(&model, function).fastest();
-            for evaluator in [portable, fastest] {
-                let batch = evaluator.run(&q, all);
+        for function in Function::ALL {
+            let made = || Evaluator::variant(&model, function, Given::Positions, model.params());
+            let evaluators = made().zip(made().map(Evaluator::fastest));
+            for evaluator in evaluators.into_iter().flat_map(|(a, b)| [a, b]) {
+                // Velocities and accelerations for those that take them.
+                let run = |q: &[f64], n: usize| {
+                    let mut out = vec![0.0; n * evaluator.width()];
+                    evaluator.run_moving_into(q, q, q, n, &mut out);
+                    out
+                };
+                let batch = run(&q, all);
                 // Around the ends of short and of long blocks.
                 for n in [1, 7, 8, 9, 16, 17, 63, 64, 65, 128, 130] {
-                    let few = evaluator.run(&q[dof..], n);
+                    let few = run(&q[dof..], n);
                     let same = &batch[evaluator.width()..][..few.len()];
                     let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
                     assert_eq!(bits(&few), bits(same), "{function:?}, {n} postures");

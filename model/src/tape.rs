@@ -3,11 +3,15 @@
 //! Each node works on [`BLOCK`] postures at once, so that the cost of looking
 //! up what to do is shared and the loops vectorise: in the widest registers that the
 //! processor has, with the same bits in all. A few postures go in blocks of [`SHORT`], which do
-//! not pay for 64; one posture goes number by number. Registers of results are reused as soon
-//! as their value is dead; inputs keep theirs, and what all postures share is loaded once.
+//! not pay for 64; one posture goes number by number, products and sums as one step. Registers
+//! of results are reused as soon as their value is dead; inputs keep theirs, and what all
+//! postures share is loaded once.
 
 mod alone;
+mod lowering;
 mod plan;
+mod products;
+mod step;
 
 use crate::program::Program;
 use crate::wide::{Loops, widest};
@@ -274,6 +278,90 @@ fn binary<const N: usize>(
             let [to, x, y] = registers.get_disjoint_mut([to, a, b]).expect(APART);
             for ((z, x), y) in to.0.iter_mut().zip(&x.0).zip(&y.0) {
                 *z = f(*x, *y);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::{Argument, Graph, Id};
+    use crate::program::{Array, Shape};
+
+    /// Numbers of a fixed sequence.
+    struct Sequence(u64);
+
+    impl Sequence {
+        fn below(&mut self, n: usize) -> usize {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (self.0 >> 33) as usize % n
+        }
+    }
+
+    /// A program of all operations in no order of any robot's, which its outputs use twice and
+    /// never.
+    fn program(seed: u64, joints: usize) -> Program {
+        let mut any = Sequence(seed);
+        let mut graph = Graph::default();
+        let mut known: Vec<Id> = (0..joints)
+            .map(|k| graph.input(Argument::Positions, k))
+            .collect();
+        known.extend([0.0, 1.0, -1.0, 0.3, 2.5].map(|x| graph.constant(x)));
+        for _ in 0..20 + any.below(120) {
+            let [a, b] = [any.below(known.len()), any.below(known.len())].map(|k| known[k]);
+            let made = match any.below(14) {
+                0..=3 => graph.mul(a, b),
+                4..=6 => graph.add(a, b),
+                7..=9 => graph.sub(a, b),
+                10 => graph.neg(a),
+                11 => graph.sin(a),
+                12 => graph.cos(a),
+                _ => match any.below(3) {
+                    0 => graph.div(a, b),
+                    1 => graph.clamp(a),
+                    _ => {
+                        let base = graph.mul(a, a);
+                        graph.pow(base, b)
+                    }
+                },
+            };
+            known.push(made);
+        }
+        let outputs: Vec<Id> = (0..12).map(|_| known[any.below(known.len())]).collect();
+        let inputs = vec![Array {
+            argument: Argument::Positions,
+            len: joints,
+        }];
+        Program::new(graph, inputs, Shape::Vector(outputs.len()), &outputs)
+    }
+
+    #[test]
+    fn a_posture_alone_has_the_bits_of_a_block_in_any_program() {
+        let (joints, postures) = (5, 20);
+        let values = [0.0, -0.0, 1.0, -0.7, 0.1, 3.0, -2.0, 1e-300, 1e18, f64::NAN];
+        for seed in 0..500 {
+            let program = program(seed, joints);
+            let tape = Tape::new(&program);
+            let mut any = Sequence(seed + 1);
+            let q: Vec<f64> = (0..joints * postures)
+                .map(|_| values[any.below(values.len())])
+                .collect();
+            let width = tape.outputs();
+            let mut all = vec![0.0; width * postures];
+            let kernels = Kernels::LIBM;
+            tape.run(&[Values::PerPosture(&q)], postures, &mut all, kernels);
+            let mut alone = vec![0.0; width];
+            for (q, all) in q.chunks(joints).zip(all.chunks(width)) {
+                tape.run(&[Values::PerPosture(q)], 1, &mut alone, kernels);
+                // Of no number the sign has no meaning.
+                let bits = |x: &f64| if x.is_nan() { u64::MAX } else { x.to_bits() };
+                let [alone, all] =
+                    [&alone[..], all].map(|x| x.iter().map(bits).collect::<Vec<_>>());
+                assert_eq!(alone, all, "program {seed} at {q:?}");
             }
         }
     }

@@ -38,4 +38,4 @@ def _floats(given: Any, name: str) -> Float64:
     array = np.asarray(given)
     if array.dtype.kind not in "fiu" and array.size:
         raise TypeError(f"{name} holds {array.dtype}; give numbers (rad, m)")
-    return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+    return np.require(array, dtype=np.float64, requirements=["C", "A"]).reshape(array.shape)

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple, Union
 
 from . import _run, _sesc
 from ._diagnose import Diagnosis
-from ._errors import ModelFileError
+from ._errors import FitError, ModelFileError
 from ._fit import Fit
 from ._model import Model
+from ._robot import Robot
 from ._run import Progress
 
 __all__ = ["Comparison", "Effect", "Verification", "compare", "effects", "verify"]
@@ -166,13 +167,23 @@ class Comparison(_Found):
         said = "changed" if self.changed else "no change beyond chance"
         return f"<sesc.Comparison of {self._found['robot']} on {self._found['support']}: {said}>"
 
-    def _repr_html_(self) -> str:
-        from ._html import table
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write the page of ``sesc compare --report``.
 
-        names = ("name", "before", "after", "std", "deviations")
-        rows = [[one[name] for name in names] for one in self.parameters]
-        changes = [(f"{e['effect']}:{e['target']} ({e['change']})", "", "", "", "") for e in self.effects]
-        return table(f"{repr(self)[1:-1]}. {self.sentence}", names, [*changes, *rows])
+        Raises:
+            SescError: a file that cannot be written; it is an ``OSError`` too.
+
+        Example:
+            >>> sesc.compare(fit, fit).report(folder / "compare.html")
+            >>> (folder / "compare.html").exists()
+            True
+        """
+        _run.written(path, self._state["page"])
+
+    def _repr_html_(self) -> str:
+        from ._html import framed
+
+        return framed(self._state["page"])
 
 
 class Verification(_Found):
@@ -265,8 +276,17 @@ def compare(before: Identified, after: Identified) -> Comparison:
         >>> sesc.compare(monday, friday)
         <sesc.Comparison of pole on foot: no change beyond chance>
     """
-    found, text = _sesc.compare_models(_given(before, "before"), _given(after, "after"))
-    return Comparison({"json": found, "text": text})
+    robots = (robot for robot in map(_robot_of, (after, before)) if robot is not None)
+    found, text, page = _sesc.compare_models(
+        _given(before, "before"), _given(after, "after"), next(robots, None)
+    )
+    return Comparison({"json": found, "text": text, "page": page})
+
+
+def _robot_of(model: Identified) -> Robot | None:
+    if isinstance(model, (Fit, Diagnosis)):
+        model = model.model
+    return model.robot if isinstance(model, Model) else None
 
 
 def _given(model: Any, name: str) -> tuple[str | None, str]:
@@ -293,6 +313,7 @@ def verify(model: Model, *, samples: int | None = None, seed: int = 1, progress:
 
     Raises:
         SescError: the reference cannot read the URDF, or has no such effect.
+        FitError: fewer postures than one.
         KeyboardInterrupt: Ctrl-C, within 0.2 s.
 
     Example:
@@ -301,8 +322,13 @@ def verify(model: Model, *, samples: int | None = None, seed: int = 1, progress:
     """
     if not isinstance(model, Model):
         raise TypeError(f"a model comes first, not {type(model).__name__}")
+<<<<<<< HEAD
     if samples is not None and samples < 1:
         raise ValueError(f"samples is {samples}; give 1 or more")
+=======
+    samples = _run.whole("samples", samples, 1, FitError)
+    seed = _run.whole("seed", seed, 0, FitError)
+>>>>>>> w1
     try:
         found, units = _sesc.verify_model(model.robot, model, samples, seed, _run.shown(progress))
     finally:

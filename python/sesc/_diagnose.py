@@ -13,7 +13,6 @@ from . import _run, _sesc
 from ._errors import FitError
 from ._fit import CorrectedUrdf
 from ._health import Finding
-from ._log import Log
 from ._model import Model, restored
 from ._postures import Postures
 from ._robot import Robot
@@ -193,10 +192,14 @@ class Diagnosis:
         """The ``n`` postures (40 at most) that would tell most about what is still open; none
         where nothing is left to tell apart. :attr:`Postures.experiment` says what else to do.
 
+        Raises:
+            FitError: a number below zero.
+
         Example:
             >>> len(found.next_postures(5)) <= 5
             True
         """
+        n = _run.whole("n", n, 0, FitError)
         found = self._state["next"]
         if found is None:
             model = self._state["robot"].on(self._found["support"])
@@ -229,6 +232,10 @@ class Diagnosis:
     def report(self, path: str | os.PathLike[str]) -> None:
         """Write the page of ``sesc diagnose --report``.
 
+        Raises:
+            FitError: data that cannot be used.
+            SescError: a file that cannot be written; it is an ``OSError`` too.
+
         Example:
             >>> found.report(folder / "found.html")
             >>> (folder / "found.html").exists()
@@ -237,19 +244,22 @@ class Diagnosis:
         self._check_usable()
         _run.written(path, self._state["page"])
 
-    def correct_urdf(self, total_mass: float | None = None) -> CorrectedUrdf:
+    def correct_urdf(self, *, total_mass: float | None = None) -> CorrectedUrdf:
         """The URDF with what was found: joint origins turned, payloads as links, masses as
         re-identified. What no URDF can hold is in ``.left_out``.
 
         Args:
             total_mass: what the robot without its loads weighs, kg; as in CAD unless given.
 
+        Raises:
+            FitError: data that cannot be used, or no masses that give the parameters.
+
         Example:
             >>> found.correct_urdf().robot.joints
             ['hip']
         """
         self._check_usable()
-        state = self._state
+        total_mass, state = _run.number("total_mass", total_mass), self._state
         freed, of_the_log = state["correction"]
         prior = "cad" if freed else state["prior"]
         text, left_out = _sesc.correct_urdf(state["robot"], state["model_file"], prior, total_mass)
@@ -340,7 +350,7 @@ def diagnose(
     """
     if not isinstance(robot, Robot):
         raise TypeError(f"a robot comes first, not {type(robot).__name__}")
-    (first,) = _run.logs(log)[:1] or [Log(log)]
+    first = _run.one_log(log, FitError, "; logs of experiments are given as `then`")
     further = _run.logs(list(then) if isinstance(then, (list, tuple)) else then)
     options = {
         "support": support,

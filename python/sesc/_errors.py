@@ -74,7 +74,7 @@ class ModelFileError(SescError, ValueError):
 
 
 class FitError(SescError, ValueError):
-    """A fit or a diagnosis that is asked for and cannot be had."""
+    """A fit, a diagnosis or a check that is asked for and cannot be had."""
 
 
 class PlanError(SescError, ValueError):
@@ -113,6 +113,11 @@ def _with_system(kind: type[SescError], errno: int) -> type[SescError]:
         members = {"__module__": kind.__module__, "__str__": lambda self: self.args[0]}
         _OF_SYSTEM[kind, system] = type(kind.__name__, (kind, system), members)
     return _OF_SYSTEM[kind, system]
+
+
+def unreadable(kind: str, path: str, error: OSError) -> Exception:
+    """The exception of a file that Python cannot read."""
+    return make(kind, f"cannot read {path}: {error.strerror}", (path, None, None), error.errno, [])
 
 
 def make(

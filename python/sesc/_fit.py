@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from . import _run, _sesc
 from ._arrays import Float64
-from ._errors import FitError, PartError
+from ._errors import FitError, PartError, unreadable
 from ._health import Finding
 from ._log import Log
 from ._model import Model, restored
@@ -145,13 +145,20 @@ class Part:
     def load(cls, path: str | os.PathLike[str]) -> Part:
         """The part in a file, of :meth:`save` or ``sesc fit --partial``.
 
+        Raises:
+            PartError: a file that cannot be read (an ``OSError`` too), or is no part.
+
         Example:
             >>> part.save(folder / "monday.part")
             >>> sesc.Part.load(folder / "monday.part") == part
             True
         """
-        with open(path, "rb") as file:
-            return cls.from_bytes(file.read())
+        try:
+            with open(path, "rb") as file:
+                data = file.read()
+        except OSError as error:
+            raise unreadable("PartError", os.fspath(path), error) from error
+        return cls.from_bytes(data)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write it to ``path`` (ending in .part, for the command line), whole or not at all.
@@ -440,7 +447,7 @@ class Fit:
         """
         _run.written(path, self._page())
 
-    def correct_urdf(self, total_mass: float | None = None) -> CorrectedUrdf:
+    def correct_urdf(self, *, total_mass: float | None = None) -> CorrectedUrdf:
         """The URDF with the identified masses: those nearest to CAD that give the parameters.
 
         Args:
@@ -453,6 +460,7 @@ class Fit:
             >>> fit.correct_urdf(total_mass=2.1).robot.on("foot").total_mass
             2.1
         """
+        total_mass = _run.number("total_mass", total_mass)
         if self._report is not None:
             text, _, _ = self._report.corrected(total_mass)
             return CorrectedUrdf(text, [])

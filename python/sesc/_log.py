@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _arrow, _sesc
 from ._arrays import Float64
+from ._errors import LogError
 from ._health import Finding
 
 if TYPE_CHECKING:
@@ -66,8 +67,8 @@ class Log:
             "support": support,
             "angles": angles,
             "readings_per_pose": readings_per_pose,
-            "cells": None if cells is None else np.asarray(cells, dtype=float).tolist(),
-            "gravity": None if gravity is None else np.asarray(gravity, dtype=float).tolist(),
+            "cells": _numbers("cells", cells, "x and y of each cell, m"),
+            "gravity": _numbers("gravity", gravity, "its three components in the support frame, m/s²"),
             "both_feet": both_feet,
             "other_foot": other_foot,
             "topic": topic,
@@ -221,13 +222,31 @@ def _seconds(times: Any) -> Float64:
     return np.ascontiguousarray(since / np.timedelta64(1, "ns"), dtype=np.float64) * 1e-9
 
 
+def _numbers(name: str, given: Any, what: str) -> Any:
+    try:
+        return None if given is None else np.asarray(given, dtype=float).tolist()
+    except (TypeError, ValueError):
+        raise LogError(f"`{name}` {given!r}: give {what}") from None
+
+
+def _of_column(name: str, what: str) -> LogError:
+    error = LogError(f"column `{name}`: {what}")
+    error.column = name
+    return error
+
+
 def _is_pandas(data: Any) -> bool:
     # Its own columns are numpy's already; its Arrow stream needs pyarrow.
     return type(data).__module__.split(".")[0] == "pandas"
 
 
 def _column(name: str, column: Any) -> Any:
-    array = column.to_numpy() if hasattr(column, "to_numpy") else np.asarray(column)
+    try:
+        array = column.to_numpy() if hasattr(column, "to_numpy") else np.asarray(column)
+    except ValueError as wrong:
+        raise _of_column(name, str(wrong)) from None
+    if array.ndim > 1:
+        raise _of_column(name, f"its shape is {array.shape}; give one value a row")
     if name == "support" or array.dtype.kind in "UST":
         return ["" if text is None or text != text else str(text) for text in array.tolist()]
     if array.dtype.kind == "O":

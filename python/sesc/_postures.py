@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _run, _sesc
 from ._arrays import Float64, positions
-from ._errors import PlanError
+from ._errors import LogError, PlanError
 from ._log import Log
 from ._model import Model
 from ._robot import Robot
@@ -261,15 +261,13 @@ def plan(
         raise PlanError("`data` knows the noise: leave out `noise`, or the log")
     standing = robot.on(support, model)
     if sole is not None and not isinstance(sole, (str, os.PathLike)):
-        sole = "; ".join(f"{float(x)!r},{float(y)!r}" for x, y in np.asarray(sole, dtype=float))
+        points = np.asarray(sole, dtype=float)
+        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3:
+            raise PlanError(f"`sole` has the shape {points.shape}; give x and y of three points or more, m")
+        sole = "; ".join(f"{float(x)!r},{float(y)!r}" for x, y in points)
     ranges = None
     if isinstance(limits, Mapping):
-        unknown = set(limits) - set(standing.joints)
-        if unknown:
-            raise ValueError(f"limits: no joint {', '.join(sorted(unknown))}")
-        own = zip(standing.joints, standing.limits.tolist(), strict=True)
-        asked = [(low, high, *limits.get(joint, (low, high))) for joint, (low, high) in own]
-        ranges = [(max(a, float(b)), min(c, float(d))) for a, c, b, d in asked]
+        ranges = [(str(joint), (float(low), float(high))) for joint, (low, high) in limits.items()]
         limits = None
     options = {
         "poses": poses,
@@ -288,7 +286,7 @@ def plan(
         "both_feet": both_feet,
         "other_foot": other_foot,
     }
-    log = None if data is None else _run.logs(data)[0]._inner
+    log = None if data is None else _run.one_log(data, PlanError)._inner
     try:
         found = _sesc.plan_postures(robot, standing, log, options, _run.shown(progress))
     finally:
@@ -334,8 +332,9 @@ def simulate(
         <sesc.Log simulation: 6 columns, 100 rows>
     """
     postures = None
-    if isinstance(poses, (int, np.integer)):
-        count = int(poses)
+    is_table = isinstance(poses, (Postures, Mapping)) or hasattr(poses, "columns")
+    if not is_table and np.ndim(poses) == 0:
+        count = _run.whole("poses", poses, 0, LogError)
     else:
         given = poses.q if isinstance(poses, Postures) else poses
         postures = positions(given, model.joints, "poses").reshape(-1, model.dof)
@@ -392,7 +391,7 @@ def predict(
         >>> sesc.predict(model, {"hip": [0.0]})["cop"].tolist()
         [[0.1, 0.0]]
     """
-    (one,) = _run.logs(log)[:1]
+    one = _run.one_log(log, LogError)
     try:
         units, moves = _run.degrees(angles), _run.motion(motion)
         pose, com, cop = _sesc.predict_log(

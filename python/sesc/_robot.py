@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from . import _sesc
-from ._errors import SescError
+from ._errors import SescError, make
 from ._model import Model
 
 __all__ = ["Robot"]
@@ -84,14 +84,22 @@ def _read(given: Any) -> tuple[str, str | None]:
     if isinstance(given, os.PathLike):
         return os.fspath(given), None
     if isinstance(given, bytes):
-        given = given.decode()
+        given = _decoded(given, "robot.urdf")
     if isinstance(given, str):
         return ("robot.urdf", given) if "<" in given else (given, None)
     if hasattr(given, "read"):
-        text = given.read()
-        text = text.decode() if isinstance(text, bytes) else text
-        return str(getattr(given, "name", "robot.urdf")), text
+        text, name = given.read(), str(getattr(given, "name", "robot.urdf"))
+        return name, _decoded(text, name) if isinstance(text, bytes) else text
     raise TypeError(f"a URDF is given by its path, its text or an open file, not by {type(given).__name__}")
+
+
+def _decoded(data: bytes, name: str) -> str:
+    try:
+        return data.decode()
+    except UnicodeDecodeError as wrong:
+        line = 1 + data.count(b"\n", 0, wrong.start)
+        message = f"byte 0x{data[wrong.start]:02x} is not UTF-8; save the file as UTF-8"
+        raise make("UrdfError", f"{name}:{line}: {message}", (name, line, None), None, [(line, message)]) from None
 
 
 def _restore(file: str, text: str, snap: bool) -> Robot:

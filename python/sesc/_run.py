@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import operator
 import os
 import sys
 import time
@@ -25,6 +26,34 @@ def logs(given: Any) -> list[Log]:
     if isinstance(given, (list, tuple)):
         return [one if isinstance(one, Log) else Log(one) for one in given]
     return [given if isinstance(given, Log) else Log(given)]
+
+
+def one_log(given: Any, error: type[Exception], further: str = "") -> Log:
+    """The one log of a call that takes no more."""
+    found = logs(given)
+    if len(found) != 1:
+        raise error(f"one log is asked for, not {len(found)}{further}")
+    return found[0]
+
+
+def whole(name: str, given: Any, least: int, error: type[Exception]) -> int:
+    """A whole number."""
+    try:
+        number = operator.index(given)
+    except TypeError:
+        raise TypeError(f"`{name}` {given!r}: give a whole number") from None
+    if not least <= number < 1 << 63:
+        raise error(f"`{name}` {number}: give a whole number, {least or 'zero'} or more")
+    return number
+
+
+def number(name: str, given: Any) -> float | None:
+    """A number, or nothing; what it may be is the library's to say."""
+    if given is None:
+        return None
+    if isinstance(given, str) or not (hasattr(given, "__float__") or hasattr(given, "__index__")):
+        raise TypeError(f"`{name}` {given!r}: give a number")
+    return float(given)
 
 
 def shown(progress: Progress) -> Callable[[str, int, int | None], object] | None:

@@ -17,6 +17,7 @@ __all__ = [
     "Part",
     "PlanReport",
     "Robot",
+    "Stop",
     "__version__",
     "arrow_columns",
     "c_files",
@@ -272,10 +273,20 @@ class PlanReport:
     def q(self) -> Float64:
         """Joint positions, posture by posture."""
 
+@final
+class Stop:
+    """Stops the calls that it is given to, from any thread; where it travels, another one arrives."""
+
+    def __new__(cls) -> Self: ...
+    def set(self) -> None:
+        """Stop them."""
+
 def arrow_columns(capsule: Any) -> list[tuple[str, Any]]: ...
 def c_files(model: Model, folder: str, options: dict[str, Any]) -> list[str]: ...
 def command(words: list[str]) -> int: ...
-def compare_models(before: tuple[str | None, str], after: tuple[str | None, str]) -> tuple[str, str]: ...
+def compare_models(
+    before: tuple[str | None, str], after: tuple[str | None, str], robot: Robot | None = None
+) -> tuple[str, str, str]: ...
 def correct_urdf(
     robot: Robot, model_file: str, prior: str, total_mass: float | None = None
 ) -> tuple[str, list[str]]: ...
@@ -294,7 +305,12 @@ class FleetFound:
     """All groups of a fleet, and what they say together."""
     @staticmethod
     def run(
-        robot: Robot, options: str, groups: list[str], store: str | None = None, show: _Show = None
+        robot: Robot,
+        options: str,
+        groups: list[str],
+        store: str | None = None,
+        show: _Show = None,
+        threads: int | None = None,
     ) -> FleetFound:
         """Work on all groups with the threads of this machine."""
     @staticmethod
@@ -308,7 +324,7 @@ class FleetFound:
     def rows(self) -> str:
         """The rows as JSON, a list of objects."""
     def json(self) -> str:
-        """What is said besides the rows, as JSON."""
+        """What `sesc fleet --json` prints."""
     def write(self, path: str) -> None:
         """Write the table, as Parquet or CSV."""
     def pages(self, file: str, robots: int | None = None) -> tuple[str, str, list[tuple[str, str]]]:
@@ -322,7 +338,12 @@ def fleet_groups(
     data: list[str], table: list[tuple[str, dict[str, str]]], by: list[str], window: int | None = None
 ) -> list[str]: ...
 def fleet_work(
-    robot: Robot, options: str, group: str, store: str | None = None, disk: Any = None
+    robot: Robot,
+    options: str,
+    group: str,
+    store: str | None = None,
+    disk: Any = None,
+    stop: Stop | None = None,
 ) -> str: ...
 def plan_postures(
     robot: Robot, model: Model, data: Log | None, options: dict[str, Any], show: _Show = None

@@ -63,7 +63,7 @@ pub fn numbers<'py>(
     name: &str,
 ) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
     let array = match given.cast::<PyArrayDyn<f64>>() {
-        Ok(array) if array.is_c_contiguous() => array.clone(),
+        Ok(array) if array.is_c_contiguous() && array.is_aligned() => array.clone(),
         _ => convert(given, axis.names(), name)?.cast_into::<PyArrayDyn<f64>>()?,
     };
     if array.shape().last() != Some(&axis.names().len()) {

@@ -18,6 +18,11 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
+use crate::calls::{Signals, guarded};
+
+/// Rows of a column that are read between looks for signals: a millisecond's worth.
+const CHUNK: usize = 1 << 16;
+
 #[repr(C)]
 struct Schema {
     format: *const c_char,
@@ -158,7 +163,7 @@ pub fn arrow_columns<'py>(
     // the capsule outlives this call, and its own destructor releases the stream. Functions of a
     // stream may be called by any thread, one at a time, and take the interpreter's lock by
     // themselves where they need it.
-    let columns = py.detach(move || unsafe { read(stream.get()) })?;
+    let columns = guarded(py, || py.detach(move || unsafe { read(stream.get()) }))?;
     let array = |values| -> PyResult<Bound<'py, PyAny>> {
         Ok(match values {
             Values::Numbers(x) => PyArray1::from_vec(py, x).into_any(),
@@ -224,6 +229,7 @@ unsafe fn read(stream: *mut Stream) -> PyResult<Vec<(String, Values)>> {
             };
             columns.push((name, values, index, empty));
         }
+        let mut signals = Signals::new();
         loop {
             let mut batch = OwnedArray::empty();
             if get_next(stream, &mut *batch.0) != 0 {
@@ -240,7 +246,11 @@ unsafe fn read(stream: *mut Stream) -> PyResult<Vec<(String, Values)>> {
             for (k, (name, kind, index, values)) in columns.iter_mut().enumerate() {
                 let child = &**batch.0.children.add(k);
                 let rows = batch.0.offset as usize..(batch.0.offset + batch.0.length) as usize;
-                append(child, *kind, *index, rows, name, values)?;
+                for from in rows.clone().step_by(CHUNK) {
+                    let some = from..rows.end.min(from + CHUNK);
+                    append(child, *kind, *index, some, name, values)?;
+                    signals.look()?;
+                }
             }
         }
         Ok(columns

@@ -5,13 +5,12 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use sesc_model::tape::BLOCK;
 
-use crate::calls::EVERY;
+use crate::calls::Signals;
 
 /// Additions from which on the interpreter's lock is released: below ten microseconds' worth
 /// where postures come one by one, and far below where they come in blocks.
@@ -26,7 +25,7 @@ pub struct Batch {
     pub width: usize,
     /// Cost of a posture, in additions.
     pub operations: usize,
-    pub threads: usize,
+    pub threads: i64,
 }
 
 impl Batch {
@@ -37,23 +36,25 @@ impl Batch {
         out: &mut [f64],
         run: impl Fn(usize, usize, &mut [f64]) + Sync + Send,
     ) -> PyResult<()> {
-        if self.threads == 0 {
-            return Err(PyValueError::new_err("threads is 0; give 1 or more"));
-        }
+        let Some(threads) = usize::try_from(self.threads).ok().filter(|n| *n > 0) else {
+            let message = format!("threads is {}; give 1 or more", self.threads);
+            return Err(PyValueError::new_err(message));
+        };
         if self.postures.saturating_mul(self.operations) < LONG {
             run(0, self.postures, out);
             return Ok(());
         }
-        py.detach(|| self.in_chunks(out, run))
+        py.detach(|| self.in_chunks(threads, out, run))
     }
 
     fn in_chunks(
         &self,
+        threads: usize,
         out: &mut [f64],
         run: impl Fn(usize, usize, &mut [f64]) + Sync + Send,
     ) -> PyResult<()> {
         let blocks = self.postures.div_ceil(BLOCK);
-        let threads = self.threads.clamp(1, blocks.max(1));
+        let threads = threads.min(blocks.max(1));
         let most = CHUNK / (BLOCK * self.operations.max(1));
         let chunk = BLOCK * blocks.div_ceil(threads).min(most).max(1);
         let chunks = out.chunks_mut(chunk * self.width.max(1)).enumerate();
@@ -74,16 +75,12 @@ impl Batch {
                     }
                 });
             }
-            let mut looked = Instant::now();
+            let mut signals = Signals::new();
             while let Some(chunk) = next() {
                 work(chunk);
-                if looked.elapsed() >= EVERY {
-                    let signal = Python::attach(|py| py.check_signals());
-                    if signal.is_err() {
-                        stop.store(true, Ordering::Relaxed);
-                        return signal;
-                    }
-                    looked = Instant::now();
+                if let Err(signal) = signals.look() {
+                    stop.store(true, Ordering::Relaxed);
+                    return Err(signal);
                 }
             }
             Ok(())

@@ -7,9 +7,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use sesc_identify::{Message, Progress, Watch};
 
 use crate::errors::{Failure, keyword};
@@ -57,6 +59,56 @@ pub fn detached<T: Send>(
         Ok(Ok(value)) => Ok(value),
         Ok(Err(failure)) => Err(failure.raise(py)),
         Err(panic) => Err(internal(panic).raise(py)),
+    }
+}
+
+/// When a call that works in the thread of its caller last looked for signals.
+pub struct Signals(Instant);
+
+impl Signals {
+    /// From now on.
+    pub fn new() -> Signals {
+        Signals(Instant::now())
+    }
+
+    /// The exception of a signal, such as Ctrl-C; looks every [`EVERY`] at most, and takes the
+    /// interpreter's lock for that.
+    pub fn look(&mut self) -> PyResult<()> {
+        if self.0.elapsed() < EVERY {
+            return Ok(());
+        }
+        self.0 = Instant::now();
+        Python::attach(|py| py.check_signals())
+    }
+}
+
+/// Stops the calls that it is given to, from any thread; where it travels, another one arrives.
+#[pyclass(frozen, module = "sesc._sesc")]
+#[derive(Default)]
+pub struct Stop(Arc<AtomicBool>);
+
+impl Stop {
+    /// Whether calls are to end, now and later.
+    pub fn flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0)
+    }
+}
+
+#[pymethods]
+impl Stop {
+    #[new]
+    fn new() -> Stop {
+        Stop::default()
+    }
+
+    /// Stop them.
+    fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// How it travels.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, ()) {
+        (slf.get_type(), ())
     }
 }
 
@@ -108,6 +160,17 @@ pub fn watched<T: Send + 'static>(
     stopped: Stopped,
     call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
 ) -> PyResult<(T, Vec<String>)> {
+    watched_until(py, show, stopped, &AtomicBool::new(false), call)
+}
+
+/// The same until `stop` is set by another thread: one that is not the main one sees no signal.
+pub fn watched_until<T: Send + 'static>(
+    py: Python<'_>,
+    show: Option<Py<PyAny>>,
+    stopped: Stopped,
+    stop: &AtomicBool,
+    call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
+) -> PyResult<(T, Vec<String>)> {
     let shared = Arc::new(Shared::default());
     let (send, receive) = mpsc::channel();
     // A receiver is of one thread; a lock lets another wait with it.
@@ -139,6 +202,9 @@ pub fn watched<T: Send + 'static>(
             }
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(Failure::internal("a thread ended early").raise(py));
+            }
+            Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => {
+                Err(PyKeyboardInterrupt::new_err("the call was stopped"))
             }
             Err(RecvTimeoutError::Timeout) => look(py, show.as_ref(), &shared),
         };

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use sesc::report::compare::text;
+use sesc::report::compare::{page, text};
 use sesc::verify;
 use sesc_identify::compare;
+use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
 use sesc_model::effects::about::about;
@@ -39,9 +40,17 @@ pub fn verify_model(
 /// A model file by its text or its path, and what messages call it.
 type Given = (Option<String>, PathBuf);
 
-/// What `sesc compare` prints of two model files, as JSON and as text.
+/// What `sesc compare` prints of two model files, as JSON and as text, and its page, with `robot`
+/// drawn where it is known.
 #[pyfunction]
-pub fn compare_models(py: Python<'_>, before: Given, after: Given) -> PyResult<(String, String)> {
+#[pyo3(signature = (before, after, robot=None))]
+pub fn compare_models(
+    py: Python<'_>,
+    before: Given,
+    after: Given,
+    robot: Option<PyRef<'_, Robot>>,
+) -> PyResult<(String, String, String)> {
+    let robot = robot.as_deref();
     detached(py, || {
         let read = |(text, path): Given| {
             let file = match text {
@@ -53,7 +62,16 @@ pub fn compare_models(py: Python<'_>, before: Given, after: Given) -> PyResult<(
         let (before, after) = (read(before)?, read(after)?);
         let found = compare::compare(&before, &after);
         let found = found.map_err(|error| Failure::of(&error, Doing::ModelFile))?;
-        Ok((json(&found)?, text(&found, &before.file, &after.file)))
+        let drawn = robot.map(|robot| {
+            let model = robot.inner.model(&found.support, robot.snapping, None);
+            let model = model.map_err(|error| Failure::of(&error, Doing::Robot))?;
+            let (description, folder) = (&robot.inner.description, robot.folder.as_deref());
+            Ok(Skeleton::of(&model, description, folder))
+        });
+        let drawn = drawn.transpose()?;
+        let page = page(&found, [&before, &after], drawn.as_ref(), "sesc.compare(…)");
+        let page = page.map_err(|error| Failure::internal(error.to_string()))?;
+        Ok((json(&found)?, text(&found, &before.file, &after.file), page))
     })
 }
 

@@ -11,6 +11,7 @@ use sesc_model::files;
 use crate::calls::detached;
 use crate::errors::{Doing, Failure};
 use crate::model::Model;
+use crate::options::taken;
 
 /// Keywords of C code, all of them given.
 #[derive(FromPyObject)]
@@ -31,8 +32,9 @@ pub fn c_files(
     py: Python<'_>,
     model: PyRef<'_, Model>,
     folder: PathBuf,
-    options: COptions,
+    options: &Bound<'_, PyAny>,
 ) -> PyResult<Vec<PathBuf>> {
+    let options: COptions = taken(options, Doing::Code)?;
     let model = model.inner.clone();
     detached(py, || {
         let scalar = match options.scalar.as_str() {

@@ -14,7 +14,7 @@ use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
 use crate::log::Log;
 use crate::model::json;
-use crate::options::{angles, motion, stays};
+use crate::options::{angles, motion, stays, taken};
 use crate::robot::Robot;
 
 /// Keywords of a diagnosis, all of them given.
@@ -46,9 +46,10 @@ pub fn diagnose_log(
     robot: PyRef<'_, Robot>,
     log: PyRef<'_, Log>,
     then: Vec<PyRef<'_, Log>>,
-    options: DiagnoseOptions,
+    options: &Bound<'_, PyAny>,
     show: Option<Py<PyAny>>,
 ) -> PyResult<DiagnosisReport> {
+    let options: DiagnoseOptions = taken(options, Doing::Fit)?;
     let mut request = Request::new(robot.inner.clone(), &log.source);
     request.then = then.iter().map(|log| log.source.clone()).collect();
     request.support = options.support;

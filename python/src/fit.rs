@@ -11,7 +11,7 @@ use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
 use crate::log::Log;
 use crate::model::json;
-use crate::options::FitOptions;
+use crate::options::{FitOptions, taken};
 use crate::part::Part;
 use crate::robot::Robot;
 
@@ -36,9 +36,10 @@ pub fn fit_logs(
     robot: Option<PyRef<'_, Robot>>,
     logs: Vec<PyRef<'_, Log>>,
     parts: Vec<PyRef<'_, Part>>,
-    options: FitOptions,
+    options: &Bound<'_, PyAny>,
     show: Option<Py<PyAny>>,
 ) -> PyResult<FitReport> {
+    let options: FitOptions = taken(options, Doing::Fit)?;
     let parts = parts.iter().map(|part| part.inner.clone());
     let request = options.request(robot.as_deref(), &logs, parts.collect());
     let request = request.map_err(|failure| failure.raise(py))?;

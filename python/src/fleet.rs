@@ -22,8 +22,9 @@ use sesc_identify::fleet::{
 };
 use sesc_identify::robot;
 
-use crate::calls::{Stopped, detached, watched};
+use crate::calls::{Stop, Stopped, detached, watched, watched_until};
 use crate::errors::{Doing, Failure};
+use crate::model::json;
 use crate::robot::Robot;
 
 /// The name of a file, and its text.
@@ -141,21 +142,23 @@ fn disk_of(disk: Option<Py<PyAny>>) -> Box<dyn Disk> {
     }
 }
 
-/// What one group comes to.
+/// What one group comes to, unless `stop` is set meanwhile.
 #[pyfunction]
-#[pyo3(signature = (robot, options, group, store=None, disk=None))]
+#[pyo3(signature = (robot, options, group, store=None, disk=None, stop=None))]
 pub fn fleet_work(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
-    options: &str,
-    group: &str,
+    options: String,
+    group: String,
     store: Option<PathBuf>,
     disk: Option<Py<PyAny>>,
+    stop: Option<PyRef<'_, Stop>>,
 ) -> PyResult<String> {
     let robot = robot.inner.clone();
     let disk = disk_of(disk);
-    detached(py, || {
-        let (options, group): (Options, Group) = (parsed(options)?, parsed(group)?);
+    let stop = stop.map(|stop| stop.flag()).unwrap_or_default();
+    let (done, _) = watched_until(py, None, Stopped::Abandoned, &stop, move |watch| {
+        let (options, group): (Options, Group) = (parsed(&options)?, parsed(&group)?);
         let store = store.map(Store::new);
         let job = Job {
             robot: &robot,
@@ -163,9 +166,10 @@ pub fn fleet_work(
             store: store.as_ref(),
             disk: &*disk,
         };
-        let done = fleet::work(job, &group, &mut ());
+        let done = fleet::work(job, &group, watch);
         text(&done.map_err(|error| Failure::of(&error, Doing::Fit))?)
-    })
+    })?;
+    Ok(done)
 }
 
 /// The robot of a fleet, and how every group was looked at.
@@ -235,7 +239,7 @@ impl FleetFound {
 impl FleetFound {
     /// Work on all groups with the threads of this machine.
     #[staticmethod]
-    #[pyo3(signature = (robot, options, groups, store=None, show=None))]
+    #[pyo3(signature = (robot, options, groups, store=None, show=None, threads=None))]
     fn run(
         py: Python<'_>,
         robot: PyRef<'_, Robot>,
@@ -243,6 +247,7 @@ impl FleetFound {
         groups: Vec<String>,
         store: Option<PathBuf>,
         show: Option<Py<PyAny>>,
+        threads: Option<usize>,
     ) -> PyResult<FleetFound> {
         let asked = Asked::of(py, &robot, options)?;
         let request = || -> Result<Request, Failure> {
@@ -250,6 +255,7 @@ impl FleetFound {
             let mut request = Request::new(asked.robot.clone(), groups?);
             request.options = asked.options.clone();
             request.store = store.map(Store::new);
+            request.threads = threads;
             Ok(request)
         };
         let request = request().map_err(|failure| failure.raise(py))?;
@@ -328,9 +334,9 @@ impl FleetFound {
         detached(py, || text(&self.fleet.rows))
     }
 
-    /// What is said besides the rows, as JSON.
+    /// What `sesc fleet --json` prints.
     fn json(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || text(&report::answer(&self.fleet, &self.summary)))
+        detached(py, || json(&report::answer(&self.fleet, &self.summary)))
     }
 
     /// Write the table, as Parquet or CSV.

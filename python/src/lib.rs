@@ -27,6 +27,7 @@ mod model;
 mod options;
 mod part;
 mod postures;
+mod prepared;
 mod robot;
 
 use pyo3::prelude::*;
@@ -38,6 +39,8 @@ mod _sesc {
 
     #[pymodule_export]
     use super::arrow::arrow_columns;
+    #[pymodule_export]
+    use super::calls::Stop;
     #[pymodule_export]
     use super::checks::{compare_models, effects_about, verify_model};
     #[pymodule_export]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::ndarray::ArrayView1;
+use numpy::ndarray::{ArrayView1, Axis};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -11,7 +11,7 @@ use sesc_identify::health;
 use sesc_identify::logs::{LogSource, Sidecar, Table, Values};
 use sesc_identify::simulate;
 
-use crate::calls::{Stopped, detached, watched};
+use crate::calls::{Signals, Stopped, detached, guarded, watched};
 use crate::errors::{Doing, Failure, keyword};
 use crate::robot::Robot;
 
@@ -69,8 +69,16 @@ fn overlaid(own: &Sidecar, settings: &str) -> Result<Sidecar, Failure> {
     let wrong = |error: serde_json::Error| Failure::plain(Doing::Log, error.to_string());
     let mut merged = serde_json::to_value(own).map_err(wrong)?;
     let given: serde_json::Value = serde_json::from_str(settings).map_err(wrong)?;
-    if let (Some(merged), serde_json::Value::Object(given)) = (merged.as_object_mut(), given) {
-        merged.extend(given);
+    let serde_json::Value::Object(given) = given else {
+        return serde_json::from_value(merged).map_err(wrong);
+    };
+    for (key, value) in given {
+        let said = value.to_string();
+        if let Some(merged) = merged.as_object_mut() {
+            merged.insert(key.clone(), value);
+        }
+        serde_json::from_value::<Sidecar>(merged.clone())
+            .map_err(|error| Failure::plain(Doing::Log, format!("`{key}` {said}: {error}")))?;
     }
     serde_json::from_value(merged).map_err(wrong)
 }
@@ -103,16 +111,35 @@ impl View<'_> {
     }
 
     /// `table` with a copy of a column.
-    fn copied(table: Table, (name, column): (&str, View<'_>)) -> Table {
-        match column {
-            View::Numbers(values) => table.numbers(name, values.to_vec()),
-            View::Integers(values) => table.integers(name, values.to_vec()),
+    fn copied(self, table: Table, name: &str, signals: &mut Signals) -> PyResult<Table> {
+        Ok(match self {
+            View::Numbers(values) => table.numbers(name, copy(values, signals)?),
+            View::Integers(values) => table.integers(name, copy(values, signals)?),
             View::Texts(values) => {
-                let values: Vec<Arc<str>> = values.iter().map(|text| Arc::from(&**text)).collect();
-                table.texts(name, values)
+                let mut all: Vec<Arc<str>> = Vec::with_capacity(values.len());
+                for some in values.chunks(CHUNK) {
+                    all.extend(some.iter().map(|text| Arc::from(&**text)));
+                    signals.look()?;
+                }
+                table.texts(name, all)
             }
-        }
+        })
     }
+}
+
+/// Values that are copied between looks for signals: milliseconds' worth.
+const CHUNK: usize = 1 << 18;
+
+fn copy<T: Copy>(values: ArrayView1<'_, T>, signals: &mut Signals) -> PyResult<Vec<T>> {
+    let mut all = Vec::with_capacity(values.len());
+    for some in values.axis_chunks_iter(Axis(0), CHUNK) {
+        match some.as_slice() {
+            Some(some) => all.extend_from_slice(some),
+            None => all.extend(some),
+        }
+        signals.look()?;
+    }
+    Ok(all)
 }
 
 #[pymethods]
@@ -149,10 +176,15 @@ impl Log {
         let views: Vec<(&str, View<'_>)> = columns
             .map(|(name, column)| (name.as_str(), View::of(column)))
             .collect();
-        detached(py, || {
-            let table = views.into_iter().fold(Table::new(name), View::copied);
-            Log::with(LogSource::from(table), settings)
-        })
+        let copied = || {
+            let (mut table, mut signals) = (Table::new(name), Signals::new());
+            for (name, view) in views {
+                table = view.copied(table, name, &mut signals)?;
+            }
+            Ok(table)
+        };
+        let table = guarded(py, || py.detach(copied))?;
+        detached(py, || Log::with(LogSource::from(table), settings))
     }
 
     #[getter]

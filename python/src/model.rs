@@ -1,44 +1,28 @@
 //! A robot on its support, with its parameters: functions of many postures at once.
 
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use numpy::{PyArray1, PyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use sesc::inspect::inspect;
-use sesc_identify::evaluate::Evaluator;
-use sesc_model::{self as model, Function, Given, ModelFile};
+use sesc::inspect::{inspect, notes};
+use sesc_identify::robot;
+use sesc_model::{self as model, Function, ModelFile};
 
 use crate::arrays::{Axis, Target, numbers};
 use crate::batch::Batch;
 use crate::calls::{detached, guarded};
 use crate::errors::{Doing, Failure};
+use crate::prepared::{Functions, READING};
 use crate::robot::Robot;
-
-/// Functions that Python calls, each prepared when it is first asked for.
-const FUNCTIONS: [Function; 10] = [
-    Function::Com,
-    Function::ComJacobian,
-    Function::ComVelocity,
-    Function::GravityMoments,
-    Function::Cop,
-    Function::RegressorCop,
-    Function::Regressor,
-    Function::RegressorFull,
-    Function::Zmp,
-    Function::CorrectCop,
-];
-
-/// Columns of a reading of the CoP.
-const READING: [&str; 2] = ["cop_x", "cop_y"];
 
 /// An array-like of joint positions, velocities or accelerations.
 type In<'a, 'py> = &'a Bound<'py, PyAny>;
 /// The caller's array for the result.
 type Out<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// Over how many threads; one where nothing is said.
-type Threads = Option<usize>;
+type Threads = Option<i64>;
 /// The result, or an exception.
 type Found<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 
@@ -46,23 +30,13 @@ type Found<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 #[pyclass(frozen, subclass, module = "sesc._sesc")]
 pub struct Model {
     pub inner: Arc<model::Model>,
+    robot: Arc<robot::Robot>,
     joints: Vec<String>,
     reading: [String; 2],
-    prepared: [OnceLock<Prepared>; FUNCTIONS.len()],
+    prepared: Functions,
 }
 
 impl Model {
-    /// The prepared function.
-    fn prepared(&self, py: Python<'_>, function: Function) -> &Prepared {
-        let place = FUNCTIONS.iter().position(|known| *known == function);
-        let prepared = &self.prepared[place.unwrap_or_default()];
-        match prepared.get() {
-            Some(prepared) => prepared,
-            // Most of a millisecond, in which other threads go on.
-            None => py.detach(|| prepared.get_or_init(|| Prepared::new(&self.inner, function))),
-        }
-    }
-
     /// A function of arrays of one shape: positions, and velocities and accelerations where
     /// the robot moves.
     fn run<'py, const N: usize>(
@@ -74,7 +48,7 @@ impl Model {
     ) -> Found<'py> {
         let py = inputs[0].1.py();
         guarded(py, || {
-            let prepared = self.prepared(py, function);
+            let prepared = self.prepared.get(py, &self.inner, function);
             let axis = match function {
                 Function::CorrectCop => Axis::Reading(&self.reading),
                 _ => Axis::Joints(&self.joints),
@@ -125,27 +99,6 @@ impl Model {
     }
 }
 
-/// A function that is ready to be called.
-struct Prepared {
-    /// None where the model does not have it.
-    evaluator: Option<Evaluator>,
-    /// Shape of the result of one posture.
-    shape: Vec<usize>,
-}
-
-impl Prepared {
-    fn new(model: &model::Model, function: Function) -> Prepared {
-        let evaluator = Evaluator::variant(model, function, Given::Positions, model.params());
-        let columns = function.columns().on(model);
-        let rows = function.rows().into_iter();
-        let shape = match &evaluator {
-            Some(_) => rows.chain([columns]).collect(),
-            None => vec![READING.len()],
-        };
-        Prepared { evaluator, shape }
-    }
-}
-
 /// All of the results, or the first error.
 fn each<T, const N: usize>(results: [PyResult<T>; N]) -> PyResult<[T; N]> {
     let mut error = None;
@@ -192,7 +145,19 @@ impl Model {
                 None => Ok(found),
             }
         };
-        detached(py, build).map(Model::of)
+        let inner = detached(py, build)?;
+        Ok(Model {
+            joints: inner
+                .tree
+                .dofs
+                .iter()
+                .map(|dof| dof.joint.clone())
+                .collect(),
+            inner: Arc::new(inner),
+            robot: Arc::clone(&robot.inner),
+            reading: READING.map(String::from),
+            prepared: Functions::default(),
+        })
     }
 
     /// The text of the model file that it was made with.
@@ -294,13 +259,13 @@ impl Model {
     ///     True
     #[getter]
     fn notes(&self) -> Vec<String> {
-        let notes = self.inner.tree.notes.iter().cloned();
+        let notes = notes(&self.robot.description, &self.inner).into_iter();
         notes.chain(self.inner.left_out()).collect()
     }
 
     /// What `sesc inspect --json` says.
     fn inspection(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || json(&inspect(&self.inner)))
+        detached(py, || json(&inspect(&self.robot.description, &self.inner)))
     }
 
     /// Centre of mass in the support frame, m: ``(dof,)`` gives ``(3,)``, ``(n, dof)`` gives
@@ -481,23 +446,6 @@ impl Model {
             out,
             threads,
         )
-    }
-}
-
-impl Model {
-    /// A model of the library.
-    pub fn of(inner: model::Model) -> Model {
-        Model {
-            joints: inner
-                .tree
-                .dofs
-                .iter()
-                .map(|dof| dof.joint.clone())
-                .collect(),
-            inner: Arc::new(inner),
-            reading: READING.map(String::from),
-            prepared: Default::default(),
-        }
     }
 }
 

@@ -1,5 +1,7 @@
-//! Keywords that fits and parts share, as requests of the library.
+//! Keywords of calls: how they are taken, and those that fits and parts share, as requests of the
+//! library.
 
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::PriorChoice;
@@ -10,6 +12,33 @@ use sesc_identify::observations::motion_use::MotionModel;
 use crate::errors::{Doing, Failure};
 use crate::log::Log;
 use crate::robot::Robot;
+
+/// The keywords of a call. What cannot be taken is said by the keyword's name: a number that is out
+/// of range as any other fault of what is asked for, a value of another type as a `TypeError`.
+pub fn taken<'a, 'py, T>(given: &'a Bound<'py, PyAny>, doing: Doing) -> PyResult<T>
+where
+    T: FromPyObject<'a, 'py>,
+{
+    let py = given.py();
+    given.extract().map_err(|error: T::Error| {
+        let error: PyErr = error.into();
+        let said = error.value(py).to_string();
+        let Some(cause) = error.cause(py) else {
+            return error;
+        };
+        let name = said.rsplit('.').next().unwrap_or_default();
+        let value = given.get_item(name).and_then(|value| value.repr());
+        let value = value.map_or_else(|_| String::new(), |value| value.to_string());
+        match cause.is_instance_of::<PyOverflowError>(py) {
+            true if value.starts_with('-') => {
+                let message = format!("`{name}` {value}: give a whole number, zero or more");
+                Failure::plain(doing, message).raise(py)
+            }
+            true => Failure::plain(doing, format!("`{name}` {value}: too large")).raise(py),
+            false => PyTypeError::new_err(format!("`{name}` {value}: {}", cause.value(py))),
+        }
+    })
+}
 
 /// Keywords of a fit, all of them given.
 #[derive(FromPyObject)]

@@ -8,7 +8,7 @@ use sesc_identify::fit;
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
 use crate::log::Log;
-use crate::options::FitOptions;
+use crate::options::{FitOptions, taken};
 use crate::robot::Robot;
 
 /// Sums of one log or of many, with the robot they are about.
@@ -27,9 +27,10 @@ impl Part {
         py: Python<'_>,
         robot: PyRef<'_, Robot>,
         logs: Vec<PyRef<'_, Log>>,
-        options: FitOptions,
+        options: &Bound<'_, PyAny>,
         show: Option<Py<PyAny>>,
     ) -> PyResult<Part> {
+        let options: FitOptions = taken(options, Doing::Fit)?;
         let request = options.request(Some(&robot), &logs, Vec::new());
         let request = request.map_err(|failure| failure.raise(py))?;
         let (inner, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {

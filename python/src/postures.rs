@@ -21,7 +21,7 @@ use crate::calls::{Stopped, Waiting, detached, watched};
 use crate::errors::{Doing, Failure};
 use crate::log::Log;
 use crate::model::{Model, json};
-use crate::options::{angles, motion};
+use crate::options::{angles, motion, taken};
 use crate::robot::Robot;
 
 /// Keywords of a plan, all of them given.
@@ -34,7 +34,8 @@ pub struct PlanOptions {
     margin: f64,
     sigmas: f64,
     limits: Option<PathBuf>,
-    ranges: Option<Vec<(f64, f64)>>,
+    /// Lower and upper limit of joints, rad or m.
+    ranges: Option<Vec<(String, (f64, f64))>>,
     candidates: Option<usize>,
     prior: String,
     noise: f64,
@@ -60,9 +61,10 @@ pub fn plan_postures(
     robot: PyRef<'_, Robot>,
     model: PyRef<'_, Model>,
     data: Option<PyRef<'_, Log>>,
-    options: PlanOptions,
+    options: &Bound<'_, PyAny>,
     show: Option<Py<PyAny>>,
 ) -> PyResult<PlanReport> {
+    let options: PlanOptions = taken(options, Doing::Plan)?;
     let (robot, folder, model) = (
         robot.inner.clone(),
         robot.folder.clone(),
@@ -85,8 +87,9 @@ pub fn plan_postures(
             if let Some(path) = &options.limits {
                 request.limits = Limits::read(path, &request.model.tree.dofs)?;
             }
-            if let Some(ranges) = options.ranges {
-                request.limits.ranges = ranges;
+            if let Some(ranges) = &options.ranges {
+                let asked = ranges.iter().map(|(joint, range)| (joint.as_str(), *range));
+                request.limits = Limits::of_joints(asked, &request.model.tree.dofs)?;
             }
             request.prior = Prior::named(&options.prior, &request.model)?;
             request.noise = options.noise;
@@ -204,9 +207,10 @@ pub struct SimulateOptions<'py> {
 pub fn simulate_log(
     py: Python<'_>,
     model: PyRef<'_, Model>,
-    options: SimulateOptions<'_>,
+    options: &Bound<'_, PyAny>,
     show: Option<Py<PyAny>>,
 ) -> PyResult<Log> {
+    let options: SimulateOptions<'_> = taken(options, Doing::Log)?;
     let postures = options.postures.as_ref();
     let postures = postures.map(|q| q.as_array().iter().copied().collect::<Vec<f64>>());
     let SimulateOptions {

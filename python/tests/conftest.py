@@ -52,9 +52,9 @@ def command() -> Any:
     if not program:
         pytest.skip("SESC_COMMAND names no command line")
 
-    def run(*words: object, expect: int = 0) -> str:
+    def run(*words: object, expect: int | tuple[int, ...] = 0) -> str:
         done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)
-        assert done.returncode == expect, done.stderr
+        assert done.returncode in (expect if isinstance(expect, tuple) else (expect,)), done.stderr
         return done.stdout
 
     return run

@@ -23,6 +23,11 @@ def fitted(robot: sesc.Robot, seed: int, **hide: float) -> sesc.Fit:
     return sesc.fit(robot, log, prior="free")
 
 
+def without_command(page: str) -> str:
+    """A page without the lines that say how it was made."""
+    return "\n".join(line for line in page.splitlines() if "sesc compare" not in line and "sesc.compare" not in line)
+
+
 def test_effects_are_those_of_the_command(command_json: Any) -> None:
     found = sesc.effects()
     want = command_json("effects")["effects"]
@@ -42,7 +47,12 @@ def test_a_comparison_is_that_of_the_command(robot: sesc.Robot, command: Any, co
     assert str(found) == command("compare", tmp_path / "a.toml", tmp_path / "b.toml")
     # Objects have what their files have.
     assert sesc.compare(before, after.model).to_dict() == want
-    assert found.sentence and "<table>" in found._repr_html_()
+    found.report(tmp_path / "ours.html")
+    command("compare", tmp_path / "a.toml", tmp_path / "b.toml", "--report", tmp_path / "theirs.html")
+    ours, theirs = (without_command((tmp_path / name).read_text()) for name in ("ours.html", "theirs.html"))
+    assert found.sentence and ours == theirs
+    drawn = sesc.compare(before, after)._repr_html_()
+    assert drawn.startswith("<iframe") and drawn.count("svg") > found._repr_html_().count("svg")
 
 
 def test_a_robot_that_changed_is_told_from_chance(robot: sesc.Robot) -> None:
@@ -65,5 +75,5 @@ def test_a_verification_is_that_of_the_command(robot: sesc.Robot, robots: Path, 
     assert found and found.passed and found.samples >= 500
     assert set(found.units) == set(found.bound) == set(found.worst_error)
     assert all(error <= found.bound[name] for name, error in found.worst_error.items())
-    with pytest.raises(ValueError, match="samples is 0"):
+    with pytest.raises(ValueError, match="`samples` 0: give a whole number, 1 or more"):
         sesc.verify(robot.on(SMALL[1]), samples=0)

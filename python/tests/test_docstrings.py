@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import inspect
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -22,8 +23,9 @@ WITHOUT = {name for name in sesc.__all__ if isinstance(getattr(sesc, name), type
 def documented() -> Iterator[tuple[str, Any]]:
     """Everything public by its name: functions, classes and what classes have."""
     yield "sesc", sesc
-    for name in sorted(set(sesc.__all__) - WITHOUT):
-        thing = getattr(sesc, name)
+    own_names = [(name, getattr(sesc, name)) for name in sorted(set(sesc.__all__) - WITHOUT)]
+    own_names += [(f"fleet.{name}", getattr(sesc.fleet, name)) for name in sesc.fleet.__all__]
+    for name, thing in own_names:
         if isinstance(thing, type) or inspect.isfunction(thing):
             yield name, thing
         if isinstance(thing, type):
@@ -47,6 +49,7 @@ def space(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     x = 0.1 + np.sin(hip + 0.02) + 1e-4 * np.sin(7.1 * k)
     log = sesc.Log({"hip": hip, "cop_x": x, "cop_y": 1e-4 * np.sin(3.3 * k)}, support="foot")
     robot = sesc.Robot(POLE)
+    folder = tmp_path_factory.mktemp("examples")
     return {
         "sesc": sesc,
         "np": np,
@@ -59,8 +62,19 @@ def space(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "part": sesc.gather(robot, log),
         "plan": sesc.plan(robot, "foot", poses=5, cop_box=0.3, sigmas=0.0, candidates=50),
         "postures": sesc.Postures(robot.on("foot"), np.array([[0.0], [0.5]])),
-        "folder": tmp_path_factory.mktemp("examples"),
+        "folder": folder,
+        "fleet": sesc.fleet.run(robot, days(robot, folder), information=True),
+        "json": json,
     }
+
+
+def days(robot: sesc.Robot, folder: Path) -> str:
+    """Logs of six robots, each on one day, whose tops differ by hundredths of a millimetre."""
+    (folder / "logs").mkdir()
+    for k in range(6):
+        own = sesc.Robot(POLE.replace("xyz='0 0 1'", f"xyz='{1e-5 * k:.5f} 0 1'")).on("foot")
+        sesc.simulate(own, 30, noise=2e-4, seed=k + 1).save(folder / "logs" / f"r{k}_1.csv")
+    return str(folder / "logs" / "*.csv")
 
 
 @pytest.mark.parametrize("name", THINGS)
@@ -74,7 +88,7 @@ def test_examples_run(name: str, space: dict[str, Any]) -> None:
 
 
 def test_members_are_among_them() -> None:
-    for name in ("Fit.params", "Diagnosis.steps", "Plan.report", "Postures.save", "Model.c99", "Model.joints", "Robot.links"):
+    for name in ("Fit.params", "Diagnosis.steps", "Plan.report", "Postures.save", "Model.c99", "Model.joints", "Robot.links", "fleet.run", "fleet.Fleet.report"):
         assert name in THINGS
     assert len(THINGS) > 100
 

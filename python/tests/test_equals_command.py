@@ -11,6 +11,8 @@ import pytest
 
 import sesc
 
+from conftest import POLE
+
 LEGS = ("two_link/two_link.urdf", "foot")
 
 
@@ -234,5 +236,60 @@ def test_robots_are_equal(name: str, robots: Path, command: Any, command_json: A
     table = np.array([line.split(",") for line in printed], dtype=float)
     ours = sesc.predict(model, tmp_path / "log.csv")
     np.testing.assert_array_equal(table, np.column_stack([ours["pose"], ours["com"], ours["cop"]]))
-    found = sesc.fit(robot, tmp_path / "log.csv")
-    assert json.dumps(found.to_dict()) == json.dumps(command_json("fit", urdf, "--data", tmp_path / "log.csv"))
+    asks: list[tuple[Any, str]] = [(sesc.fit, "fit"), (sesc.diagnose, "diagnose")]
+    for ask, word in asks:
+        want = command_json(word, urdf, "--data", tmp_path / "log.csv")
+        assert json.dumps(ask(robot, tmp_path / "log.csv").to_dict()) == json.dumps(want)
+
+
+def test_a_shape_below_the_frame_is_noted_as_by_the_command(command_json: Any, tmp_path: Path) -> None:
+    """The library says it, for both."""
+    box = "<collision><origin xyz='0 0 -0.02'/><geometry><box size='0.1 0.1 0.04'/></geometry></collision>"
+    urdf = tmp_path / "pole.urdf"
+    urdf.write_text(POLE.replace("<link name='foot'/>", f"<link name='foot'>{box}</link>"))
+    model = sesc.Robot(urdf).on("foot")
+    notes = model.to_dict()["notes"]
+    assert "reaches 40.0 mm below the frame of `foot`" in notes[-1] and "`foot@40mm`" in notes[-1]
+    assert notes == command_json("inspect", urdf, "--support", "foot")["notes"] == model.notes
+
+
+#: Rows of a log that cannot be used, the first of them on line 2.
+BAD_LOGS = {
+    "a word": "0,0.1,two,0.1,0\n",
+    "a cell too many": "0,0.1,0.2,0.1,0,7\n",
+    "a cell too few": "0,0.1,0.2,0.1\n",
+    "an angle without end": "0,0.1,inf,0.1,0\n",
+    "half a posture number": "0.5,0.1,0.2,0.1,0\n",
+    "a quote that does not end": '0,0.1,"0.2,0.1,0\n',
+    "nothing": "",
+}
+
+
+def error_of(call: Any) -> sesc.SescError:
+    with pytest.raises(sesc.SescError) as caught:
+        call()
+    return caught.value
+
+
+@pytest.mark.parametrize("rows", BAD_LOGS.values(), ids=BAD_LOGS)
+def test_errors_of_logs_are_equal(small: sesc.Robot, robots: Path, rows: str, command_json: Any, tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text(f"pose,{','.join(small.joints)},cop_x,cop_y\n{rows}")
+    (tmp_path / "log.csv.toml").write_text(f"support = '{LEGS[1]}'\n")
+    want = command_json("fit", robots / LEGS[0], "--data", log, expect=2)["error"]
+    error = error_of(lambda: sesc.fit(small, log))
+    assert (error.file, error.line) == (want.get("file"), want.get("line")) and error.file == str(log)
+    assert str(error) == want["message"]
+
+
+def test_errors_of_urdfs_are_equal(robots: Path, command: Any, capfd: Any) -> None:
+    files = sorted((robots.parent / "tests" / "bad_urdf").glob("*.urdf"))
+    assert len(files) > 80
+    for file in files:
+        said = json.loads(command("inspect", file, "--support", "foot", "--json", expect=(0, 2)))
+        if "error" not in said:
+            sesc.Robot(file).on("foot")
+            continue
+        error, want = error_of(lambda: sesc.Robot(file).on("foot")), said["error"]
+        assert (error.file, error.line, str(error)) == (want.get("file"), want.get("line"), want["message"]), file
+    assert capfd.readouterr() == ("", "")

@@ -118,7 +118,8 @@ def test_the_table_and_the_page_are_those_of_the_command(
     for end in ("csv", "parquet"):
         out = tmp_path / f"command.{end}"
         words = [command, "fleet", str(tmp_path / "pole.urdf"), "--data", glob(logs), "--out", str(out)]
-        subprocess.run(words, check=True, capture_output=True)
+        done = subprocess.run([*words, "--json"], check=True, capture_output=True, text=True)
+        assert json.dumps(table.to_dict()) == json.dumps(json.loads(done.stdout))
         table.save(tmp_path / f"ours.{end}")
         assert (tmp_path / f"ours.{end}").read_bytes() == out.read_bytes()
     table.report(tmp_path / "fleet.html")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -124,6 +126,26 @@ def test_threads_may_call_one_model_at_once(robots: Path) -> None:
     fresh = sesc.Robot(robots / "op2" / "op2.urdf").on("r_sole")
     for (name, part), result in zip(calls, found):
         np.testing.assert_array_equal(result, getattr(fresh, name)(part))
+
+
+PEAK = """
+import resource, sys, numpy as np, sesc
+model = sesc.Robot(sesc.OP2_URDF).on("r_sole")
+q = np.random.default_rng(1).uniform(-0.5, 0.5, (100_000, 20))
+call = getattr(model, sys.argv[1])
+call(q[:1000], threads=2)
+peak = lambda: 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+before = peak()
+result = call(q, threads=2)
+print(peak() - before - result.nbytes)
+"""
+
+
+@pytest.mark.parametrize("name", ["com", "com_jacobian", "cop_rows"])
+def test_a_batch_takes_the_memory_of_its_result(name: str) -> None:
+    pytest.importorskip("resource")
+    done = subprocess.run([sys.executable, "-c", PEAK, name], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 1_000_000
 
 
 def test_jacobian_and_moments_are_derivatives(model: sesc.Model) -> None:

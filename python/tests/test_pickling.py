@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
+import pickle
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +52,29 @@ def seen_there(things: dict[str, Any]) -> dict[str, Any]:
     return {name: (seen(thing), thing) for name, thing in things.items()}
 
 
+def test_there_is_one_of_every_public_class(tmp_path: Path) -> None:
+    things = everything(tmp_path)
+    assert all(type(thing).__name__ == name for name, thing in things.items())
+    spaces: list[Any] = [sesc, sesc.fleet]
+    public = {name for space in spaces for name in space.__all__ if isinstance(getattr(space, name), type)}
+    errors = {name for name in public if issubclass(getattr(sesc, name, object), Exception)}
+    # A job is a row of what others here are made of.
+    assert public - errors - {"Job"} == set(things)
+    for name in errors:
+        error = getattr(sesc, name)("a sentence")
+        again = pickle.loads(pickle.dumps(error))
+        assert type(again) is type(error) and str(again) == "a sentence"
+    job = sesc.fleet.Job(things["Robot"], "{}", "{}")
+    assert pickle.loads(pickle.dumps(job))[1:] == job[1:-1] + (None,)
+
+
+def test_objects_are_referred_to_weakly(tmp_path: Path) -> None:
+    for name, thing in everything(tmp_path).items():
+        # What is a tuple of its fields has no place for it, as any tuple of Python's.
+        if not isinstance(thing, tuple):
+            assert weakref.ref(thing)() is thing, name
+
+
 @pytest.mark.parametrize("method", ["spawn", "fork"])
 def test_objects_go_to_other_processes_and_back(method: str, tmp_path: Path) -> None:
     things = everything(tmp_path)
@@ -63,8 +88,6 @@ def test_objects_go_to_other_processes_and_back(method: str, tmp_path: Path) -> 
 
 
 def test_a_fleet_is_whole_after_its_journey(tmp_path: Path) -> None:
-    import pickle
-
     fleet = everything(tmp_path)["Fleet"]
     again = pickle.loads(pickle.dumps(fleet))
     for found, name in ((fleet, "here"), (again, "there")):

@@ -178,21 +178,32 @@ def test_what_is_left_goes_as_the_last_tenth_went(monkeypatch: pytest.MonkeyPatc
 
 
 def test_other_threads_go_on_during_a_fit(op2: sesc.Robot, model: sesc.Model) -> None:
+    """Another thread counts at least half as quickly as while this one sleeps. Other programs may
+    take a processor in the middle: one try of five is enough, and a kept lock fails all."""
     log = sesc.simulate(model, 100_000, range=0.5, noise=1e-4)
-    ticks, over = [], threading.Event()
 
-    def count() -> None:
-        while not over.is_set():
-            ticks.append(time.perf_counter())
-            time.sleep(0.002)
+    def counted(call: Any) -> float:
+        """How often another thread counts in a second meanwhile."""
+        count, over = [0], threading.Event()
 
-    counter = threading.Thread(target=count)
-    counter.start()
-    sesc.fit(op2, log)
-    over.set()
-    counter.join()
-    # A kept lock would leave a hole as long as the fit.
-    assert max(np.diff(ticks)) < 0.25
+        def go_on() -> None:
+            while not over.is_set():
+                count[0] += 1
+
+        counter = threading.Thread(target=go_on)
+        counter.start()
+        before, start = count[0], time.perf_counter()
+        call()
+        rate = (count[0] - before) / (time.perf_counter() - start)
+        over.set()
+        counter.join()
+        return rate
+
+    shares: list[float] = []
+    while len(shares) < 5 and max(shares, default=0.0) < 0.5:
+        free = counted(lambda: time.sleep(0.3))
+        shares.append(counted(lambda: sesc.fit(op2, log)) / free)
+    assert max(shares) >= 0.5, shares
 
 
 INTERRUPTED = """
@@ -213,15 +224,30 @@ calls = {
     "array": lambda: model.com_jacobian(q, out=out),
     "threads": lambda: model.com_jacobian(q, out=out, threads=3),
     "fleet": lambda: sesc.fleet.run(robot, table, store=sys.argv[3] + "/rows"),
+    "executor": lambda: on_threads(),
+    "table": lambda: sesc.Log(wide, support="r_sole"),
+    "arrow": lambda: sesc.Log(wide, support="r_sole"),
+    "predict": lambda: sesc.predict(model, log),
+    "health": lambda: log.health,
 }
+def on_threads():
+    from concurrent.futures import ThreadPoolExecutor
+    with ThreadPoolExecutor(2) as engine:
+        sesc.fleet.run(robot, table, store=sys.argv[3] + "/rows", engine=engine)
 name = sys.argv[1]
-log = sesc.simulate(model, 300_000, range=0.5, noise=1e-4) if name in ("fit", "gather", "diagnose") else None
+log = sesc.simulate(model, 300_000, range=0.5, noise=1e-4) if name in ("fit", "gather", "diagnose", "predict", "health") else None
 big = sesc.simulate(model, 300_000) if name == "save" else None
 if name in ("array", "threads"):
     import numpy as np
     q = np.zeros((400_000, 20))
     out = np.zeros((400_000, 3, 20))
-if name == "fleet":
+if name in ("table", "arrow"):
+    import numpy as np
+    wide = {column: np.zeros(4_000_000) for column in [*model.joints, "cop_x", "cop_y"]}
+if name == "arrow":
+    import pyarrow
+    wide = pyarrow.table({column: values[:2_000_000] for column, values in wide.items()})
+if name in ("fleet", "executor"):
     paths = [f"{sys.argv[3]}/{k}.csv" for k in range(24)]
     for k, path in enumerate(paths):
         sesc.simulate(model, 3000, range=0.5, noise=1e-4, seed=k).save(path)
@@ -247,10 +273,13 @@ for delay in map(float, sys.argv[2].split()):
 
 
 CALLS = ["fit", "gather", "diagnose", "simulate", "plan", "save", "verify", "array", "threads", "fleet"]
+CALLS += ["executor", "table", "arrow", "predict", "health"]
 
 
 @pytest.mark.parametrize("name", CALLS)
 def test_ctrl_c_stops_within_a_fifth_of_a_second(name: str, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    if name == "arrow":
+        pytest.importorskip("pyarrow")
     aside = tmp_path_factory.mktemp("aside")
     words = [sys.executable, "-c", INTERRUPTED, name, "0.1 0.35", str(aside)]
     done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False)

@@ -161,6 +161,24 @@ def test_bad_urdfs_are_errors_and_nothing_is_written(robots: Path, capfd: Any) -
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_second_interpreter_of_the_process_is_refused() -> None:
+    """Numpy says so, before the package can."""
+    name = "_interpreters" if sys.version_info >= (3, 13) else "_xxsubinterpreters"
+    pytest.importorskip(name)
+    code = f"""
+import sesc, {name} as interpreters
+own = interpreters.create()
+said = None
+try:
+    said = interpreters.run_string(own, "import sesc._sesc")
+except Exception as error:
+    said = error
+print(said)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and "ImportError" in done.stdout, done.stdout + done.stderr
+
+
 def test_importing_asks_for_numpy_alone() -> None:
     code = """
 import sys, numpy

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use sesc_codegen::emit::header::at_most;
-use sesc_model::{Function, Interface, tree};
+use sesc_model::{Function, Interface};
 
 use super::{Outcome, RobotArguments, print_json, show};
 use crate::Error;
@@ -32,9 +32,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let stance = arguments.robot.stance(None)?;
     let model = stance.model()?;
-    let mut inspection = inspect(&model);
-    let below = tree::below(&stance.robot.description, model.support());
-    inspection.notes.extend(below);
+    let inspection = inspect(&stance.robot.description, &model);
     for note in &inspection.notes {
         super::message(&format!("note: {note}"));
     }

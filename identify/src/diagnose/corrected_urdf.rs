@@ -101,7 +101,7 @@ pub fn of_model_file(
     if let Some(mass) = total_mass.filter(|mass| !(1e-9..=1e6).contains(mass)) {
         return Err(Error::request(message![
             Setting::TotalMass,
-            format!(" {mass:e}: give a number above zero that a robot can have")
+            format!(" {mass:e} kg: give a number above zero that a robot can have")
         ]));
     }
     // Shares of the robot's mass are what data tell.

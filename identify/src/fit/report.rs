@@ -66,7 +66,7 @@ impl Report {
     /// # Errors
     /// When no masses give them.
     pub fn corrected_urdf(&self, total_mass: Option<f64>) -> Result<Corrected, Error> {
-        check_positive(Setting::TotalMass, total_mass)?;
+        check_positive(Setting::TotalMass, total_mass, " kg")?;
         correct(
             &self.robot,
             &self.model,
@@ -126,12 +126,12 @@ pub fn residuals(
     residuals::sample(&logs, &mut measurement, known, watch)
 }
 
-fn check_positive(setting: Setting, value: Option<f64>) -> Result<(), Error> {
+fn check_positive(setting: Setting, value: Option<f64>, unit: &str) -> Result<(), Error> {
     match value.filter(|x| !(1e-9..=1e6).contains(x)) {
         None => Ok(()),
         Some(x) => Err(Error::request(message![
             setting,
-            format!(" {x:e}: give a number above zero that a robot can have")
+            format!(" {x:e}{unit}: give a number above zero that a robot can have")
         ])),
     }
 }
@@ -170,12 +170,12 @@ fn check_positive(setting: Setting, value: Option<f64>) -> Result<(), Error> {
 /// What is wrong with a log, a part, the robot or the request; the kind `Interrupted`
 /// where `watch` stops it.
 pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
-    for (setting, value) in [
-        (Setting::Noise, request.noise),
-        (Setting::Range, request.range.map(f64::to_degrees)),
-        (Setting::TotalMass, request.total_mass),
+    for (setting, value, unit) in [
+        (Setting::Noise, request.noise, " m"),
+        (Setting::Range, request.range.map(f64::to_degrees), "°"),
+        (Setting::TotalMass, request.total_mass, " kg"),
     ] {
-        check_positive(setting, value)?;
+        check_positive(setting, value, unit)?;
     }
     let (request, health) = screened(request, is_alone(request), watch)?;
     let (request, part) = (&*request, joined(&request, health, watch)?);

@@ -18,8 +18,8 @@ use sesc_model::files;
 use sesc_model::spelling::nearest;
 use sesc_model::tree::Dof;
 
-use crate::Error;
 use crate::logs::names::list;
+use crate::{Error, Setting, message};
 
 /// A range per independent joint, and what was noticed.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +58,53 @@ impl Limits {
         Limits::parse(text.replace("\r\n", "\n").as_bytes(), &file, dofs)
     }
 
+    /// Those of the URDF, narrowed by `asked`: joints with lower and upper limit, rad or m.
+    ///
+    /// # Errors
+    /// Names the joint and the remedy.
+    pub fn of_joints<'a>(
+        asked: impl IntoIterator<Item = (&'a str, (f64, f64))>,
+        dofs: &[Dof],
+    ) -> Result<Limits, Error> {
+        let bad = |message: String| {
+            let message = format!(": {message}");
+            Error::request(message![Setting::Limits, message])
+        };
+        let mut limits = Limits::of_urdf(dofs);
+        for (name, (lower, upper)) in asked {
+            let joint = dofs.iter().position(|dof| dof.joint == name);
+            let joint = joint.ok_or_else(|| bad(unknown(name, dofs)))?;
+            if !(lower.is_finite() && upper.is_finite()) {
+                let said = format!("joint `{name}`: {lower} to {upper} is no range; give numbers");
+                return Err(bad(said));
+            }
+            in_order(name, (lower, upper)).map_err(bad)?;
+            let kept = limits.narrow(joint, (lower, upper), &dofs[joint]);
+            kept.map_err(bad)?;
+        }
+        Ok(limits)
+    }
+
+    /// Narrow the range of a joint; gives whether `range` lies within it.
+    fn narrow(&mut self, joint: usize, range: (f64, f64), dof: &Dof) -> Result<bool, String> {
+        let (least, most) = self.ranges[joint];
+        let kept = (range.0.max(least), range.1.min(most));
+        if kept.0 > kept.1 {
+            let (per, unit) = match dof.prismatic {
+                true => (1.0, "m"),
+                false => (UNITS[0].2, "°"),
+            };
+            let [lower, upper, least, most] = [range.0, range.1, least, most].map(|x| x / per);
+            return Err(format!(
+                "joint `{}`: {lower:.4} to {upper:.4} {unit} lies outside the URDF's {least:.4} \
+                 to {most:.4} {unit}; check sign and unit",
+                dof.joint.trim()
+            ));
+        }
+        self.ranges[joint] = kept;
+        Ok(kept == range)
+    }
+
     fn parse(input: impl Read, file: &str, dofs: &[Dof]) -> Result<Limits, Error> {
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))
@@ -91,23 +138,10 @@ impl Limits {
                 )));
             }
             let (lower, upper) = columns.range(&record, &dofs[joint]).map_err(bad)?;
-            let (least, most) = limits.ranges[joint];
-            let kept = (lower.max(least), upper.min(most));
-            if kept.0 > kept.1 {
-                let (per, unit) = match dofs[joint].prismatic {
-                    true => (1.0, "m"),
-                    false => (UNITS[0].2, "°"),
-                };
-                let [lower, upper, least, most] = [lower, upper, least, most].map(|x| x / per);
-                return Err(bad(format!(
-                    "joint `{name}`: {lower:.4} to {upper:.4} {unit} lies outside the URDF's \
-                     {least:.4} to {most:.4} {unit}; check sign and unit"
-                )));
-            }
-            if kept != (lower, upper) {
+            let range = (lower, upper);
+            if !limits.narrow(joint, range, &dofs[joint]).map_err(bad)? {
                 wider.push(dofs[joint].joint.trim());
             }
-            limits.ranges[joint] = kept;
         }
         if lines.is_empty() {
             let message = match header {
@@ -204,12 +238,17 @@ impl Columns {
             })
         };
         let (lower, upper) = (number(cells[0])?, number(cells[1])?);
-        match lower <= upper {
-            true => Ok((si * lower, si * upper)),
-            false => Err(format!(
-                "joint `{name}`: lower {lower} is above upper {upper}; swap them"
-            )),
-        }
+        in_order(name, (lower, upper))?;
+        Ok((si * lower, si * upper))
+    }
+}
+
+fn in_order(joint: &str, (lower, upper): (f64, f64)) -> Result<(), String> {
+    match lower <= upper {
+        true => Ok(()),
+        false => Err(format!(
+            "joint `{joint}`: lower {lower} is above upper {upper}; swap them"
+        )),
     }
 }
 
@@ -260,6 +299,33 @@ mod tests {
                 .ranges[0],
             (-0.5, 0.5)
         );
+    }
+
+    #[test]
+    fn ranges_of_joints_by_name_have_the_faults_of_a_file() {
+        let limits = Limits::of_joints([("knee", (-0.5, 9.0)), ("lift", (0.1, 0.2))], &dofs());
+        assert_eq!(
+            limits.unwrap().ranges,
+            [(-0.5, 2.0), (0.1, 0.2), (-1.0, 1.0)]
+        );
+        let cases = [
+            ("kne", (0.0, 1.0), "no joint `kne`"),
+            (
+                "knee",
+                (1.0, -1.0),
+                "joint `knee`: lower 1 is above upper -1",
+            ),
+            (
+                "knee",
+                (f64::NAN, 1.0),
+                "joint `knee`: NaN to 1 is no range",
+            ),
+            ("knee", (3.0, 4.0), "outside the URDF's"),
+        ];
+        for (joint, range, expected) in cases {
+            let error = Limits::of_joints([(joint, range)], &dofs()).unwrap_err();
+            assert!(error.to_string().contains(expected), "{error}");
+        }
     }
 
     #[test]

@@ -100,6 +100,12 @@ impl Request {
                 return Err(wrong(setting, value, "give a number, zero or more"));
             }
         }
+        let ranges = self.limits.ranges.iter();
+        let ranges = ranges.filter(|(lower, upper)| lower <= upper);
+        if ranges.count() != self.model.dof() {
+            let remedy = ": give each joint a lower limit that is not above its upper one";
+            return Err(Error::request(message![Setting::Limits, remedy]));
+        }
         match self.candidates {
             Some(candidates) if candidates < self.poses => Err(Error::request(message![
                 Setting::Candidates,

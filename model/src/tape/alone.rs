@@ -1,43 +1,28 @@
 //! One posture: number by number, its sines and cosines eight at a time.
 //!
 //! ```text
-//! program ─▶ angles ─▶ sines, cosines ─▶ everything else, in runs of one operation
+//! program ─▶ angles ─▶ sines, cosines ─▶ everything else
 //! ```
-//!
-//! A run is a loop over places alone: the processor guesses right what comes next, and has
-//! many operations under way that do not wait for each other.
 
-use super::plan::{Instruction, Plan, RegisterFill, Step, angles_first};
+use super::plan::RegisterFill;
+use super::products::Steps;
+use super::step::{Operation, Step};
 use super::{Kernels, SHORT, Values};
 use crate::program::Program;
 
-/// Where the operands of an operation stand, and where its result goes.
-#[derive(Debug, Clone, Copy)]
-struct Places {
-    to: u32,
-    a: u32,
-    b: u32,
-}
+/// Rooms for values are powers of two between these, or as large as need be.
+const LEAST: usize = 128;
+const MOST: usize = 4096;
 
-/// An operation on two numbers, or on the first of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Operation {
-    Add,
-    Sub,
-    Mul,
-    Div,
-    Neg,
-    Clamp,
-    Pow,
-    /// The cosine goes where `b` says.
-    SinCos,
-}
-
-/// One operation, many times.
+/// Steps of one kind, one after the other.
 #[derive(Debug, Clone)]
-struct Run {
-    operation: Operation,
-    places: Vec<Places>,
+enum Run {
+    /// `[to, x, y, w]`: z = x y + w.
+    Products(Vec<[u16; 4]>),
+    /// The same of programs with more values.
+    WideProducts(Vec<[u32; 4]>),
+    /// `[to, a, b]`
+    Others(Operation, Vec<[u32; 3]>),
 }
 
 /// The steps of a program for one posture.
@@ -46,9 +31,9 @@ pub(super) struct Alone {
     /// Angles that no sine is part of.
     angles: Vec<Run>,
     /// Sines and cosines of those.
-    sines: Vec<Places>,
+    sines: Vec<[u32; 3]>,
     rest: Vec<Run>,
-    /// Constants in their places, zero elsewhere.
+    /// Constants in their places, zero elsewhere, and room up to a power of two.
     initial: Vec<f64>,
     /// The values that each argument has to give, and the places that they go to.
     inputs: Vec<Vec<(u32, u32)>>,
@@ -57,31 +42,25 @@ pub(super) struct Alone {
 
 impl Alone {
     pub fn new(program: &Program, sources: &[RegisterFill]) -> Alone {
-        let (order, angles) = angles_first(program);
-        let plan = Plan::new(program, &order);
-        let sine = |step: &Instruction| matches!(step.step, Step::SinCos(_));
-        let sines = plan.steps[angles..].iter().take_while(|step| sine(step));
-        let sines = angles + sines.count();
-        let mut initial = vec![0.0; plan.registers];
+        let steps = Steps::new(program, sources);
         let mut inputs = vec![Vec::new(); program.inputs.len()];
         for (k, source) in sources.iter().enumerate() {
-            match *source {
-                RegisterFill::Const(x) => initial[k] = x,
-                RegisterFill::Input { array, index } => {
-                    inputs[array].push((place(k), place(index)))
-                }
+            if let RegisterFill::Input { array, index } = *source {
+                inputs[array].push((place(k), place(index)));
             }
         }
+        let [angles, sines, rest] = steps.parts;
+        let is_near = steps.initial.len() <= usize::from(u16::MAX);
+        let mut initial = steps.initial;
+        let room = initial.len().next_power_of_two().clamp(LEAST, MOST);
+        initial.resize(room.max(initial.len()), 0.0);
         Alone {
-            angles: runs(&plan.steps[..angles]),
-            sines: plan.steps[angles..sines]
-                .iter()
-                .map(|step| parts(step).1)
-                .collect(),
-            rest: runs(&plan.steps[sines..]),
+            angles: runs(&angles, is_near),
+            sines: sines.iter().filter_map(other).map(|(_, p)| p).collect(),
+            rest: runs(&rest, is_near),
             initial,
             inputs,
-            outputs: plan.outputs.iter().map(|k| place(*k)).collect(),
+            outputs: steps.outputs.iter().map(|k| place(*k)).collect(),
         }
     }
 
@@ -114,75 +93,103 @@ fn place(k: usize) -> u32 {
     u32::try_from(k).expect("fewer than 2^32 values")
 }
 
-fn parts(step: &Instruction) -> (Operation, Places) {
-    let (operation, a, b) = match step.step {
-        Step::Add(a, b) => (Operation::Add, a, b),
-        Step::Sub(a, b) => (Operation::Sub, a, b),
-        Step::Mul(a, b) => (Operation::Mul, a, b),
-        Step::Div(a, b) => (Operation::Div, a, b),
-        Step::Pow(a, b) => (Operation::Pow, a, b),
-        Step::Neg(a) => (Operation::Neg, a, a),
-        Step::Clamp(a) => (Operation::Clamp, a, a),
-        Step::SinCos(a) => (Operation::SinCos, a, step.also),
-    };
-    let [to, a, b] = [step.to, a, b].map(place);
-    (operation, Places { to, a, b })
+fn other(step: &Step) -> Option<(Operation, [u32; 3])> {
+    match *step {
+        Step::Other(operation, places) => Some((operation, places.map(place))),
+        Step::Product(_) => None,
+    }
 }
 
-fn runs(steps: &[Instruction]) -> Vec<Run> {
+fn runs(steps: &[Step], is_near: bool) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
-    for (operation, places) in steps.iter().map(parts) {
-        match runs.last_mut() {
-            Some(last) if last.operation == operation => last.places.push(places),
-            _ => runs.push(Run {
-                operation,
-                places: vec![places],
-            }),
+    for step in steps {
+        match (runs.last_mut(), *step) {
+            (Some(Run::Products(all)), Step::Product(places)) => all.push(near(places)),
+            (Some(Run::WideProducts(all)), Step::Product(places)) => all.push(places.map(place)),
+            (Some(Run::Others(last, all)), Step::Other(own, places)) if *last == own => {
+                all.push(places.map(place));
+            }
+            (_, Step::Product(places)) if is_near => runs.push(Run::Products(vec![near(places)])),
+            (_, Step::Product(places)) => runs.push(Run::WideProducts(vec![places.map(place)])),
+            (_, Step::Other(own, places)) => {
+                runs.push(Run::Others(own, vec![places.map(place)]));
+            }
         }
     }
     runs
 }
 
+/// Places in 16 bits: a quarter of what is read beside the numbers.
+fn near(places: [usize; 4]) -> [u16; 4] {
+    places.map(|k| u16::try_from(k).expect("fewer than 2^16 values"))
+}
+
 impl Run {
     fn on(&self, values: &mut [f64], kernels: Kernels) {
-        match self.operation {
-            Operation::Add => self.each(values, |x, y| x + y),
-            Operation::Sub => self.each(values, |x, y| x - y),
-            Operation::Mul => self.each(values, |x, y| x * y),
-            Operation::Div => self.each(values, |x, y| x / y),
-            Operation::Neg => self.each(values, |x, _| -x),
-            Operation::Clamp => self.each(values, |x, _| x.clamp(-1.0, 1.0)),
-            Operation::Pow => self.each(values, |x, y| {
+        match self {
+            Run::Products(all) => match values.len() {
+                128 => products_of::<128>(all, values),
+                256 => products_of::<256>(all, values),
+                512 => products_of::<512>(all, values),
+                1024 => products_of::<1024>(all, values),
+                2048 => products_of::<2048>(all, values),
+                4096 => products_of::<4096>(all, values),
+                _ => products(all, values, usize::from),
+            },
+            Run::WideProducts(all) => products(all, values, |k: u32| k as usize),
+            Run::Others(Operation::Div, all) => each(all, values, |x, y| x / y),
+            Run::Others(Operation::Clamp, all) => each(all, values, |x, _| x.clamp(-1.0, 1.0)),
+            Run::Others(Operation::Pow, all) => each(all, values, |x, y| {
                 let mut power = [0.0; SHORT];
                 (kernels.power)(&[x; SHORT], &[y; SHORT], &mut power);
                 power[0]
             }),
             // Each may be an angle made of the sine before.
-            Operation::SinCos => {
-                for one in self.places.chunks(1) {
+            Run::Others(Operation::SinCos, all) => {
+                for one in all.chunks(1) {
                     sin_cos(one, values, kernels);
                 }
             }
         }
     }
+}
 
-    #[inline(always)]
-    fn each(&self, values: &mut [f64], f: impl Fn(f64, f64) -> f64) {
-        for &Places { to, a, b } in &self.places {
-            values[to as usize] = f(values[a as usize], values[b as usize]);
-        }
+/// The same where the number of values is known to the compiler: places are below it, so that
+/// their remainder is what they are, and no step has to compare four of them.
+fn products_of<const N: usize>(all: &[[u16; 4]], values: &mut [f64]) {
+    let values: &mut [f64; N] = values.try_into().expect("as many values");
+    for places in all {
+        let [to, x, y, w] = places.map(|k| usize::from(k) % N);
+        values[to] = values[x] * values[y] + values[w];
+    }
+}
+
+#[inline(always)]
+fn products<I: Copy>(all: &[[I; 4]], values: &mut [f64], at: impl Fn(I) -> usize) {
+    for places in all {
+        let [to, x, y, w] = places.map(&at);
+        // Rounded twice: no fused operation, which would have other bits.
+        values[to] = values[x] * values[y] + values[w];
+    }
+}
+
+#[inline(always)]
+fn each(all: &[[u32; 3]], values: &mut [f64], f: impl Fn(f64, f64) -> f64) {
+    for places in all {
+        let [to, a, b] = places.map(|k| k as usize);
+        values[to] = f(values[a], values[b]);
     }
 }
 
 /// Sines and cosines of up to [`SHORT`] angles.
-fn sin_cos(places: &[Places], values: &mut [f64], kernels: Kernels) {
+fn sin_cos(places: &[[u32; 3]], values: &mut [f64], kernels: Kernels) {
     let (mut angles, mut sines, mut cosines) = ([0.0; SHORT], [0.0; SHORT], [0.0; SHORT]);
-    for (angle, places) in angles.iter_mut().zip(places) {
-        *angle = values[places.a as usize];
+    for (angle, [_, a, _]) in angles.iter_mut().zip(places) {
+        *angle = values[*a as usize];
     }
     (kernels.sin_cos)(&angles, &mut sines, &mut cosines);
-    for ((places, sine), cosine) in places.iter().zip(sines).zip(cosines) {
-        values[places.to as usize] = sine;
-        values[places.b as usize] = cosine;
+    for (([to, _, also], sine), cosine) in places.iter().zip(sines).zip(cosines) {
+        values[*to as usize] = sine;
+        values[*also as usize] = cosine;
     }
 }

@@ -60,58 +60,6 @@ pub(super) fn as_written(program: &Program) -> Vec<Id> {
     nodes.map(|(id, _)| id).collect()
 }
 
-/// The same nodes in three parts: angles that no sine is part of, their sines and cosines,
-/// everything else in few runs of one operation each. The second number counts the nodes of the
-/// first part.
-pub(super) fn angles_first(program: &Program) -> (Vec<Id>, usize) {
-    // Whether a node is made of sines, and whether sines are made of it.
-    let mut made = vec![false; program.nodes.len()];
-    for (id, node) in program.iter() {
-        let trig = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_));
-        made[id.index()] = trig || operands(node.expr).any(|operand| made[operand.index()]);
-    }
-    let early = |id: Id| !made[id.index()];
-    let mut angle = vec![false; program.nodes.len()];
-    for (id, node) in program.iter().rev() {
-        let asks = matches!(node.expr, Expr::Sin(_) | Expr::Cos(_)) || angle[id.index()];
-        for operand in operands(node.expr).filter(|operand| asks && early(*operand)) {
-            angle[operand.index()] = true;
-        }
-    }
-    let part = |id: &Id| match program.nodes[id.index()].expr {
-        _ if angle[id.index()] => 0,
-        Expr::Sin(a) | Expr::Cos(a) if early(a) => 1,
-        _ => 2,
-    };
-    let phase = phases(program, part);
-    let mut order = as_written(program);
-    order.sort_by_key(|id| (part(id), phase[id.index()]));
-    let angles = order.iter().filter(|id| part(id) == 0).count();
-    (order, angles)
-}
-
-/// In which run of one operation each node of the last part can stand: operations take turns,
-/// and a node waits for the turn of its own after those of its operands.
-fn phases(program: &Program, part: impl Fn(&Id) -> i32) -> Vec<usize> {
-    const TURNS: usize = 4;
-    let mut phases = vec![0; program.nodes.len()];
-    for (id, node) in program.iter() {
-        let turn = match node.expr {
-            Expr::Const(_) | Expr::Input { .. } => continue,
-            Expr::Mul(..) => 0,
-            Expr::Add(..) => 1,
-            Expr::Sub(..) => 2,
-            _ => 3,
-        };
-        if part(&id) == 2 {
-            let before = operands(node.expr).map(|operand| phases[operand.index()]);
-            let first = before.max().unwrap_or(0);
-            phases[id.index()] = first + (TURNS + turn - first % TURNS) % TURNS;
-        }
-    }
-    phases
-}
-
 impl Plan {
     /// Assign registers: linear scan over `order`, after those of the sources.
     pub fn new(program: &Program, order: &[Id]) -> Plan {

@@ -40,18 +40,23 @@ def _executor(engine: Executor, jobs: Sequence[Job]) -> Iterator[str]:
     pending: dict[Future[str], int] = {}
     broken = None
     try:
-        for k, job in open_jobs.items():
-            pending[engine.submit(work, job)] = k
-    except BrokenExecutor as error:
-        broken = error
-    for future in _completed(pending):
         try:
-            found = future.result()
+            for k, job in open_jobs.items():
+                pending[engine.submit(work, job)] = k
         except BrokenExecutor as error:
             broken = error
-            continue
-        del open_jobs[pending[future]]
-        yield found
+        for future in _completed(pending):
+            try:
+                found = future.result()
+            except BrokenExecutor as error:
+                broken = error
+                continue
+            del open_jobs[pending[future]]
+            yield found
+    finally:
+        # Nobody waits any more for what has not begun.
+        for future in pending:
+            future.cancel()
     if open_jobs:
         text = f"the executor lost a worker ({broken}); {len(open_jobs)} groups are done by threads of this process"
         warnings.warn(text, RuntimeWarning, stacklevel=2)

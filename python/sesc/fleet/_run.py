@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from .. import _run, _sesc
+from .._errors import FitError
 from .._robot import Robot
 from ._engines import worked
 from ._objects import Objects, is_address, local
@@ -27,6 +28,10 @@ class Fleet:
     """Rows of a fleet, sorted by robot and day, and what they say together.
 
     ``fleet.columns()`` is what ``polars.DataFrame`` and ``pandas.DataFrame`` take.
+
+    Example:
+        >>> fleet
+        <sesc.fleet.Fleet: 6 rows, 0 failed>
 
     Attributes:
         rows: a dict for each robot and day; ``effects`` and ``health`` are JSON texts.
@@ -49,40 +54,89 @@ class Fleet:
                 row[name] = json.dumps(row[name], separators=(",", ":"), ensure_ascii=False)
 
     def columns(self) -> dict[str, list[Any]]:
-        """The table, by column."""
+        """The table, by column.
+
+        Example:
+            >>> fleet.columns()["robot"]
+            ['r0', 'r1', 'r2', 'r3', 'r4', 'r5']
+        """
         return {name: [row[name] for row in self.rows] for name in COLUMNS}
 
     def to_dict(self) -> dict[str, Any]:
-        """What ``sesc fleet --json`` prints, besides its schema."""
+        """What ``sesc fleet --json`` prints, key by key.
+
+        Example:
+            >>> fleet.to_dict()["groups"]
+            6
+        """
         return dict(self._about)
 
     @property
     def shared(self) -> list[dict[str, Any]]:
+        """Effects that robots share, each with its size, deviation and robots.
+
+        Example:
+            >>> fleet.shared
+            []
+        """
         found: list[dict[str, Any]] = self._about["shared"]
         return found
 
     @property
     def changes(self) -> list[dict[str, Any]]:
+        """What changed in a robot, with the first day on which it is so.
+
+        Example:
+            >>> fleet.changes
+            []
+        """
         found: list[dict[str, Any]] = self._about["changes"]
         return found
 
     @property
     def look_first(self) -> list[str]:
+        """Robots, the first to look at first.
+
+        Example:
+            >>> len(fleet.look_first) <= len(fleet)
+            True
+        """
         found: list[str] = self._about["look_first"]
         return found
 
     @property
     def failed(self) -> list[dict[str, Any]]:
+        """Logs with errors: ``input``, ``error``.
+
+        Example:
+            >>> fleet.failed
+            []
+        """
         found: list[dict[str, Any]] = self._about["failed"]
         return found
 
     @property
     def twice(self) -> list[dict[str, Any]]:
+        """Logs that came more than once.
+
+        Example:
+            >>> fleet.twice
+            []
+        """
         found: list[dict[str, Any]] = self._about["twice"]
         return found
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the table to ``.parquet`` or ``.csv``, whole or not at all: the bytes of ``sesc fleet``."""
+        """Write the table to ``.parquet`` or ``.csv``, whole or not at all: the bytes of ``sesc fleet``.
+
+        Raises:
+            SescError: a file that cannot be written; it is an ``OSError`` too.
+
+        Example:
+            >>> fleet.save(folder / "fleet.csv")
+            >>> (folder / "fleet.csv").read_text().startswith("robot,day,")
+            True
+        """
         if not is_address(path):
             self._found.write(local(path))
             return
@@ -91,10 +145,19 @@ class Fleet:
             self._found.write(os.fspath(own))
             self._objects.write(os.fspath(path), own.read_bytes())
 
-    def report(self, path: str | os.PathLike[str], pages: int | None = None) -> None:
+    def report(self, path: str | os.PathLike[str], *, pages: int | None = None) -> None:
         """Write the page, ``fleet.html``: what robots share, what changed, what to look at first;
         and beside it a folder ``fleet`` with a page for each of so many robots, 2000 unless
-        given, those to look at first before others."""
+        given, those to look at first before others.
+
+        Raises:
+            SescError: a file that cannot be written; it is an ``OSError`` too.
+
+        Example:
+            >>> fleet.report(folder / "fleet.html")
+            >>> len(list((folder / "fleet").glob("*.html")))
+            6
+        """
         at = local(path)
         above, slash, name = at.replace(os.sep, "/").rpartition("/")
         text, folder, robots = self._found.pages(name, pages)
@@ -106,7 +169,16 @@ class Fleet:
 
     def save_prior(self, path: str | os.PathLike[str]) -> None:
         """Write what is known of the next robot, for ``prior=`` of :func:`sesc.fit` and
-        :func:`sesc.diagnose`; :func:`run` has to be called with ``information=True``."""
+        :func:`sesc.diagnose`; :func:`run` has to be called with ``information=True``.
+
+        Raises:
+            FitError: fewer than five robots, or no information of theirs.
+
+        Example:
+            >>> fleet.save_prior(folder / "population.toml")
+            >>> sesc.fit(robot, log, prior=folder / "population.toml", noise=1e-4).rank
+            4
+        """
         self._put(local(path), self._found.population())
 
     def _put(self, path: str, text: str) -> None:
@@ -149,10 +221,15 @@ def run(
     angles: str | None = None,
     prior: str | os.PathLike[str] | None = None,
     noise: float | None = None,
+    floor: float = 1e-4,
+    motion: str = "auto",
+    both_feet: bool | None = None,
+    other_foot: str | None = None,
     only: str | None = None,
     window: int | None = None,
     information: bool = False,
     storage: Mapping[str, Any] | None = None,
+    threads: int | None = None,
     progress: _run.Progress = False,
 ) -> Fleet:
     """Fit and diagnose every robot and day of a fleet, and say what robots share and what changed.
@@ -168,8 +245,10 @@ def run(
             under the hash of what they were made from; or an address.
         engine: any ``concurrent.futures.Executor`` (processes, Dask's ``client.get_executor()``),
             ``"ray"`` or a SparkSession; threads of this process, one a processor, unless given.
-        support, angles, prior, noise: as in :func:`sesc.diagnose`; the parameters are fitted with
-            the usual tolerances unless ``prior`` is given.
+        support, angles, prior, noise, floor, motion: as in :func:`sesc.diagnose`; the parameters
+            are fitted with the usual tolerances unless ``prior`` is given.
+        both_feet: both soles are flat on one floor in every row; as each log says unless given.
+        other_foot: the link that is the other sole.
         only: ``"parameters"`` fits without a diagnosis, in a fraction of the time.
         window: put so many days together: a row for each robot and window, named by its first day.
             Windows begin where the calendar says (those of 7 days on Mondays; numbered days from 1
@@ -177,8 +256,15 @@ def run(
         information: keep the covariance of the parameters with each row (19 kB), for
             :meth:`Fleet.save_prior`.
         storage: what fsspec is given for addresses: ``{"endpoint_url": "https://…"}``.
+        threads: of this process, where there is no ``engine``; one a processor unless given.
         progress: print how far it is, or a function of what is done, how much, of how much, and, if
             it takes a fourth argument, of how many seconds are left (None before that is known).
+
+    Raises:
+        FitError: options that make no sense; what is wrong with a log is in its row.
+        LogError: a pattern that no file has.
+        TypeError: no fleet, or no engine.
+        KeyboardInterrupt: Ctrl-C, within 0.2 s; rows that are whole stay in the store.
 
     Example:
         >>> sesc.fleet.run(robot, [])
@@ -188,12 +274,18 @@ def run(
         "support": support,
         "angles": None if _run.degrees(angles) is None else angles,
         "prior": None if prior is None else os.fspath(prior),
-        "noise": noise,
+        "noise": _run.number("noise", noise),
+        "floor": _run.number("floor", floor),
+        "motion": _run.motion(motion),
+        "both_feet": both_feet,
+        "other_foot": other_foot,
         "snap": robot.snap,
         "only": only,
         "information": True if information else None,
     }
     options = json.dumps({key: value for key, value in given.items() if value is not None})
+    threads = None if threads is None else _run.whole("threads", threads, 1, FitError)
+    window = None if window is None else _run.whole("window", window, 1, FitError)
     objects = Objects(storage)
     data, table = _named(paths_or_table, by, objects)
     groups = _sesc.fleet_groups(data, table, list(by), window)
@@ -201,17 +293,23 @@ def run(
     is_remote = any("://" in group for group in groups) or is_address(folder or "")
     show = _run.shown(progress)
     if engine is None and not is_remote:
-        found = _sesc.FleetFound.run(robot, options, groups, folder, show)
+        found = _sesc.FleetFound.run(robot, options, groups, folder, show, threads)
         return _ended(Fleet(found, objects, (robot, options)), progress)
     disk = objects if is_remote else None
-    jobs = [Job(robot, options, group, folder, disk) for group in groups]
-    own = ThreadPoolExecutor(2 * (os.cpu_count() or 1)) if engine is None else nullcontext(engine)
+    stop = _sesc.Stop()
+    jobs = [Job(robot, options, group, folder, disk, stop) for group in groups]
+    own = ThreadPoolExecutor(threads or 2 * (os.cpu_count() or 1)) if engine is None else nullcontext(engine)
     done = []
     with own as running:
-        for one in worked(running, jobs):
-            done.append(one)
-            if show is not None:
-                show("diagnosing", len(done), len(jobs))
+        try:
+            for one in worked(running, jobs):
+                done.append(one)
+                if show is not None:
+                    show("diagnosing", len(done), len(jobs))
+        except BaseException:
+            # Ctrl-C, or a `progress` that has enough: whoever owns the threads waits for them.
+            stop.set()
+            raise
     found = _sesc.FleetFound.gathered(robot, options, done, disk)
     return _ended(Fleet(found, objects, (robot, options)), progress)
 

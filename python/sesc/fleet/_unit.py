@@ -21,6 +21,11 @@ class Job(NamedTuple):
         group: robot, day and paths, as JSON. The paths have to be readable where it runs.
         store: the folder of rows, or None; it may be an address.
         disk: what reads and writes addresses, where there are such.
+        stop: ends the work from another thread of the same process; None arrives elsewhere.
+
+    Example:
+        >>> sesc.fleet.Job(robot, "{}", '{"robot": "r07", "day": "1", "logs": []}').store is None
+        True
     """
 
     robot: Robot
@@ -28,9 +33,10 @@ class Job(NamedTuple):
     group: str
     store: str | None = None
     disk: Objects | None = None
+    stop: _sesc.Stop | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        robot, *others = self
+        robot, *others = self[:-1]
         return _arrived, ((robot.file, robot.urdf, robot.snap), *others)
 
 
@@ -43,5 +49,17 @@ def _arrived(robot: tuple[str, str, bool], *others: Any) -> Job:
 
 
 def work(job: Job) -> str:
-    """What a group comes to, as JSON: its row, and what is known of its files."""
+    """What a group comes to, as JSON: its row, and what is known of its files.
+
+    Raises:
+        SescError: a store that cannot be written, or options that make no sense; what is wrong
+            with a log is in its row.
+        KeyboardInterrupt: Ctrl-C, or :attr:`Job.stop`, within 0.2 s.
+
+    Example:
+        >>> sesc.simulate(model, 20, noise=1e-4).save(folder / "r07_1.csv")
+        >>> group = {"robot": "r07", "day": "1", "logs": [str(folder / "r07_1.csv")]}
+        >>> "row" in sesc.fleet.work(sesc.fleet.Job(robot, '{"support": "foot"}', json.dumps(group)))
+        True
+    """
     return _sesc.fleet_work(*job)
