@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Bar, Motion, Outcome, RobotArguments, message, print_json, streams};
+use super::{Bar, Motion, Outcome, RobotArguments, again, message, print_json, streams};
 use crate::Error;
 use sesc_identify::hide::hide;
 use sesc_identify::simulate::{self, Request};
@@ -103,6 +103,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     bar.0.finish_and_clear();
     let (log, sidecar) = (arguments.out.display(), sidecar.display());
     message(&format!("wrote {log} and {sidecar}"));
+    let (urdf, name) = (again::urdf(&arguments.robot.urdf), log.to_string());
+    again::next(
+        "identify the parameters from the log",
+        &["fit", &urdf, "--data", &name],
+    );
     if arguments.json {
         print_json(&Written {
             robot: &tree.robot,

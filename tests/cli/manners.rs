@@ -227,7 +227,10 @@ fn a_fit_that_misses_something_points_to_diagnose() {
     assert!(!said[0].contains("sesc diagnose"), "{}", said[0]);
     assert!(
         said[1].contains("next             Diagnose the log: ")
-            && said[1].contains("sesc diagnose URDF --data LOG"),
+            && said[1].contains(&format!(
+                "sesc diagnose {urdf} --data {}\n",
+                path("bent.csv")
+            )),
         "{}",
         said[1]
     );
