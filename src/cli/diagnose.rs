@@ -20,6 +20,7 @@ use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{self, Recording, Stays};
 use sesc_identify::robot::Robot;
+use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
@@ -150,7 +151,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let mut files = Together::default();
         if let Some(path) = &arguments.report {
             let found = &report.diagnosis;
-            let text = unusable::page_of_diagnosis(found, &report.model_file, &command_line());
+            let drawn = skeleton(&request, &found.support)?;
+            let (made, line) = (&report.model_file, command_line());
+            let text = unusable::page_of_diagnosis(found, made, Some(&drawn), &line);
             files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         }
         files.finish()?;
@@ -205,6 +208,13 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.view = arguments.report.is_some();
     request.recording = arguments.mcap.is_some();
     Ok(request)
+}
+
+/// The robot of a request on its support link, as pages draw it.
+fn skeleton(request: &Request, support: &str) -> Result<Skeleton, Error> {
+    let model = request.robot.model(support, request.snapping, None)?;
+    let folder = request.meshes.as_deref();
+    Ok(Skeleton::of(&model, &request.robot.description, folder))
 }
 
 fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {

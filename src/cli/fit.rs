@@ -132,9 +132,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let named = arguments.out.iter().chain(arguments.outputs.urdf());
         named.for_each(|path| message(&not_written(path)));
         let mut files = Together::default();
-        arguments
-            .outputs
-            .write_broken(&found.identification, &mut files)?;
+        arguments.outputs.write_broken(&found, folder, &mut files)?;
         files.finish()?;
         match arguments.json {
             true => print_json(&Unusable::of(&found.identification))?,
