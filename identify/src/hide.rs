@@ -6,14 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use sesc_model::effects::{Catalog, EffectContext, Parameter, Unit};
+use sesc_model::effects::{Catalog, EffectContext, Parameter};
 use sesc_model::{EffectRecord, Model, ModelFile, Quantity};
 
 use crate::Error;
-
-/// Values without a unit above these are taken for numbers in another one.
-const MOST_RAD: f64 = 0.6;
-const MOST_M: f64 = 1.0;
 
 /// The model with effects hidden in it, in the words of the module's head.
 ///
@@ -104,9 +100,6 @@ fn quantity(parameter: &Parameter, text: &str) -> Result<f64, String> {
         None => (text, 1.0),
     };
     let value = number.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-    if let (None, Some(value)) = (unit, value) {
-        likely(parameter, value)?;
-    }
     value.map(|x| factor * x).ok_or_else(|| {
         let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
         format!(
@@ -115,24 +108,6 @@ fn quantity(parameter: &Parameter, text: &str) -> Result<f64, String> {
             names.join(", ")
         )
     })
-}
-
-/// Refuses a number without a unit that is none of a robot in rad or m: its unit was meant.
-fn likely(parameter: &Parameter, value: f64) -> Result<(), String> {
-    let (most, shown, meant) = match parameter.unit {
-        Unit::Radian => (MOST_RAD, format!("{:.0}°", value.to_degrees()), "deg"),
-        Unit::Metre => (MOST_M, format!("{} mm", 1e3 * value), "mm"),
-        _ => return Ok(()),
-    };
-    let unit = parameter.unit.spellings().last().map_or("", |last| last.0);
-    match value.abs() > most {
-        true => Err(format!(
-            "{value} of {} is {value} {unit} ({shown}); give its unit: `{value}{meant}`, or \
-             `{value}{unit}` if that is meant",
-            parameter.name
-        )),
-        false => Ok(()),
-    }
 }
 
 #[cfg(test)]
@@ -192,10 +167,5 @@ mod tests {
         );
         assert!(refused("joint_sign:hip=1").contains("takes no value"));
         assert!(refused("joint_offset:hip=NaN").contains("no value of offset_rad"));
-        let degrees = refused("joint_offset:hip=1.5");
-        assert!(degrees.contains("is 1.5 rad (86°)"), "{degrees}");
-        assert!(degrees.contains("`1.5deg`, or `1.5rad`"), "{degrees}");
-        assert!(refused("sensor_offset=3,0").contains("is 3 m (3000 mm)"));
-        assert_eq!(values("joint_offset:hip=1.5rad")["offset_rad"], 1.5);
     }
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Bar, Motion, Outcome, RobotArguments, again, message, print_json, streams};
+use super::{Bar, Motion, Outcome, RobotArguments, again, message, print_json, streams, units};
 use crate::Error;
 use sesc_identify::hide::hide;
 use sesc_identify::simulate::{self, Request};
@@ -81,6 +81,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .check_writable()?;
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
     let model = hide(model, &arguments.hide)?;
+    units::check_hidden(&arguments.hide, &model)?;
     let poses = usize::try_from(arguments.poses).unwrap_or(usize::MAX);
     let mut request = Request::new(model, poses);
     request.range = arguments.range.map(f64::to_radians);
