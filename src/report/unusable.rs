@@ -104,7 +104,7 @@ fn card(skeleton: &Skeleton, health: &[Finding]) -> Value {
             said.push(format!("`{}` ({kind})", finding.target));
         }
     }
-    still(skeleton, marks, &said, "What is wrong is no joint's.")
+    still(skeleton, marks, &said, "No finding is about a joint.")
 }
 
 fn page(broken: &Broken<'_>) -> Result<String, Error> {
