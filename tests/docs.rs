@@ -417,7 +417,7 @@ fn formats_name_every_topic_of_a_recording() {
     let bytes = fs::read(folder.path().join("out.mcap")).unwrap();
     let text = String::from_utf8_lossy(&bytes);
     let rows = part.lines().filter(|line| line.starts_with("| `/"));
-    let named: BTreeSet<String> = rows.flat_map(|row| keys_of(row)).collect();
+    let named: BTreeSet<String> = rows.flat_map(keys_of).collect();
     assert_eq!(named.len(), 6 + 3, "{named:?}");
     for name in named {
         assert!(text.contains(&name), "{name}");
