@@ -114,7 +114,7 @@ mod tests {
                     ────  ───────────────────────────────\n\
                     knee  a_word_of_twenty_four_ch and more\n";
         let below = "at    imitated by\n\
-                     ────  ─────────────────────\n\
+                     ────  ──────────────────────\n\
                      knee\n    \
                      a_word_of_twenty_four_ch\n    \
                      and more\n";
