@@ -1,5 +1,6 @@
 //! The pages in `docs/`: their links resolve, their commands run, their tables are whole.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -250,7 +251,7 @@ fn every_effect_is_a_chapter() {
     }
 }
 
-/// Every key that a command prints stands in its row.
+/// Every key that a command prints stands in its row, and no other.
 #[test]
 fn formats_name_every_key_of_json() {
     let formats = read("docs/formats.md");
@@ -263,7 +264,9 @@ fn formats_name_every_key_of_json() {
     let run = |line: &str| run(folder.path(), line);
     fs::create_dir(folder.path().join("logs")).unwrap();
     run("sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.001 --out logs/r1_1.csv");
+    let log = fs::read_to_string(folder.path().join("logs/r1_1.csv")).unwrap();
     let lines = [
+        "demo",
         "inspect op2.urdf --support r_sole",
         "verify op2.urdf --support r_sole --samples 20",
         "plan op2.urdf --support r_sole --poses 10 --candidates 100 --out poses.csv",
@@ -276,26 +279,78 @@ fn formats_name_every_key_of_json() {
         "generate op2.urdf --support r_sole --name op2_r_sole --out src",
         "predict op2.urdf --data poses.csv",
         "predict op2.urdf --data poses.csv --out predicted.csv",
+        // Keys that are there where there is something to say.
+        "plan op2.urdf --support r_sole --both-feet --poses 5 --candidates 50 --out both.csv",
+        "fit op2.urdf --data logs/r1_1.csv --both-feet",
+        "fit op2.urdf --data timed.csv --physical --urdf corrected.urdf --report fit.html",
+        "diagnose op2.urdf --data logs/r1_1.csv --both-feet",
+        "diagnose op2.urdf --data timed.csv --out found.toml --urdf corrected.urdf",
     ];
+    fs::write(folder.path().join("timed.csv"), timed(&log)).unwrap();
+    fs::write(
+        folder.path().join("timed.csv.toml"),
+        "support = \"r_sole\"\n",
+    )
+    .unwrap();
+    let mut printed: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
     for line in lines {
         let command = line.split(' ').next().unwrap();
+        let answer = run(&format!("sesc {line} --json --quiet"));
+        let answer: serde_json::Value = serde_json::from_str(&answer).unwrap();
+        let keys = answer.as_object().unwrap().keys();
+        let keys = keys.filter(|key| *key != "schema").cloned();
+        printed.entry(command).or_default().extend(keys);
+    }
+    for (command, printed) in printed {
         let row = format!("| `{command}` | ");
-        let keys = formats
+        let row = formats
             .split(&row)
             .nth(1)
             .unwrap_or_else(|| panic!("{command}"));
-        let keys = keys.lines().next().unwrap();
-        let printed = run(&format!("sesc {line} --json --quiet"));
-        let printed: serde_json::Value = serde_json::from_str(&printed).unwrap();
-        for key in printed
-            .as_object()
-            .unwrap()
-            .keys()
-            .filter(|key| *key != "schema")
-        {
-            assert!(keys.contains(&format!("`{key}`")), "{command}: {key}");
+        let named = keys_of(row.lines().next().unwrap());
+        let missing: Vec<_> = printed.difference(&named).collect();
+        assert!(missing.is_empty(), "{command} prints {missing:?}");
+        // It takes a log that no robot can have.
+        let rare = |key: &&String| command == "diagnose" && *key == "implausible";
+        let stale: Vec<_> = named
+            .difference(&printed)
+            .filter(|key| !rare(key))
+            .collect();
+        assert!(stale.is_empty(), "{command} does not print {stale:?}");
+    }
+}
+
+/// The log with a time every 5 s, and without what is known of its noise.
+fn timed(log: &str) -> String {
+    let header: Vec<&str> = log.lines().next().unwrap().split(',').collect();
+    let kept = |line: &str| {
+        let cells = line.split(',').zip(&header);
+        let cells = cells.filter(|(_, name)| !name.ends_with("_std"));
+        cells.map(|(cell, _)| cell).collect::<Vec<_>>().join(",")
+    };
+    let rows = log.lines().skip(1).enumerate();
+    let rows = rows.map(|(k, line)| format!("{},{}\n", 5 * k, kept(line)));
+    format!(
+        "t,{}\n{}",
+        kept(&header.join(",")),
+        rows.collect::<String>()
+    )
+}
+
+/// Keys of a row of a table: what stands in backticks outside of parentheses.
+fn keys_of(row: &str) -> BTreeSet<String> {
+    let (mut depth, mut outside) = (0, String::new());
+    for c in row.chars() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            c if depth == 0 => outside.push(c),
+            _ => {}
         }
     }
+    let words = outside.split('`').skip(1).step_by(2);
+    let words = words.filter(|word| !word.starts_with("--"));
+    words.map(str::to_string).collect()
 }
 
 /// The reader says itself which keys a sidecar may have.
@@ -318,10 +373,7 @@ fn formats_name_every_key_of_sidecars() {
     let keys: Vec<&str> = keys.trim().split(", ").collect();
     assert!(keys.len() > 9, "{keys:?}");
     for key in keys {
-        assert!(
-            formats.contains(&format!("\n{key} = ")) || formats.contains(&format!("`{key} = ")),
-            "{key}"
-        );
+        assert!(formats.contains(&format!("\n| `{key}` | ")), "{key}");
     }
 }
 
@@ -346,6 +398,29 @@ fn formats_name_every_column_and_key() {
             };
             assert!(formats.contains(&name), "{name}");
         }
+    }
+}
+
+/// The topics of a recording of a diagnosis, and the types of their messages, are those of its
+/// table.
+#[test]
+fn formats_name_every_topic_of_a_recording() {
+    let formats = read("docs/formats.md");
+    let (_, part) = formats.split_once("### Recording of a diagnosis").unwrap();
+    let (part, _) = part.split_once("\n## ").unwrap();
+    let folder = folder();
+    let simulate =
+        "sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.0005 --out log.csv";
+    run(folder.path(), &simulate.replace("op2.urdf", &op2()));
+    let diagnose = format!("sesc diagnose {} --data log.csv --mcap out.mcap", op2());
+    run(folder.path(), &diagnose);
+    let bytes = fs::read(folder.path().join("out.mcap")).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
+    let rows = part.lines().filter(|line| line.starts_with("| `/"));
+    let named: BTreeSet<String> = rows.flat_map(keys_of).collect();
+    assert_eq!(named.len(), 6 + 3, "{named:?}");
+    for name in named {
+        assert!(text.contains(&name), "{name}");
     }
 }
 
@@ -385,24 +460,37 @@ fn files_of_the_formats_page_are_read() {
     );
 }
 
-/// From an empty folder with a URDF to a corrected controller.
+/// From an empty folder to a corrected controller: each block of output is what the commands
+/// before it print.
 #[test]
 fn the_tutorial_runs() {
     let tutorial = read("docs/tutorial.md");
     let folder = folder();
-    let mut printed = String::new();
-    let commands = blocks(&tutorial, "sh");
-    assert!(commands.len() > 6);
-    for line in commands.iter().flat_map(|block| block.lines()) {
-        printed += &run(folder.path(), line);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    let (mut printed, mut compared) = (String::new(), 0);
+    for (kind, text) in fences(&tutorial) {
+        match kind {
+            "sh" => {
+                for line in text.lines() {
+                    printed += &run(folder.path(), line);
+                }
+            }
+            "text" => {
+                let said: String = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+                let mut rest = said.as_str();
+                for expected in text.lines() {
+                    let (_, after) = rest
+                        .split_once(expected)
+                        .unwrap_or_else(|| panic!("{expected}\n{rest}"));
+                    rest = after;
+                    compared += 1;
+                }
+                printed.clear();
+            }
+            kind => panic!("the tutorial has a block of {kind}"),
+        }
     }
-    let printed: String = printed.split_whitespace().collect::<Vec<_>>().join(" ");
-    for expected in blocks(&tutorial, "text")
-        .iter()
-        .flat_map(|block| block.lines())
-    {
-        assert!(printed.contains(expected), "{expected}\n{printed}");
-    }
+    assert!(compared > 12, "{compared}");
     for written in [
         "poses.csv",
         "fit.html",
@@ -413,6 +501,56 @@ fn the_tutorial_runs() {
         assert!(folder.path().join(written).exists(), "{written}");
     }
     the_program_in_c_runs(folder.path());
+}
+
+/// How many commands it takes to a first fit and to a corrected controller, all of the tutorial's
+/// and those alone that are needed: counted, said by the tutorial, and run from empty folders.
+#[test]
+fn the_tutorial_counts_the_steps_to_success() {
+    let tutorial = read("docs/tutorial.md");
+    let blocks = blocks(&tutorial, "sh");
+    let commands: Vec<&str> = blocks.iter().flat_map(|block| block.lines()).collect();
+    let place = |what: &str| {
+        let at = commands.iter().position(|command| command.contains(what));
+        at.unwrap_or_else(|| panic!("no command has {what}"))
+    };
+    let (sample, fit) = (place("sesc demo --keep"), place("sesc fit "));
+    let (found, controller) = (place(" --out model.toml"), place("sesc generate "));
+    let to_a_fit = [sample, fit];
+    let to_a_controller = [sample, found, controller];
+    for (steps, written) in [
+        (&to_a_fit[..], "fitted.toml"),
+        (&to_a_controller[..], "fw/op2.c"),
+    ] {
+        let folder = folder();
+        for &step in steps {
+            assert!(!folder.path().join(written).exists());
+            run(folder.path(), commands[step]);
+        }
+        assert!(folder.path().join(written).exists(), "{written}");
+    }
+    let numbers = |steps: &[usize]| {
+        let numbers = steps.iter().map(|step| (step + 1).to_string());
+        numbers.collect::<Vec<_>>().join(", ")
+    };
+    let sentence = format!(
+        "Of {} commands number {} is the first fit and number {} writes the corrected controller; \
+         {} are enough for the fit ({}) and {} for the controller ({}).",
+        commands.len(),
+        fit + 1,
+        controller + 1,
+        to_a_fit.len(),
+        numbers(&to_a_fit),
+        to_a_controller.len(),
+        numbers(&to_a_controller)
+    );
+    assert!(tutorial.contains(&sentence), "{sentence}");
+}
+
+/// Fenced blocks in their order, each with its kind.
+fn fences(text: &str) -> Vec<(&str, &str)> {
+    let parts = text.split("```").skip(1).step_by(2);
+    parts.map(|part| part.split_once('\n').unwrap()).collect()
 }
 
 /// README's lines are the tutorial's, and its C runs with what these generate.

@@ -24,7 +24,7 @@ use sesc_model::{EffectRecord, ModelFile};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, Normal};
 
 use crate::Error;
-use criteria::{CHANCE, LISTED};
+use criteria::{CHANCE, LEAST_CHANCE, LISTED};
 
 /// A number in both models.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -428,7 +428,11 @@ fn sentence(found: &Comparison) -> String {
         Some(_) if found.chi2 == 0.0 => "The masses' parameters are the same.".into(),
         Some(chance) if chance < CHANCE => format!(
             "The masses' parameters differ by more than chance: without a change a difference \
-             like this has a probability of {chance:.1e}."
+             like this has a probability {}.",
+            match chance < LEAST_CHANCE {
+                true => format!("below {LEAST_CHANCE:e}"),
+                false => format!("of {chance:.1e}"),
+            }
         ),
         Some(chance) => format!(
             "The masses' parameters differ by no more than chance: without a change a difference \

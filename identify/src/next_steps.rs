@@ -10,8 +10,8 @@ pub struct NextStep {
     pub what: String,
     /// What it is good for, without a capital and a full stop.
     pub why: String,
-    /// The command line that does it, in which words in capitals stand for files of the reader;
-    /// none where no command does it.
+    /// The command line that does it, in which words in capitals stand for files that are still to
+    /// come, or that the caller has not named; none where no command does it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
     /// The file that the command writes; who has asked for it needs no such step.
@@ -29,6 +29,71 @@ pub enum Output {
     Page,
     /// Postures to take next.
     Postures,
+}
+
+/// What the caller would type to do the same again: next steps have it in their command lines.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct CommandLine {
+    /// The URDF; `URDF` unless given.
+    pub urdf: String,
+    /// The log; `LOG` unless given.
+    pub log: String,
+    /// Words of options that the next command takes, too, such as `--support`, `r_sole`; none
+    /// unless given.
+    pub options: Vec<String>,
+}
+
+impl Default for CommandLine {
+    fn default() -> CommandLine {
+        CommandLine {
+            urdf: "URDF".to_string(),
+            log: "LOG".to_string(),
+            options: Vec::new(),
+        }
+    }
+}
+
+impl CommandLine {
+    /// `sesc diagnose op2.urdf --support r_sole --data log.csv --out model.toml`, where `command`
+    /// is `diagnose` and `more` is `--out model.toml`.
+    pub(crate) fn of(&self, command: &str, more: &str) -> String {
+        let mut line = format!("sesc {command} {}", quoted(&self.urdf));
+        for word in &self.options {
+            line = format!("{line} {}", quoted(word));
+        }
+        line = format!("{line} --data {}", quoted(&self.log));
+        match more {
+            "" => line,
+            more => format!("{line} {more}"),
+        }
+    }
+
+    /// The same without an option that takes a value, which the next command gives otherwise.
+    pub(crate) fn without(&self, option: &str) -> CommandLine {
+        let mut line = self.clone();
+        let joined = format!("{option}=");
+        line.options.retain(|word| !word.starts_with(&joined));
+        while let Some(at) = line.options.iter().position(|word| word == option) {
+            let end = (at + 2).min(line.options.len());
+            line.options.drain(at..end);
+        }
+        line
+    }
+}
+
+/// A word as a shell takes it.
+///
+/// ```
+/// assert_eq!(sesc_identify::next_steps::quoted("my log.csv"), "'my log.csv'");
+/// ```
+#[doc(hidden)]
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@".contains(c);
+    match word.chars().all(plain) && !word.is_empty() {
+        true => word.to_string(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
 }
 
 impl NextStep {
@@ -51,9 +116,9 @@ impl NextStep {
     }
 
     /// The same, done by this command line.
-    pub(crate) fn by(self, command: &str) -> NextStep {
+    pub(crate) fn by(self, command: String) -> NextStep {
         NextStep {
-            command: Some(command.to_string()),
+            command: Some(command),
             ..self
         }
     }

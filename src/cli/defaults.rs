@@ -55,6 +55,30 @@ const KEYS: [(&str, Kind); 13] = [
     ("servos", Kind::Path(&[])),
 ];
 
+/// Keys, what their values are, and the commands that take them.
+pub(super) fn keys() -> Vec<(&'static str, &'static str, Vec<String>)> {
+    let command = Cli::command();
+    let of = |(key, kind): (&'static str, Kind)| {
+        let long = key.replace('_', "-");
+        let takes = |own: &&Command| {
+            let mut options = own.get_arguments();
+            options.any(|option| option.get_long() == Some(&long))
+        };
+        let fleet = |own: &&Command| !(key == "support" && own.get_name() == "fleet");
+        let commands = command.get_subcommands().filter(takes).filter(fleet);
+        let value = match kind {
+            Kind::Text => "text",
+            Kind::Number => "number",
+            Kind::Flag => "`true` or `false`",
+            Kind::Path([]) => "path",
+            Kind::Path(_) => "name, or path",
+        };
+        let commands = commands.map(|own| own.get_name().to_string());
+        (key, value, commands.collect())
+    };
+    KEYS.into_iter().map(of).collect()
+}
+
 /// `words` with the options that the robot's [`FILE`] gives and they do not, and a note of them.
 ///
 /// # Errors

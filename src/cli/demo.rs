@@ -13,7 +13,7 @@ use sesc_model::files::write_all_if_changed;
 
 use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Bar, Outcome, command_line, message, print_json, show};
+use super::{Bar, Outcome, again, command_line, message, print_json, show};
 use crate::demo::{self, Demo};
 use crate::report::table::{Table, wrapped};
 use crate::report::{DemoReport, html};
@@ -75,6 +75,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             show(&text(&demo))?;
             show(&format!("\nreport with figures: {page}\n"))?;
         }
+    }
+    match &arguments.keep {
+        Some(folder) => {
+            let file = |name: &str| folder.join(name).display().to_string();
+            let (urdf, log) = (file("op2.urdf"), file(SAMPLES[0].0));
+            again::next(
+                "identify the parameters of a robot from a log",
+                &["fit", &urdf, "--data", &log],
+            );
+        }
+        None => again::next(
+            "write a robot and two logs of it, to play with",
+            &["demo", "--keep", "play"],
+        ),
     }
     if demo.verification.pass {
         Ok(Outcome::Ok)

@@ -8,8 +8,8 @@ use clap::Args;
 use super::kinds::Kind;
 use super::outputs::{Files, Together};
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, cad_mass_kg,
-    command_line, message, print_json, show_beside, streams, units,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, again,
+    cad_mass_kg, command_line, message, print_json, show_beside, streams, units,
 };
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
@@ -20,6 +20,7 @@ use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{self, Recording, Stays};
 use sesc_identify::robot::Robot;
+use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
@@ -28,6 +29,21 @@ const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose op2.urdf --data log.csv --mcap diagnosis.mcap\n  \
     sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --prior cad --json";
+
+/// Options that say what is written and not what is found.
+const OUTPUTS: &[&str] = &[
+    "data",
+    "out",
+    "urdf",
+    "total-mass",
+    "next",
+    "report",
+    "mcap",
+    "fail-above",
+    "json",
+    "quiet",
+    "color",
+];
 
 /// Find where simulation and measurement disagree, and name the missing effect
 #[derive(Args)]
@@ -109,7 +125,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         Recording::check_format(path)?;
     }
     let bar = &mut Bar::new("reading");
-    let report = diagnose::diagnose(&request(arguments)?, bar)?;
+    let request = request(arguments)?;
+    let report = diagnose::diagnose(&request, bar)?;
     bar.0.finish_and_clear();
     report
         .notes
@@ -134,7 +151,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let mut files = Together::default();
         if let Some(path) = &arguments.report {
             let found = &report.diagnosis;
-            let text = unusable::page_of_diagnosis(found, &report.model_file, &command_line());
+            let drawn = skeleton(&request, &found.support)?;
+            let (made, line) = (&report.model_file, command_line());
+            let text = unusable::page_of_diagnosis(found, made, Some(&drawn), &line);
             files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         }
         files.finish()?;
@@ -181,11 +200,21 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     if let Some(file) = &arguments.servos {
         request.servos = servos::read(file, &request.robot)?;
     }
+    let (urdf, log) = (&arguments.robot.urdf, &arguments.data);
+    let shapes = |name: &str| !OUTPUTS.contains(&name);
+    request.line = again::command_line(Some(urdf), Some(log), shapes);
     request.corrected_urdf = arguments.corrected.is_some();
     request.total_mass = arguments.total_mass;
     request.view = arguments.report.is_some();
     request.recording = arguments.mcap.is_some();
     Ok(request)
+}
+
+/// The robot of a request on its support link, as pages draw it.
+fn skeleton(request: &Request, support: &str) -> Result<Skeleton, Error> {
+    let model = request.robot.model(support, request.snapping, None)?;
+    let folder = request.meshes.as_deref();
+    Ok(Skeleton::of(&model, &request.robot.description, folder))
 }
 
 fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {

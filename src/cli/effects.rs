@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(name) = &arguments.name {
         let model = models.find(|(model, _)| model == name);
         if let Some((name, page)) = model.filter(|_| !arguments.json) {
-            show(&format!("{name}: {}", without_fences(page)))?;
+            show(&format!("{name}: {}", on_console(page)))?;
             return Ok(Outcome::Ok);
         }
         let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         (true, _) => print_json(&Listed { effects })?,
         (false, Some(name)) => {
             for page in Bench::new()?.pages(Some(name))? {
-                show(&format!("{name}: {}", without_fences(&page.text())))?;
+                show(&format!("{name}: {}", on_console(&page.text())))?;
             }
         }
         (false, None) => show(&(table(&effects) + BESIDE))?,
@@ -67,9 +67,30 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     Ok(Outcome::Ok)
 }
 
-/// A page as a terminal shows it.
-fn without_fences(page: &str) -> String {
-    page.replace("```text\n", "").replace("```\n", "")
+/// A page as a terminal shows it: without fences, its tables as those of other commands, which a
+/// narrow terminal wraps in their last column.
+fn on_console(page: &str) -> String {
+    let mut out = String::new();
+    let mut table: Option<Table> = None;
+    for line in page.lines().filter(|line| !line.starts_with("```")) {
+        let cells = line.strip_prefix('|').and_then(|row| row.strip_suffix('|'));
+        let Some(cells) = cells else {
+            out.extend(table.take().map(|table| table.to_string()));
+            out += line;
+            out.push('\n');
+            continue;
+        };
+        let cells: Vec<&str> = cells.split('|').map(str::trim).collect();
+        match &mut table {
+            None => table = Some(Table::new(&cells)),
+            Some(_) if cells.iter().all(|cell| cell.chars().all(|c| c == '-')) => {}
+            Some(table) => {
+                table.row(&cells);
+            }
+        }
+    }
+    out.extend(table.map(|table| table.to_string()));
+    out
 }
 
 fn table(effects: &[EffectAbout]) -> String {
@@ -88,4 +109,16 @@ fn table(effects: &[EffectAbout]) -> String {
         ]);
     }
     table.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::on_console;
+
+    #[test]
+    fn tables_of_pages_are_those_of_commands() {
+        let page = "An equation:\n\n```text\ny = x\n```\n\n| at   | is |\n| ---- | -- |\n| knee | a b |\n\nEnd.\n";
+        let shown = "An equation:\n\ny = x\n\nat    is\n────  ───\nknee  a b\n\nEnd.\n";
+        assert_eq!(on_console(page), shown);
+    }
 }

@@ -9,8 +9,8 @@ use super::fit_outputs::Outputs;
 use super::kinds::Kind;
 use super::outputs::{Files, Together};
 use super::{
-    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, message,
-    print_json, show, show_beside, streams,
+    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, again,
+    message, print_json, show, show_beside, streams,
 };
 use crate::Error;
 use crate::report;
@@ -120,6 +120,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         ));
         return Ok(Outcome::Ok);
     }
+    let urdf = request.robot.as_ref().and(arguments.inputs.first());
+    let folder = urdf.and_then(|path| path.parent());
     let found = fit::fit(&request, bar)?;
     bar.0.finish_and_clear();
     found
@@ -130,9 +132,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let named = arguments.out.iter().chain(arguments.outputs.urdf());
         named.for_each(|path| message(&not_written(path)));
         let mut files = Together::default();
-        arguments
-            .outputs
-            .write_broken(&found.identification, &mut files)?;
+        arguments.outputs.write_broken(&found, folder, &mut files)?;
         files.finish()?;
         match arguments.json {
             true => print_json(&Unusable::of(&found.identification))?,
@@ -144,8 +144,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(path) = &arguments.out {
         files.add(path, &found.model_file.to_toml()?)?;
     }
-    let urdf = request.robot.as_ref().and(arguments.inputs.first());
-    let folder = urdf.and_then(|path| path.parent());
     let shown = arguments.outputs.shown(&found, folder);
     let report = FitReport {
         found: &found.identification,
@@ -218,6 +216,12 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         DuplicateParts::Refuse => Duplicates::Refuse,
         DuplicateParts::Skip => Duplicates::Skip,
     };
+    let log = match &arguments.data[..] {
+        [log] => Some(log.as_path()),
+        _ => None,
+    };
+    let urdf = robots.first().map(|path| path.as_path());
+    request.line = again::command_line(urdf, log, |name| again::TO_DIAGNOSE.contains(&name));
     arguments.outputs.ask(&mut request)?;
     Ok(request)
 }

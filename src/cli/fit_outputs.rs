@@ -11,7 +11,8 @@ use super::{cad_mass_kg, command_line, units};
 use crate::Error;
 use crate::report::fit::{FitReport, Shown, page};
 use crate::report::unusable;
-use sesc_identify::fit::{Identification, Report, Request};
+use sesc_identify::fit::{Report, Request};
+use sesc_identify::skeleton::Skeleton;
 
 #[derive(Args)]
 pub(super) struct Outputs {
@@ -72,11 +73,14 @@ impl Outputs {
     /// Write the page of data that cannot be used, where one is asked for.
     pub(super) fn write_broken(
         &self,
-        found: &Identification,
+        report: &Report,
+        folder: Option<&Path>,
         files: &mut Together,
     ) -> Result<(), Error> {
         if let Some(path) = &self.report {
-            let text = unusable::page_of_fit(found, &command_line());
+            let drawn = Skeleton::of(report.model(), &report.robot().description, folder);
+            let found = &report.identification;
+            let text = unusable::page_of_fit(found, Some(&drawn), &command_line());
             files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         }
         Ok(())

@@ -11,7 +11,7 @@ use sesc_model::files::write_all_if_changed;
 
 use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Outcome, RobotArguments, message, print, print_json};
+use super::{Outcome, RobotArguments, again, message, print, print_json};
 use crate::Error;
 
 /// Write the functions of a robot as source code
@@ -161,6 +161,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
         answer.files.push(WrittenFile { file, changed });
     }
+    let urdf = again::urdf(&arguments.robot.urdf);
+    let mut verify = vec!["verify", &urdf, "--support", model.support()];
+    let file = arguments
+        .model
+        .as_ref()
+        .map(|file| file.display().to_string());
+    verify.extend(file.iter().flat_map(|file| ["--model", file]));
+    again::next(
+        "compare the functions with an independent reference",
+        &verify,
+    );
     if arguments.json {
         print_json(&answer)?;
     }

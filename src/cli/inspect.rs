@@ -7,7 +7,7 @@ use clap::Args;
 use sesc_codegen::emit::header::at_most;
 use sesc_model::{Function, Interface};
 
-use super::{Outcome, RobotArguments, print_json, show};
+use super::{Outcome, RobotArguments, again, print_json, show};
 use crate::Error;
 use crate::inspect::{Inspection, RankCheck, inspect};
 use crate::report::table::{Table, wrapped};
@@ -40,6 +40,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         print_json(&inspection)?;
     } else {
         show(&text(&inspection, arguments.long))?;
+        let (urdf, support) = (again::urdf(&arguments.robot.urdf), model.support());
+        let plan = ["plan", &urdf, "--support", support, "--poses", "40"];
+        let plan = [&plan[..], &["--out", "poses.csv"]].concat();
+        again::next("choose postures to record", &plan);
     }
     match inspection.rank_check {
         RankCheck::Agrees => Ok(Outcome::Ok),

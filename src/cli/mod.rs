@@ -1,5 +1,6 @@
 //! The command line: parse, call, print.
 
+mod again;
 mod arguments;
 mod compare;
 mod defaults;
@@ -38,6 +39,7 @@ use arguments::{
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sesc_identify::next_steps::quoted;
 use sesc_model::Model;
 use sesc_model::text::{is_hidden, visible_lines};
 
@@ -273,6 +275,11 @@ struct Answer<'a, T: serde::Serialize> {
     value: &'a T,
 }
 
+/// The keys of `sesc.toml`: each with what its value is, and the commands that take it.
+pub fn robot_keys() -> Vec<(&'static str, &'static str, Vec<String>)> {
+    defaults::keys()
+}
+
 /// See [`Answer`].
 const SCHEMA: u32 = 1;
 
@@ -387,15 +394,10 @@ impl Watch for Bar {
 
 /// This command line, as a shell takes it.
 fn command_line() -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
-    let quoted = |word: String| match word.chars().all(plain) && !word.is_empty() {
-        true => word,
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    };
     let words = WORDS.get().into_iter().flatten().skip(1);
-    let words = words.map(|word| word.to_string_lossy().into_owned());
+    let words = words.map(|word| quoted(&word.to_string_lossy()));
     std::iter::once("sesc".to_string())
-        .chain(words.map(quoted))
+        .chain(words)
         .collect::<Vec<_>>()
         .join(" ")
 }

@@ -7,8 +7,8 @@ use clap::Args;
 use super::kinds::Kind;
 use super::outputs::Files;
 use super::{
-    Bar, FeetArguments, Outcome, RobotArguments, command_line, message, print_json, show_beside,
-    streams,
+    Bar, FeetArguments, Outcome, RobotArguments, again, command_line, message, print_json,
+    show_beside, streams,
 };
 use crate::Error;
 use crate::report;
@@ -119,6 +119,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.log = log.transpose()?;
     request.feet = Feet::from(&arguments.feet);
     request.folder = folder.map(PathBuf::from);
+    let urdf = Some(arguments.robot.urdf.as_path());
+    request.line = again::command_line(urdf, None, |name| again::TO_FIT.contains(&name));
     // A file that cannot be written is better known before than after.
     let dofs = &request.model.tree.dofs;
     let streamed = streams::is_standard(&arguments.out);

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Bar, Motion, Outcome, RobotArguments, message, print_json, streams};
+use super::{Bar, Motion, Outcome, RobotArguments, again, message, print_json, streams, units};
 use crate::Error;
 use sesc_identify::hide::hide;
 use sesc_identify::simulate::{self, Request};
@@ -81,6 +81,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .check_writable()?;
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
     let model = hide(model, &arguments.hide)?;
+    units::check_hidden(&arguments.hide, &model)?;
     let poses = usize::try_from(arguments.poses).unwrap_or(usize::MAX);
     let mut request = Request::new(model, poses);
     request.range = arguments.range.map(f64::to_radians);
@@ -103,6 +104,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     bar.0.finish_and_clear();
     let (log, sidecar) = (arguments.out.display(), sidecar.display());
     message(&format!("wrote {log} and {sidecar}"));
+    let (urdf, name) = (again::urdf(&arguments.robot.urdf), log.to_string());
+    again::next(
+        "identify the parameters from the log",
+        &["fit", &urdf, "--data", &name],
+    );
     if arguments.json {
         print_json(&Written {
             robot: &tree.robot,

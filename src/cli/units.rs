@@ -2,6 +2,8 @@
 //! millimetres, is refused with what was meant.
 
 use sesc_identify::logs::Stays;
+use sesc_model::Model;
+use sesc_model::effects::Unit;
 
 use crate::Error;
 
@@ -16,6 +18,46 @@ const TURN_DEG: f64 = 360.0;
 const FASTEST_HZ: f64 = 50_000.0;
 /// A robot does not weigh so many times what CAD says, or so small a part of it.
 const MASS_RATIO: f64 = 100.0;
+
+/// An angle or a length of a hidden effect that is given without its unit is no larger, rad or m.
+const HIDDEN_RAD: f64 = 0.6;
+const HIDDEN_M: f64 = 1.0;
+
+/// What is hidden in a simulated robot: `effects` as they were typed, which the model has last.
+///
+/// # Errors
+/// A number without a unit that is no likely one of rad or m.
+pub(super) fn check_hidden(effects: &[String], model: &Model) -> Result<(), Error> {
+    let records = model.file.as_ref().map_or(&[][..], |file| &file.effects);
+    let typed = effects.iter().rev().zip(records.iter().rev());
+    for (text, record) in typed {
+        let values = text.rsplit_once('=').map_or("", |(_, values)| values);
+        let bare: Vec<f64> = values
+            .split(',')
+            .filter_map(|x| x.trim().parse().ok())
+            .collect();
+        for (name, value) in &record.parameters {
+            let value = value.value;
+            let (most, shown, meant, unit) = match Unit::of(name) {
+                Unit::Radian => (
+                    HIDDEN_RAD,
+                    format!("{:.0}°", value.to_degrees()),
+                    "deg",
+                    "rad",
+                ),
+                Unit::Metre => (HIDDEN_M, format!("{} mm", 1e3 * value), "mm", "m"),
+                _ => continue,
+            };
+            if value.abs() > most && bare.contains(&value) {
+                return Err(Error::Usage(format!(
+                    "--hide {text}: {value} of {name} is {value} {unit} ({shown}); give its unit: \
+                     {value}{meant}, or {value}{unit} if that is meant"
+                )));
+            }
+        }
+    }
+    Ok(())
+}
 
 /// A standard deviation of a reading, m.
 pub(super) fn deviation_m(text: &str) -> Result<f64, String> {

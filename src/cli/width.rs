@@ -57,7 +57,10 @@ fn wrap(line: &str, indent: usize, width: usize, out: &mut String) {
     }
     let at = line.char_indices().nth(indent);
     let (head, rest) = line.split_at(at.map_or(line.len(), |(at, _)| at));
-    let indent = match width < indent + LEAST && !head.trim().is_empty() {
+    // A word that is longer than the column has more room below its row.
+    let longest = rest.split_whitespace().map(|word| word.chars().count());
+    let least = LEAST.max(longest.max().unwrap_or(0));
+    let indent = match width < indent + least && !head.trim().is_empty() {
         true => {
             out.push_str(head.trim_end());
             out.push('\n');
@@ -107,6 +110,15 @@ mod tests {
                         characters.\n";
         assert_eq!(fitted(text, 30), expected);
         assert_eq!(fitted(text, 100), text);
+        let long = "at    imitated by\n\
+                    ────  ───────────────────────────────\n\
+                    knee  a_word_of_twenty_four_ch and more\n";
+        let below = "at    imitated by\n\
+                     ────  ──────────────────────\n\
+                     knee\n    \
+                     a_word_of_twenty_four_ch\n    \
+                     and more\n";
+        assert_eq!(fitted(long, 28), below);
         // No room for a column: it goes below its row.
         let narrow = "effect  what it is\n\
                       ──────  ────────────\n\

@@ -195,9 +195,11 @@ impl<'m> Study<'m> {
         let cad = Evaluator::new(self.model, Function::Cop).run(&self.held_out, SHOWN);
         let identified = self.predicted(Function::RegressorCop, base);
         let measured = &self.held_out_readings;
+        let dof = self.model.dof();
         (0..SHOWN)
             .map(|k| CopRow {
                 pose: k + 1,
+                q: self.held_out[dof * k..dof * (k + 1)].to_vec(),
                 measured: [measured[2 * k], measured[2 * k + 1]],
                 truth: [self.truth[k][0], self.truth[k][1]],
                 cad: [cad[2 * k], cad[2 * k + 1]],

@@ -8,7 +8,8 @@ use minijinja::value::{Serde, Value};
 use minijinja::{Environment, Error, UndefinedBehavior, context};
 
 use super::origin::Origin;
-use super::{DemoReport, HiddenAct, diagnose, digest, figures, svg, table};
+use super::robot::Shown;
+use super::{CopRow, DemoReport, HiddenAct, diagnose, digest, figures, svg, table};
 
 /// Outline of the OP2's sole around its sole frame: length, width, m.
 const OP2_SOLE_M: [f64; 2] = [0.105, 0.066];
@@ -27,6 +28,8 @@ const SCRIPT: [&str; 6] = [
 pub fn demo(report: &DemoReport, command: &str) -> Result<String, Error> {
     let figure = Value::from_safe_string;
     let hidden = report.hidden.as_ref();
+    // The robot of the second act is shown in the first one's postures, too.
+    let first = hidden.map_or(0, |hidden| hidden.view.postures.len());
     let context = context! {
         report => Serde(report),
         origin => Origin {
@@ -35,19 +38,19 @@ pub fn demo(report: &DemoReport, command: &str) -> Result<String, Error> {
             ..Origin::default()
         }
         .context(),
-        robot => hidden.map(of_hidden),
+        robot => hidden.map(|hidden| of_hidden(hidden, held_out(report))),
         sole_mm => OP2_SOLE_M.map(|length| format!("{:.0}", 1e3 * length)).to_vec(),
         all_within => report.functions.iter().all(|row| row.worst_error_m <= row.bound_m),
         worst_error_m => report.functions.iter().map(|row| row.worst_error_m).fold(0.0, f64::max),
         figures => context! {
             errors => figure(figures::errors(report)),
-            cop_x => figure(figures::cop_over_postures(&report.cop, 0)),
-            cop_y => figure(figures::cop_over_postures(&report.cop, 1)),
-            plane => figure(figures::cop_plane(&report.cop, OP2_SOLE_M)),
+            cop_x => figure(figures::cop_over_postures(&report.cop, 0, first)),
+            cop_y => figure(figures::cop_over_postures(&report.cop, 1, first)),
+            plane => figure(figures::cop_plane(&report.cop, OP2_SOLE_M, first)),
             lengths_full => figure(figures::lengths_full(&report.lengths)),
             lengths_base => figure(figures::lengths_base(&report.lengths)),
-            height_level => figure(figures::height_level(&report.height, report.height_offset_m)),
-            height_shape => figure(figures::height_shape(&report.height)),
+            height_level => figure(figures::height_level(&report.height, report.height_offset_m, first)),
+            height_shape => figure(figures::height_shape(&report.height, first)),
             parameters => figure(figures::parameters(report)),
             course => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::course(&h.view.postures))),
             waterfall => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::waterfall(&h.view.stages))),
@@ -56,11 +59,43 @@ pub fn demo(report: &DemoReport, command: &str) -> Result<String, Error> {
     render("demo.html", context)
 }
 
-/// The robot of the second act.
-fn of_hidden(hidden: &HiddenAct) -> Value {
+/// The robot of the second act, which stands in the postures `apart` where figures ask for it.
+fn of_hidden(hidden: &HiddenAct, apart: Vec<Shown>) -> Value {
     let mut card = diagnose::card(&hidden.diagnosis, &hidden.view);
     card.caption = format!("As the last part below finds it. {}", card.caption);
+    card.apart = apart;
     card.context()
+}
+
+/// The postures of the first act's figures, with what these draw of them.
+fn held_out(report: &DemoReport) -> Vec<Shown> {
+    let signed = |text: String| text.replace('-', "−");
+    let place = |at: [f64; 2]| {
+        let [x, y] = at.map(|x| 1e3 * x);
+        signed(format!("x {x:.2}, y {y:.2} mm"))
+    };
+    let shown = |(k, row): (usize, &CopRow)| {
+        let mut said = vec![
+            format!("true CoP {}", place(row.truth)),
+            format!("identified {}", place(row.identified)),
+        ];
+        said.extend(report.height.get(k).map(|height| {
+            let [truth, level, shape] =
+                [height.truth, height.identified, height.anchored].map(|z| 1e3 * z);
+            signed(format!(
+                "height of the CoM {truth:.2} mm, identified {level:.2} mm, with the constant from \
+                 CAD {shape:.2} mm"
+            ))
+        }));
+        Shown {
+            pose: i64::try_from(row.pose).unwrap_or(i64::MAX),
+            q: row.q.clone(),
+            measured: Some(row.measured),
+            said,
+            ..Shown::default()
+        }
+    };
+    report.cop.iter().enumerate().map(shown).collect()
 }
 
 /// A page of this folder in the frame that all share.
@@ -108,20 +143,6 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
         environment.add_template(name, source)?;
     }
     environment.get_template(page)?.render(context)
-}
-
-/// JSON as the text of a script element: nothing in it ends the element or is markup.
-pub(super) fn inline_json(value: &serde_json::Value) -> String {
-    let mut out = String::new();
-    for c in value.to_string().chars() {
-        match c {
-            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
-                out.push_str(&format!("\\u{:04x}", u32::from(c)));
-            }
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 /// A sentence with its `names` set as code.
@@ -222,17 +243,6 @@ mod tests {
         for handler in ["onclick=", "onload=", "javascript:", " style=\""] {
             assert!(!page.contains(handler), "{handler}");
         }
-    }
-
-    #[test]
-    fn data_in_a_script_end_no_script() {
-        let hostile = serde_json::json!("</script><!--\u{2028}\u{2029}&");
-        let text = inline_json(&hostile);
-        assert!(!text.contains(['<', '>', '&', '\u{2028}', '\u{2029}']));
-        assert_eq!(
-            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
-            hostile
-        );
     }
 
     #[test]

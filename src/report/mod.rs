@@ -158,6 +158,8 @@ pub struct Errors {
 pub struct CopRow {
     /// Number of the posture.
     pub pose: usize,
+    /// Positions of its joints, rad.
+    pub q: Vec<f64>,
     /// Noisy reading.
     pub measured: [f64; 2],
     /// True CoP.

@@ -7,7 +7,6 @@ use minijinja::{Value, context};
 use serde_json::{Value as Json, json};
 
 use super::figures::robot::{Marks, Pictured};
-use super::html::inline_json;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::tree::{Coordinate, Motion};
 
@@ -24,6 +23,8 @@ pub struct Shown {
     pub predicted: Option<[[f64; 2]; 2]>,
     /// CoP that is expected, m.
     pub planned: Option<[f64; 2]>,
+    /// What else is said of it, a phrase each.
+    pub said: Vec<String>,
     /// It is rather an outlier.
     pub outlier: bool,
 }
@@ -44,6 +45,8 @@ pub struct Card<'a> {
     pub skeleton: &'a Skeleton,
     /// Where there are none the robot stands still, with all joints at zero.
     pub postures: Vec<Shown>,
+    /// Postures of other figures, which the slider leaves out: numbered after the others.
+    pub apart: Vec<Shown>,
     /// The figure beside the robot.
     pub beside: Option<String>,
     /// In a sentence, what is marked.
@@ -60,11 +63,12 @@ impl Card<'_> {
             .iter()
             .filter_map(|p| p.measured.or(p.planned));
         let shown = most_upright(&self.postures);
+        let all = || self.postures.iter().chain(&self.apart);
         let views = Pictured {
             skeleton: self.skeleton,
-            postures: match self.postures.is_empty() {
+            postures: match all().next().is_none() {
                 true => vec![&[]],
-                false => self.postures.iter().map(|p| p.q.as_slice()).collect(),
+                false => all().map(|p| p.q.as_slice()).collect(),
             },
             shown,
             cop: cop.collect(),
@@ -75,7 +79,8 @@ impl Card<'_> {
             "bodies": bodies(self.skeleton),
             "capsules": capsules(self.skeleton),
             "joints": joints(self.skeleton),
-            "postures": self.postures.iter().map(posture).collect::<Vec<Json>>(),
+            "postures": all().map(posture).collect::<Vec<Json>>(),
+            "slider": self.postures.len(),
             "shown": shown,
             "names": self.correction.names,
             "chi2": self.correction.chi2.map(|(c, expected)| {
@@ -180,5 +185,38 @@ fn posture(shown: &Shown) -> Json {
     if let Some(planned) = &shown.planned {
         fields.insert("planned", place(planned));
     }
+    if !shown.said.is_empty() {
+        fields.insert("said", json!(shown.said));
+    }
     json!(fields)
+}
+
+/// JSON as the text of a script element: nothing in it ends the element or is markup.
+fn inline_json(value: &Json) -> String {
+    let mut out = String::new();
+    for c in value.to_string().chars() {
+        match c {
+            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
+                out.push_str(&format!("\\u{:04x}", u32::from(c)));
+            }
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn data_in_a_script_end_no_script() {
+        let hostile = serde_json::json!("</script><!--\u{2028}\u{2029}&");
+        let text = inline_json(&hostile);
+        assert!(!text.contains(['<', '>', '&', '\u{2028}', '\u{2029}']));
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
+            hostile
+        );
+    }
 }

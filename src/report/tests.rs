@@ -76,6 +76,7 @@ pub fn report() -> DemoReport {
                 let truth = [0.1 * wave(k), 0.05 + 0.07 * wave(k + 3)];
                 CopRow {
                     pose: k,
+                    q: vec![wave(k)],
                     measured: [
                         truth[0] + 0.005 * wave(k + 1),
                         truth[1] - 0.004 * wave(k + 2),

@@ -1,9 +1,11 @@
 //! The page of data that cannot be used: what is wrong with them, and nothing that was made of
 //! them.
 
-use minijinja::{Error, context};
+use minijinja::{Error, Value, context};
 
 use super::data::Data;
+use super::figures::robot::Marks;
+use super::fleet::still;
 use super::html::render;
 use super::next_steps;
 use super::origin::Origin;
@@ -11,6 +13,7 @@ use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::fit::Identification;
 use sesc_identify::health::Finding;
 use sesc_identify::next_steps::{NextStep, Output};
+use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 
 /// What the page is about.
@@ -23,13 +26,20 @@ struct Broken<'a> {
     health: &'a [Finding],
     next: &'a [NextStep],
     origin: Origin<'a>,
+    /// The robot, where its URDF is at hand.
+    drawn: Option<&'a Skeleton>,
 }
 
-/// The page of a fit to such data; `command` makes it again.
+/// The page of a fit to such data; `drawn` is its robot where the URDF is at hand, `command`
+/// makes the page again.
 ///
 /// # Errors
 /// A fault of the page's template.
-pub fn page_of_fit(found: &Identification, command: &str) -> Result<String, Error> {
+pub fn page_of_fit(
+    found: &Identification,
+    drawn: Option<&Skeleton>,
+    command: &str,
+) -> Result<String, Error> {
     let times = found.data.iter().filter_map(|log| log.times);
     page(&Broken {
         robot: &found.robot,
@@ -48,17 +58,19 @@ pub fn page_of_fit(found: &Identification, command: &str) -> Result<String, Erro
             times: times.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]),
             command,
         },
+        drawn,
     })
 }
 
-/// The page of a diagnosis of such data; `made` says of which robot and data it is, `command`
-/// makes it again.
+/// The page of a diagnosis of such data; `made` says of which robot and data it is, `drawn` is
+/// the robot, `command` makes the page again.
 ///
 /// # Errors
 /// A fault of the page's template.
 pub fn page_of_diagnosis(
     found: &Diagnosis,
     made: &ModelFile,
+    drawn: Option<&Skeleton>,
     command: &str,
 ) -> Result<String, Error> {
     page(&Broken {
@@ -78,7 +90,21 @@ pub fn page_of_diagnosis(
             times: found.times,
             command,
         },
+        drawn,
     })
+}
+
+/// The robot, with the joints marked that a finding is about.
+fn card(skeleton: &Skeleton, health: &[Finding]) -> Value {
+    let (mut marks, mut said) = (Marks::default(), Vec::new());
+    for finding in health {
+        if let Some(body) = skeleton.carried_by(&finding.target) {
+            marks.joints.push((body, finding.target.clone()));
+            let kind = finding.kind.name().replace('_', " ");
+            said.push(format!("`{}` ({kind})", finding.target));
+        }
+    }
+    still(skeleton, marks, &said, "No finding is about a joint.")
 }
 
 fn page(broken: &Broken<'_>) -> Result<String, Error> {
@@ -93,6 +119,7 @@ fn page(broken: &Broken<'_>) -> Result<String, Error> {
         health: broken.health,
     };
     let context = context! {
+        robot => broken.drawn.map(|drawn| card(drawn, broken.health)),
         robot_name => broken.robot,
         support => broken.support,
         log => broken.origin.logs.iter().map(|log| log.0).collect::<Vec<&str>>().join(" + "),

@@ -112,6 +112,17 @@ fn names_of_links_effects_and_targets_are_guessed() {
         &hidden("joint_offset:r_kne=1deg"),
         &["did you mean `r_knee`?"],
     );
+    // 1.5 rad are 86°; whoever means them says so.
+    refused(
+        &hidden("joint_offset:r_knee=1.5"),
+        &["1.5 rad (86°)", "1.5deg, or 1.5rad"],
+    );
+    refused(
+        &hidden("sensor_offset=3,0"),
+        &["3 m (3000 mm)", "3mm, or 3m"],
+    );
+    stdout(&hidden("joint_offset:r_knee=1.5rad"));
+    stdout(&hidden("joint_offset:r_knee=0.02"));
     stdout(&sesc(&simulate));
     let fit = |more: &[&str]| sesc(&[&["fit", &urdf, "--data", &log][..], more].concat());
     let prior = at("prior.toml");
@@ -227,7 +238,10 @@ fn a_fit_that_misses_something_points_to_diagnose() {
     assert!(!said[0].contains("sesc diagnose"), "{}", said[0]);
     assert!(
         said[1].contains("next             Diagnose the log: ")
-            && said[1].contains("sesc diagnose URDF --data LOG"),
+            && said[1].contains(&format!(
+                "sesc diagnose {urdf} --data {}\n",
+                path("bent.csv")
+            )),
         "{}",
         said[1]
     );

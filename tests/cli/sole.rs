@@ -135,7 +135,8 @@ fn inspect_names_the_sole_where_shapes_reach_below_the_frame() {
     };
     let said = notes("r_sole");
     assert!(
-        said.contains("reaches 15.0 mm below") && said.contains("the support is `r_sole@15mm`"),
+        said.contains("reaches 15.0 mm below")
+            && said.contains("its support link is `r_sole@15mm`"),
         "{said}"
     );
     // A sole of its own is not asked for another one.

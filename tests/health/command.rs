@@ -80,6 +80,7 @@ fn neither_command_makes_anything_but_a_page_of_data_that_cannot_be_used() {
         assert_eq!(files, 2, "{command}");
         let page = case.page().unwrap();
         assert!(page.contains("These data cannot be used"), "{command}");
+        assert!(page.contains("data-view="), "{command}: no robot");
         assert!(page.contains("cop axis dead, y") && page.contains("CoP y, mm"));
         assert!(!page.contains("NaN"), "{command}");
         std::fs::remove_file(case.folder.path().join("page.html")).unwrap();

@@ -3,6 +3,7 @@
 /** Try everything that answers on a page. */
 export async function interact(page, expect) {
   await tables(page, expect);
+  await worded(page, expect);
   if (!(await page.evaluate("Boolean(document.querySelector('.controls'))"))) return;
   await postures(page, expect);
   await dots(page, expect);
@@ -83,6 +84,31 @@ async function dots(page, expect) {
   })()`);
   expect(keys[0], 'arrow keys do not walk along dots');
   expect(keys[1], 'Escape hides no tip');
+}
+
+/** Figures with a dot that stands for no posture and has no words, beside keys and robots. */
+const SILENT = `[...document.querySelectorAll('main svg')]
+  .filter((svg) => !svg.closest('.sheet') && !svg.querySelector('[data-view]'))
+  .filter((svg) => [...svg.querySelectorAll('circle')].some((disc) => !disc.closest('[data-p], [data-v]')
+    && disc.getAttribute('fill') !== 'none' // a ring of the pointer's
+    && disc.previousElementSibling?.tagName !== 'text'))
+  .map((svg) => svg.getAttribute('aria-label'))`;
+
+/** Dots that stand for no posture say what they are, without the robot. */
+async function worded(page, expect) {
+  for (const figure of await page.evaluate(SILENT)) expect(false, `a dot of "${figure}" says nothing`);
+  const place = await page.evaluate(`(() => {
+    const disc = document.querySelector('[data-v] circle');
+    if (!disc) return null;
+    disc.scrollIntoView({ block: 'center' });
+    const { x, y, width, height } = disc.getBoundingClientRect();
+    return [x + width / 2, y + height / 2, disc.parentNode.dataset.v];
+  })()`);
+  if (!place) return;
+  await page.point(1, 1);
+  await page.point(place[0], place[1]);
+  const tip = await page.evaluate("(() => { const t = document.querySelector('.tip'); const svg = t.querySelector('svg'); return [t.hidden, t.textContent, Boolean(svg && svg.getBoundingClientRect().width)]; })()");
+  expect(!tip[0] && tip[1].includes(place[2]) && !tip[2], `a dot is told as "${tip[1]}", not as "${place[2]}"`);
 }
 
 async function correction(page, expect) {

@@ -5,6 +5,7 @@ pub mod counts;
 pub mod crates;
 pub mod fleet_costs;
 pub mod fleet_parts;
+mod formats;
 pub mod kills;
 pub mod regen;
 pub mod study;

@@ -1,4 +1,5 @@
-//! What `generated/` holds and the figure of README, and how they are written.
+//! What `generated/` holds, the figure of README, pages of effects and tables of formats, and how
+//! they are written.
 
 use std::path::{Path, PathBuf};
 
@@ -110,6 +111,7 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     }
     files.push((PathBuf::from(FIGURE), figure()?));
     files.extend(effect_pages()?);
+    files.push(crate::formats::page(root)?);
     Ok(files)
 }
 

@@ -5,3 +5,6 @@
 pub const CHANCE: f64 = 0.01;
 /// Parameters that are listed as the largest changes. Chosen: it shortens a list alone.
 pub const LISTED: usize = 5;
+/// A chance below this is said to be below it, for further digits of it mean nothing. Chosen: it
+/// changes a sentence alone.
+pub const LEAST_CHANCE: f64 = 1e-12;

@@ -3,12 +3,18 @@
 use sesc_model::tree::Dof;
 
 use super::findings::{Diagnosis, Verdict};
-use crate::next_steps::{NextStep, Output};
+use crate::next_steps::{CommandLine, NextStep, Output};
 use crate::observations::revisits::Again;
 
 /// The verdict in things to do, the most useful first. `proposal` is the experiment that tells
 /// most, where one tells anything.
-pub(super) fn after(found: &Diagnosis, dofs: &[Dof], proposal: Option<&str>) -> Vec<NextStep> {
+pub(super) fn after(
+    found: &Diagnosis,
+    dofs: &[Dof],
+    proposal: Option<&str>,
+    line: &CommandLine,
+) -> Vec<NextStep> {
+    let again = |more: &str| line.of("diagnose", more);
     let mut steps = Vec::new();
     match found.verdict {
         Verdict::Unusable => {
@@ -16,22 +22,22 @@ pub(super) fn after(found: &Diagnosis, dofs: &[Dof], proposal: Option<&str>) -> 
         }
         Verdict::Unexplained => steps.extend(by_hand(found, dofs)),
         Verdict::Class => {
-            steps.push(apart(found, proposal));
-            steps.push(keep());
+            steps.push(apart(found, proposal, again));
+            steps.push(keep(again));
         }
         Verdict::Named => {
             steps.push(NextStep::by_hand(
                 "Make the change that is proposed, in one place alone, then record a new log and diagnose it",
                 "nothing should be missing from it",
             ));
-            steps.push(keep());
+            steps.push(keep(again));
         }
         Verdict::Absorbed => steps.push(
             NextStep::by_hand(
                 "Give the tolerances of masses that you trust, or weigh links",
                 "masses that are known better do not hide an effect",
             )
-            .by("sesc diagnose URDF --data LOG --prior PRIOR.toml"),
+            .by(line.without("--prior").of("diagnose", "--prior PRIOR.toml")),
         ),
         Verdict::None => steps.extend(larger(found)),
     }
@@ -42,7 +48,7 @@ pub(super) fn after(found: &Diagnosis, dofs: &[Dof], proposal: Option<&str>) -> 
                 "Look at the page of the diagnosis",
                 "it shows where the gap is, and what it goes with",
             )
-            .by("sesc diagnose URDF --data LOG --report report.html")
+            .by(again("--report report.html"))
             .makes(Output::Page),
         );
     }
@@ -50,17 +56,17 @@ pub(super) fn after(found: &Diagnosis, dofs: &[Dof], proposal: Option<&str>) -> 
 }
 
 /// How to tell the explanations of a class apart.
-fn apart(found: &Diagnosis, proposal: Option<&str>) -> NextStep {
+fn apart(found: &Diagnosis, proposal: Option<&str>, again: impl Fn(&str) -> String) -> NextStep {
     let why = "the explanations predict other readings there";
     match (proposal, &found.next_postures.file) {
         (Some(what), Some(file)) => NextStep::by_hand(
             format!("Take the postures of {file} ({what}), and diagnose their log with the first"),
             why,
         )
-        .by("sesc diagnose URDF --data LOG --then NEXT_LOG"),
+        .by(again("--then NEXT_LOG")),
         (Some(what), None) => {
             NextStep::by_hand(format!("Write the postures that tell most: {what}"), why)
-                .by("sesc diagnose URDF --data LOG --next next.csv")
+                .by(again("--next next.csv"))
                 .makes(Output::Postures)
         }
         (None, _) => NextStep::by_hand(
@@ -70,12 +76,12 @@ fn apart(found: &Diagnosis, proposal: Option<&str>) -> NextStep {
     }
 }
 
-fn keep() -> NextStep {
+fn keep(again: impl Fn(&str) -> String) -> NextStep {
     NextStep::by_hand(
         "Keep the corrected model",
         "predict, simulate, generate and build.rs read it",
     )
-    .by("sesc diagnose URDF --data LOG --out model.toml")
+    .by(again("--out model.toml"))
     .makes(Output::Model)
 }
 

@@ -30,6 +30,7 @@ use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health::{self, Finding};
 use crate::logs::{Angles, LogSource, Options, Readings, Sidecar, Stays};
+use crate::next_steps::CommandLine;
 use crate::observations::motion_use::{MotionModel, MotionUse};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
@@ -77,6 +78,8 @@ pub struct Request {
     /// How the caller words what generates C from a URDF, on a support link, with a model file;
     /// the call of `sesc_codegen::Builder` unless given.
     pub generate_command: Option<fn(urdf: &str, support: &str, model: &str) -> String>,
+    /// What the caller typed, for the command lines of next steps.
+    pub line: CommandLine,
     /// Servos by joint; [`Servo::default`] of revolute joints that are not named.
     pub servos: BTreeMap<String, Servo>,
     /// Whether the corrected URDF is wanted.
@@ -112,6 +115,7 @@ impl Request {
             next_file: None,
             model_path: None,
             generate_command: None,
+            line: CommandLine::default(),
             servos: BTreeMap::new(),
             corrected_urdf: false,
             total_mass: None,
@@ -245,7 +249,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         experiments: next.proposals.clone(),
     };
     let dofs = &model.tree.dofs;
-    found.diagnosis.next_steps = next_steps::after(&found.diagnosis, dofs, telling.as_deref());
+    let (diagnosis, telling) = (&found.diagnosis, telling.as_deref());
+    found.diagnosis.next_steps = next_steps::after(diagnosis, dofs, telling, &request.line);
     let corrected = request
         .corrected_urdf
         .then(|| {

@@ -237,7 +237,7 @@ pub(super) fn identify_within(
         information,
         masses,
     };
-    found.next_steps = next_steps::after(&found);
+    found.next_steps = next_steps::after(&found, &settings.line);
     found
 }
 

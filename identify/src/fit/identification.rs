@@ -9,7 +9,7 @@ use super::prior::Prior;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
-use crate::next_steps::NextStep;
+use crate::next_steps::{CommandLine, NextStep};
 use crate::observations::motion::Plan;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
@@ -27,6 +27,8 @@ pub struct Settings {
     pub noise: Option<f64>,
     /// Range over which errors are expected: ±rad about zero within the limits.
     pub range: Option<f64>,
+    /// What the caller typed.
+    pub line: CommandLine,
 }
 
 impl Settings {
@@ -36,6 +38,7 @@ impl Settings {
             prior,
             noise: None,
             range: None,
+            line: CommandLine::default(),
         }
     }
 }

@@ -108,11 +108,7 @@ impl Case {
 
     fn fit(&self, prior: &str, limits: Option<&Limits>) -> Identification {
         let model = self.model();
-        let settings = Settings {
-            prior: Prior::named(prior, &model).unwrap(),
-            noise: None,
-            range: None,
-        };
+        let settings = Settings::new(Prior::named(prior, &model).unwrap());
         let supports: Vec<&str> = self.supports.iter().map(String::as_str).collect();
         let over_range = over_range(&model, settings.range);
         identify_within(

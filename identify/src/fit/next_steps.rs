@@ -1,11 +1,11 @@
 //! What a fit leaves to be done.
 
 use super::identification::Identification;
-use crate::next_steps::NextStep;
+use crate::next_steps::{CommandLine, NextStep};
 use crate::observations::revisits::Again;
 
 /// The most useful first; empty where nothing is left to do.
-pub(super) fn after(found: &Identification) -> Vec<NextStep> {
+pub(super) fn after(found: &Identification, line: &CommandLine) -> Vec<NextStep> {
     if !found.is_usable() {
         return vec![NextStep::repair()];
     }
@@ -16,7 +16,7 @@ pub(super) fn after(found: &Identification) -> Vec<NextStep> {
                 "Diagnose the log",
                 "the fit leaves more than noise, and a diagnosis says what the model misses",
             )
-            .by("sesc diagnose URDF --data LOG"),
+            .by(line.of("diagnose", "")),
         );
     }
     steps.extend(found.again.as_ref().map(Again::step));

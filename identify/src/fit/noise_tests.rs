@@ -83,11 +83,7 @@ impl Skew {
     }
 
     fn identify(&self, gathered: &Gathered) -> Identification {
-        let settings = Settings {
-            prior: Prior::Free,
-            noise: None,
-            range: None,
-        };
+        let settings = Settings::new(Prior::Free);
         identify(self.measurement().model(), &["foot"], gathered, &settings)
     }
 }

@@ -9,6 +9,7 @@ use super::prior::PriorChoice;
 use super::robust::Loss;
 use crate::feet::Feet;
 use crate::logs::{Angles, LogSource, Stays};
+use crate::next_steps::CommandLine;
 use crate::observations::motion_use::MotionModel;
 use crate::robot::Robot;
 
@@ -62,6 +63,8 @@ pub struct Request {
     pub unit: Option<String>,
     /// What becomes of logs that are in a part already.
     pub duplicates: Duplicates,
+    /// What the caller typed, for the command lines of next steps.
+    pub line: CommandLine,
 }
 
 /// What becomes of logs that are in a part already.

@@ -334,7 +334,7 @@ impl Assembler {
             if joint.reach.is_some_and(|reach| value.abs() > reach) {
                 return Err(message![
                     format!(
-                        "column `{name}`: {value:?} rad is more than a full turn; {IN_DEGREES}"
+                        "column `{name}`: {value:.2} rad is more than a full turn; {IN_DEGREES}"
                     ),
                     Setting::Angles,
                     OR_SIDECAR

@@ -65,6 +65,8 @@ pub use recording::{Recording, Track, TrackKind};
 pub use row::{Row, Written};
 #[doc(hidden)]
 pub use screen::{Screen, Screening};
+#[doc(hidden)]
+pub use sidecar::KEYS as SIDECAR_KEYS;
 pub use sidecar::{Angles, Sidecar};
 pub use table::{Table, Values};
 pub use writer::PostureWriter;

@@ -15,18 +15,45 @@ use super::bounds::check_gravity;
 use super::names::short;
 use crate::{Error, Message};
 
-const KEYS: [&str; 11] = [
-    "robot",
-    "support",
-    "angles",
-    "readings_per_pose",
-    "cells",
-    "gravity",
-    "both_feet",
-    "other_foot",
-    "topic",
-    "experiment",
-    "columns",
+/// The keys that a sidecar may have, each with what it says: for readers, messages and
+/// documentation.
+#[doc(hidden)]
+pub const KEYS: [(&str, &str); 11] = [
+    ("robot", "a name, for reports"),
+    (
+        "support",
+        "link on the ground; `foot@40mm` is the sole 40 mm below the frame of `foot`",
+    ),
+    (
+        "angles",
+        "unit of revolute joints, `rad` or `deg`; `rad` unless given",
+    ),
+    (
+        "readings_per_pose",
+        "readings of each posture: a row is the mean of so many",
+    ),
+    (
+        "cells",
+        "places of the foot cells `fsr_1`, `fsr_2`, …: x and y of each in the support frame, m",
+    ),
+    (
+        "gravity",
+        "gravity in the support frame, m/s²; straight down unless given",
+    ),
+    (
+        "both_feet",
+        "whether both soles are flat on one floor in every row",
+    ),
+    (
+        "other_foot",
+        "link of the other sole, where its name does not tell; it means `both_feet`, too",
+    ),
+    ("topic", "topic of the CoP in a recording that has several"),
+    ("experiment", "the experiment that a diagnosis asked for"),
+    (
+        "columns",
+        "columns of other names: the name in the log, then ours",
+    ),
 ];
 
 /// What the sidecar of a log that this library writes may say.
@@ -162,12 +189,16 @@ impl Sidecar {
 
     pub(crate) fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), String> {
         let keys: BTreeMap<String, IgnoredAny> = files::parse_toml(text, FORMAT)?;
-        let unknown: Vec<&String> = keys.keys().filter(|key| !KEYS.contains(&&***key)).collect();
+        let named = || KEYS.iter().map(|(key, _)| *key);
+        let unknown: Vec<&String> = keys
+            .keys()
+            .filter(|key| !named().any(|own| own == *key))
+            .collect();
         let mut warnings = Vec::new();
         for key in unknown.iter().take(WARNED) {
-            let meant = match nearest(key, "", KEYS) {
+            let meant = match nearest(key, "", named()) {
                 Some(near) => format!("; did you mean `{near}`?"),
-                None => format!("; known are {}", KEYS.join(", ")),
+                None => format!("; known are {}", named().collect::<Vec<_>>().join(", ")),
             };
             warnings.push(format!("{file}: unknown key `{}`{meant}", short(key)).into());
         }

@@ -180,7 +180,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         collision: scene.collisions.sentence(),
         collision_checked: scene.collisions.is_checked(),
         collision_exempt: scene.collisions.exempt.clone(),
-        next_steps: next_steps::after(model),
+        next_steps: next_steps::after(model, &request.line),
         notes,
         corners: request.region.corners.clone(),
         margin: request.region.margin,

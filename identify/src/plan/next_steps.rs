@@ -3,13 +3,13 @@
 use sesc_model::Model;
 use sesc_model::text::listed;
 
-use crate::next_steps::NextStep;
+use crate::next_steps::{CommandLine, NextStep};
 
 /// Joints that a sentence names.
 const NAMED: usize = 3;
 
 /// What to record in the postures of a plan of this robot, and what to do with the log.
-pub(super) fn after(model: &Model) -> Vec<NextStep> {
+pub(super) fn after(model: &Model, line: &CommandLine) -> Vec<NextStep> {
     let dofs = &model.tree.dofs;
     let names: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
     let unit = match (
@@ -21,6 +21,10 @@ pub(super) fn after(model: &Model) -> Vec<NextStep> {
         (true, true) => "m",
     };
     let support = &model.tree.links[model.tree.support].name;
+    // A log that is still to come has no sidecar that names it.
+    let mut own = line.clone();
+    own.options
+        .splice(0..0, ["--support".to_string(), support.clone()]);
     vec![
         NextStep::by_hand(
             format!(
@@ -30,12 +34,12 @@ pub(super) fn after(model: &Model) -> Vec<NextStep> {
                  `fsr_1`, `fsr_2`, … (N)",
                 listed(&names, NAMED)
             ),
-            "a fit reads columns of these names, and takes the support link from the sidecar",
+            "a fit reads columns of these names",
         ),
         NextStep::by_hand(
             "Fit the log",
             "it gives the parameters, their uncertainty and the error on postures not seen",
         )
-        .by("sesc fit URDF --data LOG"),
+        .by(own.of("fit", "")),
     ]
 }

@@ -47,9 +47,9 @@ pub fn below(robot: &Description, support: &str) -> Option<String> {
     let sole = sole_of(link, libm::round(10.0 * mm) / 1e4);
     (mm > SHALLOW_MM).then(|| {
         format!(
-            "the collision shape of `{link}` reaches {mm:.1} mm below the frame of `{link}`, whose \
-             z = 0 counts as the ground; where the robot stands on its lowest point, \
-             the support is `{sole}`"
+            "the ground is at z = 0 of `{link}`, and the collision shape of `{link}` reaches \
+             {mm:.1} mm below it; if the robot stands on the lowest point of that shape, \
+             its support link is `{sole}`"
         )
     })
 }

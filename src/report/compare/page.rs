@@ -83,6 +83,7 @@ fn card(comparison: &Comparison, skeleton: &Skeleton) -> Value {
     let card = Card {
         skeleton,
         postures: Vec::new(),
+        apart: Vec::new(),
         beside: None,
         caption: format!(
             "{said} Quartered disc: centre of mass by CAD, with its plumb line; all joints at zero."

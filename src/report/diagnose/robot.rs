@@ -20,8 +20,8 @@ pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
         q: row.q.clone(),
         measured: Some(row.measured),
         predicted: Some([row.simulated, row.corrected]),
-        planned: None,
         outlier: row.outlier,
+        ..Shown::default()
     };
     let postures = view.postures.len();
     let caption = format!(
@@ -33,6 +33,7 @@ pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
     Card {
         skeleton: &view.skeleton,
         postures: view.postures.iter().map(shown).collect(),
+        apart: Vec::new(),
         beside: Some(figures::arrows_beside(view, &suspects.cells)),
         caption,
         marks: suspects.marks,

@@ -10,20 +10,22 @@ const VISIBLE_MM: f64 = 0.05;
 
 type Pick = fn(&CopRow) -> [f64; 2];
 
-/// One coordinate (0: x, 1: y) over postures, and its errors below.
-pub fn cop_over_postures(rows: &[CopRow], axis: usize) -> String {
+/// One coordinate (0: x, 1: y) over postures, and its errors below. The page has the first row's
+/// posture under the number `first`.
+pub fn cop_over_postures(rows: &[CopRow], axis: usize, first: usize) -> String {
     let name = ["x", "y"][axis];
     let label = format!(
         "CoP {name} over {} held-out postures, mm: reading, truth, identified",
         rows.len()
     );
     let mut figure = Figure::new([480.0, 380.0], &label);
-    curves(&mut figure, rows, axis, &format!("CoP {name}, mm"));
-    residuals(&mut figure, rows, axis, &format!("Error of CoP {name}, mm"));
+    curves(&mut figure, rows, axis, &format!("CoP {name}, mm"), first);
+    let title = format!("Error of CoP {name}, mm");
+    residuals(&mut figure, rows, axis, &title, first);
     figure.finish()
 }
 
-fn curves(figure: &mut Figure, rows: &[CopRow], axis: usize, title: &str) {
+fn curves(figure: &mut Figure, rows: &[CopRow], axis: usize, title: &str, first: usize) {
     let of = |pick: Pick| {
         let rows = rows.iter().zip(1..);
         rows.map(move |(row, k)| [f64::from(k), to_mm(pick(row)[axis])])
@@ -57,12 +59,14 @@ fn curves(figure: &mut Figure, rows: &[CopRow], axis: usize, title: &str) {
         marks.push((Mark::Line(ORANGE, 1.25), "CAD"));
         figure.line(places(cad), ORANGE, 1.25);
     }
-    places(measured).for_each(|at| figure.mark(at, Mark::Ring(MUTED)));
+    for (at, k) in places(measured).zip(first..) {
+        figure.posture(k, |figure| figure.mark(at, Mark::Ring(MUTED)));
+    }
     figure.line(places(identified), BLUE, 1.75);
     key(figure, 474.0, 32.0 - HEADING, &marks);
 }
 
-fn residuals(figure: &mut Figure, rows: &[CopRow], axis: usize, title: &str) {
+fn residuals(figure: &mut Figure, rows: &[CopRow], axis: usize, title: &str, first: usize) {
     let of = |pick: Pick| {
         let rows = rows.iter().zip(1..);
         rows.map(move |(row, k)| [f64::from(k), to_mm(pick(row)[axis] - row.truth[axis])])
@@ -85,14 +89,16 @@ fn residuals(figure: &mut Figure, rows: &[CopRow], axis: usize, title: &str) {
         (Mark::Dot(BLUE), "identified"),
     ];
     for ((mark, _), pick) in marks.iter().zip([measured, identified]) {
-        of(pick).for_each(|point| figure.mark(plane.at(point), *mark));
+        for (point, k) in of(pick).zip(first..) {
+            figure.posture(k, |figure| figure.mark(plane.at(point), *mark));
+        }
     }
     key(figure, 474.0, 258.0 - HEADING, &marks);
 }
 
 /// The CoP on the ground, seen from above, and the sole around the origin
-/// (length, width, m).
-pub fn cop_plane(rows: &[CopRow], sole_m: [f64; 2]) -> String {
+/// (length, width, m). The page has the first row's posture under the number `first`.
+pub fn cop_plane(rows: &[CopRow], sole_m: [f64; 2], first: usize) -> String {
     const EDGES: [f64; 4] = [44.0, 32.0, 474.0, 366.0];
     let label = format!(
         "CoP of {} held-out postures on the ground, mm, with the outline of the sole",
@@ -130,7 +136,9 @@ pub fn cop_plane(rows: &[CopRow], sole_m: [f64; 2]) -> String {
         (Mark::Dot(BLUE), "identified", |row| row.identified),
     ];
     for (mark, _, pick) in marks {
-        rows.iter().for_each(|row| figure.mark(at(pick(row)), mark));
+        for (row, k) in rows.iter().zip(first..) {
+            figure.posture(k, |figure| figure.mark(at(pick(row)), mark));
+        }
     }
     let mut names: Vec<(Mark, &str)> = marks.map(|(mark, name, _)| (mark, name)).into();
     names.push((Mark::Box(INK), "sole"));

@@ -24,12 +24,27 @@ pub fn health(picture: &Picture) -> String {
     }
     .draw(&mut figure);
     let (row, found) = (Mark::Ring(MUTED), Mark::Dot(ORANGE));
-    for &(at, value, meant) in &picture.points {
+    let known = picture.points.iter().filter(|point| point.1.is_finite());
+    for &(at, value, meant) in known {
         let mark = if meant { found } else { row };
-        figure.mark(plane.at([at as f64, value]), mark);
+        let words = format!("row {at} · {}: {}", picture.title, rounded(value));
+        figure.worded(&words, |figure| {
+            figure.mark(plane.at([at as f64, value]), mark);
+        });
     }
     let [other, meant] = picture.marks();
     let marks = [(row, other), (found, meant)];
     key(&mut figure, EDGES[2], EDGES[1] - HEADING, &marks);
     figure.finish()
+}
+
+/// Four digits, as people write a number.
+fn rounded(value: f64) -> String {
+    let digits = (3.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 6.0) as usize;
+    let text = format!("{value:.digits$}");
+    let text = match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => &text,
+    };
+    text.replace('-', "−")
 }

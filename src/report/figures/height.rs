@@ -10,8 +10,9 @@ use super::to_mm;
 const SIZE: [f64; 2] = [480.0, 270.0];
 const EDGES: [f64; 4] = [44.0, 32.0, 474.0, 236.0];
 
-/// The identified height with the constant of minimum norm, off by `offset_m`.
-pub fn height_level(rows: &[HeightRow], offset_m: f64) -> String {
+/// The identified height with the constant of minimum norm, off by `offset_m`. The page has the
+/// first row's posture under the number `first`.
+pub fn height_level(rows: &[HeightRow], offset_m: f64, first: usize) -> String {
     let label = format!(
         "CoM height over {} postures: identified lies {} mm off the truth",
         rows.len(),
@@ -28,6 +29,7 @@ pub fn height_level(rows: &[HeightRow], offset_m: f64) -> String {
     for (truth, identified) in curves[0].iter().zip(&curves[1]) {
         figure.line([*truth, *identified], ORANGE, 0.75);
     }
+    dots(&mut figure, &curves[1], ORANGE, first);
     // The text stands under the curves where it has room.
     let lowest = curves.iter().flatten().map(|place| place[1]);
     let lowest = lowest.filter(|y| y.is_finite()).fold(EDGES[1], f64::max);
@@ -41,16 +43,25 @@ pub fn height_level(rows: &[HeightRow], offset_m: f64) -> String {
     figure.finish()
 }
 
-/// The identified height with its constant from CAD, magnified.
-pub fn height_shape(rows: &[HeightRow]) -> String {
+/// The identified height with its constant from CAD, magnified. The page has the first row's
+/// posture under the number `first`.
+pub fn height_shape(rows: &[HeightRow], first: usize) -> String {
     let label = format!(
         "CoM height over {} postures with the constant from CAD: identified follows the truth",
         rows.len()
     );
     let mut figure = Figure::new(SIZE, &label);
     let title = "CoM height, constant from CAD, mm";
-    draw(&mut figure, rows, title, (|row| row.anchored, BLUE), None);
+    let curves = draw(&mut figure, rows, title, (|row| row.anchored, BLUE), None);
+    dots(&mut figure, &curves[1], BLUE, first);
     figure.finish()
+}
+
+/// A dot for each posture on a curve.
+fn dots(figure: &mut Figure, curve: &[Place], color: Color, first: usize) {
+    for (at, k) in curve.iter().zip(first..) {
+        figure.posture(k, |figure| figure.dot(*at, 2.4, color));
+    }
 }
 
 /// The true curve and another one; returns the places of both. The axis reaches down

@@ -65,14 +65,20 @@ fn draw(
         figure.line([at(0.0), at(end)], GRID, 1.0);
         let name = shortened(&row.body, NAME);
         figure.note([left - 8.0, middle], Anchor::End, INK, &name);
-        let [cad, identified] = pair(row).map(|length| at(to_mm(length)));
+        let lengths = pair(row).map(to_mm);
+        let [cad, identified] = lengths.map(at);
         let (color, mark) = match partly_unseen(row) {
             true => (ORANGE, Mark::Ring(ORANGE)),
             false => (BLUE, Mark::Dot(BLUE)),
         };
         figure.line([cad, identified], color, 1.5);
         figure.mark(cad, Mark::Stroke(INK));
-        figure.mark(identified, mark);
+        // What is no number is not drawn.
+        if lengths.iter().all(|length| length.is_finite()) {
+            let [cad, found] = lengths;
+            let words = format!("{} · CAD {cad:.2} mm, identified {found:.2} mm", row.body);
+            figure.worded(&words, |figure| figure.mark(identified, mark));
+        }
     }
     let cad = (Mark::Stroke(INK), "CAD");
     let dot = (Mark::Dot(BLUE), "identified");

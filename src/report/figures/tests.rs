@@ -8,13 +8,13 @@ use super::*;
 fn all(report: &DemoReport) -> Vec<String> {
     vec![
         errors(report),
-        cop_over_postures(&report.cop, 0),
-        cop_over_postures(&report.cop, 1),
-        cop_plane(&report.cop, [0.105, 0.066]),
+        cop_over_postures(&report.cop, 0, 100),
+        cop_over_postures(&report.cop, 1, 100),
+        cop_plane(&report.cop, [0.105, 0.066], 100),
         lengths_full(&report.lengths),
         lengths_base(&report.lengths),
-        height_level(&report.height, report.height_offset_m),
-        height_shape(&report.height),
+        height_level(&report.height, report.height_offset_m, 100),
+        height_shape(&report.height, 100),
         parameters(report),
     ]
 }
@@ -23,6 +23,25 @@ fn all(report: &DemoReport) -> Vec<String> {
 fn figures_are_sound_on_light_and_dark_pages() {
     for svg in all(&report()) {
         assert!(!sound(&svg).is_empty());
+    }
+}
+
+/// Every dot of a figure poses the robot or says what it stands for.
+#[test]
+fn dots_stand_for_a_posture_or_have_words() {
+    let report = report();
+    let figures = all(&report);
+    let groups = |svg: &str, attribute: &str| svg.matches(&format!("<g {attribute}=")).count();
+    for k in [1, 2, 3, 6, 7] {
+        assert!(groups(&figures[k], "data-p") >= report.cop.len(), "{k}");
+        let [first, last] = ["data-p=\"100\"", "data-p=\"125\""];
+        assert!(
+            figures[k].contains(first) && figures[k].contains(last),
+            "{k}"
+        );
+    }
+    for k in [4, 5] {
+        assert_eq!(groups(&figures[k], "data-v"), report.lengths.len(), "{k}");
     }
 }
 
@@ -79,7 +98,7 @@ fn unseen_lengths_are_hollow() {
 #[test]
 fn the_height_constant_is_written_where_it_fits() {
     let report = report();
-    let texts = sound(&height_level(&report.height, report.height_offset_m));
+    let texts = sound(&height_level(&report.height, report.height_offset_m, 0));
     assert!(texts.iter().any(|text| text.contains("33.6 mm")));
 }
 
@@ -87,7 +106,7 @@ fn the_height_constant_is_written_where_it_fits() {
 fn cad_is_drawn_only_where_it_differs() {
     let mut rows = report().cop;
     let shows_cad =
-        |rows: &[CopRow]| sound(&cop_over_postures(rows, 0)).contains(&"CAD".to_string());
+        |rows: &[CopRow]| sound(&cop_over_postures(rows, 0, 0)).contains(&"CAD".to_string());
     assert!(!shows_cad(&rows));
     rows[0].cad[0] += 0.01;
     assert!(shows_cad(&rows));

@@ -25,6 +25,7 @@ pub fn card<'a>(report: &FitReport<'_>, shown: &'a Shown) -> Option<Card<'a>> {
     Some(Card {
         skeleton: &moved.skeleton,
         postures: some(&shown.residuals).map(posture).collect(),
+        apart: Vec::new(),
         beside: Some(sole_beside(&shown.residuals)),
         caption: caption(moved, report),
         marks: marks(moved, report),

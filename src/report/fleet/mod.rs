@@ -9,8 +9,8 @@ mod tests;
 mod text;
 
 pub use page::{Pages, ROBOTS, page_of_robot, pages};
-pub(in crate::report) use picture::mark_effect;
 pub use picture::skeleton;
+pub(in crate::report) use picture::{mark_effect, still};
 pub use text::text;
 
 use std::collections::BTreeSet;

@@ -109,7 +109,12 @@ pub(super) fn of_robot(rows: &[&Row], skeleton: &Skeleton) -> Option<Value> {
 }
 
 /// The robot with all joints at zero, with what is said of the marks on it.
-fn still(skeleton: &Skeleton, marks: Marks, said: &[String], nothing: &str) -> Value {
+pub(in crate::report) fn still(
+    skeleton: &Skeleton,
+    marks: Marks,
+    said: &[String],
+    nothing: &str,
+) -> Value {
     let caption = match said.is_empty() {
         true => nothing.to_string(),
         false => format!("Orange: {}.", said.join("; ")),
@@ -117,6 +122,7 @@ fn still(skeleton: &Skeleton, marks: Marks, said: &[String], nothing: &str) -> V
     let card = Card {
         skeleton,
         postures: Vec::new(),
+        apart: Vec::new(),
         beside: None,
         caption: format!(
             "{caption} Quartered disc: centre of mass by CAD, with its plumb line; all joints at \

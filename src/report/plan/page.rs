@@ -56,6 +56,7 @@ pub fn page(plan: &Plan, skeleton: &Skeleton, file: &str, command: &str) -> Resu
     let card = Card {
         skeleton,
         postures: shown.collect(),
+        apart: Vec::new(),
         beside: Some(figures::plan::region(plan)),
         caption: "Quartered disc: centre of mass, with its plumb line. Right, the CoP that is \
                   expected of each posture, in their order, with what CAD does not know kept \

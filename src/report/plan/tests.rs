@@ -69,8 +69,9 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
             found.next_steps[k].what.as_str()
         );
     }
-    assert!(said.contains("sesc fit URDF --data LOG"));
-    assert!(html.contains("<code>cop_x</code>") && html.contains("sesc fit URDF --data LOG"));
+    let fit = "sesc fit URDF --support r_sole --data LOG";
+    assert!(said.contains(fit));
+    assert!(html.contains("<code>cop_x</code>") && html.contains(fit));
     // Without shapes nothing is said of collisions but that they are not checked.
     assert!(
         !found.collision_checked && !said.contains("self-collision"),

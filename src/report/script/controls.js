@@ -11,14 +11,14 @@ function slider(name, attributes) {
 
 /** Postures: gives back what shows one. */
 function postures(data, figure, show) {
-  const most = data.postures.length - 1;
+  const most = data.slider - 1;
   const { row, input, output } = slider('Posture', { min: 0, max: most, step: 1 });
   const list = element('ul', { class: 'joints' });
   const details = element('details', {}, element('summary', {}, 'Joints of this posture'), list);
   input.addEventListener('input', () => show(Number(input.value)));
   figure.append(row, details);
   return (k) => {
-    input.value = k;
+    if (k <= most) input.value = k;
     const text = said(data, k).join(' · ');
     output.textContent = text;
     input.setAttribute('aria-valuetext', text);

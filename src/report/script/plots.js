@@ -1,5 +1,5 @@
 // Dots of figures that stand for a posture: pointing at one shows the robot in it, and marks
-// the same posture in every figure.
+// the same posture in every figure. Dots that stand for no posture say what they are.
 
 /** A small robot beside the pointer, with what is said of the posture. */
 function tip(figure) {
@@ -16,7 +16,9 @@ function tip(figure) {
   document.body.append(box);
   return {
     box,
-    show(parts, x, y) {
+    /** With the robot, or with words alone. */
+    show(parts, x, y, alone = false) {
+      box.classList.toggle('alone', alone);
       text.textContent = parts.join(' · ');
       box.hidden = false;
       const { width, height } = box.getBoundingClientRect();
@@ -31,10 +33,11 @@ function tip(figure) {
 /** Places of the dots of a figure, in its own units. */
 function dots(svg) {
   const found = [];
-  for (const group of svg.querySelectorAll('[data-p]')) {
+  for (const group of svg.querySelectorAll('[data-p], [data-v]')) {
     for (const disc of group.querySelectorAll('circle')) {
       found.push({
-        k: Number(group.dataset.p),
+        k: 'p' in group.dataset ? Number(group.dataset.p) : -1,
+        words: group.dataset.v,
         x: Number(disc.getAttribute('cx')),
         y: Number(disc.getAttribute('cy')),
       });
@@ -56,7 +59,7 @@ function nearest(all, x, y, within) {
 /** Make the figures of the page point at postures; `show` poses the robot. */
 function plots(data, tip, show) {
   const figures = [...document.querySelectorAll('svg')]
-    .filter((svg) => svg.querySelector('[data-p]'))
+    .filter((svg) => svg.querySelector('[data-p], [data-v]'))
     .map((svg) => ({ svg, all: dots(svg), rings: [] }));
   const mark = (k) => {
     for (const figure of figures) {
@@ -77,19 +80,24 @@ function plots(data, tip, show) {
     show(k);
   };
   for (const { svg, all } of figures) {
-    svg.setAttribute('tabindex', '0');
-    svg.setAttribute('role', 'group');
     const point = (event) => {
       const matrix = svg.getScreenCTM().inverse();
       const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix);
       const dot = nearest(all, at.x, at.y, 14);
       if (!dot) return tip.hide();
+      if (dot.k < 0 || !data.postures[dot.k]) {
+        return dot.words ? tip.show([dot.words], event.clientX, event.clientY, true) : tip.hide();
+      }
       select(dot.k);
       tip.show(said(data, dot.k), event.clientX, event.clientY);
     };
     svg.addEventListener('pointermove', point);
     svg.addEventListener('pointerdown', point);
     svg.addEventListener('pointerleave', () => tip.hide());
+    // Keys walk from posture to posture.
+    if (!all.some((dot) => data.postures[dot.k])) continue;
+    svg.setAttribute('tabindex', '0');
+    svg.setAttribute('role', 'group');
     svg.addEventListener('blur', () => tip.hide());
     const beside = () => {
       const own = all.find((dot) => dot.k === shown);
@@ -103,7 +111,9 @@ function plots(data, tip, show) {
       if (event.key === 'Escape') tip.hide();
       if (!step) return;
       event.preventDefault();
-      const own = [...new Set(all.map((dot) => dot.k))].sort((a, b) => a - b);
+      const own = [...new Set(all.map((dot) => dot.k))].filter((k) => k >= 0).sort((a, b) => a - b);
+      if (!own.length) return;
+      if (!own.includes(shown)) shown = step > 0 ? own[0] - 1 : own[own.length - 1] + 1;
       const next = step > 0 ? own.find((k) => k > shown) : own.reverse().find((k) => k < shown);
       select(next === undefined ? shown : next);
       beside();

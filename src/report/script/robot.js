@@ -124,13 +124,17 @@ function millimetres(value) {
 function said(data, k) {
   const posture = data.postures[k];
   const place = (p) => `x ${millimetres(p[0])}, y ${millimetres(p[1])} mm`;
-  const parts = [`posture ${posture.pose}`, `row ${k + 1} of ${data.postures.length}`];
+  const row = k < data.slider
+    ? `row ${k + 1} of ${data.slider}`
+    : `row ${k + 1 - data.slider} of ${data.postures.length - data.slider} that were held out`;
+  const parts = [`posture ${posture.pose}`, row];
   if (posture.measured) parts.push(`read ${place(posture.measured)}`);
   if (posture.predicted) {
     parts.push(`${data.names[0]} ${place(posture.predicted[0])}`);
     parts.push(`${data.names[1]} ${place(posture.predicted[1])}`);
   }
   if (posture.planned) parts.push(`CoP expected at ${place(posture.planned)}`);
+  if (posture.said) parts.push(...posture.said);
   return parts;
 }
 

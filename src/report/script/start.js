@@ -3,11 +3,10 @@
 function start() {
   document.querySelectorAll('table').forEach(sortable);
   const source = document.getElementById('robot');
-  if (!source) return;
-  const data = JSON.parse(source.textContent);
-  const figure = source.closest('figure');
-  if (!data.postures.length) return;
+  const data = source ? JSON.parse(source.textContent) : { postures: [] };
+  const figure = source && source.closest('figure');
   const hint = tip(figure);
+  if (!data.postures.length) return plots(data, hint, () => {});
   const groups = [...document.querySelectorAll('[data-view]')];
   const pictures = groups.map((group) => picture(group, data));
   const marks = [];

@@ -33,6 +33,11 @@ impl Figure {
         self.group(&format!("data-p=\"{k}\""), draw);
     }
 
+    /// A mark that stands for no posture: a script tells a pointer these words.
+    pub fn worded(&mut self, words: &str, draw: impl FnOnce(&mut Figure)) {
+        self.group(&format!("data-v=\"{}\"", escaped(words)), draw);
+    }
+
     /// What a pointer is told of the group that is being drawn.
     pub fn called(&mut self, name: &str) {
         let _ = writeln!(self.svg, "<title>{}</title>", escaped(name));

@@ -41,13 +41,23 @@ pub fn bodies(rows: &[BodyLength]) -> String {
         figure.note([left - 8.0, middle], Anchor::End, INK, &name);
         let found = to_mm(row.identified);
         figure.mark(at(to_mm(row.cad)), Mark::Stroke(INK));
-        match row.std.map(to_mm).filter(|wide| wide.is_finite()) {
+        // What is no number is not drawn.
+        if !found.is_finite() || !row.cad.is_finite() {
+            continue;
+        }
+        let lengths = format!("CAD {:.2} mm, identified {found:.2}", to_mm(row.cad));
+        let (words, mark) = match row.std.map(to_mm).filter(|wide| wide.is_finite()) {
             Some(wide) => {
                 figure.line([at(found - wide), at(found + wide)], BLUE, 2.0);
-                figure.mark(at(found), Mark::Dot(BLUE));
+                let words = format!("{} · {lengths} ± {wide:.2} mm", row.body);
+                (words, Mark::Dot(BLUE))
             }
-            None => figure.mark(at(found), Mark::Ring(ORANGE)),
-        }
+            None => {
+                let words = format!("{} · {lengths} mm, which data do not tell", row.body);
+                (words, Mark::Ring(ORANGE))
+            }
+        };
+        figure.worded(&words, |figure| figure.mark(at(found), mark));
     }
     let mut marks = vec![
         (Mark::Stroke(INK), "CAD"),

@@ -56,10 +56,11 @@ pub fn deviations(title: &str, mut rows: Vec<(&str, f64)>) -> String {
     for (k, (name, change)) in rows.iter().enumerate() {
         let at = |x: f64| plane.at([x, -(k as f64) - 0.5]);
         let [left, middle] = at(range.start);
-        let name = shortened(name, NAME);
-        figure.note([left - 8.0, middle], Anchor::End, INK, &name);
+        let short = shortened(name, NAME);
+        figure.note([left - 8.0, middle], Anchor::End, INK, &short);
         figure.line([at(0.0), at(*change)], BLUE, 2.0);
-        figure.mark(at(*change), Mark::Dot(BLUE));
+        let words = format!("{name} · {change:+.1} standard deviations").replace('-', "−");
+        figure.worded(&words, |figure| figure.mark(at(*change), Mark::Dot(BLUE)));
     }
     let marks = [(Mark::Square(GRID), "±2: may be chance")];
     key(&mut figure, RIGHT, TOP - HEADING, &marks);

@@ -51,14 +51,15 @@ pub fn efficiency(curve: &[Efficiency]) -> String {
     figure.line(planned.clone().map(|point| plane.at(point)), BLUE, 1.75);
     // One number above its line, one below.
     let ends = [
-        (random.next_back(), Mark::Ring(MUTED), -13.0),
-        (planned.next_back(), Mark::Dot(BLUE), 13.0),
+        ("random", random.next_back(), Mark::Ring(MUTED), -13.0),
+        ("planned", planned.next_back(), Mark::Dot(BLUE), 13.0),
     ];
-    for (point, mark, beside) in ends {
+    for (name, point, mark, beside) in ends {
         let Some(point) = point else { continue };
         let [right, middle] = plane.at(point);
-        figure.mark([right, middle], mark);
         let text = format!("{} mm", mm(1e-3 * point[1]));
+        let words = format!("{} {name} postures · {text} of error expected", point[0]);
+        figure.worded(&words, |figure| figure.mark([right, middle], mark));
         figure.note([right, middle + beside], Anchor::End, INK, &text);
     }
     let marks = [
