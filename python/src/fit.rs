@@ -5,6 +5,8 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use sesc::report::fit::{FitReport as Printed, Shown, Unusable, corrections, page, text};
+use sesc_identify::fit::corrected::corrected_of;
+use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::{self, Request};
 
 use crate::calls::{Stopped, detached, watched};
@@ -140,6 +142,12 @@ impl FitReport {
         })
     }
 
+    /// Masses and first moments of the corrected URDF, as parts of the whole; none where no masses
+    /// give the parameters.
+    fn masses(&self, py: Python<'_>) -> PyResult<Option<Vec<f64>>> {
+        detached(py, || Ok(self.report().masses()))
+    }
+
     /// The page of `sesc fit --report`; `command` makes it again.
     #[pyo3(signature = (command, show=None))]
     fn page(&self, py: Python<'_>, command: String, show: Option<Py<PyAny>>) -> PyResult<String> {
@@ -159,4 +167,31 @@ impl FitReport {
         });
         Ok(page?.0)
     }
+}
+
+/// The corrected URDF of a fit that travelled: of its parameters and [`FitReport::masses`].
+#[pyfunction]
+#[pyo3(signature = (robot, support, params, masses, prior, total_mass=None))]
+pub fn correct_fit(
+    py: Python<'_>,
+    robot: PyRef<'_, Robot>,
+    support: &str,
+    params: Vec<f64>,
+    masses: Option<Vec<f64>>,
+    prior: &str,
+    total_mass: Option<f64>,
+) -> PyResult<String> {
+    let (robot, snapping) = (robot.inner.clone(), robot.snapping);
+    detached(py, || {
+        let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Fit);
+        let model = robot.model(support, snapping, None).map_err(failed)?;
+        // Where masses are known, a file of tolerances may be gone.
+        let prior = match masses {
+            Some(_) => Prior::Free,
+            None => PriorChoice::from(prior).of(&model).map_err(failed)?,
+        };
+        let known = (&params[..], masses.as_deref());
+        let corrected = corrected_of(&robot, &model, snapping, known, &prior, total_mass);
+        Ok(corrected.map_err(failed)?.text)
+    })
 }
