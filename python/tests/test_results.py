@@ -180,6 +180,16 @@ def test_no_recording_is_written_of_data_that_cannot_be_used(pole: sesc.Robot, t
     assert found.warnings[-1] == f"{tmp_path / 'a.mcap'} is not written: the data cannot be used"
 
 
+def test_parameters_of_a_fit_are_a_table_of_any_library(op2: sesc.Robot, log: sesc.Log) -> None:
+    pa = pytest.importorskip("pyarrow")
+    fit = sesc.fit(op2, log)
+    table = pa.Table.from_pylist(fit.to_dict()["parameters"])
+    assert table.column_names == ["name", "value", "std", "cad", "source"]
+    np.testing.assert_array_equal(table["value"].to_numpy(), fit.params)
+    assert table["name"].to_pylist() == list(fit.parameters)
+    assert table["std"].to_pylist() == [one.std for one in fit.parameters.values()]
+
+
 def test_what_is_left_goes_as_the_last_tenth_went(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
