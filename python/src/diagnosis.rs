@@ -186,17 +186,19 @@ impl DiagnosisReport {
 pub fn correct_urdf(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
-    model_file: &str,
-    prior: &str,
+    model_file: String,
+    prior: String,
     total_mass: Option<f64>,
 ) -> PyResult<(String, Vec<String>)> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
-    detached(py, || {
+    let corrected = watched(py, None, Stopped::Abandoned, move |_| {
         let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Fit);
-        let file = ModelFile::parse(model_file, "model");
+        let file = ModelFile::parse(&model_file, "model");
         let file = file.map_err(|error| Failure::of_model(error, Doing::ModelFile))?;
         let model = robot.model(&file.support, snapping, None).map_err(failed)?;
-        let prior = PriorChoice::from(prior).of(&model).map_err(failed)?;
+        let prior = PriorChoice::from(prior.as_str())
+            .of(&model)
+            .map_err(failed)?;
         let corrected = corrected_urdf::of_model_file(
             &file,
             &robot,
@@ -208,5 +210,6 @@ pub fn correct_urdf(
         );
         let corrected = corrected.map_err(failed)?;
         Ok((corrected.text, corrected.left_out))
-    })
+    });
+    Ok(corrected?.0)
 }

@@ -131,15 +131,17 @@ impl FitReport {
         py: Python<'_>,
         total_mass: Option<f64>,
     ) -> PyResult<(String, String, String)> {
-        detached(py, || {
-            let corrected = self.report().corrected_urdf(total_mass);
+        let inner = Arc::clone(&self.inner);
+        let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+            let corrected = inner.1.corrected_urdf(total_mass);
             let corrected = corrected.map_err(|error| Failure::of(&error, Doing::Fit))?;
             Ok((
                 corrected.text.clone(),
                 json(&corrected)?,
                 corrections(&corrected),
             ))
-        })
+        });
+        Ok(corrected?.0)
     }
 
     /// Masses and first moments of the corrected URDF, as parts of the whole; none where no masses
@@ -175,23 +177,26 @@ impl FitReport {
 pub fn correct_fit(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
-    support: &str,
+    support: String,
     params: Vec<f64>,
     masses: Option<Vec<f64>>,
-    prior: &str,
+    prior: String,
     total_mass: Option<f64>,
 ) -> PyResult<String> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
-    detached(py, || {
+    let corrected = watched(py, None, Stopped::Abandoned, move |_| {
         let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Fit);
-        let model = robot.model(support, snapping, None).map_err(failed)?;
+        let model = robot.model(&support, snapping, None).map_err(failed)?;
         // Where masses are known, a file of tolerances may be gone.
         let prior = match masses {
             Some(_) => Prior::Free,
-            None => PriorChoice::from(prior).of(&model).map_err(failed)?,
+            None => PriorChoice::from(prior.as_str())
+                .of(&model)
+                .map_err(failed)?,
         };
         let known = (&params[..], masses.as_deref());
         let corrected = corrected_of(&robot, &model, snapping, known, &prior, total_mass);
         Ok(corrected.map_err(failed)?.text)
-    })
+    });
+    Ok(corrected?.0)
 }

@@ -262,6 +262,8 @@ calls = {
     "arrow": lambda: sesc.Log(wide, support="r_sole"),
     "predict": lambda: sesc.predict(model, log),
     "health": lambda: log.health,
+    "c99": lambda: long.c99(sys.argv[3] + "/fw", lanes=8),
+    "rust": lambda: long.rust(sys.argv[3] + "/src"),
 }
 def on_threads():
     from concurrent.futures import ThreadPoolExecutor
@@ -280,6 +282,13 @@ if name in ("table", "arrow"):
 if name == "arrow":
     import pyarrow
     wide = pyarrow.table({column: values[:2_000_000] for column, values in wide.items()})
+if name in ("c99", "rust"):
+    link = "<link name='l{0}'><inertial><origin xyz='0.01 0.02 0.1'/><mass value='1'/></inertial></link>"
+    joint = "<joint name='j{1}' type='revolute'><parent link='l{0}'/><child link='l{1}'/><origin xyz='0 0.01 0.1'/>"
+    joint += "<axis xyz='{2}'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+    axes = ["1 0 0", "0 1 0", "0 0 1"]
+    parts = [link.format(k) for k in range(81)] + [joint.format(k, k + 1, axes[k % 3]) for k in range(80)]
+    long = sesc.Robot("<robot name='long'>" + "".join(parts) + "</robot>").on("l0")
 if name in ("fleet", "executor"):
     paths = [f"{sys.argv[3]}/{k}.csv" for k in range(24)]
     for k, path in enumerate(paths):
@@ -306,7 +315,7 @@ for delay in map(float, sys.argv[2].split()):
 
 
 CALLS = ["fit", "gather", "diagnose", "simulate", "plan", "save", "verify", "array", "threads", "fleet"]
-CALLS += ["executor", "table", "arrow", "predict", "health"]
+CALLS += ["executor", "table", "arrow", "predict", "health", "c99", "rust"]
 
 
 @pytest.mark.parametrize("name", CALLS)
