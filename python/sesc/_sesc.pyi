@@ -23,6 +23,7 @@ __all__ = [
     "c_files",
     "command",
     "compare_models",
+    "correct_fit",
     "correct_urdf",
     "diagnose_log",
     "draw_postures",
