@@ -322,13 +322,8 @@ def verify(model: Model, *, samples: int | None = None, seed: int = 1, progress:
     """
     if not isinstance(model, Model):
         raise TypeError(f"a model comes first, not {type(model).__name__}")
-<<<<<<< HEAD
-    if samples is not None and samples < 1:
-        raise ValueError(f"samples is {samples}; give 1 or more")
-=======
-    samples = _run.whole("samples", samples, 1, FitError)
+    samples = None if samples is None else _run.whole("samples", samples, 1, FitError)
     seed = _run.whole("seed", seed, 0, FitError)
->>>>>>> w1
     try:
         found, units = _sesc.verify_model(model.robot, model, samples, seed, _run.shown(progress))
     finally:

@@ -464,11 +464,10 @@ class Fit:
         if self._report is not None:
             text, _, _ = self._report.corrected(total_mass)
             return CorrectedUrdf(text, [])
-        if self._state["physical"]:
-            raise FitError("physical masses are lost when a fit is pickled; correct the URDF before")
         state = self._state
-        text, left_out = _sesc.correct_urdf(state["robot"], state["model_file"], state["prior"], total_mass)
-        return CorrectedUrdf(text, left_out)
+        known = (state["params"].tolist(), state["masses"])
+        text = _sesc.correct_fit(state["robot"], self._found["support"], *known, state["prior"], total_mass)
+        return CorrectedUrdf(text, [])
 
     def to_dict(self) -> dict[str, Any]:
         """What ``sesc fit --json`` prints, key by key.
@@ -485,6 +484,13 @@ class Fit:
             return self._report.page("sesc.fit(…)", None)
         page: str = self._state["page"]
         return page
+
+    def _masses(self) -> list[float] | None:
+        """What a corrected URDF is made of."""
+        if self._report is not None:
+            return self._report.masses()
+        masses: list[float] | None = self._state["masses"]
+        return masses
 
     def __getattr__(self, name: str) -> Any:
         found = self.__dict__.get("_found", {})
@@ -510,7 +516,7 @@ class Fit:
         return framed(self._page())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Fit, ({**self._state, "page": self._page()},)
+        return Fit, ({**self._state, "page": self._page(), "masses": self._masses()},)
 
 
 def fit(
@@ -604,7 +610,6 @@ def fit(
         "model_file": report.model_file(),
         "robot": robot if isinstance(robot, Robot) else _sesc.Robot.__new__(Robot, file, urdf, snap),
         "prior": os.fspath(prior),
-        "physical": physical,
         "warnings": report.warnings,
         "notes": report.notes,
     }

@@ -23,6 +23,7 @@ __all__ = [
     "c_files",
     "command",
     "compare_models",
+    "correct_fit",
     "correct_urdf",
     "diagnose_log",
     "draw_postures",
@@ -236,6 +237,9 @@ class FitReport:
         """The model file."""
     def corrected(self, total_mass: float | None = None) -> tuple[str, str, str]:
         """The corrected URDF, what changed in it as JSON, and the same as a table."""
+    def masses(self) -> list[float] | None:
+        """Masses and first moments of the corrected URDF, as parts of the whole; none where no
+        masses give the parameters."""
     def page(self, command: str, show: _Show = None) -> str:
         """The page of `sesc fit --report`; `command` makes it again."""
 
@@ -287,6 +291,14 @@ def command(words: list[str]) -> int: ...
 def compare_models(
     before: tuple[str | None, str], after: tuple[str | None, str], robot: Robot | None = None
 ) -> tuple[str, str, str]: ...
+def correct_fit(
+    robot: Robot,
+    support: str,
+    params: list[float],
+    masses: list[float] | None,
+    prior: str,
+    total_mass: float | None = None,
+) -> str: ...
 def correct_urdf(
     robot: Robot, model_file: str, prior: str, total_mass: float | None = None
 ) -> tuple[str, list[str]]: ...

@@ -8,7 +8,7 @@ use sesc_codegen::sources::{self, C99, Sources};
 use sesc_codegen::{Layout, Scalar, Servos};
 use sesc_model::files;
 
-use crate::calls::detached;
+use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
 use crate::model::Model;
 use crate::options::taken;
@@ -36,7 +36,7 @@ pub fn c_files(
 ) -> PyResult<Vec<PathBuf>> {
     let options: COptions = taken(options, Doing::Code)?;
     let model = model.inner.clone();
-    detached(py, || {
+    let (sources, _) = watched(py, None, Stopped::Abandoned, move |_| {
         let scalar = match options.scalar.as_str() {
             "f64" => Scalar::F64,
             "f32" => Scalar::F32,
@@ -70,8 +70,9 @@ pub fn c_files(
             layout,
         };
         let written = sources::c99(&Facts::of(&model), options.name.as_deref(), &wanted);
-        write(&folder, written.map_err(|error| Failure::of_code(&error))?)
-    })
+        written.map_err(|error| Failure::of_code(&error))
+    })?;
+    detached(py, || write(&folder, sources))
 }
 
 /// Write a Rust module to a folder; gives the file.
@@ -83,10 +84,11 @@ pub fn rust_files(
     name: Option<String>,
 ) -> PyResult<Vec<PathBuf>> {
     let model = model.inner.clone();
-    detached(py, || {
+    let (sources, _) = watched(py, None, Stopped::Abandoned, move |_| {
         let written = sources::rust(&Facts::of(&model), name.as_deref());
-        write(&folder, written.map_err(|error| Failure::of_code(&error))?)
-    })
+        written.map_err(|error| Failure::of_code(&error))
+    })?;
+    detached(py, || write(&folder, sources))
 }
 
 fn unknown(keyword: &str, given: &str, known: &str) -> Failure {

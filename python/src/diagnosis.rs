@@ -5,10 +5,13 @@ use std::path::PathBuf;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use sesc::report::diagnose::{Asked, page, text};
-use sesc_identify::diagnose::{self, Request, corrected_urdf};
+use sesc_identify::Error;
+use sesc_identify::diagnose::{self, Request, Verdict, corrected_urdf};
 use sesc_identify::fit::prior::PriorChoice;
+use sesc_identify::logs::Recording;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
+use sesc_model::files::NewFile;
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
@@ -29,6 +32,7 @@ pub struct DiagnoseOptions {
     motion: bool,
     settle: Option<f64>,
     servos: Option<PathBuf>,
+    mcap: Option<PathBuf>,
 }
 
 /// What a diagnosis found, with what is needed to make files of it.
@@ -62,7 +66,16 @@ pub fn diagnose_log(
     request.stays = stays(options.settle).map_err(|failure| failure.raise(py))?;
     request.meshes.clone_from(&robot.folder);
     request.view = true;
-    let (report, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
+    request.recording = options.mcap.is_some();
+    if let Some(path) = &options.mcap {
+        // Before long work, not behind it. A file that is dropped leaves nothing behind.
+        let begun = Recording::check_format(path)
+            .and_then(|()| NewFile::create(path).map(drop).map_err(Error::from));
+        begun.map_err(|error| Failure::of(&error, Doing::Fit).raise(py))?;
+    }
+    let recorded = options.mcap.clone();
+    let shown = show.as_ref().map(|show| show.clone_ref(py));
+    let (mut report, mut warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
         if let Some(file) = &options.servos {
             let servos = sesc::servos::read(file, &request.robot);
             request.servos = servos.map_err(|error| Failure::of_code(&error))?;
@@ -70,6 +83,21 @@ pub fn diagnose_log(
         let report = diagnose::diagnose(&request, watch);
         report.map_err(|error| Failure::of(&error, Doing::Fit))
     })?;
+    match (recorded, report.recording.take()) {
+        (Some(path), _) if report.diagnosis.verdict == Verdict::Unusable => {
+            let name = path.display();
+            warnings.push(format!("{name} is not written: the data cannot be used"));
+        }
+        (Some(path), Some(recording)) => {
+            watched(py, shown, Stopped::Awaited, move |watch| {
+                let file = recording.begun(&path, watch);
+                let file = file.map_err(|error| Failure::of(&error, Doing::Fit))?;
+                let done = file.finish();
+                done.map_err(|error| Failure::of_model(error, Doing::Fit))
+            })?;
+        }
+        _ => {}
+    }
     Ok(DiagnosisReport { report, warnings })
 }
 
@@ -158,17 +186,19 @@ impl DiagnosisReport {
 pub fn correct_urdf(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
-    model_file: &str,
-    prior: &str,
+    model_file: String,
+    prior: String,
     total_mass: Option<f64>,
 ) -> PyResult<(String, Vec<String>)> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
-    detached(py, || {
+    let corrected = watched(py, None, Stopped::Abandoned, move |_| {
         let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Fit);
-        let file = ModelFile::parse(model_file, "model");
+        let file = ModelFile::parse(&model_file, "model");
         let file = file.map_err(|error| Failure::of_model(error, Doing::ModelFile))?;
         let model = robot.model(&file.support, snapping, None).map_err(failed)?;
-        let prior = PriorChoice::from(prior).of(&model).map_err(failed)?;
+        let prior = PriorChoice::from(prior.as_str())
+            .of(&model)
+            .map_err(failed)?;
         let corrected = corrected_urdf::of_model_file(
             &file,
             &robot,
@@ -180,5 +210,6 @@ pub fn correct_urdf(
         );
         let corrected = corrected.map_err(failed)?;
         Ok((corrected.text, corrected.left_out))
-    })
+    });
+    Ok(corrected?.0)
 }

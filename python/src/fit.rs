@@ -5,6 +5,8 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use sesc::report::fit::{FitReport as Printed, Shown, Unusable, corrections, page, text};
+use sesc_identify::fit::corrected::corrected_of;
+use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::{self, Request};
 
 use crate::calls::{Stopped, detached, watched};
@@ -129,15 +131,23 @@ impl FitReport {
         py: Python<'_>,
         total_mass: Option<f64>,
     ) -> PyResult<(String, String, String)> {
-        detached(py, || {
-            let corrected = self.report().corrected_urdf(total_mass);
+        let inner = Arc::clone(&self.inner);
+        let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+            let corrected = inner.1.corrected_urdf(total_mass);
             let corrected = corrected.map_err(|error| Failure::of(&error, Doing::Fit))?;
             Ok((
                 corrected.text.clone(),
                 json(&corrected)?,
                 corrections(&corrected),
             ))
-        })
+        });
+        Ok(corrected?.0)
+    }
+
+    /// Masses and first moments of the corrected URDF, as parts of the whole; none where no masses
+    /// give the parameters.
+    fn masses(&self, py: Python<'_>) -> PyResult<Option<Vec<f64>>> {
+        detached(py, || Ok(self.report().masses()))
     }
 
     /// The page of `sesc fit --report`; `command` makes it again.
@@ -159,4 +169,34 @@ impl FitReport {
         });
         Ok(page?.0)
     }
+}
+
+/// The corrected URDF of a fit that travelled: of its parameters and [`FitReport::masses`].
+#[pyfunction]
+#[pyo3(signature = (robot, support, params, masses, prior, total_mass=None))]
+pub fn correct_fit(
+    py: Python<'_>,
+    robot: PyRef<'_, Robot>,
+    support: String,
+    params: Vec<f64>,
+    masses: Option<Vec<f64>>,
+    prior: String,
+    total_mass: Option<f64>,
+) -> PyResult<String> {
+    let (robot, snapping) = (robot.inner.clone(), robot.snapping);
+    let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+        let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Fit);
+        let model = robot.model(&support, snapping, None).map_err(failed)?;
+        // Where masses are known, a file of tolerances may be gone.
+        let prior = match masses {
+            Some(_) => Prior::Free,
+            None => PriorChoice::from(prior.as_str())
+                .of(&model)
+                .map_err(failed)?,
+        };
+        let known = (&params[..], masses.as_deref());
+        let corrected = corrected_of(&robot, &model, snapping, known, &prior, total_mass);
+        Ok(corrected.map_err(failed)?.text)
+    });
+    Ok(corrected?.0)
 }

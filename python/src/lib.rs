@@ -52,7 +52,7 @@ mod _sesc {
     #[pymodule_export]
     use super::drawing::{draw_postures, draw_robot};
     #[pymodule_export]
-    use super::fit::{FitReport, fit_logs};
+    use super::fit::{FitReport, correct_fit, fit_logs};
     #[pymodule_export]
     use super::fleet::{FleetFound, fleet_groups, fleet_work};
     #[pymodule_export]

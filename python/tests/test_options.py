@@ -45,7 +45,6 @@ OTHERWISE = {
     "color": "colours of a terminal",
     "quiet": "nothing is written to stderr",
     "fail_above": "the exit code of a script",
-    "mcap": "a recording for Foxglove: the command's alone",
 }
 
 

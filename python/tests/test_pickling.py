@@ -87,6 +87,32 @@ def test_objects_go_to_other_processes_and_back(method: str, tmp_path: Path) -> 
         assert said == own == seen(again), name
 
 
+TOLERANCES = """[default]
+mass = 0.05
+com = 0.004
+"""
+
+
+@pytest.mark.parametrize("physical", [False, True])
+def test_a_fit_corrects_the_urdf_after_its_journey(physical: bool, robots: Path, tmp_path: Path) -> None:
+    """Also where the file of its tolerances is no more, and after a second journey."""
+    robot = sesc.Robot(robots / "two_link/two_link.urdf")
+    log = sesc.simulate(robot.on("foot"), 40, noise=5e-4, hide={f"joint_offset:{robot.joints[0]}": 0.01})
+    tolerances = tmp_path / "tolerances.toml"
+    tolerances.write_text(TOLERANCES)
+    fit = sesc.fit(robot, log, prior=tolerances, physical=physical)
+    data = pickle.dumps(fit)
+    tolerances.unlink()
+    again = pickle.loads(data)
+    for there in (again, pickle.loads(pickle.dumps(again))):
+        for total in (None, 3.5):
+            assert there.correct_urdf(total_mass=total) == fit.correct_urdf(total_mass=total)
+    assert fit.correct_urdf().text != robot.urdf
+    for travelled in (fit, again):
+        with pytest.raises(sesc.FitError, match="`total_mass` -1e0 kg"):
+            travelled.correct_urdf(total_mass=-1.0)
+
+
 def test_a_fleet_is_whole_after_its_journey(tmp_path: Path) -> None:
     fleet = everything(tmp_path)["Fleet"]
     again = pickle.loads(pickle.dumps(fleet))

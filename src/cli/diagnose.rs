@@ -255,7 +255,7 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
         files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
     }
     if let (Some(path), Some(recording)) = (&arguments.mcap, &report.recording) {
-        files.add_begun(path, recording.begun(path)?);
+        files.add_begun(path, recording.begun(path, &mut ())?);
     }
     files.finish()
 }

@@ -95,21 +95,11 @@ pub fn towards(
     prior: &Prior,
     total: Option<f64>,
 ) -> Result<Result<Corrected, Impossible>, Error> {
-    let params = DVector::from_column_slice(params);
-    let masses = match masses {
-        Some(masses) => masses.clone(),
-        None => {
-            let usual = Tolerances::usual();
-            let tolerances = match prior {
-                Prior::Cad(tolerances) => tolerances,
-                Prior::Free | Prior::Population(_) => &usual,
-            };
-            match masses::nearest(model, tolerances, &params, &Limits::generous(robot)) {
-                Ok(masses) => masses,
-                Err(impossible) => return Ok(Err(impossible)),
-            }
-        }
+    let masses = match masses_of(robot, model, params, masses, prior) {
+        Ok(masses) => masses,
+        Err(impossible) => return Ok(Err(impossible)),
     };
+    let params = DVector::from_column_slice(params);
     let total_mass = total.unwrap_or(model.tree.mass);
     let weights = masses.weights(model, total_mass);
     let file = &robot.description.file;
@@ -136,6 +126,71 @@ pub fn towards(
         active_bounds: masses.active,
         text,
     }))
+}
+
+/// The masses of the corrected URDF: those that are known, else the nearest to CAD.
+pub(super) fn masses_of(
+    robot: &Robot,
+    model: &Model,
+    params: &[f64],
+    masses: Option<&Masses>,
+    prior: &Prior,
+) -> Result<Masses, Impossible> {
+    if let Some(masses) = masses {
+        return Ok(masses.clone());
+    }
+    let usual = Tolerances::usual();
+    let tolerances = match prior {
+        Prior::Cad(tolerances) => tolerances,
+        Prior::Free | Prior::Population(_) => &usual,
+    };
+    let params = DVector::from_column_slice(params);
+    masses::nearest(model, tolerances, &params, &Limits::generous(robot))
+}
+
+/// The URDF of `robot` with the parameters of a fit that is no more: `theta` are its
+/// [masses](super::Report::masses); where they are none, the nearest within `prior` are
+/// looked for.
+///
+/// # Errors
+/// As those of [`super::Report::corrected_urdf`].
+#[doc(hidden)]
+pub fn corrected_of(
+    robot: &Robot,
+    model: &Model,
+    snapping: Snapping,
+    (params, theta): (&[f64], Option<&[f64]>),
+    prior: &Prior,
+    total: Option<f64>,
+) -> Result<Corrected, Error> {
+    check_total(total)?;
+    let masses = theta.map(|theta| Masses {
+        theta: DVector::from_column_slice(theta),
+        active: Vec::new(),
+    });
+    let masses = masses.as_ref();
+    towards(robot, model, snapping, params, masses, prior, total)?
+        .map_err(|impossible| refused(&impossible))
+}
+
+/// A number above zero that a robot can have.
+pub(super) fn check_positive(
+    setting: Setting,
+    value: Option<f64>,
+    unit: &str,
+) -> Result<(), Error> {
+    match value.filter(|x| !(1e-9..=1e6).contains(x)) {
+        None => Ok(()),
+        Some(x) => Err(Error::request(message![
+            setting,
+            format!(" {x:e}{unit}: give a number above zero that a robot can have")
+        ])),
+    }
+}
+
+/// What a robot can weigh, kg.
+pub(super) fn check_total(total: Option<f64>) -> Result<(), Error> {
+    check_positive(Setting::TotalMass, total, " kg")
 }
 
 fn refused(impossible: &Impossible) -> Error {

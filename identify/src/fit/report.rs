@@ -10,11 +10,12 @@ use std::sync::Arc;
 
 use sesc_model::{Model, ModelFile, Snapping};
 
-use super::corrected::{Corrected, correct};
+use super::corrected::{Corrected, check_positive, check_total, correct, masses_of};
 use super::estimate::identify_within;
 use super::identification::{Identification, Settings};
 use super::joined::{is_alone, joined, logs, screened};
 use super::limits::Limits;
+use super::masses::Masses;
 use super::prior::Prior;
 use super::request::Request;
 use super::residuals::{self, Sample};
@@ -66,7 +67,7 @@ impl Report {
     /// # Errors
     /// When no masses give them.
     pub fn corrected_urdf(&self, total_mass: Option<f64>) -> Result<Corrected, Error> {
-        check_positive(Setting::TotalMass, total_mass, " kg")?;
+        check_total(total_mass)?;
         correct(
             &self.robot,
             &self.model,
@@ -75,6 +76,23 @@ impl Report {
             &self.prior,
             total_mass,
         )
+    }
+
+    /// Parts of the whole of [`sesc_model::standard`] that a corrected URDF is made of; none
+    /// where no masses give the parameters. What [`corrected_of`](super::corrected::corrected_of)
+    /// takes where this report is no more.
+    #[doc(hidden)]
+    pub fn masses(&self) -> Option<Vec<f64>> {
+        let found = &self.identification;
+        let masses = masses_of(
+            &self.robot,
+            &self.model,
+            &found.parameters.iter().map(|p| p.value).collect::<Vec<_>>(),
+            found.masses.as_ref(),
+            &self.prior,
+        );
+        let theta = |masses: Masses| masses.theta.iter().copied().collect();
+        masses.ok().map(theta)
     }
 }
 
@@ -124,16 +142,6 @@ pub fn residuals(
     let found = &report.identification;
     let known = (&found.estimate.params, &found.plans[..]);
     residuals::sample(&logs, &mut measurement, known, watch)
-}
-
-fn check_positive(setting: Setting, value: Option<f64>, unit: &str) -> Result<(), Error> {
-    match value.filter(|x| !(1e-9..=1e6).contains(x)) {
-        None => Ok(()),
-        Some(x) => Err(Error::request(message![
-            setting,
-            format!(" {x:e}{unit}: give a number above zero that a robot can have")
-        ])),
-    }
 }
 
 /// Fit the parameters of a robot.

@@ -5,10 +5,10 @@ use std::path::Path;
 use sesc_model::files::NewFile;
 
 use super::recording::Recording;
-use crate::Error;
+use crate::{Error, Watch};
 
 /// What begins a file with a recording, whose postures have these stamps, ns.
-type Begin = fn(&Recording, &[u64], &Path) -> Result<NewFile, Error>;
+type Begin = fn(&Recording, &[u64], &Path, &mut dyn Watch) -> Result<NewFile, Error>;
 
 #[cfg(feature = "mcap")]
 fn writer(_: &Path) -> Result<Begin, Error> {
@@ -32,9 +32,9 @@ impl Recording {
     /// The recording as a file, not yet in its place.
     ///
     /// # Errors
-    /// Times that stamps do not hold, a file that cannot be written, and
-    /// [`check_format`](Self::check_format).
-    pub fn begun(&self, path: &Path) -> Result<NewFile, Error> {
-        writer(path)?(self, &self.stamps()?, path)
+    /// Times that stamps do not hold, a file that cannot be written,
+    /// [`check_format`](Self::check_format), and the kind `Interrupted` where `watch` stops it.
+    pub fn begun(&self, path: &Path, watch: &mut dyn Watch) -> Result<NewFile, Error> {
+        writer(path)?(self, &self.stamps()?, path, watch)
     }
 }

@@ -8,23 +8,35 @@ use sesc_model::files::{self, NewFile};
 use super::encode::{self, VECTOR, in_plane, joint_state};
 use super::writer::{McapWriter, Topic};
 use super::{POINT, STATE};
-use crate::Error;
 use crate::logs::recording::{Recording, TrackKind};
+use crate::watch::tell;
+use crate::{Error, Watch};
 
+/// Postures that are written between looks whether to go on: a millisecond's worth.
+const BETWEEN_LOOKS: usize = 256;
 /// The topic of joint states.
 const JOINT_STATES: &str = "/joint_states";
 
 /// A recording whose postures have these stamps (ns), as a file that is not yet in its place.
 ///
 /// # Errors
-/// When it cannot be written.
+/// When it cannot be written, or `watch` stops it.
 pub(in crate::logs) fn begun(
     recording: &Recording,
     stamps: &[u64],
     path: &Path,
+    watch: &mut dyn Watch,
 ) -> Result<NewFile, Error> {
     let file = NewFile::create(path)?;
-    written(recording, stamps, file).map_err(|source| files::failed(path, source).into())
+    let total = stamps.len() as u64;
+    let mut stopped = Ok(());
+    let go_on = |done: usize| {
+        stopped = tell(watch, "writing", done as u64, total);
+        stopped.is_ok()
+    };
+    let file = written(recording, stamps, file, go_on);
+    stopped?;
+    file.map_err(|source| files::failed(path, source).into())
 }
 
 /// Place of a type among those that are written.
@@ -33,8 +45,14 @@ fn place_of(name: &str) -> usize {
     place.expect("every type of a track is in the table of types")
 }
 
-/// Messages in the order of time; of one time, postures in their order.
-pub(super) fn written<W: Write>(recording: &Recording, stamps: &[u64], out: W) -> io::Result<W> {
+/// Messages in the order of time; of one time, postures in their order. `go_on` is told how many
+/// postures are written, and may end it by an error.
+pub(super) fn written<W: Write>(
+    recording: &Recording,
+    stamps: &[u64],
+    out: W,
+    mut go_on: impl FnMut(usize) -> bool,
+) -> io::Result<W> {
     let states = Topic {
         name: JOINT_STATES,
         schema: place_of(STATE),
@@ -53,7 +71,10 @@ pub(super) fn written<W: Write>(recording: &Recording, stamps: &[u64], out: W) -
     let dof = recording.joints.len();
     let mut order: Vec<usize> = (0..stamps.len()).collect();
     order.sort_by_key(|&k| stamps[k]);
-    for k in order {
+    for (done, k) in order.into_iter().enumerate() {
+        if done % BETWEEN_LOOKS == 0 && !go_on(done) {
+            return Err(io::Error::other("stopped"));
+        }
         let (stamp, q) = (stamps[k], &recording.q[k * dof..(k + 1) * dof]);
         writer.message(0, stamp, &joint_state(stamp, &recording.joints, q))?;
         for (topic, track) in recording.tracks.iter().enumerate() {

@@ -43,8 +43,11 @@ fn postures_and_readings_come_back_to_the_last_digit() {
     // The second is of several chunks.
     for n in [5, 6_000] {
         let (recording, stamps) = recording(n);
-        let bytes = written(&recording, &stamps, Vec::new()).unwrap();
-        assert_eq!(bytes, written(&recording, &stamps, Vec::new()).unwrap());
+        let bytes = written(&recording, &stamps, Vec::new(), |_| true).unwrap();
+        assert_eq!(
+            bytes,
+            written(&recording, &stamps, Vec::new(), |_| true).unwrap()
+        );
         let mut order: Vec<usize> = (0..n).collect();
         order.swap(1, 2);
         let q: Vec<f64> = order
@@ -93,7 +96,7 @@ fn u64_at(bytes: &[u8], at: usize) -> u64 {
 #[test]
 fn the_summary_leads_to_every_chunk_and_message() {
     let (recording, stamps) = recording(6_000);
-    let bytes = written(&recording, &stamps, Vec::new()).unwrap();
+    let bytes = written(&recording, &stamps, Vec::new(), |_| true).unwrap();
     let records = outer(&bytes);
     let of = |opcode: u8| -> Vec<&[u8]> {
         let own = records.iter().filter(|record| record.0 == opcode);
@@ -145,7 +148,7 @@ fn the_summary_leads_to_every_chunk_and_message() {
 #[test]
 fn every_topic_has_its_type_and_differences_their_values() {
     let (recording, stamps) = recording(3);
-    let bytes = written(&recording, &stamps, Vec::new()).unwrap();
+    let bytes = written(&recording, &stamps, Vec::new(), |_| true).unwrap();
     let mut records = Records::new(&bytes[..]).unwrap();
     let (mut types, mut differences) = (BTreeMap::new(), Vec::new());
     while let Some(message) = records.next().unwrap() {
@@ -168,4 +171,18 @@ fn every_topic_has_its_type_and_differences_their_values() {
     assert_eq!(types, BTreeMap::from(expected));
     let xy = &recording.tracks[2].xy;
     assert_eq!(differences, [xy[0], xy[2], xy[1]]);
+}
+
+#[test]
+fn a_stopped_recording_leaves_no_file() {
+    let (recording, stamps) = recording(3_000);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let mut stop = |progress: crate::Progress| match progress.done < 1_000 {
+        true => std::ops::ControlFlow::Continue(()),
+        false => std::ops::ControlFlow::Break(()),
+    };
+    let error = super::super::begun(&recording, &stamps, &path, &mut stop).err();
+    assert_eq!(error.unwrap().kind(), crate::ErrorKind::Interrupted);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
