@@ -21,8 +21,7 @@ pub struct Dictionary {
     /// Whitened slopes, all candidates side by side, and S times them.
     slopes: DMatrix<f64>,
     projected: DMatrix<f64>,
-    /// Of each candidate, what its columns have in common with their projections: tried with
-    /// hundreds of residuals, and of none of them.
+    /// Products of each candidate's columns with their projections: the same for all residuals.
     squares: Vec<DMatrix<f64>>,
     gram: Option<DMatrix<f64>>,
 }

@@ -334,7 +334,8 @@ impl Assembler {
             if joint.reach.is_some_and(|reach| value.abs() > reach) {
                 return Err(message![
                     format!(
-                        "column `{name}`: {value:.2} rad is more than a full turn; {IN_DEGREES}"
+                        "column `{name}`: {} rad is more than a full turn; {IN_DEGREES}",
+                        three_digits(value)
                     ),
                     Setting::Angles,
                     OR_SIDECAR
