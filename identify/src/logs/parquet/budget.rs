@@ -356,6 +356,11 @@ mod tests {
         refused(&page(8, i64::from(i32::MAX)), 100, "entries");
         refused(&page(1 << 30, 1), 100, "unpack");
         refused(&good, i64::from(i32::MAX), "rows");
+        // A field that the format lacks: a map of one flag to a number.
+        let mut mapped = good.clone();
+        mapped.truncate(mapped.len() - 9);
+        mapped.extend([0x2b, 1, 0x25, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+        refused(&mapped, 100, "map");
         assert!(with(&good, 100, 1 << 40).unwrap_err().contains("bytes"));
     }
 
