@@ -386,8 +386,9 @@ def test_the_lock_is_free_in_calls_of_microseconds(name: str, model: sesc.Model)
 
         usual = sys.getswitchinterval()
         counter = threading.Thread(target=count)
-        counter.start()
+        # Before the other thread asks for the first time: it waits as long as it was told then.
         sys.setswitchinterval(60.0)
+        counter.start()
         try:
             before, end = ticks[0], time.perf_counter() + seconds
             while time.perf_counter() < end:
