@@ -2,12 +2,14 @@
 //! batch. `benches/python.py` runs it beside the same calls from Python.
 //!
 //! `cargo bench --bench tape -- URDF SUPPORT` prints a line of each function: its name, one
-//! posture, a batch. Each number is the least of many short repeats.
+//! posture, a batch. Each number is the least of many short repeats. Of the OP2 on its right sole
+//! it also prints what one posture takes generated code.
 
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+use sesc_generated::op2_r_sole::{self as op2, CAD_PARAMS, DOF};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::stance::Stance;
@@ -64,6 +66,23 @@ fn main() {
             1e9 * batch / postures as f64
         );
     }
+    if urdf == op2 && support == "r_sole" {
+        generated(&q, repeats);
+    }
+}
+
+/// One posture by generated code, as scalars: sines and arithmetic of the same bits.
+fn generated(q: &[f64], repeats: usize) {
+    let r = black_box(&CAD_PARAMS);
+    let postures = || q.as_chunks::<DOF>().0.iter().take(ALONE).map(black_box);
+    let few = postures().count();
+    let print = |name: &str, seconds: f64| {
+        println!("{name}, generated code: {:.1}", 1e9 * seconds / few as f64);
+    };
+    let com = || postures().for_each(|q| drop(black_box(op2::com(q, r))));
+    print("com", least(repeats, com));
+    let zmp = || postures().for_each(|q| drop(black_box(op2::zmp(q, q, q, r))));
+    print("zmp", least(repeats, zmp));
 }
 
 /// Seconds of one call.
