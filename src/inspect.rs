@@ -175,12 +175,13 @@ pub fn notes(robot: &Description, model: &Model) -> Vec<String> {
 
 fn bodies(model: &Model) -> Vec<Body> {
     let chain = &model.chain;
-    let body = |(i, body): (usize, &sesc_model::chain::Body)| Body {
+    let orientations = chain.orientation_products().into_iter();
+    let body = |((i, body), orientation): ((usize, &sesc_model::chain::Body), String)| Body {
         body: body.name.clone(),
         joint: body.joint.clone(),
         parent: body.parent.map(|p| chain.bodies[p].name.clone()),
         rotation: chain.own_rotation(i),
-        orientation: chain.orientation_product(i),
+        orientation,
         r: body.r(),
         s: body.s,
         mass_kg: body.mass,
@@ -190,5 +191,6 @@ fn bodies(model: &Model) -> Vec<Body> {
             .map(|&l| model.tree.links[l].name.clone())
             .collect(),
     };
-    chain.bodies.iter().enumerate().map(body).collect()
+    let all = chain.bodies.iter().enumerate().zip(orientations);
+    all.map(body).collect()
 }

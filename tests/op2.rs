@@ -124,7 +124,7 @@ fn the_full_form_is_the_papers_chain() {
     assert_eq!(names[..7], order);
     let product = |body: &str| {
         let i = names.iter().position(|name| *name == body).unwrap();
-        model.chain.orientation_product(i)
+        model.chain.orientation_products().swap_remove(i)
     };
     assert_eq!(product("r_sole"), "I");
     assert_eq!(product("r_ank_pitch_link"), "Rx(-r_ank_roll)");

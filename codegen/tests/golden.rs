@@ -28,8 +28,8 @@ fn full_names(model: &Model) -> Vec<String> {
 fn chain_text(model: &Model) -> String {
     let full = full_names(model);
     let mut text = String::new();
-    for (i, body) in model.chain.bodies.iter().enumerate() {
-        let orientation = model.chain.orientation_product(i);
+    let orientations = model.chain.orientation_products();
+    for (body, orientation) in model.chain.bodies.iter().zip(orientations) {
         let _ = writeln!(text, "B[{}] = {orientation}", body.name);
         let _ = writeln!(text, "r[{}] = {:?}", body.name, body.r());
         if let Some(s) = body.s {

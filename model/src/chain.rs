@@ -237,17 +237,21 @@ impl Chain {
         product(factors)
     }
 
-    /// `B_i` as a product, for people: `Rx(r_ank_roll) Ry(-r_ank_pitch)`.
-    pub fn orientation_product(&self, body: usize) -> String {
-        let mut factors = Vec::new();
-        let mut at = Some(body);
-        while let Some(i) = at {
-            factors.push(self.own_rotation(i));
-            at = self.bodies[i].parent;
+    /// `B_i` of every body as a product, for people: `Rx(r_ank_roll) Ry(-r_ank_pitch)`.
+    pub fn orientation_products(&self) -> Vec<String> {
+        let mut products: Vec<String> = Vec::new();
+        for (i, body) in self.bodies.iter().enumerate() {
+            let carrier = body.parent.map_or(IDENTITY, |parent| &products[parent]);
+            let own = self.own_rotation(i);
+            let factors = [carrier, &own].map(str::to_string);
+            products.push(product(
+                factors
+                    .into_iter()
+                    .filter(|f| f.as_str() != IDENTITY)
+                    .collect(),
+            ));
         }
-        factors.retain(|factor| factor != IDENTITY);
-        factors.reverse();
-        product(factors)
+        products
     }
 }
 

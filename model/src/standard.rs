@@ -26,7 +26,7 @@ impl Robot {
         let full = self.full_of_standard();
         let mut map = DMatrix::zeros(self.base.params.len(), full.ncols());
         for (row, param) in self.base.params.iter().enumerate() {
-            for (&k, &weight) in &param.terms {
+            for &(k, weight) in &param.terms {
                 for column in 0..full.ncols() {
                     map[(row, column)] += weight * full[(k, column)];
                 }
@@ -103,7 +103,7 @@ impl Robot {
         self.add_full_of_link(link, &mut full.columns_mut(0, PER_LINK));
         let mut map = DMatrix::zeros(self.base.params.len(), PER_LINK);
         for (row, param) in self.base.params.iter().enumerate() {
-            for (&k, &weight) in &param.terms {
+            for &(k, weight) in &param.terms {
                 for column in 0..PER_LINK {
                     map[(row, column)] += weight * full[(k, column)];
                 }

@@ -15,8 +15,6 @@
 mod mimic_rank;
 mod types;
 
-use std::collections::BTreeMap;
-
 use nalgebra::Vector3;
 
 use crate::chain::Chain;
@@ -24,11 +22,11 @@ use crate::frames::Frame;
 use crate::snap::tidy;
 use crate::tree::{Axis, Motion, Tree};
 use mimic_rank::{tied_in_cop, untie};
-use types::add;
 pub use types::{Base, BaseParam, Column, Unobservable};
+use types::{Form, add};
 
 /// A vector of linear forms in the full parameters.
-type Forms = [BTreeMap<usize, f64>; 3];
+type Forms = [Form; 3];
 
 /// Group the columns of `chain` into base parameters.
 #[doc(hidden)]
@@ -36,7 +34,7 @@ pub fn group(tree: &Tree, chain: &Chain, frames: &[Frame]) -> Base {
     let mut forms: Vec<Forms> = chain
         .bodies
         .iter()
-        .map(|body| [0, 1, 2].map(|k| BTreeMap::from([(body.column + k, 1.0)])))
+        .map(|body| [0, 1, 2].map(|k| vec![(body.column + k, 1.0)]))
         .collect();
     let mut own: Vec<Vec<BaseParam>> = vec![Vec::new(); chain.bodies.len()];
     let mut unobservable = Vec::new();
@@ -47,6 +45,7 @@ pub fn group(tree: &Tree, chain: &Chain, frames: &[Frame]) -> Base {
             column,
             terms,
             cad: 0.0,
+            ulps_of: 0.0,
         };
         let moved: Vec<Vector3<f64>> = match (body.motion, body.parent) {
             (Motion::Revolute { .. }, Some(_)) => {
@@ -58,7 +57,7 @@ pub fn group(tree: &Tree, chain: &Chain, frames: &[Frame]) -> Base {
                 vec![frames[i].axes.column(2).into_owned()]
             }
             (Motion::Prismatic { .. }, Some(_)) => {
-                let terms = BTreeMap::from([(body.column + 3, 1.0)]);
+                let terms = vec![(body.column + 3, 1.0)];
                 own[i].push(param(
                     format!("{}.s", body.name),
                     Column::Prismatic { body: i },
@@ -92,14 +91,16 @@ pub fn group(tree: &Tree, chain: &Chain, frames: &[Frame]) -> Base {
     let mut params: Vec<BaseParam> = own.into_iter().flatten().collect();
     let dropped = untie(tree, chain, frames, &mut params, &mut unobservable);
     let cad = chain.full_cad();
-    let value =
-        |terms: &BTreeMap<usize, f64>| -> f64 { terms.iter().map(|(&k, w)| w * cad[k]).sum() };
+    let value = |terms: &Form| -> f64 { terms.iter().map(|(k, w)| w * cad[*k]).sum() };
     let regrouping_error = dropped
         .iter()
         .map(|(lost, rest)| libm::fabs(value(&lost.terms)) * rest)
         .sum();
     for param in &mut params {
         param.cad = value(&param.terms);
+        // A rounded sum of rounded products.
+        let sizes = param.terms.iter().map(|(k, w)| libm::fabs(w * cad[*k]));
+        param.ulps_of = sizes.sum::<f64>() * (8.0 + param.terms.len() as f64);
     }
     let invisible = invisible_in_cop(tree, chain, frames, &params, &mut unobservable);
     Base {
@@ -110,8 +111,8 @@ pub fn group(tree: &Tree, chain: &Chain, frames: &[Frame]) -> Base {
     }
 }
 
-fn project(form: &Forms, axis: &Vector3<f64>) -> BTreeMap<usize, f64> {
-    let mut sum = BTreeMap::new();
+fn project(form: &Forms, axis: &Vector3<f64>) -> Form {
+    let mut sum = Form::new();
     for k in 0..3 {
         add(&mut sum, &form[k], axis[k]);
     }

@@ -1,6 +1,7 @@
 //! What a grouping of parameters consists of.
 
-use std::collections::BTreeMap;
+/// A linear form: full parameters in ascending order, each with its weight.
+pub(super) type Form = Vec<(usize, f64)>;
 
 /// Which column of the regressor a base parameter multiplies.
 #[doc(hidden)]
@@ -28,11 +29,14 @@ pub struct BaseParam {
     /// What it multiplies.
     #[doc(hidden)]
     pub column: Column,
-    /// Full parameter → weight; the parameter is their weighted sum.
+    /// Full parameters in ascending order with their weights; the parameter is their weighted sum.
     #[doc(hidden)]
-    pub terms: BTreeMap<usize, f64>,
+    pub terms: Vec<(usize, f64)>,
     /// CAD value, m (or a mass fraction for a prismatic joint).
     pub cad: f64,
+    /// What the CAD value is rounded of, m: it is right to as many ulps of 1 m.
+    #[doc(hidden)]
+    pub ulps_of: f64,
 }
 
 /// A direction in parameter space that leaves the measurement unchanged.
@@ -62,11 +66,19 @@ pub struct Base {
 }
 
 /// Adds `weight` times a linear form.
-pub(super) fn add(sum: &mut BTreeMap<usize, f64>, terms: &BTreeMap<usize, f64>, weight: f64) {
-    if weight == 0.0 {
+pub(super) fn add(sum: &mut Form, terms: &[(usize, f64)], weight: f64) {
+    if weight == 0.0 || terms.is_empty() {
         return;
     }
-    for (&k, w) in terms {
-        *sum.entry(k).or_insert(0.0) += w * weight;
+    let mut merged = Vec::with_capacity(sum.len().max(terms.len()));
+    let mut own = std::mem::take(sum).into_iter().peekable();
+    for &(k, w) in terms {
+        while let Some(before) = own.next_if(|(other, _)| *other < k) {
+            merged.push(before);
+        }
+        let there = own.next_if(|(other, _)| *other == k);
+        merged.push((k, there.map_or(0.0, |(_, w)| w) + w * weight));
     }
+    merged.extend(own);
+    *sum = merged;
 }

@@ -200,19 +200,12 @@ impl Model {
     #[doc(hidden)]
     pub fn input_ranges(&self, program: &Program) -> Vec<Vec<bounds::Input>> {
         let joint = |dof: &tree::Dof| bounds::Input::exact(dof.lower, dof.upper);
-        let full = self.chain.full_cad();
         let parameter = |(k, param): (usize, &base::BaseParam)| {
             let size = self.param_limits[k];
-            // A parameter is itself a rounded sum of rounded products.
-            let sum: f64 = param
-                .terms
-                .iter()
-                .map(|(&k, w)| libm::fabs(w * full[k]))
-                .sum();
             bounds::Input {
                 lower: -size,
                 upper: size,
-                ulps_of: sum * (8.0 + param.terms.len() as f64),
+                ulps_of: param.ulps_of,
                 absolute: 0.0,
                 rounded: true,
             }
