@@ -17,7 +17,9 @@ use sesc_model::effects::{Catalog, EffectContext, Instance, Stage};
 use sesc_model::{Function, Model};
 use sesc_reference::{GRAVITY, Reference, World};
 
-use super::{JointMotion, Truth, magnified, with_effect};
+use super::allowed::magnified;
+use super::compare::Truth;
+use super::{JointMotion, with_effect};
 use crate::Error;
 use sesc_identify::robot::Robot;
 
