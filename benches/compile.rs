@@ -1,8 +1,8 @@
 //! What generated code costs before it runs: the generator's time for a whole module, the
 //! compiler's for the functions that a crate calls, and the size of their machine code.
 //!
-//! `cargo bench --bench compile` takes minutes, most of them at 1000 joints;
-//! `-- --test` stops after the OP2.
+//! `cargo bench --bench compile` takes minutes, most of them at 1000 joints; `-- 100 500` draws
+//! trees of other sizes, and `-- --test` stops after the OP2.
 
 use std::fs;
 use std::path::Path;
@@ -29,7 +29,9 @@ fn main() {
             (*name).to_string(),
         )
     });
-    let drawn = [100, 500, 1000].into_iter().map(|joints| {
+    let asked: Vec<usize> = std::env::args().filter_map(|word| word.parse().ok()).collect();
+    let sizes = if asked.is_empty() { vec![100, 500, 1000] } else { asked };
+    let drawn = sizes.into_iter().map(|joints| {
         let kind = Kind {
             joints,
             canonical: false,

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Release wheels of the package, for every Python from 3.10, in target/wheels/: manylinux_2_28 on
 # x86-64 and aarch64, linked by zig. Each is looked at (tag, size, stable ABI, no libpython), and
-# tried in every Python from 3.10 that is there, in an environment of its own, where it runs here.
+# tried in every Python from 3.10 that is there, in an environment of its own, where it runs here;
+# that of another processor in Debian's Python for it, which qemu runs.
 #
 #     python/wheels.sh              both
 #     python/wheels.sh x86_64       one
@@ -15,7 +16,7 @@ most=$((8 * 1000 * 1000))
 processors=("$@")
 [[ $# -gt 0 ]] || processors=(x86_64 aarch64)
 for processor in "${processors[@]}"; do
-  [[ $processor == x86_64 || $processor == aarch64 ]] || { sed -n '2,7s/^# \{0,1\}//p' python/wheels.sh >&2; exit 2; }
+  [[ $processor == x86_64 || $processor == aarch64 ]] || { sed -n '2,8s/^# \{0,1\}//p' python/wheels.sh >&2; exit 2; }
 done
 
 root=$PWD
@@ -70,6 +71,35 @@ tried() {
   done
 }
 
+# emulated WHEEL: on 64-bit ARM in qemu, with Debian's Python and numpy for it unpacked beside the
+# tools; a machine where these cannot be had says so.
+emulated() {
+  local root=$tools/aarch64 python=python3.11 packages
+  if ! { command -v qemu-aarch64 && command -v apt-get; } >/dev/null; then
+    echo "$1: not tried, there is no qemu-aarch64 or no Debian"
+    return
+  fi
+  if [[ ! -x $root/usr/bin/$python ]]; then
+    dpkg --add-architecture arm64
+    apt-get update -q
+    packages=$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts \
+      --no-breaks --no-replaces --no-enhances "$python:arm64" libstdc++6:arm64 | grep -E '^[a-z0-9.+-]+:arm64$' | sort -u)
+    mkdir -p "$root/packages"
+    # shellcheck disable=SC2086 # packages are words
+    (cd "$root/packages" && apt-get download -q $packages)
+    find "$root/packages" -name '*.deb' -exec dpkg -x {} "$root" \;
+    "$tools/bin/pip" download --quiet --only-binary=:all: --no-deps --python-version 3.11 \
+      --platform manylinux_2_28_aarch64 --dest "$root/packages" numpy
+  fi
+  rm -rf "$root/site"
+  for wheel in "$root"/packages/numpy-*.whl "$1"; do
+    python3 -m zipfile -e "$wheel" "$root/site"
+  done
+  (cd "$root" && PYTHONPATH=$root/site PYTHONNOUSERSITE=1 qemu-aarch64 -L "$root" \
+    "usr/bin/$python" -m sesc.selftest)
+  echo "$python on aarch64, in qemu: passed"
+}
+
 for processor in "${processors[@]}"; do
   target=$processor-unknown-linux-gnu
   rustup target add "$target"
@@ -78,5 +108,9 @@ for processor in "${processors[@]}"; do
     --manifest-path python/Cargo.toml --config python/wheel.toml --out "$out"
   wheel=$(echo "$out"/sesc-*_"$processor".whl)
   looked_at "$wheel"
-  [[ $processor != "$(uname -m)" ]] || tried "$wheel"
+  if [[ $processor == "$(uname -m)" ]]; then
+    tried "$wheel"
+  elif [[ $processor == aarch64 ]]; then
+    emulated "$wheel"
+  fi
 done
