@@ -25,7 +25,7 @@ fn the_output_shown_is_the_output_printed() {
     let page = format!("{ROOT}/docs/demo.md");
     let [readme, demo] =
         [&format!("{ROOT}/README.md"), &page].map(|p| fs::read_to_string(p).unwrap());
-    assert_eq!(blocks(&readme, "sh")[0], "cargo run --release -- demo");
+    assert_eq!(blocks(&readme, "sh")[0], "cargo demo");
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_sesc"))
         .arg("demo")
