@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Release wheels of the package, for every Python from 3.10, in target/wheels/: manylinux_2_28 on
-# x86-64 and aarch64, linked by zig. Each is looked at (tag, size, stable ABI, no libpython), and
-# tried in every Python from 3.10 that is there, in an environment of its own, where it runs here;
-# that of another processor in Debian's Python for it, which qemu runs.
+# Release wheels of the package in target/wheels/, manylinux_2_28 on x86-64 and aarch64, linked by
+# zig: one for every Python from 3.10, one for 3.14 without its lock. Each is looked at (tag, size,
+# stable ABI, no libpython), and tried in every Python from 3.10 that is there, in an environment
+# of its own, where it runs here; that of 64-bit ARM in Debian's Python for it, which qemu runs.
+# The one without a lock is tried where there is such a Python, in the hosted CI.
 #
 #     python/wheels.sh              both
 #     python/wheels.sh x86_64       one
@@ -16,7 +17,7 @@ most=$((8 * 1000 * 1000))
 processors=("$@")
 [[ $# -gt 0 ]] || processors=(x86_64 aarch64)
 for processor in "${processors[@]}"; do
-  [[ $processor == x86_64 || $processor == aarch64 ]] || { sed -n '2,8s/^# \{0,1\}//p' python/wheels.sh >&2; exit 2; }
+  [[ $processor == x86_64 || $processor == aarch64 ]] || { sed -n '2,9s/^# \{0,1\}//p' python/wheels.sh >&2; exit 2; }
 done
 
 root=$PWD
@@ -28,14 +29,13 @@ if [[ ! -x $tools/bin/abi3audit ]]; then
 fi
 export PATH=$tools/bin:$PATH CARGO_INCREMENTAL=0
 
-# looked_at WHEEL: its tag, its size, its ABI, and what it is linked to.
+# looked_at WHEEL TAG: its tag, its size, its ABI, and what it is linked to.
 looked_at() {
   local wheel=$1 size folder library
-  [[ $wheel == *-cp310-abi3-manylinux_2_28_*.whl ]] ||
-    { echo "$wheel: not a wheel of manylinux_2_28 for all Pythons from 3.10" >&2; return 1; }
+  [[ $wheel == *-"$2"-manylinux_2_28_*.whl ]] || { echo "$wheel: not tagged $2, manylinux_2_28" >&2; return 1; }
   size=$(stat -c %s "$wheel")
   [[ $size -lt $most ]] || { echo "$wheel: $size bytes, $most at most" >&2; return 1; }
-  abi3audit --strict "$wheel"
+  [[ $2 != *abi3* ]] || abi3audit --strict "$wheel"
   folder=$(mktemp -d)
   python3 -m zipfile -e "$wheel" "$folder"
   library=$(find "$folder" -name '_sesc*.so')
@@ -83,7 +83,8 @@ emulated() {
     dpkg --add-architecture arm64
     apt-get update -q
     packages=$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts \
-      --no-breaks --no-replaces --no-enhances "$python:arm64" libstdc++6:arm64 | grep -E '^[a-z0-9.+-]+:arm64$' | sort -u)
+      --no-breaks --no-replaces --no-enhances "$python:arm64" libstdc++6:arm64 |
+      grep -E '^[a-z0-9.+-]+:arm64$' | sort -u)
     mkdir -p "$root/packages"
     # shellcheck disable=SC2086 # packages are words
     (cd "$root/packages" && apt-get download -q $packages)
@@ -100,14 +101,23 @@ emulated() {
   echo "$python on aarch64, in qemu: passed"
 }
 
+# built TARGET [WORDS FOR MATURIN...]: a wheel in $out; of a Python that is named, maturin knows what
+# the build has to be told.
+built() {
+  maturin build --quiet --release --locked --zig --compatibility manylinux_2_28 --target "$1" \
+    --manifest-path python/Cargo.toml --config python/wheel.toml --out "$out" "${@:2}"
+}
+
 for processor in "${processors[@]}"; do
   target=$processor-unknown-linux-gnu
   rustup target add "$target"
   rm -f "$out"/sesc-*_"$processor".whl
-  maturin build --quiet --release --locked --zig --compatibility manylinux_2_28 --target "$target" \
-    --manifest-path python/Cargo.toml --config python/wheel.toml --out "$out"
-  wheel=$(echo "$out"/sesc-*_"$processor".whl)
-  looked_at "$wheel"
+  built "$target"
+  built "$target" --interpreter python3.14t
+  free=$(echo "$out"/sesc-*-cp314t-*_"$processor".whl)
+  wheel=$(echo "$out"/sesc-*-abi3-*_"$processor".whl)
+  looked_at "$free" cp314-cp314t
+  looked_at "$wheel" cp310-abi3
   if [[ $processor == "$(uname -m)" ]]; then
     tried "$wheel"
   elif [[ $processor == aarch64 ]]; then
