@@ -230,6 +230,10 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     }
     found.diagnosis.samples = samples::said(&problem, &further, &correlation);
     found.diagnosis.motion = motion::said(&problem, &found.best);
+    let open = found.diagnosis.closure.as_ref();
+    if let Some(open) = open.filter(|closure| !closure.closes) {
+        watch.warning(&open.sentence.clone().into());
+    }
     let overstated = noise::overstated(&problem, &found);
     found.diagnosis.health.extend(overstated);
     let meshes = request.meshes.as_deref();
