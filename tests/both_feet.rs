@@ -13,9 +13,11 @@ use sesc_identify::fit::{self, Identification};
 use sesc_identify::logs::{LogSource, Sidecar, Table};
 use sesc_identify::plan;
 use sesc_identify::plan::balance::Region;
+use sesc_identify::predict;
 use sesc_identify::robot::Robot;
+use sesc_identify::stance::Stance;
 use sesc_identify::{Message, Progress, Watch};
-use sesc_model::Snapping;
+use sesc_model::{ModelFile, Snapping};
 use sesc_reference::World;
 use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
 use sesc_virtual::feet::{Noise, TwoFeet, TwoFootLog};
@@ -271,8 +273,11 @@ fn feet_that_are_not_on_one_floor_are_said_to_be_elsewhere() {
     let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
     let mut request = diagnose::Request::new(robot, log);
     request.noise = Some(5e-4);
-    let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
+    let mut heard = Heard::default();
+    let found = diagnose::diagnose(&request, &mut heard).unwrap().diagnosis;
     assert_eq!(found.verdict, Verdict::Unexplained);
+    let warned = |said: &String| said.contains("check that both soles are flat on one floor");
+    assert!(heard.0.iter().any(warned), "{:?}", heard.0);
     let said = &found.sentence;
     assert!(
         said.contains("check that both soles are flat on one floor"),
@@ -283,6 +288,43 @@ fn feet_that_are_not_on_one_floor_are_said_to_be_elsewhere() {
     let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
     assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
     assert_eq!(found.closure, None);
+}
+
+/// A prediction takes encoders at their word: it says where the soles do not close then, and not
+/// where a model file has what they are off by.
+#[test]
+fn a_prediction_warns_of_soles_that_do_not_close() {
+    let stage = Stage::new(Platform::Op2);
+    let world = stage.world().joint_offset("l_knee", 0.026).unwrap();
+    let warned = |world: &World, file: Option<ModelFile>| {
+        let robot = Robot::read(&stage.urdf).unwrap();
+        let mut stance = Stance::new(robot).on("r_sole");
+        if let Some(file) = file {
+            stance = stance.with_parameters(file).unwrap();
+        }
+        let request = predict::Request::new(stance, log(&stage, world, FINE, 11));
+        let mut heard = Heard::default();
+        predict::predict(&request, &mut heard).unwrap();
+        heard.0
+    };
+    let open = warned(&world, None);
+    assert!(
+        open.iter()
+            .any(|said| said.contains("By CAD the sole of l_sole") && said.contains("l_knee")),
+        "{open:?}"
+    );
+    assert_eq!(warned(&stage.world(), None), [""; 0]);
+    let mut request = request(&stage, &world, FINE, 11);
+    request.model_path = Some("model.toml".into());
+    let found = diagnose::diagnose(&request, &mut ()).unwrap();
+    assert_eq!(warned(&world, Some(found.model_file.clone())), [""; 0]);
+    // The other way round the file is what opens them.
+    let open = warned(&stage.world(), Some(found.model_file));
+    assert!(
+        open.iter()
+            .any(|said| said.contains("By the model file the sole of l_sole")),
+        "{open:?}"
+    );
 }
 
 /// The CoP of the right foot alone, which stays under it while the CoM moves away.

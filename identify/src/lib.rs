@@ -50,6 +50,7 @@ pub mod observations;
 #[cfg(not(feature = "nalgebra"))]
 mod observations;
 pub mod plan;
+mod poses;
 pub mod predict;
 pub mod robot;
 pub mod simulate;

@@ -5,7 +5,10 @@
 //! ```
 //!
 //! A model with effects predicts the reading of its sensor instead. Where a log with times is
-//! dense enough to know accelerations, its CoP is the ZMP.
+//! dense enough to know accelerations, its CoP is the ZMP. Of a log of both feet it is said where
+//! the soles do not close.
+
+mod soles;
 
 use std::collections::HashMap;
 
@@ -15,6 +18,7 @@ use sesc_model::{Function, Model};
 
 use crate::Error;
 use crate::evaluate::{EffectPredictor, Evaluator, MotionPredictor};
+use crate::feet::Feet;
 use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings, Stays};
 use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
@@ -23,6 +27,7 @@ use crate::observations::rows;
 use crate::observations::zmp::Zmp;
 use crate::stance::Stance;
 use crate::watch::{Watch, tell};
+use soles::Soles;
 
 /// Rows that are read and evaluated together.
 const BLOCK: usize = 4096;
@@ -114,6 +119,8 @@ struct Evaluators {
     effects: Option<EffectPredictor>,
     /// Made when joints move; the second where gravity is tilted, too.
     motion: Option<(MotionPredictor, Zmp)>,
+    /// The soles of a log of both feet.
+    soles: Option<Soles>,
 }
 
 impl Predictor {
@@ -188,6 +195,7 @@ impl Predictor {
         let (block, motion) = self.reader.rows(BLOCK)?;
         self.warn(watch);
         if block.is_empty() {
+            self.warn_of_soles(watch);
             return Ok(None);
         }
         let (done, total) = self.reader.progress();
@@ -227,6 +235,9 @@ impl Predictor {
             let logged = Some(link).filter(|link| !link.is_empty());
             let on_link = self.evaluator(logged, watch)?;
             let q = &block.q[start * dof..(start + n) * dof];
+            if let Some(soles) = &mut on_link.soles {
+                soles.see(q, dof);
+            }
             let gravity = block.gravity.as_ref().map(|all| &all[start..start + n]);
             let shifts = match motion {
                 Some(motion) => on_link.shifts(q, motion, start, gravity),
@@ -284,11 +295,27 @@ impl Predictor {
                 com: Evaluator::new(&model, Function::Com),
                 effects: EffectPredictor::new(&model),
                 motion: None,
+                // Where the other sole cannot be told, nothing is said of it.
+                soles: Feet::default()
+                    .of(&self.reader.sidecar, &model)
+                    .unwrap_or_default()
+                    .map(Soles::new),
                 model,
             };
             self.evaluators.insert(support.to_string(), evaluators);
         }
         Ok(self.evaluators.get_mut(support).expect("inserted above"))
+    }
+
+    /// Say once where soles do not close in the rows that were predicted.
+    fn warn_of_soles(&mut self, watch: &mut dyn Watch) {
+        for on_link in self.evaluators.values_mut() {
+            let open = on_link.soles.take();
+            let open = open.and_then(|soles| soles.open(&on_link.model));
+            if let Some(open) = open {
+                watch.warning(&open.into());
+            }
+        }
     }
 
     /// What the reader noticed and has not yet been told.

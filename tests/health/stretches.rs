@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{self, Request, Verdict};
+use sesc_identify::fit;
 use sesc_identify::health::Finding;
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;
@@ -12,7 +13,7 @@ use sesc_virtual::moving::Swing;
 use sesc_virtual::recording::{Kind, Noise, Recording};
 use sesc_virtual::stage::{Platform, Stage};
 
-use super::log::{Log, POSTURES};
+use super::log::{Log, NOISE_M, POSTURES};
 use super::rows::{found_beside, hidden, only};
 
 #[test]
@@ -60,7 +61,7 @@ fn swing(seed: u64) -> Recording {
     Swing::new(0.4, 0.15, 30.0).record(&stage, stage.world(), noise, 50.0, random)
 }
 
-fn looked(recording: &Recording) -> Vec<(String, String)> {
+fn request(recording: &Recording) -> Request {
     let stage = Stage::new(Platform::Op2);
     let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
     let columns = recording.columns(true).into_iter();
@@ -69,7 +70,11 @@ fn looked(recording: &Recording) -> Vec<(String, String)> {
     });
     let mut request = Request::new(robot, log);
     request.support = Some("r_sole".into());
-    let found = diagnose::look(&request, &mut ()).unwrap();
+    request
+}
+
+fn looked(recording: &Recording) -> Vec<(String, String)> {
+    let found = diagnose::look(&request(recording), &mut ()).unwrap();
     let named = |f: Finding| (f.kind.name().to_string(), f.target);
     found.into_iter().map(named).collect()
 }
@@ -87,4 +92,81 @@ fn a_slow_sensor_is_not_frozen() {
     let last = recording.cop[700];
     recording.cop[700..800].fill(last);
     assert_eq!(looked(&recording), only("cop_frozen", "-"));
+}
+
+/// The encoder of a knee that stops after 20 of 30 s: those rows are left out and the rest is
+/// diagnosed, in `fit`, too.
+#[test]
+fn an_encoder_that_stops_in_the_middle_is_named_and_its_rows_are_left_out() {
+    let mut recording = swing(94);
+    let stage = Stage::new(Platform::Op2);
+    let joints = stage.joint_names();
+    let knee = joints.iter().position(|joint| joint == "r_knee").unwrap();
+    let at = recording.q[1000][knee];
+    recording.q[1000..].iter_mut().for_each(|q| q[knee] = at);
+    assert_eq!(looked(&recording), only("encoder_stuck", "r_knee"));
+    let request = request(&recording);
+    let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
+    println!("{} {}", found.health[0].sentence, found.sentence);
+    assert!(
+        found.health[0].sentence.contains("rows 1001 to 1500"),
+        "{}",
+        found.health[0].sentence
+    );
+    assert!(matches!(found.verdict, Verdict::None | Verdict::Absorbed));
+    assert!(
+        (900..=1000).contains(&found.samples.rows),
+        "{:?}",
+        found.samples
+    );
+    let mut fit = fit::Request::default();
+    fit.robot = Some(request.robot.clone());
+    fit.logs = vec![request.log.clone()];
+    fit.support = Some("r_sole".into());
+    let found = fit::fit(&fit, &mut ()).unwrap().identification;
+    let health: Vec<&str> = found.health.iter().map(|h| h.target.as_str()).collect();
+    assert_eq!(health, ["r_knee"]);
+    assert!(
+        (900..=1000).contains(&found.samples.rows),
+        "{:?}",
+        found.samples
+    );
+}
+
+/// A knee that is really held for a third of the log is no finding, whatever is hidden in it.
+#[test]
+fn a_joint_that_is_held_for_a_while_is_no_stuck_encoder() {
+    let stage = Stage::new(Platform::Op2);
+    let joints = stage.joint_names();
+    let knee = joints.iter().position(|joint| joint == "r_knee").unwrap();
+    let plain = stage.world();
+    let offset = stage.world().joint_offset("r_knee", 0.1).unwrap();
+    let loaded = stage.world().payload("body_link", 0.4, [0.03, 0.02, 0.05]);
+    let worlds = [plain, offset, loaded.unwrap()];
+    for (k, world) in worlds.iter().enumerate() {
+        let mut log = Log::of("r_sole", &[], |w| w, 95 + k as u64);
+        let q = log.q.clone();
+        // Each posture again and again, with noise of its own.
+        let still = |k: usize| (0.2 * (1.7 * k as f64).sin(), 0.2 * (2.3 * k as f64).cos());
+        log.q = (0..480)
+            .map(|row| {
+                let mut q = q[row % q.len()].clone();
+                if (160..320).contains(&row) {
+                    q[knee] = 0.3;
+                }
+                q
+            })
+            .collect();
+        let noise = |x: f64| NOISE_M * x / 0.14;
+        log.cop = (0..480)
+            .map(|row| {
+                let (x, y) = still(row);
+                let cop = world.cop(&log.q[row]);
+                [cop[0] + noise(x), cop[1] + noise(y)]
+            })
+            .collect();
+        let found = log.diagnose("r_sole").diagnosis.health;
+        let kinds: Vec<&str> = found.iter().map(|h| h.kind.name()).collect();
+        assert_eq!(kinds, [""; 0], "{k}");
+    }
 }

@@ -73,6 +73,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "logs",
             "robot",
             "stance",
+            "poses",
             "hide",
             "evaluate",
             "observations",

@@ -32,6 +32,13 @@ use sesc_virtual::stage::{Platform, Stage};
 const ROWS: f64 = 600.0;
 /// Lengths of logs, s.
 const SECONDS: [f64; 2] = [30.0, 120.0];
+/// Rates of logs, Hz.
+const RATES: [f64; 7] = [1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
+/// Rates of fast logs, Hz: they move for the shortest of [`SECONDS`], 30,000 rows at most.
+const FAST_RATES: [f64; 2] = [500.0, 1000.0];
+/// Rows of a stay, and how long one is in a fast log at least, s.
+const STAY_ROWS: f64 = 5.0;
+const FAST_STAY_S: f64 = 0.25;
 /// Correlation times, s.
 const TAUS: [f64; 2] = [0.05, 1.0];
 /// 4096 ticks a turn, rad.
@@ -48,6 +55,9 @@ pub struct StudyFalseAlarms {
     /// Number of logs
     #[arg(long, default_value_t = 1000)]
     logs: u64,
+    /// Number of fast logs, at 500 and 1000 Hz, in a table of their own
+    #[arg(long, default_value_t = 60)]
+    fast: u64,
     /// The first log's seed; each further one's is one more
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -71,6 +81,8 @@ struct Drawn {
     moves: Option<Swing>,
     noise: Noise,
     rate: f64,
+    /// How long a stay is held where the robot stands, s.
+    hold: f64,
     stated: bool,
     random: ChaCha8Rng,
 }
@@ -89,7 +101,8 @@ struct Said {
 }
 
 impl Drawn {
-    fn of(seed: u64) -> Drawn {
+    /// The log of a seed; `fast` ones are those of the same seed at higher rates.
+    fn of(seed: u64, fast: bool) -> Drawn {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut pick = |count: usize| (random.random::<f64>() * count as f64) as usize;
         let platform = [
@@ -99,7 +112,10 @@ impl Drawn {
             Platform::Plain,
             Platform::Skew,
         ][pick(5)];
-        let rate = [1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0][pick(7)];
+        let rate = match (pick(RATES.len()), fast) {
+            (k, false) => RATES[k],
+            (k, true) => FAST_RATES[k % FAST_RATES.len()],
+        };
         let (ticks, jitters) = (pick(2) == 1, pick(4) == 0);
         let (stands, stated) = (pick(3) == 0, pick(2) == 0);
         let kind = pick(4);
@@ -129,7 +145,15 @@ impl Drawn {
                 std: [std; 2],
                 visit_std: 0.0,
             },
-            rate: if stands { rate.min(20.0) } else { rate },
+            hold: match fast {
+                true => FAST_STAY_S,
+                false => STAY_ROWS / rate.min(20.0),
+            },
+            rate: if stands && !fast {
+                rate.min(20.0)
+            } else {
+                rate
+            },
             stated,
             random,
         }
@@ -154,7 +178,7 @@ impl Drawn {
     /// what is said of it, RMS, and the same of ZMP and noise together; of each axis of a log that
     /// moves and is differentiated.
     fn zmp_off(seed: u64) -> Result<Option<[[f64; 2]; 2]>, Box<dyn Error>> {
-        let (mut drawn, mut quiet) = (Drawn::of(seed), Drawn::of(seed));
+        let (mut drawn, mut quiet) = (Drawn::of(seed, false), Drawn::of(seed, false));
         let stage = Stage::new(drawn.platform);
         let model = Robot::read(&stage.urdf)?.model(stage.support, Snapping::default(), None)?;
         quiet.noise.std = [0.0; 2];
@@ -217,7 +241,7 @@ impl Drawn {
                 let stays = Motion::Stays {
                     postures: 50,
                     visits: 2,
-                    hold: 5.0 / self.rate,
+                    hold: self.hold,
                 };
                 let world = stage.world();
                 Recording::take(
@@ -287,6 +311,23 @@ impl Said {
     fn alarms(&self) -> bool {
         self.verdict.is_some_and(|verdict| verdict != Verdict::None)
     }
+
+    /// Print what is worth a look of the log of a seed.
+    fn tell(&self, seed: u64) {
+        let Said { groups, drawn, .. } = self;
+        if self.alarms() {
+            let [noise, moves, known] = groups;
+            eprintln!(
+                "seed {seed}: {:?} ({noise}, {moves}, {known}; {drawn}) {}",
+                self.verdict, self.sentence
+            );
+        }
+        if let Some((all, hold)) = self.intervals
+            && 10 * hold < 8 * all
+        {
+            eprintln!("seed {seed}: {hold} of {all} intervals hold ({groups:?}; {drawn})");
+        }
+    }
 }
 
 impl StudyFalseAlarms {
@@ -299,8 +340,8 @@ impl StudyFalseAlarms {
     /// What gives the same tables again.
     fn command(&self) -> String {
         let mut command = format!(
-            "cargo xtask study-false-alarms --logs {} --seed {}",
-            self.logs, self.seed
+            "cargo xtask study-false-alarms --logs {} --fast {} --seed {}",
+            self.logs, self.fast, self.seed
         );
         if self.fits {
             command += " --fits";
@@ -315,7 +356,9 @@ impl StudyFalseAlarms {
     fn print_zmp(&self) -> Result<(), Box<dyn Error>> {
         let (mut logs, mut beyond) = (0, 0);
         let mut all = [Vec::new(), Vec::new()];
-        for seed in (self.seed..self.seed + self.logs).filter(|seed| self.asks(&Drawn::of(*seed))) {
+        for seed in
+            (self.seed..self.seed + self.logs).filter(|seed| self.asks(&Drawn::of(*seed, false)))
+        {
             if let Some(axes) = Drawn::zmp_off(seed)? {
                 logs += 1;
                 beyond += usize::from(axes.iter().any(|[_, whole]| *whole > CLEARLY_OFF));
@@ -351,57 +394,10 @@ impl StudyFalseAlarms {
         if self.zmp {
             return self.print_zmp();
         }
-        let (next, all) = (AtomicU64::new(0), Mutex::new(BTreeMap::new()));
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        std::thread::scope(|scope| {
-            for _ in 0..threads {
-                scope.spawn(|| {
-                    loop {
-                        let k = next.fetch_add(1, Ordering::Relaxed);
-                        if k >= self.logs {
-                            return;
-                        }
-                        let drawn = Drawn::of(self.seed + k);
-                        if !self.asks(&drawn) {
-                            continue;
-                        }
-                        let said = drawn.ask(self.fits);
-                        let said = said.map_err(|error| error.to_string());
-                        if let Ok(said) = &said
-                            && said.alarms()
-                        {
-                            let [noise, moves, known] = &said.groups;
-                            eprintln!(
-                                "seed {}: {:?} ({noise}, {moves}, {known}) {}",
-                                self.seed + k,
-                                said.verdict,
-                                said.sentence
-                            );
-                        }
-                        if let Ok(Said {
-                            groups,
-                            drawn,
-                            intervals: Some((all, hold)),
-                            ..
-                        }) = &said
-                            && 10 * hold < 8 * all
-                        {
-                            let seed = self.seed + k;
-                            eprintln!(
-                                "seed {seed}: {hold} of {all} intervals hold ({groups:?}; {drawn})"
-                            );
-                        }
-                        if k % 50 == 49 {
-                            eprintln!("{} of {}", k + 1, self.logs);
-                        }
-                        let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
-                        all.insert(k, said);
-                    }
-                });
-            }
-        });
-        let all = all.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let all: Vec<Said> = all.into_values().collect::<Result<_, _>>()?;
+        let (slow, fast) = (
+            self.ask_all(self.logs, false)?,
+            self.ask_all(self.fast, true)?,
+        );
         let mut text = format!(
             "# False alarms\n\n\
              Recordings of the OP2, a plain and a skewed humanoid on which nothing is hidden: moving \
@@ -410,34 +406,79 @@ impl StudyFalseAlarms {
              0.2 to 5 mm that is white or lasts 0.05 to 1 s. Counted are verdicts of `diagnose \
              --prior tight` that are not `none`, and 95 % intervals of `fit --prior free` that hold \
              the truth, where a log is worth 1.5 times as many readings as there are parameters. \
-             `{}` counts the same logs again.\n\n\
-             | logs | a verdict but none | intervals hold |\n|---|---|---|\n",
-            self.command()
+             `{}` counts the same logs again.\n\n{}\n\
+             ## At 500 and 1000 Hz\n\n\
+             The same kinds of logs, of 30 s where the robot moves and of 100 stays of {FAST_STAY_S} s \
+             where it stands.\n\n{}",
+            self.command(),
+            table(&slow),
+            table(&fast)
         );
-        let mut rows: Vec<(&str, Vec<&Said>)> = vec![("all", all.iter().collect())];
-        for group in 0..3 {
-            let mut own: BTreeMap<&str, Vec<&Said>> = BTreeMap::new();
-            for said in &all {
-                own.entry(&said.groups[group]).or_default().push(said);
-            }
-            rows.extend(own);
-        }
-        for (name, said) in rows {
-            let alarms = said.iter().filter(|said| said.alarms());
-            let asked = said.iter().filter(|said| said.verdict.is_some());
-            let intervals = said.iter().filter_map(|said| said.intervals);
-            let (all, hold) = intervals.fold((0, 0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
-            let _ = writeln!(
-                text,
-                "| {name} | {} of {} | {:.1} % of {all} |",
-                alarms.count(),
-                asked.count(),
-                100.0 * hold as f64 / all.max(1) as f64
-            );
-        }
+        text.truncate(text.trim_end().len());
+        text.push('\n');
         eprintln!("{text}");
         let own = root.join("docs/study-false-alarms.md");
         fs::write(self.out.as_ref().unwrap_or(&own), text)?;
         Ok(())
     }
+
+    /// What is said of so many logs.
+    fn ask_all(&self, logs: u64, fast: bool) -> Result<Vec<Said>, Box<dyn Error>> {
+        let (next, all) = (AtomicU64::new(0), Mutex::new(BTreeMap::new()));
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    loop {
+                        let k = next.fetch_add(1, Ordering::Relaxed);
+                        if k >= logs {
+                            return;
+                        }
+                        let drawn = Drawn::of(self.seed + k, fast);
+                        if !self.asks(&drawn) {
+                            continue;
+                        }
+                        let said = drawn.ask(self.fits).map_err(|error| error.to_string());
+                        if let Ok(said) = &said {
+                            said.tell(self.seed + k);
+                        }
+                        if k % 50 == 49 {
+                            eprintln!("{} of {logs}", k + 1);
+                        }
+                        let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+                        all.insert(k, said);
+                    }
+                });
+            }
+        });
+        let all = all.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(all.into_values().collect::<Result<_, _>>()?)
+    }
+}
+
+/// A row for all logs and for each group.
+fn table(all: &[Said]) -> String {
+    let mut text = "| logs | a verdict but none | intervals hold |\n|---|---|---|\n".to_string();
+    let mut rows: Vec<(&str, Vec<&Said>)> = vec![("all", all.iter().collect())];
+    for group in 0..3 {
+        let mut own: BTreeMap<&str, Vec<&Said>> = BTreeMap::new();
+        for said in all {
+            own.entry(&said.groups[group]).or_default().push(said);
+        }
+        rows.extend(own);
+    }
+    for (name, said) in rows {
+        let alarms = said.iter().filter(|said| said.alarms());
+        let asked = said.iter().filter(|said| said.verdict.is_some());
+        let intervals = said.iter().filter_map(|said| said.intervals);
+        let (all, hold) = intervals.fold((0, 0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
+        let _ = writeln!(
+            text,
+            "| {name} | {} of {} | {:.1} % of {all} |",
+            alarms.count(),
+            asked.count(),
+            100.0 * hold as f64 / all.max(1) as f64
+        );
+    }
+    text
 }

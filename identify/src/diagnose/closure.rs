@@ -3,12 +3,14 @@
 use super::criteria;
 use super::problem::{Fit, Problem};
 use crate::Error;
-use crate::feet::{Closure, ClosureFound, Feet, of_one_foot};
+use crate::feet::{Closure, ClosureFound, Feet, of_one_foot, tell_contacts};
 use crate::logs::Sidecar;
 use crate::observations::postures::Postures;
 use crate::watch::Watch;
 
-/// The soles of a log of both feet; `None` of one that stands on one foot.
+/// The soles of a log of both feet, which the caller, its sidecar or its contacts say; `None` of
+/// one that stands on one foot. Where each foot has its own contact, the `data` learn what joints
+/// do to that.
 ///
 /// # Errors
 /// When the other sole cannot be told.
@@ -16,15 +18,18 @@ pub(super) fn of(
     feet: &Feet,
     sidecar: &Sidecar,
     model: &sesc_model::Model,
-    data: &Postures,
+    data: &mut Postures,
     watch: &mut dyn Watch,
 ) -> Result<Option<Closure>, Error> {
-    let Some(other) = feet.of(sidecar, model)? else {
+    let mut sidecar = sidecar.clone();
+    sidecar.other_foot = sidecar.other_foot.or_else(|| data.other_foot.clone());
+    let Some(other) = feet.of(&sidecar, model)? else {
         return Ok(None);
     };
     if let Some(warning) = of_one_foot(model, &other, data) {
         watch.warning(&warning.into());
     }
+    tell_contacts(data, model, &other);
     Ok(Some(Closure::of(model, other, &data.q, data.t.as_deref())))
 }
 

@@ -10,7 +10,7 @@ use super::hypothesis::Term;
 use super::leftover::{self, Formula, Misfit};
 use super::noise;
 use super::outliers::Outliers;
-use super::problem::{ALL, Fit, Problem};
+use super::problem::{Fit, Problem};
 use super::search::Search;
 use super::settled_masses;
 use super::statements::{blind_spots, labels, last, members, outliers, rest, told};
@@ -41,7 +41,7 @@ pub fn find<'m>(
     ranked.retain(|fit| !too_many_outliers(fit));
     let ranked = judged(&search, ranked, further);
     let nothing = further_logs::together(search.problem(), search.fit(&[], None), further);
-    let (mut ranked, implausible) = believed(search.problem(), ranked, &nothing);
+    let (mut ranked, implausible) = believed(search.problem(), ranked, &nothing, further);
     // Something is missing only if that is clearly better than nothing missing.
     if nothing.score() < ranked[0].score() + criteria::OVER_NOTHING {
         ranked = vec![nothing];
@@ -50,7 +50,7 @@ pub fn find<'m>(
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
     let mut class = class(&best, ranked);
     let problem = search.problem();
-    let misfit = misfit(problem, &best);
+    let misfit = misfit(problem, &best, further);
     let (best, formula) = match about.usable {
         true => with_formula(misfit, best, &mut search, further),
         false => (best, None),
@@ -73,7 +73,8 @@ pub fn find<'m>(
     let whole = steps.last().unwrap_or(&null);
     let held_out = |step: &Fit| {
         let apart = held_out::apart_on_the_way(problem, step, whole);
-        match settled_masses::settle(problem, step) {
+        // Steps are fits of the first log, whose rows are held out of it.
+        match settled_masses::settle(problem, step, &[]) {
             Some((own, step)) => held_out::cross_validate(&own, &step, &apart),
             None => held_out::cross_validate(problem, step, &apart),
         }
@@ -93,15 +94,14 @@ pub fn find<'m>(
     let expected = Misfit::of(problem, &null);
     let raw = raw_misfit(problem);
     let members = members(problem, &class);
-    let (mut best, mut class, mut steps) = (best, class, steps);
-    if let Some((own, settled)) = settled_masses::settle(problem, &best) {
+    let (mut best, mut class) = (best, class);
+    if let Some((own, settled)) = settled_masses::settle(problem, &best, further) {
         drop(search);
         *whole_problem = own;
         let problem = &*whole_problem;
         // Everything that is shown beside it is seen from the same masses.
-        let again = |fit: &Fit| problem.fit(&fit.terms, Some(&fit.unknowns), ALL);
+        let again = |fit: &Fit| further_logs::fitted_again(problem, fit, further);
         class = class.iter().map(again).collect();
-        steps = steps.iter().map(again).collect();
         best = settled;
         if let Some(first) = class.first_mut().filter(|first| first.terms == best.terms) {
             *first = best.clone();
@@ -177,7 +177,12 @@ pub fn find<'m>(
 
 /// Explanations that sit within all physical bounds, the best first; and what was
 /// implausible about a clearly better one, as a sentence.
-fn believed(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Option<String>) {
+fn believed(
+    problem: &Problem,
+    ranked: Vec<Fit>,
+    nothing: &Fit,
+    further: &[FurtherLog],
+) -> (Vec<Fit>, Option<String>) {
     let mut best: Option<(f64, String)> = None;
     let mut believed = Vec::new();
     for fit in ranked {
@@ -187,7 +192,7 @@ fn believed(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
             Some(_) => {}
         }
     }
-    let (passed_over, settled) = pass_over_impossible(problem, &mut believed);
+    let (passed_over, settled) = pass_over_impossible(problem, &mut believed, further);
     if believed.is_empty() {
         believed.push(nothing.clone());
     }
@@ -202,12 +207,12 @@ fn believed(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
 
 /// What an explanation leaves. Where masses end far from CAD's, their linearisation about CAD
 /// leaves some of it, and not the explanation: more than noise is asked for once they have settled.
-fn misfit(problem: &Problem, fit: &Fit) -> Misfit {
+fn misfit(problem: &Problem, fit: &Fit, further: &[FurtherLog]) -> Misfit {
     let about_cad = Misfit::of(problem, fit);
     if !about_cad.is_clear() {
         return about_cad;
     }
-    let settled = settled_masses::settle(problem, fit);
+    let settled = settled_masses::settle(problem, fit, further);
     let settled = settled.map(|(own, fit)| Misfit::of(&own, &fit));
     let less = settled.filter(|settled| settled.chi2 < about_cad.chi2);
     less.unwrap_or(about_cad)
@@ -220,10 +225,11 @@ fn misfit(problem: &Problem, fit: &Fit) -> Misfit {
 fn pass_over_impossible(
     problem: &Problem,
     believed: &mut Vec<Fit>,
+    further: &[FurtherLog],
 ) -> (Option<(f64, String)>, Option<f64>) {
     let mut best: Option<(f64, String)> = None;
     while let Some(first) = believed.first() {
-        let Some((own, fit)) = settled_masses::settle(problem, first) else {
+        let Some((own, fit)) = settled_masses::settle(problem, first, further) else {
             return (best, None);
         };
         let Some(sentence) = implausible(&own, &fit) else {

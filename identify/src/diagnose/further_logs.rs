@@ -20,9 +20,11 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::Experiment;
 
 use super::backlash_sides;
+use super::exact::{Exact, masses_of};
 use super::experiment::{self, CarriedExplanation};
 use super::hypothesis::Term;
-use super::problem::{Fit, Problem, State};
+use super::nuisance::Nuisance;
+use super::problem::{ALL, Fit, Problem, State};
 use crate::lsq::damped::{self, Expansion};
 
 /// A log of an experiment, on the support that it was taken on.
@@ -32,13 +34,32 @@ pub struct FurtherLog<'m> {
     pub problem: Problem<'m>,
 }
 
-impl FurtherLog<'_> {
+impl<'m> FurtherLog<'m> {
     /// What `fit`, of the `first` log or of all, says of this one: its terms here, and what they
-    /// leave.
-    pub(super) fn explained_by(&self, first: &Problem, fit: &Fit) -> (Vec<Term>, State) {
-        let log = Log::new(first, fit, self);
+    /// leave; with this log about its own masses where the first is about its own.
+    pub(super) fn explained_by(
+        &self,
+        first: &Problem,
+        fit: &Fit,
+    ) -> (FurtherLog<'m>, Vec<Term>, State) {
+        let own = match first.is_about_cad() {
+            true => self.clone(),
+            false => self.about_its_masses(first, fit),
+        };
+        let log = Log::new(first, fit, &own);
         let state = log.state(&fit.unknowns);
-        (log.carried.terms, state)
+        let terms = log.carried.terms;
+        (own, terms, state)
+    }
+
+    /// This log, linear in masses about those that `fit` of all logs leaves it.
+    pub(super) fn about_its_masses(&self, first: &Problem, fit: &Fit) -> FurtherLog<'m> {
+        let own = Log::new(first, fit, self).stated(fit);
+        let masses = masses_of(&self.problem, &own);
+        FurtherLog {
+            experiment: self.experiment,
+            problem: Exact::new(&self.problem, &own).about(&self.problem, &own, masses),
+        }
     }
 }
 
@@ -70,16 +91,8 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
         .map(|f| f.problem.data.len() as f64)
         .sum::<f64>();
     let own_masses = masses.as_ref().unwrap_or(first.masses(&fit.terms));
-    let mut spread = first.lasting_spread(&at.first, &root, own_masses);
-    for log in &logs {
-        log.add_spread(&at.first.unknowns, &mut spread);
-    }
-    let as_white = damped::covariance(&at.normal, &scales);
     Fit {
-        covariance: match spread {
-            Some(spread) => &as_white + &as_white * spread * &as_white,
-            None => as_white,
-        },
+        covariance: covariance_of(first, &at.first, &logs, &root, own_masses, &scales),
         objective: at.value + rest,
         penalty: fit.penalty + scales.len() as f64 * (all / n).ln(),
         unknowns: at.first.unknowns,
@@ -90,6 +103,51 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
         at_bound: at.first.at_bound,
         ..fit
     }
+}
+
+/// Covariance of the unknowns of `fit` by all logs, of which the first is at `state`.
+pub(super) fn covariance(
+    first: &Problem,
+    fit: &Fit,
+    state: &State,
+    further: &[FurtherLog],
+    root: &Option<Vec<f64>>,
+    masses: &Nuisance,
+) -> DMatrix<f64> {
+    let logs: Vec<Log> = further.iter().map(|f| Log::new(first, fit, f)).collect();
+    let scales = first.scales(&fit.terms);
+    covariance_of(first, state, &logs, root, masses, &scales)
+}
+
+fn covariance_of(
+    first: &Problem,
+    state: &State,
+    logs: &[Log],
+    root: &Option<Vec<f64>>,
+    masses: &Nuisance,
+    scales: &[f64],
+) -> DMatrix<f64> {
+    let (mut normal, mut gradient) = state.normal.clone();
+    let mut spread = first.lasting_spread(state, root, masses);
+    for log in logs {
+        let own = log.state(&state.unknowns);
+        log.add(&own, &mut normal, &mut gradient);
+        log.add_spread(&own, scales.len(), &mut spread);
+    }
+    let as_white = damped::covariance(&normal, scales);
+    match spread {
+        Some(spread) => &as_white + &as_white * spread * &as_white,
+        None => as_white,
+    }
+}
+
+/// `fit` of all logs, fitted to them again: the first about the masses of `own`, the others about
+/// those that it leaves them.
+pub(super) fn fitted_again(own: &Problem, fit: &Fit, further: &[FurtherLog]) -> Fit {
+    let first = own.fit(&fit.terms, Some(&fit.unknowns), ALL);
+    let logs = further.iter().map(|log| log.about_its_masses(own, fit));
+    let logs: Vec<FurtherLog> = logs.collect();
+    together(own, first, &logs)
 }
 
 /// A further log under one explanation.
@@ -130,17 +188,49 @@ impl<'f, 'm> Log<'f, 'm> {
             .squares(terms, unknowns, &self.posture_context, &None, masses)
     }
 
+    /// What is left of this log where the unknowns of all are those of `fit`.
+    fn stated(&self, fit: &Fit) -> Fit {
+        let state = self.state(&fit.unknowns);
+        let unknowns = state.unknowns.len();
+        Fit {
+            terms: self.carried.terms.clone(),
+            unknowns: state.unknowns,
+            covariance: DMatrix::zeros(unknowns, unknowns),
+            objective: state.value,
+            penalty: 0.0,
+            predicted: Rc::new(state.predicted),
+            residual: Rc::new(state.residual),
+            slopes: Rc::new(state.slopes),
+            closed: state.closed,
+            sides: Some(self.problem.sides_of(&self.posture_context)),
+            outliers: None,
+            flipped: Vec::new(),
+            at_bound: 0.0,
+            masses: None,
+        }
+    }
+
+    /// Add what this log at `state` says of the unknowns of all.
+    fn add(&self, state: &State, normal: &mut DMatrix<f64>, gradient: &mut DVector<f64>) {
+        for (a, &(to_a, sign_a)) in self.carried.columns.iter().enumerate() {
+            gradient[to_a] += sign_a * state.normal.1[a];
+            for (b, &(to_b, sign_b)) in self.carried.columns.iter().enumerate() {
+                normal[(to_a, to_b)] += sign_a * sign_b * state.normal.0[(a, b)];
+            }
+        }
+    }
+
     /// Add how far noise that lasts in this log spreads the gradient of the unknowns of all.
-    fn add_spread(&self, unknowns: &[f64], spread: &mut Option<DMatrix<f64>>) {
+    /// `all`: how many these are.
+    fn add_spread(&self, state: &State, all: usize, spread: &mut Option<DMatrix<f64>>) {
         let masses = self.problem.masses(&self.carried.terms);
-        let state = self.state(unknowns);
-        let Some(own) = self.problem.lasting_spread(&state, &None, masses) else {
+        let Some(own) = self.problem.lasting_spread(state, &None, masses) else {
             return;
         };
-        let all = spread.get_or_insert_with(|| DMatrix::zeros(unknowns.len(), unknowns.len()));
+        let sum = spread.get_or_insert_with(|| DMatrix::zeros(all, all));
         for (a, &(to_a, sign_a)) in self.carried.columns.iter().enumerate() {
             for (b, &(to_b, sign_b)) in self.carried.columns.iter().enumerate() {
-                all[(to_a, to_b)] += sign_a * sign_b * own[(a, b)];
+                sum[(to_a, to_b)] += sign_a * sign_b * own[(a, b)];
             }
         }
     }
@@ -161,12 +251,7 @@ impl Joint {
         for log in logs {
             let state = log.state(&first.unknowns);
             value += state.value + log.penalty;
-            for (a, &(to_a, sign_a)) in log.carried.columns.iter().enumerate() {
-                gradient[to_a] += sign_a * state.normal.1[a];
-                for (b, &(to_b, sign_b)) in log.carried.columns.iter().enumerate() {
-                    normal[(to_a, to_b)] += sign_a * sign_b * state.normal.0[(a, b)];
-                }
-            }
+            log.add(&state, &mut normal, &mut gradient);
         }
         Joint {
             first,

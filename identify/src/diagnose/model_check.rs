@@ -80,8 +80,10 @@ fn readings(problem: &Problem, model: &Model) -> Vec<f64> {
     let (data, n) = (&problem.data, problem.data.len());
     let layout = PostureContext::of(model);
     let of_log = |(i, _): &(Instance, Vec<f64>)| !i.effect.is_static();
-    if data.moved.is_some() || model.effects.iter().any(of_log) {
-        // Drift, delay and motion need the log around a posture, which predictions lack.
+    let of_contacts = !data.other_contact.is_empty();
+    if of_contacts || data.moved.is_some() || model.effects.iter().any(of_log) {
+        // Drift, delay and motion need the log around a posture, and contacts where encoders have
+        // them, which predictions lack.
         let instances: Vec<Instance> = model.effects.iter().map(|(i, _)| i.clone()).collect();
         let unknowns: Vec<f64> = model.effects.iter().flat_map(|(_, x)| x.clone()).collect();
         return Predictions::new(problem, &instances).readings(problem, &unknowns, &model.params());

@@ -322,6 +322,11 @@ impl<'m> Problem<'m> {
         without(&columns, left)
     }
 
+    /// Whether readings are linear in masses about those of CAD.
+    pub(super) fn is_about_cad(&self) -> bool {
+        self.offset.is_none()
+    }
+
     /// The same problem about other masses `params`: `rows` are the slopes of readings
     /// there, `offset` the whitened shift of readings from `params` back to CAD's.
     pub(super) fn about(

@@ -173,7 +173,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
     let mut hashes = vec![hash(&data)];
     for (log, (experiment, model)) in request.then.iter().zip(&stands) {
-        let postures = take(request, model, &prior, (log, request.motion), watch)?;
+        let mut postures = take(request, model, &prior, (log, request.motion), watch)?;
         let own = hash(&postures);
         if own.is_some() && hashes.contains(&own) {
             return Err(Error::log(
@@ -185,7 +185,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         }
         hashes.push(own);
         let (sidecar, _) = log.sidecar()?;
-        let closure = closure::of(&Feet::default(), &sidecar, model, &postures, watch)?;
+        let closure = closure::of(&Feet::default(), &sidecar, model, &mut postures, watch)?;
         let problem = Problem::new(model, postures, &prior, &request.effects)?;
         further.push(FurtherLog {
             experiment: *experiment,
@@ -211,7 +211,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             usable: health.is_usable(),
             health: health.findings,
         };
-        let closure = closure::of(&request.feet, &sidecar, &model, &data, watch)?;
+        let closure = closure::of(&request.feet, &sidecar, &model, &mut data, watch)?;
         let problem = Problem::new(&model, data, &prior, &request.effects)?;
         samples::explained(problem.on_both_feet(closure), &further, &about, watch)
     };
@@ -230,6 +230,10 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     }
     found.diagnosis.samples = samples::said(&problem, &further, &correlation);
     found.diagnosis.motion = motion::said(&problem, &found.best);
+    let open = found.diagnosis.closure.as_ref();
+    if let Some(open) = open.filter(|closure| !closure.closes) {
+        watch.warning(&open.sentence.clone().into());
+    }
     let overstated = noise::overstated(&problem, &found);
     found.diagnosis.health.extend(overstated);
     let meshes = request.meshes.as_deref();
@@ -347,6 +351,7 @@ fn options(request: &Request, model: &Model) -> Options {
         support: Some(model.tree.links[model.tree.support].name.clone()),
         any_unit: true,
         stays: request.stays,
+        soles: request.feet.soles(&request.robot, request.snapping),
         ..Options::default()
     }
 }

@@ -18,15 +18,21 @@ use sesc_model::tape::{Tape, Values};
 use super::backlash_sides;
 use super::criteria::resting::{FLIPPED, GAIN, MOST, SHORTEST};
 use super::exact::{Exact, masses_of};
+use super::further_logs::{self, FurtherLog};
 use super::hypothesis::effects_of;
-use super::problem::{ALL, Fit, Problem};
+use super::problem::{Fit, Problem};
 use crate::evaluate::FASTEST;
 
 /// Rounds, at most.
 const ROUNDS: usize = 12;
 
 /// `problem` and `fit` about masses whose own sides predict the log as stated.
-pub(super) fn settle<'m>(exact: &Exact, problem: &Problem<'m>, fit: &Fit) -> (Problem<'m>, Fit) {
+pub(super) fn settle<'m>(
+    exact: &Exact,
+    problem: &Problem<'m>,
+    fit: &Fit,
+    further: &[FurtherLog],
+) -> (Problem<'m>, Fit) {
     let predictions = Predictions::new(problem, &effects_of(&fit.terms));
     let stated = |problem: &Problem, fit: &Fit, masses: Vec<f64>| Stated {
         misfit: predictions.misfit(problem, fit, &masses),
@@ -44,7 +50,7 @@ pub(super) fn settle<'m>(exact: &Exact, problem: &Problem<'m>, fit: &Fit) -> (Pr
     let (mut about, mut part) = (best.masses.clone(), 1.0);
     for _ in 0..ROUNDS {
         let own = exact.about(problem, &best.fit, about.clone());
-        let next = own.fit(&fit.terms, Some(&best.fit.unknowns), ALL);
+        let next = further_logs::fitted_again(&own, &best.fit, further);
         let next = stated(&own, &next, masses_of(&own, &next));
         let end = next.masses.clone();
         if next.misfit < (1.0 - GAIN) * best.misfit {
@@ -60,7 +66,7 @@ pub(super) fn settle<'m>(exact: &Exact, problem: &Problem<'m>, fit: &Fit) -> (Pr
         }
     }
     let own = exact.about(problem, &best.fit, best.masses.clone());
-    let stated = predictions.stated(&own, best);
+    let stated = predictions.stated(&own, best, further);
     (own, stated)
 }
 
@@ -134,7 +140,7 @@ impl Predictions {
     }
 
     /// A fit, about its masses in `problem`, as its file predicts the log.
-    fn stated(&self, problem: &Problem, of: Stated) -> Fit {
+    fn stated(&self, problem: &Problem, of: Stated, further: &[FurtherLog]) -> Fit {
         let Stated { fit, masses, .. } = of;
         let layout = PostureContext::of(problem.context.robot);
         let width = self.tape.outputs();
@@ -161,9 +167,8 @@ impl Predictions {
             state.predicted[row] = file - back;
             state.residual[row] = (problem.data.reading[row] - file + back) * whitened;
         }
-        let scales = problem.scales(&fit.terms);
         Fit {
-            covariance: problem.covariance(&state, &scales, &root, errors),
+            covariance: further_logs::covariance(problem, &fit, &state, further, &root, errors),
             unknowns: state.unknowns,
             predicted: Rc::new(state.predicted),
             residual: Rc::new(state.residual),

@@ -116,7 +116,7 @@ impl Counting {
 fn correlations(problem: &Problem, further: &[FurtherLog<'_>], fit: &Fit) -> Vec<[Correlation; 2]> {
     let first = correlation(problem, &fit.terms, &fit.residual, &fit.slopes);
     let others = further.iter().map(|log| {
-        let (terms, state) = log.explained_by(problem, fit);
+        let (log, terms, state) = log.explained_by(problem, fit);
         correlation(&log.problem, &terms, &state.residual, &state.slopes)
     });
     [first].into_iter().chain(others).collect()

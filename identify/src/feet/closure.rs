@@ -208,6 +208,15 @@ impl Closure {
     /// Whether the soles close as CAD has them: what is said of it, with the joints whose
     /// offsets explain where they do not.
     pub fn of_cad(&self) -> ClosureFound {
+        self.found_by("CAD")
+    }
+
+    /// The same where joint positions are those of a model file.
+    pub fn of_model(&self) -> ClosureFound {
+        self.found_by("the model file")
+    }
+
+    fn found_by(&self, source: &str) -> ClosureFound {
         let residual = self.whitened(self.values.iter().copied());
         let rest = self.without_common_of(&residual);
         let (whole, mut offsets) = self.offsets(&rest);
@@ -226,7 +235,7 @@ impl Closure {
             offsets.truncate(NAMED);
             found.explained_by = offsets.into_iter().map(|(.., offset)| offset).collect();
         }
-        found.sentence = found.of_joints(left);
+        found.sentence = found.of_joints(left, source);
         found
     }
 }

@@ -9,15 +9,18 @@
 //! pitch (rad) of the other sole. What an encoder is off by shows in them.
 
 mod closure;
+mod contacts;
 mod criteria;
 mod noise;
 mod one_foot;
 mod other;
+mod places;
 mod soles;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use closure::Closure;
+pub(crate) use contacts::tell_contacts;
 pub(crate) use noise::ROWS;
 pub(crate) use one_foot::of_one_foot;
 pub use other::Feet;

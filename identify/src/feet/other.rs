@@ -1,11 +1,15 @@
 //! Which link is the other sole.
 
-use sesc_model::Model;
+use std::sync::Arc;
+
 use sesc_model::text::listed;
 use sesc_model::tree::support_rank;
 use sesc_model::urdf::suggestion;
+use sesc_model::{Model, Snapping};
 
-use crate::logs::Sidecar;
+use super::places::Places;
+use crate::logs::{Sidecar, Soles};
+use crate::robot::Robot;
 use crate::{Error, Setting, message};
 
 /// Links named in a message.
@@ -32,6 +36,12 @@ pub struct OtherFoot {
 }
 
 impl Feet {
+    /// Where soles are, for recordings of both contacts; none where the caller says that one foot
+    /// stands.
+    pub(crate) fn soles(&self, robot: &Arc<Robot>, snapping: Snapping) -> Option<Arc<dyn Soles>> {
+        (self.both != Some(false)).then(|| Places::of(robot, snapping))
+    }
+
     /// The other sole, where a log on the model's support is of both feet: the caller's, else
     /// the sidecar's, else the link that is called as the support is on the other side, else
     /// the only other sole.
@@ -134,10 +144,7 @@ fn mirror(one: &str, other: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use sesc_model::Snapping;
-
     use super::*;
-    use crate::robot::Robot;
 
     /// Feet of these names on a pelvis, each by a hinge.
     fn robot(feet: &[&str]) -> Robot {

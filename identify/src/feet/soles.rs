@@ -128,9 +128,9 @@ impl ClosureFound {
     }
 
     /// `The soles of r_sole and l_sole are 1.52° of roll … apart by CAD`
-    fn apart(&self) -> String {
+    fn apart(&self, by: &str) -> String {
         format!(
-            "By CAD the sole of {} is {} RMS off that of {}",
+            "By {by} the sole of {} is {} RMS off that of {}",
             self.other_foot,
             self.before.sentence(),
             self.support
@@ -138,19 +138,19 @@ impl ClosureFound {
     }
 
     /// What a fit says, which can do nothing about it; `left`: the best offset leaves more
-    /// than noise.
-    pub(super) fn of_joints(&self, left: bool) -> String {
+    /// than noise, `by`: who has the joints there.
+    pub(super) fn of_joints(&self, left: bool, by: &str) -> String {
         if self.closes {
             return format!(
                 "{}, as noise and the flatness of soles allow.",
-                self.apart()
+                self.apart(by)
             );
         }
         let Some(first) = self.explained_by.first() else {
             return format!(
                 "{}, and no offset of one joint explains it: check that both soles are flat on \
                  one floor and that their frames lie in them, z up.",
-                self.apart()
+                self.apart(by)
             );
         };
         let others: Vec<String> = self
@@ -169,7 +169,7 @@ impl ClosureFound {
         };
         format!(
             "{}: an offset of {}{or} explains {most}, which bends the legs and moves the CoM.",
-            self.apart(),
+            self.apart(by),
             first.sentence()
         )
     }
@@ -177,7 +177,7 @@ impl ClosureFound {
     /// What a diagnosis says, whose explanation leaves `after`; `changed` where there is one.
     #[doc(hidden)]
     pub fn explained(mut self, changed: bool) -> ClosureFound {
-        let apart = self.apart();
+        let apart = self.apart("CAD");
         let flat = "check that both soles are flat on one floor, and that their frames lie in \
                     them, z up";
         self.sentence = match (self.closes, changed) {

@@ -249,7 +249,7 @@ fn of_logs(request: &Request, parts: Option<&Part>, watch: &mut dyn Watch) -> Re
 /// The logs of a request, in as many folds as the parts they go with.
 pub(super) fn logs<'r>(
     request: &'r Request,
-    robot: &'r Robot,
+    robot: &'r Arc<Robot>,
     support: Option<String>,
     folds: Option<usize>,
 ) -> Logs<'r> {
@@ -263,6 +263,7 @@ pub(super) fn logs<'r>(
             links: links.map(|link| link.name.clone()).collect(),
             support: request.support.clone(),
             stays: request.stays,
+            soles: request.feet.soles(robot, request.snapping),
             ..Options::default()
         },
         support,

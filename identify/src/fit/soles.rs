@@ -20,7 +20,11 @@ pub(super) fn worst(
     let first = logs.first_support()?;
     let mut worst: Option<ClosureFound> = None;
     for log in logs.files {
-        let (sidecar, _) = log.sidecar()?;
+        let (mut sidecar, _) = log.sidecar()?;
+        if sidecar.both_feet.or(feet.both).is_none() && log.can_be_read_again() {
+            // A recording of both contacts says it itself.
+            sidecar = logs.open(log)?.sidecar;
+        }
         let own = logs.options.support.as_ref().or(sidecar.support.as_ref());
         let support = own.unwrap_or(&first);
         let model = logs.robot.model(support, logs.snapping, None)?;

@@ -83,6 +83,15 @@ pub(super) const AS_WELL: f64 = 2.0;
 /// 29° and 10 cm; less misses joints that hang.
 pub(super) const ANYWHERE: (f64, f64) = (0.5, 0.1);
 
+/// An encoder that stops in the middle of a log does so for so many rows, and for so large a part
+/// of them. Chosen: a second at 50 Hz; half of it looks at every stay of a posture.
+pub(super) const PARKED_ROWS: usize = 50;
+/// Chosen: as [`PARKED_ROWS`], for long logs: what less moves is small beside noise that lasts.
+pub(super) const PARKED_SHARE: f64 = 0.01;
+/// CAD is so many times as far off in these rows as in the others. Chosen: an effect of the joint
+/// that is held for a while is there before and after, too; half of it takes one for the other.
+pub(super) const PARKED_WORSE: f64 = 2.0;
+
 /// Fewer rows than this are no finding. Chosen: half of it reports single dropped messages.
 pub(super) const FEW_ROWS: usize = 3;
 /// Less than this part of the median load is no contact; see [`CAD_ELSEWHERE_M`] and

@@ -13,8 +13,8 @@ use std::sync::Arc;
 use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
-use super::rows::{self, LogRows};
-use super::{Axes, Finding, Health, Views, Whereabouts, examine_views, standing};
+use super::rows::{self, LeftOut, LogRows};
+use super::{Axes, Finding, Health, Views, Whereabouts, examine_views, parked, standing};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, Screen, Screening};
@@ -52,9 +52,11 @@ pub fn look(
         return Ok((log.clone(), Vec::new()));
     }
     let rows = LogRows::read(log, (robot, model), reading.options, reading.noise, watch)?;
-    let (left_out, findings) = rows::judge(&rows, model);
+    let (left_out, findings) = judge(&rows, (robot, model));
     let stride = rows.len().div_ceil(POSTURES).max(1);
-    let kept = |k: &usize| left_out.keeps(rows.reading[*k], rows.force(*k));
+    let kept = |k: &usize| {
+        left_out.keeps(rows.reading[*k], rows.force(*k)) && left_out.follows(rows.q(*k))
+    };
     let chosen: Vec<usize> = (0..rows.len()).filter(kept).step_by(stride).collect();
     if chosen.is_empty() {
         return Ok((log.clone(), findings));
@@ -86,6 +88,37 @@ pub fn look(
         None => log,
     };
     Ok((log, findings))
+}
+
+/// What is wrong with rows of a log, and the log without them.
+///
+/// # Errors
+/// What is wrong with the log; when `watch` stops it.
+pub(super) fn screened(
+    log: &LogSource,
+    (robot, model): (&Robot, &Model),
+    options: &Options,
+    noise: Option<f64>,
+    watch: &mut dyn Watch,
+) -> Result<(LogSource, Vec<Finding>), Error> {
+    if !log.can_be_read_again() {
+        return Ok((log.clone(), Vec::new()));
+    }
+    let log = &log.clone().unchanged()?;
+    let rows = LogRows::read(log, (robot, model), options, noise, watch)?;
+    let (left_out, findings) = judge(&rows, (robot, model));
+    let log = match left_out.is_nothing() {
+        true => log.clone(),
+        false => log.clone().screened(Arc::new(left_out) as Arc<dyn Screen>),
+    };
+    Ok((log, findings))
+}
+
+/// What is wrong with rows, by themselves and beside what CAD says, and what to leave out.
+fn judge(rows: &LogRows, on: (&Robot, &Model)) -> (LeftOut, Vec<Finding>) {
+    let (mut left_out, mut findings) = rows::judge(rows, on.1);
+    findings.extend(parked::stretch(rows, on, &mut left_out));
+    (left_out, findings)
 }
 
 /// Rows count for less along the motion of one joint.

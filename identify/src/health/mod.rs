@@ -6,6 +6,7 @@
 //! axes       CAD predicts the readings of a sensor that is turned about the sole's normal (fits)
 //! order      readings scatter as CAD says, and go with no posture
 //! encoders   an encoder that does not move, and a gap that motion of its joint explains
+//! parked     the same for a stretch of the log
 //! ```
 //!
 //! Data that fit are healthy: every test asks for a gap far above the noise first. And what
@@ -22,6 +23,7 @@ mod frames;
 mod leftover;
 mod look;
 mod order;
+mod parked;
 mod picture;
 mod rows;
 mod standing;
@@ -36,6 +38,7 @@ use crate::logs::{LogSource, Options};
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
 use crate::watch::Watch;
+use encoders::Stuck;
 pub use finding::{Finding, KINDS, Kind};
 #[doc(hidden)]
 pub use leftover::FitResiduals;
@@ -116,7 +119,7 @@ pub fn screen(
     noise: Option<f64>,
     watch: &mut dyn Watch,
 ) -> Result<(LogSource, Vec<Finding>), Error> {
-    rows::screened(log, (robot, model), options, noise, watch)
+    look::screened(log, (robot, model), options, noise, watch)
 }
 
 /// What is wrong with a log itself.
@@ -253,11 +256,7 @@ fn examine_views(
     if let Some(finding) = broken {
         return Health::only(finding);
     }
-    let otherwise = || {
-        let data = views.farther?;
-        encoders::stuck(&of(data), &Wirings::new(model, data))
-    };
-    match encoders::stuck(&look, &wirings).or_else(otherwise) {
+    match stuck(robot, model, snapping, views) {
         Some(stuck) => Health {
             findings: vec![stuck.finding],
             less_known: stuck.less_known,
@@ -268,6 +267,16 @@ fn examine_views(
         },
         None => Health::default(),
     }
+}
+
+/// An encoder that does not move in any posture, though its joint does: in the nearer view, or in
+/// the farther one.
+fn stuck(robot: &Robot, model: &Model, snapping: Snapping, views: &Views) -> Option<Stuck> {
+    let of = |data| {
+        let look = Look::of(robot, model, snapping, data);
+        encoders::stuck(&look, &Wirings::new(model, data))
+    };
+    of(views.nearer).or_else(|| of(views.farther?))
 }
 
 impl<'a> Look<'a> {

@@ -25,6 +25,10 @@ pub struct Block {
     pub cells: Option<Cells>,
     /// Gravity, m/s², support frame, from the row or else from the sidecar.
     pub gravity: Option<Vec<[f64; 3]>>,
+    /// The other foot's share of the load, and that times its CoP in the frame of its sole, m, of
+    /// logs in which each foot has its own sensor.
+    #[doc(hidden)]
+    pub other: Option<Vec<[f64; 3]>>,
 }
 
 /// Raw forces of the foot cells.
@@ -57,6 +61,7 @@ impl Block {
             std,
             cells,
             gravity,
+            other,
             ..
         } = self;
         t.iter_mut().for_each(|t| keep_some(t, 1, keep));
@@ -64,6 +69,7 @@ impl Block {
         reading.iter_mut().for_each(|all| keep_some(all, 1, keep));
         std.iter_mut().for_each(|all| keep_some(all, 1, keep));
         gravity.iter_mut().for_each(|all| keep_some(all, 1, keep));
+        other.iter_mut().for_each(|all| keep_some(all, 1, keep));
         if let Some(cells) = cells {
             keep_some(&mut cells.force, cells.count, keep);
             let std = cells.std.iter_mut();
@@ -87,6 +93,7 @@ impl Block {
             std,
             cells,
             gravity,
+            other: contacts,
         } = other;
         self.line.extend(line);
         self.pose.extend(pose);
@@ -96,6 +103,7 @@ impl Block {
         join(&mut self.reading, reading);
         join(&mut self.std, std);
         join(&mut self.gravity, gravity);
+        join(&mut self.other, contacts);
         if let (Some(own), Some(cells)) = (&mut self.cells, cells) {
             own.force.extend(cells.force);
             join(&mut own.std, cells.std);
@@ -124,6 +132,7 @@ impl Block {
             std: first(&mut self.std, count),
             cells,
             gravity: first(&mut self.gravity, count),
+            other: first(&mut self.other, count),
         }
     }
 

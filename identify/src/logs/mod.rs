@@ -17,6 +17,7 @@ mod assemble;
 mod block;
 mod bounds;
 mod columns;
+mod contacts;
 mod criteria;
 mod csv;
 mod guard;
@@ -54,6 +55,8 @@ pub(crate) use bounds::LEAST_LOAD_N;
 #[doc(hidden)]
 pub use columns::columns_text;
 pub use columns::{COLUMNS, Column, Need};
+#[doc(hidden)]
+pub use contacts::Soles;
 #[doc(hidden)]
 pub use guard::panic_becomes_error;
 pub use input::LogSource;

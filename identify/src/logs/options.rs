@@ -1,7 +1,10 @@
 //! How a log is to be read.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
+use super::contacts::Soles;
 use super::sidecar::Angles;
 
 /// How a log is to be read.
@@ -33,6 +36,10 @@ pub struct Options {
     pub topic: Option<String>,
     /// Take angles and CoP of any size: which unit they are in is the question.
     pub any_unit: bool,
+    /// Where the robot's soles are: with it an MCAP recording of two loaded contacts is one of
+    /// both feet.
+    #[doc(hidden)]
+    pub soles: Option<Arc<dyn Soles>>,
 }
 
 /// Whether readings are wanted from a log.

@@ -10,6 +10,7 @@ use sesc_model::tree::Dof;
 use super::assemble::Assembler;
 use super::block::Block;
 use super::columns::Columns;
+use super::contacts::Standing;
 use super::csv::CsvSource;
 use super::input::{Bytes, LogSource, Metered, Place};
 use super::options::{Options, Stays, StillnessLimits};
@@ -61,6 +62,8 @@ pub struct PostureReader {
     /// The file, where it is a regular one, and its stamp before anything was read.
     watched: Option<(std::fs::File, Stamp)>,
     screen: Option<Screening>,
+    /// The two links that stand, in a recording of both contacts.
+    standing: Option<Standing>,
     rows: u64,
     postures: u64,
     times: Option<[f64; 2]>,
@@ -84,7 +87,7 @@ impl PostureReader {
         options: &Options,
     ) -> Result<PostureReader, Error> {
         let log = log.into();
-        let (sidecar, mut warnings) = log.sidecar()?;
+        let (mut sidecar, mut warnings) = log.sidecar()?;
         let file = log.name().to_string();
         let watched = log.watched()?;
         let mut source = open_source(&log, dofs, options, &sidecar)?;
@@ -105,6 +108,11 @@ impl PostureReader {
         let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
         let mut assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
         assembler.allow_no_load(log.screen.is_some());
+        let soles = options.soles.clone().zip(source.both());
+        let standing = soles.map(|(soles, links)| Standing { soles, links });
+        if let Some(Standing { links, .. }) = &standing {
+            sidecar.other_foot.get_or_insert_with(|| links[1].clone());
+        }
         let timed = columns.t.is_some() && !source.knows_stays() && !dofs.is_empty();
         let settling = match options.stays {
             Stays::Alone(duration) if timed => Some(Settling::alone(duration, dofs.len())),
@@ -131,6 +139,7 @@ impl PostureReader {
             file,
             watched,
             screen: log.screen.as_ref().map(|screen| screen.start()),
+            standing,
             rows: 0,
             postures: 0,
             times: None,
@@ -265,8 +274,12 @@ impl PostureReader {
                 break;
             }
             let end = (self.given + count - block.len()).min(self.raw.line.len());
+            let first = block.len();
             self.assembler
                 .append(&self.raw, self.given..end, &mut block)?;
+            if let Some(standing) = &self.standing {
+                standing.join(&self.raw.other[self.given..end], &mut block, first);
+            }
             self.given = end;
         }
         self.rows += block.len() as u64;
@@ -438,6 +451,10 @@ fn open_mcap(
 ) -> Result<Box<dyn RowSource>, Error> {
     let topic = options.topic.as_deref().or(sidecar.topic.as_deref());
     let mut options = options.clone();
+    options.support = options.support.or_else(|| sidecar.support.clone());
+    if sidecar.both_feet == Some(false) {
+        options.soles = None;
+    }
     if let Stays::Alone(duration) = options.stays {
         options.stillness.duration = duration;
     }

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::columns::{Columns, POSE};
+use super::contacts::Share;
 use crate::{Error, Message};
 
 /// Rows of a file before anything is made of them.
@@ -17,6 +18,8 @@ pub(super) struct Raw {
     /// Row by row, in the order of [`Columns::numbers`]. Not yet known to be
     /// finite; a missing value is NaN.
     pub numbers: Vec<f64>,
+    /// The other contact of rows of both feet; empty of other logs.
+    pub other: Vec<Share>,
 }
 
 impl Raw {
@@ -26,6 +29,7 @@ impl Raw {
         self.pose.clear();
         self.support.clear();
         self.numbers.clear();
+        self.other.clear();
     }
 }
 
@@ -46,6 +50,11 @@ pub(super) trait RowSource: Send {
     /// Whether rows are of stretches in which the robot held still already.
     fn knows_stays(&self) -> bool {
         false
+    }
+
+    /// The support and the other link that stands, where each row has a contact of both.
+    fn both(&self) -> Option<[String; 2]> {
+        None
     }
 
     /// Whether it is text, whatever its name says.

@@ -74,6 +74,11 @@ pub struct Postures {
     pub cells: Vec<[f64; 2]>,
     /// Raw loads were logged.
     pub raw_cells: bool,
+    /// The other sole that stands, by the log or its sidecar.
+    pub other_foot: Option<String>,
+    /// What that has of the load, and that times its CoP on its sole, m; empty where the log does
+    /// not have each contact.
+    pub other_contact: Vec<[f64; 3]>,
     /// Postures of the log, of which these are an even choice.
     pub postures: usize,
     /// Rows of the log on its support, those that were left out as copies or without contact
@@ -130,7 +135,7 @@ impl Postures {
         let mut reader = Moving::planned(reader, dofs.len(), HEAD, Wanted::Changes)?;
         let support = &model.tree.links[model.tree.support].name;
         let mut gathering = Gathering::new(taking.options.any_unit);
-        let (mut stated, mut timed, mut raw) = (false, false, false);
+        let [mut stated, mut timed, mut raw, mut contacts] = [false; 4];
         let (mut elsewhere, mut taken) = (0_u64, 0_u64);
         let dof = dofs.len();
         loop {
@@ -143,6 +148,7 @@ impl Postures {
             stated |= block.std.is_some();
             timed |= block.t.is_some();
             raw |= block.cells.is_some();
+            contacts |= block.other.is_some();
             for k in 0..block.len() {
                 let on = block.support.as_ref().map_or("", |all| &all[k]);
                 if !on.is_empty() && on != support {
@@ -161,6 +167,7 @@ impl Postures {
                     variance: std.map(|s| s * s),
                     t: block.t.as_ref().map_or(0.0, |all| all[k]),
                     tilt: rows::tilt(gravity),
+                    other: block.other.as_ref().map_or([0.0; 3], |all| all[k]),
                     moving: Motions::of(motion.as_ref(), k, dof),
                 };
                 gathering.push(row, gravity, std);
@@ -183,6 +190,11 @@ impl Postures {
         let mut data = Postures::of(dof, &gathering, stated, timed, &own);
         data.cells = reader.sidecar.cells.clone().unwrap_or_default();
         data.raw_cells = raw;
+        data.other_foot = reader.sidecar.other_foot.clone();
+        if contacts {
+            let mean = |posture: &Posture| posture.other.map(|sum| sum / posture.rows);
+            data.other_contact = gathering.kept.iter().map(mean).collect();
+        }
         data.motion_use.step_s = reader.step_s();
         let planned = reader.plan().is_some();
         data.motion = planned.then(|| gathering.motion(dof));
@@ -230,6 +242,7 @@ impl Postures {
                 variance: [1.0; 2],
                 t: 0.0,
                 tilt: [0.0; 2],
+                other: [0.0; 3],
                 moving: Motions::default(),
             };
             gathering.push(row, DOWN, [1.0; 2]);
@@ -271,6 +284,8 @@ impl Postures {
             visits: gathering.repeats.visits(),
             cells: Vec::new(),
             raw_cells: false,
+            other_foot: None,
+            other_contact: Vec::new(),
             postures: gathering.seen,
             rows: count as u64,
             rows_per_posture: all.iter().map(|p| p.rows).sum::<f64>() / count.max(1) as f64,
@@ -381,6 +396,7 @@ impl Postures {
         keep_some(&mut self.std, 2, &keep);
         keep_some(&mut self.less_known, 2, &keep);
         keep_some(&mut self.spent, 2, &keep);
+        keep_some(&mut self.other_contact, 1, &keep);
         self.t.iter_mut().for_each(|t| keep_some(t, 1, &keep));
         for all in motion.columns() {
             keep_some(all, width, &keep);

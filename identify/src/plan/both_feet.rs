@@ -14,9 +14,9 @@ use sesc_model::effects::other_sole_by_joints;
 use sesc_model::tape::{Tape, Values};
 
 use super::balance::Region;
-use super::poses::{self, Pose};
 use crate::evaluate::FASTEST;
 use crate::feet::{OtherFoot, ROWS};
+use crate::poses::{self, Pose};
 
 /// Soles that lie this well are on the floor, m and rad.
 const ON_FLOOR: f64 = 1e-9;

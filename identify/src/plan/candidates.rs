@@ -21,9 +21,9 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use sesc_model::{Function, Model};
 
-use super::poses::{self, Pose};
 use super::scene::Scene;
 use crate::evaluate::Evaluator;
+use crate::poses::{self, Pose};
 
 /// Draws worked on together.
 const BLOCK: usize = 256;

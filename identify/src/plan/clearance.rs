@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use sesc_model::Model;
 
 use super::geometry::{Geometry, Solid};
-use super::poses::{self, Pose};
+use crate::poses::{self, Pose};
 
 /// What must stay above the ground.
 pub struct Clearance {

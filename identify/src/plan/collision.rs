@@ -11,7 +11,7 @@ use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder, Shape};
 use sesc_model::Model;
 
 use super::geometry::{Geometry, Solid};
-use super::poses::{self, Pose};
+use crate::poses::{self, Pose};
 
 /// Pairs of bodies to watch.
 pub struct Collisions {

@@ -12,7 +12,7 @@ use sesc_model::text::listed;
 use sesc_model::urdf::{self, Collision, Description};
 
 use super::mesh;
-use super::poses::Pose;
+use crate::poses::Pose;
 
 /// A solid about its own centre, m; cylinders and capsules along z.
 #[derive(Debug, Clone, Copy, PartialEq)]

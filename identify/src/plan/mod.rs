@@ -31,7 +31,6 @@ pub mod limits;
 mod mesh;
 mod next_steps;
 pub(crate) mod order;
-pub(crate) mod poses;
 mod report;
 mod request;
 mod revisits;

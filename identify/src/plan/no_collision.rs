@@ -3,7 +3,7 @@
 use sesc_model::Model;
 
 use super::geometry::Geometry;
-use super::poses::Pose;
+use crate::poses::Pose;
 
 /// Stands in for the collision check where the feature is off: nothing collides.
 pub struct Collisions {

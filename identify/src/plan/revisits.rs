@@ -9,7 +9,7 @@
 //! plan counts a posture as known to √(σ_visit² + σ_e²/n).
 
 use serde::Serialize;
-use sesc_model::Model;
+use sesc_model::Snapping;
 
 use super::request::Request;
 use crate::Error;
@@ -44,16 +44,20 @@ impl Known {
     /// Look at the log of a request, if it has one.
     pub fn of(request: &Request, watch: &mut dyn Watch) -> Result<Known, Error> {
         match &request.log {
-            Some(log) => Known::of_log(log, &request.model, watch),
+            Some(log) => Known::of_log(log, request, watch),
             None => Ok(Known::default()),
         }
     }
 
-    fn of_log(log: &LogSource, model: &Model, watch: &mut dyn Watch) -> Result<Known, Error> {
+    fn of_log(log: &LogSource, request: &Request, watch: &mut dyn Watch) -> Result<Known, Error> {
+        let (robot, model) = (&request.robot, &request.model);
+        let links = robot.description.link_names();
         let taking = Taking {
             options: Options {
                 readings: Readings::Required,
+                links: links.map(str::to_string).collect(),
                 support: Some(model.support().to_string()),
+                soles: request.feet.soles(robot, Snapping::default()),
                 ..Options::default()
             },
             noise: None,

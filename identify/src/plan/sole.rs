@@ -9,9 +9,9 @@ use sesc_model::urdf::Description;
 
 use super::balance::Region;
 use super::geometry::{Geometry, Solid};
-use super::poses;
 use super::request::COP_BOX;
 use crate::Error;
+use crate::poses;
 
 /// What is higher than this above the lowest point is not on the ground, m.
 const NEAR: f64 = 0.01;

@@ -11,7 +11,7 @@ use sesc_model::urdf::{Description, Inertial};
 
 use super::{Capsule, Part, Segment};
 use crate::plan::geometry::{Geometry, Solid};
-use crate::plan::poses::{self, Pose};
+use crate::poses::{self, Pose};
 
 /// Density of bodies for which the URDF gives no inertia, kg/m³.
 const DENSITY: f64 = 1500.0;

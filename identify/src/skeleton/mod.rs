@@ -21,8 +21,8 @@ use sesc_model::tree::{Dof, Motion};
 use sesc_model::urdf::Description;
 
 use crate::plan::geometry::Geometry;
-use crate::plan::poses::{self, Pose};
 use crate::plan::sole::outline;
+use crate::poses::{self, Pose};
 
 /// A group of links that moves as one.
 #[derive(Debug, Clone, PartialEq)]

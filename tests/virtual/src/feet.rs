@@ -6,7 +6,7 @@
 //! q with φ(q) = φ                   what the encoders of the true robot read there
 //! ```
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -51,15 +51,20 @@ impl TwoFeet {
 
     /// Height (m) and the sines of the tilt of the other sole.
     pub fn lies(&self, joints: &[f64]) -> Vector3<f64> {
-        let pose = self.reference.link_poses(joints)[self.other];
+        let pose = self.pose(joints);
         let up = pose.rotation.matrix();
         Vector3::new(pose.translation.z, up[(2, 0)], up[(2, 1)])
     }
 
     /// The other sole's origin on the floor, m.
     pub fn place(&self, joints: &[f64]) -> [f64; 2] {
-        let place = self.reference.link_poses(joints)[self.other].translation;
+        let place = self.pose(joints).translation;
         [place.x, place.y]
+    }
+
+    /// The other sole's frame.
+    pub(crate) fn pose(&self, joints: &[f64]) -> IsometryMatrix3<f64> {
+        self.reference.link_poses(joints)[self.other]
     }
 
     /// A posture of the joints in which the other sole lies on the floor, or at `tilt` to it,

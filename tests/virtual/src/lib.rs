@@ -10,6 +10,7 @@
 //! `hidden_effect` and `diagnose_cli` ask a few questions, `cargo xtask study` some
 //! hundred.
 
+pub mod contacts;
 pub mod diagnoser;
 pub mod feet;
 pub mod fleet;

@@ -182,3 +182,44 @@ fn a_turned_robot_sees_the_slope_the_other_way() {
     assert!(score(0.005, Experiment::Turned).objective > 10.0 * expected);
     assert!(score(-0.005, Experiment::Postures).objective > 10.0 * expected);
 }
+
+/// An offset of 11° on a robot whose masses are 10 % off: masses settle far
+/// from CAD's, and what is stated is of both logs. Information of logs adds up:
+///
+/// ```text
+/// 1/σ² = 1/σ₁² + 1/σ₂²        x = σ² (x₁/σ₁² + x₂/σ₂²)
+/// ```
+#[test]
+fn what_is_stated_about_settled_masses_is_of_all_logs() {
+    let bench = Bench::op2();
+    let world = bench.world().joint_offset("r_knee", 0.2).unwrap();
+    let world = world.link_mass("body_link", 1.1, [0.004, 0.002, 0.01]);
+    let world = world.unwrap();
+    let log = |count: usize, seed: u64| {
+        let q = bench.balanced(count, seed);
+        bench.problem(bench.log(&world, &q, seed), "cad")
+    };
+    let (first, second) = (log(40, 11), log(160, 12));
+    let stated = |further: &[FurtherLog], first: &Problem| {
+        let mut problem = first.clone();
+        let found = find(&mut problem, further, &about(), &mut ()).unwrap();
+        assert!(!problem.is_about_cad(), "masses of CAD predict it");
+        let steps = found.diagnosis.steps;
+        let knee = steps.iter().find(|step| step.target == "r_knee");
+        let knee = knee.unwrap_or_else(|| panic!("{}", found.diagnosis.sentence));
+        let offset = &knee.parameters["offset_rad"];
+        (offset.value, offset.std)
+    };
+    let (one, other) = (stated(&[], &first), stated(&[], &second));
+    let further = FurtherLog {
+        experiment: Experiment::Postures,
+        problem: second,
+    };
+    let both = stated(&[further], &first);
+    let [a, b] = [one, other].map(|(_, std)| std.powi(-2));
+    let (value, std) = ((a * one.0 + b * other.0) / (a + b), (a + b).powf(-0.5));
+    println!("{one:?} {other:?} {both:?}, expected {value} {std}");
+    assert!((both.1 / std - 1.0).abs() < 0.05, "{both:?} {std}");
+    assert!((both.0 - value).abs() < 0.3 * std, "{both:?} {value}");
+    assert!((both.0 - 0.2).abs() < 4.0 * both.1, "{both:?}");
+}

@@ -9,8 +9,8 @@
 //! stamps     joints jump from stamp to stamp and not from row to row, or time runs backwards
 //! ```
 //!
-//! [`ROWS`] rows are looked at; of longer logs a first stretch and short ones over the rest
-//! ([`sample`]). What is found wrong in them is left out of the whole log by a
+//! [`ROWS`] rows are looked at; of longer logs, whatever their format, a first stretch and short
+//! ones over the rest ([`sample`]). What is found wrong in them is left out of the whole log by a
 //! [`Screen`](crate::logs::Screen), and the rest is used.
 
 mod channels;
@@ -36,14 +36,14 @@ use super::Finding;
 use super::criteria::FEW_ROWS;
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::logs::{Block, LogSource, Options, PostureReader, Screen};
+use crate::logs::{Block, LogSource, Options, PostureReader};
 use crate::observations::correlation;
 use crate::observations::rows::CopRows;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
 use sample::Sample;
 use screen::Everything;
-pub(super) use screen::LeftOut;
+pub(super) use screen::{LeftOut, Parked};
 
 /// Rows that are looked at, at most.
 pub(super) const ROWS: usize = 50_000;
@@ -299,25 +299,4 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     findings.extend(channels::saturated(rows, Some(model), &mut left_out));
     findings.extend(copies::of(rows, &mut left_out));
     (left_out, findings)
-}
-
-/// What is wrong with rows of a log, and the log without them.
-pub(super) fn screened(
-    log: &LogSource,
-    (robot, model): (&Robot, &Model),
-    options: &Options,
-    noise: Option<f64>,
-    watch: &mut dyn Watch,
-) -> Result<(LogSource, Vec<Finding>), Error> {
-    if !log.can_be_read_again() {
-        return Ok((log.clone(), Vec::new()));
-    }
-    let log = &log.clone().unchanged()?;
-    let rows = LogRows::read(log, (robot, model), options, noise, watch)?;
-    let (left_out, findings) = judge(&rows, model);
-    let log = match left_out.is_nothing() {
-        true => log.clone(),
-        false => log.clone().screened(Arc::new(left_out) as Arc<dyn Screen>),
-    };
-    Ok((log, findings))
 }

@@ -4,8 +4,9 @@
 //! │ FIRST rows │   │ PIECE │   │ PIECE │  …  │ PIECE │        ROWS in all, the last at the end
 //! ```
 //!
-//! Between the pieces the file is passed over without being parsed. A format that cannot do
-//! that (MCAP), and a log whose length is not known, are looked at from their first row on.
+//! Between the pieces the file is passed over without being parsed; messages of a recording (MCAP)
+//! are read, and their rows not kept. A log whose length is not known (a pipe) is looked at from
+//! its first row on.
 
 use super::ROWS;
 use crate::Error;
@@ -22,8 +23,8 @@ const PIECES: u64 = ((ROWS - FIRST) / PIECE) as u64;
 pub(super) struct Sample {
     /// Rows that were taken.
     taken: usize,
-    /// What the reader counts its progress by, for a row.
-    per_row: f64,
+    /// Rows that were passed over, about.
+    passed: u64,
     /// Pieces that are to come; none where rows follow each other.
     to_come: Option<u64>,
     is_part: bool,
@@ -52,14 +53,13 @@ impl Sample {
                 let Ok(block) = piece else {
                     return Ok(None);
                 };
+                self.passed += between;
                 self.to_come = Some(pieces - 1);
                 block
             }
             None => {
                 let block = reader.block(FIRST)?;
                 if self.taken == 0 {
-                    // More than were given out where rows wait for the end of their stay.
-                    self.per_row = reader.progress().0 as f64 / reader.taken().max(1) as f64;
                     let left = self.rows_left(reader).unwrap_or(0);
                     if left > (ROWS - FIRST) as u64 && reader.skip(0, PIECE)? {
                         (self.to_come, self.is_part) = (Some(PIECES), true);
@@ -80,9 +80,13 @@ impl Sample {
         self.is_part
     }
 
-    /// About so many rows are behind the last one; none where that is not known.
+    /// About so many rows are behind the last one, if they are as long as those before; none
+    /// where that is not known.
     fn rows_left(&self, reader: &PostureReader) -> Option<u64> {
         let (done, total) = reader.progress();
-        Some((total?.saturating_sub(done) as f64 / self.per_row.max(1e-9)) as u64)
+        // More than were given out where rows wait for the end of their stay.
+        let rows = (reader.taken() + self.passed).max(1);
+        let per_row = done as f64 / rows as f64;
+        Some((total?.saturating_sub(done) as f64 / per_row.max(1e-9)) as u64)
     }
 }

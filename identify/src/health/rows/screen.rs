@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use super::key::{key, reading_of};
+use crate::health::criteria::STILL;
 use crate::logs::{Screen, Screening};
 
 /// Takes rows without contact as they are, to look at them.
@@ -26,6 +27,15 @@ pub(in crate::health) struct End {
     pub at: f64,
 }
 
+/// An encoder that stops for a while.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::health) struct Parked {
+    /// Number of the joint.
+    pub joint: usize,
+    /// Where it says that the joint is then, rad or m.
+    pub at: f64,
+}
+
 /// Rules for single rows.
 #[derive(Debug, Clone, Default)]
 pub(in crate::health) struct LeftOut {
@@ -39,6 +49,8 @@ pub(in crate::health) struct LeftOut {
     pub ends: Vec<End>,
     /// Values at which a channel of the CoP (0, 1), or all cells (0), froze.
     pub frozen: HashSet<(usize, u64)>,
+    /// Encoders that stop, and where.
+    pub parked: Vec<Parked>,
     /// Rows that came before, once more.
     pub copies: bool,
     /// Added in quadrature to stated deviations, m: steps of the readings.
@@ -53,8 +65,15 @@ impl LeftOut {
             && self.sole.is_none()
             && self.ends.is_empty()
             && self.frozen.is_empty()
+            && self.parked.is_empty()
             && !self.copies
             && self.steps == [0.0; 2]
+    }
+
+    /// Whether encoders at positions `q` follow their joints.
+    pub fn follows(&self, q: &[f64]) -> bool {
+        let parked = |parked: &Parked| (q[parked.joint] - parked.at).abs() <= STILL;
+        !self.parked.iter().any(parked)
     }
 
     /// Whether a row of this reading, and these loads, stays.
@@ -93,11 +112,11 @@ impl Screen for LeftOut {
                 None => &[],
             };
             let mut keep = |row: usize| {
-                let own = || {
-                    let q = &block.q[row * dof..(row + 1) * dof];
-                    key(q, &reading_of(reading[row], force(row)))
-                };
-                rules.keeps(reading[row], force(row)) && (!rules.copies || known.insert(own()))
+                let q = &block.q[row * dof..(row + 1) * dof];
+                let own = || key(q, &reading_of(reading[row], force(row)));
+                rules.keeps(reading[row], force(row))
+                    && rules.follows(q)
+                    && (!rules.copies || known.insert(own()))
             };
             let keep: Vec<bool> = (0..block.len()).map(&mut keep).collect();
             block.retain(&keep);

@@ -10,7 +10,8 @@
 //!
 //! whichever of sole and ground is said to push, since both signs change. A
 //! point is the CoP itself. The message's `frame_id` is the support where it
-//! is a link of the robot.
+//! is a link of the robot. Where two wrenches in frames of two links are both loaded, a row is
+//! of both feet ([`contacts`]).
 //!
 //! Stretches in which the robot holds still are postures, see [`StillnessLimits`]; each
 //! reading in one is a row, with the joints' means. A log without readings has
@@ -19,6 +20,7 @@
 //! state is a posture, and the CoP's topic is the one that it names.
 
 mod cdr;
+mod contacts;
 mod encode;
 mod format;
 mod moving;
@@ -36,11 +38,13 @@ use std::sync::Arc;
 use sesc_model::tree::Dof;
 
 use self::cdr::{Header, JointState};
+use self::contacts::{Contacts, Pair};
 use self::moving::{LONGEST_S, Moving, Row};
 use self::records::{Channel, Records};
 use self::survey::Survey;
 use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, POSE, SUPPORT, T};
+use super::contacts::Share;
 use super::input::{Bytes, Meter, Metered, Place};
 use super::names::short;
 use super::options::{Options, Readings, Stays, StillnessLimits};
@@ -65,6 +69,8 @@ struct Reading {
     t: f64,
     frame: Arc<str>,
     cop: [f64; 2],
+    /// The other contact's, of a recording of both feet.
+    other: Option<Share>,
 }
 
 /// A row that waits to be read.
@@ -87,6 +93,8 @@ pub(super) struct McapSource {
     topic: Option<String>,
     /// The user named the topic, or the recording does.
     chosen: bool,
+    /// The two contacts of a recording of both feet, and readings that wait for both.
+    both: Option<(Pair, Contacts<Reading>)>,
     links: Vec<String>,
     stillness: StillnessLimits,
     cutter: StillnessCutter<Reading>,
@@ -119,8 +127,16 @@ impl McapSource {
             Ok((Records::new(BufReader::new(input)).map_err(bad)?, meter))
         };
         let wanted = options.readings != Readings::Ignored;
-        let survey = Survey::of(start()?.0, dofs, topic, wanted).map_err(bad)?;
+        let mut survey = Survey::of(start()?.0, dofs, topic, wanted).map_err(bad)?;
         let mut warnings = Vec::new();
+        let both = match (topic, &survey.topic, survey.said) {
+            (None, Some(_), false) => Pair::asked(start()?.0, dofs.len(), options).map_err(bad)?,
+            _ => None,
+        };
+        if let Some(pair) = &both {
+            warnings.push(format!("{file}: {}", pair.sentence()).into());
+            survey.topic = Some(pair.topics[0].clone());
+        }
         let moves = match options.stays {
             _ if survey.topic.is_none() || survey.said => false,
             Stays::Moving => true,
@@ -151,7 +167,8 @@ impl McapSource {
             moving: moves.then(|| Moving::new(survey.joints.len())),
             place: survey.joints.into_iter().zip(0..).collect(),
             topic: survey.topic,
-            chosen: topic.is_some() || survey.said,
+            chosen: topic.is_some() || survey.said || both.is_some(),
+            both: both.map(|pair| (pair, Contacts::new())),
             links: options.links.clone(),
             stillness: options.stillness,
             cutter: StillnessCutter::new(options.stillness),
@@ -165,10 +182,20 @@ impl McapSource {
         })
     }
 
+    /// The next row; none at the end.
+    fn next_row(&mut self) -> Result<Option<Ready>, Error> {
+        while self.ready.is_empty() && !self.ended {
+            let advanced = self.advance();
+            advanced.map_err(|message| Error::log(self.file.clone(), None, message))?;
+        }
+        Ok(self.ready.pop_front())
+    }
+
     /// Take one message.
     fn advance(&mut self) -> Result<(), String> {
         let Some(message) = self.records.next()? else {
             self.ended = true;
+            self.take_both();
             let last = self.cutter.end();
             self.keep(last);
             self.take_moving();
@@ -188,18 +215,30 @@ impl McapSource {
                 self.state(&state, message.log_time, apart).map_err(at)
             }
             schema @ (WRENCH | POINT) => {
+                if let Some((pair, contacts)) = &mut self.both
+                    && pair.topics[1] == channel.topic
+                {
+                    check_encoding(&channel).map_err(at)?;
+                    let (header, force, torque) = cdr::wrench(data).map_err(at)?;
+                    contacts.other(header.stamp.unwrap_or(message.log_time), force, torque);
+                    self.take_both();
+                    return Ok(());
+                }
                 match &self.topic {
                     Some(topic) if *topic == channel.topic => {}
                     Some(topic) if !self.chosen => return Err(several(topic, &channel.topic)),
                     _ => return Ok(()),
                 }
                 check_encoding(&channel).map_err(at)?;
-                let (header, cop) = match schema {
-                    POINT => cdr::point(data).map(|(header, [x, y, _])| (header, Some([x, y]))),
-                    _ => cdr::wrench(data).map(|(header, f, torque)| (header, centre(f, torque))),
+                let (header, force, cop) = match schema {
+                    POINT => {
+                        cdr::point(data).map(|(header, [x, y, _])| (header, 0.0, Some([x, y])))
+                    }
+                    _ => cdr::wrench(data)
+                        .map(|(header, f, torque)| (header, f[2], centre(f, torque))),
                 }
                 .map_err(at)?;
-                self.reading(&header, message.log_time, cop);
+                self.reading(&header, message.log_time, force, cop);
                 Ok(())
             }
             _ => Ok(()),
@@ -243,7 +282,8 @@ impl McapSource {
         Ok(())
     }
 
-    fn reading(&mut self, header: &Header, log_time: f64, cop: Option<[f64; 2]>) {
+    /// A CoP, under a force (N) where a wrench says it.
+    fn reading(&mut self, header: &Header, log_time: f64, force: f64, cop: Option<[f64; 2]>) {
         self.readings += 1;
         let Some(cop) = cop.filter(|cop| cop.iter().all(|x| x.is_finite())) else {
             self.airborne += 1;
@@ -256,7 +296,30 @@ impl McapSource {
             t: header.stamp.unwrap_or(log_time),
             frame: self.frames.get(if known { frame } else { "" }),
             cop,
+            other: None,
         };
+        match &mut self.both {
+            Some((_, contacts)) => {
+                contacts.reading(reading.t, force, reading);
+                self.take_both();
+            }
+            None => self.place(reading),
+        }
+    }
+
+    /// Readings of the support for which the other contact is known by now.
+    fn take_both(&mut self) {
+        let ended = self.ended;
+        while let Some((mut reading, other)) =
+            self.both.as_mut().and_then(|(_, all)| all.next(ended))
+        {
+            reading.other = Some(other);
+            self.place(reading);
+        }
+    }
+
+    /// A reading among the joints.
+    fn place(&mut self, reading: Reading) {
         if let Some(moving) = &mut self.moving {
             moving.reading(reading.t, reading);
             self.take_moving();
@@ -299,6 +362,7 @@ impl McapSource {
                 t,
                 frame: self.frames.get(""),
                 cop: [f64::NAN; 2],
+                other: None,
             }];
         }
         let q: Arc<[f64]> = q.into();
@@ -330,6 +394,10 @@ impl McapSource {
             );
             self.warnings.push(warning.into());
         }
+        let both = self.both.as_ref();
+        if let Some(said) = both.and_then(|(_, all)| all.left_out(self.readings)) {
+            self.warnings.push(format!("{}: {said}", self.file).into());
+        }
         if self.airborne > 0 {
             let warning = format!(
                 "{}: {} of {} readings had less than {LEAST_LOAD_N} N on the sole and are left out",
@@ -348,11 +416,7 @@ impl RowSource for McapSource {
 
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
         for _ in 0..count {
-            while self.ready.is_empty() && !self.ended {
-                let advanced = self.advance();
-                advanced.map_err(|message| Error::log(self.file.clone(), None, message))?;
-            }
-            let Some(row) = self.ready.pop_front() else {
+            let Some(row) = self.next_row()? else {
                 break;
             };
             raw.line.push(row.reading.number);
@@ -362,6 +426,7 @@ impl RowSource for McapSource {
             if columns.support.is_some() {
                 raw.support.push(row.reading.frame.clone());
             }
+            raw.other.extend(row.reading.other);
             let first = self.header.len() - row.q.len();
             raw.numbers.extend(columns.numbers.iter().map(|&k| match k {
                 T_PLACE => row.reading.t,
@@ -372,8 +437,22 @@ impl RowSource for McapSource {
         Ok(())
     }
 
+    // Every message is read, since the next row needs the joints of those before it.
+    fn skip(&mut self, _: &Columns, rows: u64) -> Result<bool, Error> {
+        for _ in 0..rows {
+            if self.next_row()?.is_none() {
+                break;
+            }
+        }
+        Ok(true)
+    }
+
     fn knows_stays(&self) -> bool {
         true
+    }
+
+    fn both(&self) -> Option<[String; 2]> {
+        self.both.as_ref().map(|(pair, _)| pair.links.clone())
     }
 
     fn progress(&self) -> (u64, Option<u64>) {

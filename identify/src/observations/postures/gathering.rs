@@ -19,6 +19,8 @@ pub(super) struct Posture {
     pub(super) variance: [f64; 2],
     pub(super) t: f64,
     pub(super) tilt: [f64; 2],
+    /// Σ of what the other foot has of the load, and of that times its CoP, m.
+    pub(super) other: [f64; 3],
     pub(super) moving: Motions,
 }
 
@@ -181,6 +183,9 @@ fn join(posture: &mut Posture, row: &Posture) {
     for axis in 0..2 {
         posture.sum[axis] += row.sum[axis];
         posture.variance[axis] += row.variance[axis];
+    }
+    for (sum, x) in posture.other.iter_mut().zip(row.other) {
+        *sum += x;
     }
     posture.moving.join(&row.moving);
 }

@@ -180,3 +180,55 @@ fn a_moving_recording_is_fitted_and_diagnosed_by_the_zmp() {
     );
     assert!(report.diagnosis.motion.used);
 }
+
+/// The encoder of the knee stops after 52,000 of 60,000 readings: rows are looked at to the end.
+#[test]
+fn an_encoder_that_stops_late_in_a_long_recording_is_found() {
+    const ROWS: usize = 60_000;
+    const STOPS: usize = 52_000;
+    let at = |k: usize| 100.0 + 0.01 * k as f64;
+    let posture = |k: usize| {
+        let t = 0.01 * k as f64;
+        [0.35 * (1.1 * t).sin(), 0.5 * (0.9 * t + 1.0).sin()]
+    };
+    let world = World::new(&Twin::from_urdf(SKEW).unwrap(), "sole").unwrap();
+    let mut state_of_noise = 1_u64;
+    let mut noise = || {
+        state_of_noise = state_of_noise
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        ((state_of_noise >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * NOISE * 12_f64.sqrt()
+    };
+    let mut records = [
+        schema(1, STATE),
+        schema(2, POINT),
+        channel(10, 1, "/joint_states", "cdr"),
+        channel(20, 2, "/cop", "cdr"),
+    ]
+    .concat();
+    for k in 0..ROWS {
+        let (t, q) = (at(k), posture(k));
+        let read = [q[0], posture(k.min(STOPS))[1]];
+        records.extend(message(10, t, &state(t, &["hip", "knee"], &read)));
+        let cop = world.cop(&q);
+        let point = [cop[0] + noise(), cop[1] + noise(), 0.0];
+        let data = point
+            .into_iter()
+            .fold(Body::header(t, "sole"), Body::double);
+        records.extend(message(20, t, &data.done()));
+    }
+    let robot = Arc::new(Robot::parse(SKEW, "skew.urdf").unwrap());
+    let log = crate::logs::LogSource::bytes("long.mcap", file(&records));
+    let mut request = crate::diagnose::Request::new(robot, log);
+    request.support = Some("sole".into());
+    // With a joint that stops, the other one is slow at its turns.
+    request.stays = Stays::Moving;
+    let found = crate::diagnose::look(&request, &mut ()).unwrap();
+    let names: Vec<(&str, &str)> = found
+        .iter()
+        .map(|finding| (finding.kind.name(), finding.target.as_str()))
+        .collect();
+    assert_eq!(names, [("encoder_stuck", "knee")]);
+    let said = &found[0].sentence;
+    assert!(said.contains("rows that were looked at"), "{said}");
+}

@@ -108,13 +108,13 @@ mod tests {
     #[test]
     fn links_stand_where_the_reference_has_them() {
         let robots = [
-            (include_str!("../../../robots/op2/op2.urdf"), "r_sole"),
+            (include_str!("../../robots/op2/op2.urdf"), "r_sole"),
             (
-                include_str!("../../../robots/lift_base/lift_base.urdf"),
+                include_str!("../../robots/lift_base/lift_base.urdf"),
                 "grasp_frame",
             ),
             (
-                include_str!("../../../robots/skew_humanoid/skew_humanoid.urdf"),
+                include_str!("../../robots/skew_humanoid/skew_humanoid.urdf"),
                 "right_sole",
             ),
         ];

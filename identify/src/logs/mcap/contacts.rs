@@ -1,0 +1,237 @@
+//! Two contacts of one recording, a wrench each: which they are, and both at one moment.
+//!
+//! ```text
+//! F₂(t), F₂ p₂(t)        on the line between the other contact's messages before t and after it
+//! ```
+
+use std::collections::{BTreeMap, VecDeque};
+use std::io::Read;
+
+use super::moving::LONGEST_S;
+use super::records::Records;
+use super::{LEAST_LOAD_N, POINT, WRENCH, cdr, centre, check_encoding};
+use crate::logs::contacts::Share;
+use crate::logs::names::short;
+use crate::logs::options::Options;
+
+/// Messages that say whether both are loaded, at most.
+const LOOKED: u64 = 4000;
+/// Part of its messages in which a contact is loaded, at least.
+const LOADED: f64 = 0.5;
+/// Readings that wait, and messages of the other contact that are kept, at most.
+const MOST: usize = 65_536;
+
+/// Two contacts, that of the support first.
+pub(super) struct Pair {
+    pub topics: [String; 2],
+    pub links: [String; 2],
+}
+
+#[derive(Default)]
+struct Seen {
+    link: String,
+    messages: u64,
+    loaded: u64,
+}
+
+impl Pair {
+    /// The contacts of a recording in which two wrenches, in frames of two of the robot's `links`,
+    /// are both loaded in half of their messages or more; none of any other recording. The
+    /// `support` is one of them, where it is said.
+    pub fn of<R: Read>(
+        mut records: Records<R>,
+        links: &[String],
+        support: Option<&str>,
+    ) -> Result<Option<Pair>, String> {
+        let mut seen: BTreeMap<String, Seen> = BTreeMap::new();
+        let (mut first, mut count) = (None, 0);
+        while let Some(message) = records.next()? {
+            let Some(channel) = records.channel_of(&message) else {
+                continue;
+            };
+            match channel.schema.as_str() {
+                // Which of them is the CoP, its sidecar says.
+                POINT => return Ok(None),
+                WRENCH => {}
+                _ => continue,
+            }
+            check_encoding(&channel)?;
+            let (header, force, _) = cdr::wrench(records.data(&message))?;
+            first.get_or_insert_with(|| channel.topic.clone());
+            let own = seen.entry(channel.topic.clone()).or_default();
+            own.link = header.frame.trim_start_matches('/').to_string();
+            own.messages += 1;
+            own.loaded += u64::from(force[2].abs() >= LEAST_LOAD_N);
+            count += 1;
+            if seen.len() > 2 || count >= LOOKED {
+                break;
+            }
+        }
+        let stands = |seen: &Seen| {
+            let loaded = seen.loaded as f64 >= LOADED * seen.messages as f64;
+            loaded && links.contains(&seen.link)
+        };
+        let mut two: Vec<(String, Seen)> = seen.into_iter().collect();
+        if two.len() != 2 || !two.iter().all(|(_, seen)| stands(seen)) {
+            return Ok(None);
+        }
+        let is_support = |(topic, seen): &(String, Seen)| match support {
+            Some(support) => seen.link == support,
+            None => first.as_ref() == Some(topic),
+        };
+        if is_support(&two[1]) {
+            two.reverse();
+        }
+        let ([(topic, own), (other_topic, other)], true) = (
+            &two[..],
+            is_support(&two[0]) && two[0].1.link != two[1].1.link,
+        ) else {
+            return Ok(None);
+        };
+        Ok(Some(Pair {
+            topics: [topic.clone(), other_topic.clone()],
+            links: [own.link.clone(), other.link.clone()],
+        }))
+    }
+}
+
+impl Pair {
+    /// The same where `options` ask for it and say how the two stand to each other.
+    pub fn asked<R: Read>(
+        records: Records<R>,
+        dofs: usize,
+        options: &Options,
+    ) -> Result<Option<Pair>, String> {
+        let Some(soles) = &options.soles else {
+            return Ok(None);
+        };
+        let pair = Pair::of(records, &options.links, options.support.as_deref())?;
+        let rest = vec![0.0; dofs];
+        Ok(pair.filter(|pair| {
+            let [from, of] = &pair.links;
+            soles.seen(&rest, from, of, [0.0; 2]).is_some()
+        }))
+    }
+
+    /// What is said of it.
+    pub fn sentence(&self) -> String {
+        let [one, other] = [0, 1].map(|k| short(&self.topics[k]));
+        format!(
+            "both contacts are loaded, `{one}` and `{other}`: rows are of both feet together; \
+             choose one foot by `topic = \"…\"` in the sidecar"
+        )
+    }
+}
+
+/// A message of the other contact.
+#[derive(Clone, Copy)]
+struct Other {
+    t: f64,
+    force: f64,
+    /// Its CoP times its force, N m.
+    moment: [f64; 2],
+}
+
+/// Readings of the support that wait for the other contact.
+pub(super) struct Contacts<R> {
+    waiting: VecDeque<(f64, f64, R)>,
+    others: VecDeque<Other>,
+    /// Readings in which the other foot was in the air.
+    pub lifted: u64,
+    /// Readings between no messages of the other contact that are close enough.
+    pub alone: u64,
+}
+
+impl<R> Contacts<R> {
+    pub fn new() -> Contacts<R> {
+        Contacts {
+            waiting: VecDeque::new(),
+            others: VecDeque::new(),
+            lifted: 0,
+            alone: 0,
+        }
+    }
+
+    /// A reading of the support at time `t`, s, under a force, N.
+    pub fn reading(&mut self, t: f64, force: f64, reading: R) {
+        if !t.is_finite() || self.waiting.len() >= MOST {
+            self.alone += 1;
+            return;
+        }
+        self.waiting.push_back((t, force.abs(), reading));
+    }
+
+    /// A wrench of the other contact. Stamps that go back begin anew.
+    pub fn other(&mut self, t: f64, force: [f64; 3], torque: [f64; 3]) {
+        if !t.is_finite() {
+            return;
+        }
+        if self.others.back().is_some_and(|last| t < last.t) {
+            self.others.clear();
+        }
+        let cop = centre(force, torque).filter(|cop| cop.iter().all(|x| x.is_finite()));
+        let force = cop.map_or(0.0, |_| force[2].abs());
+        let moment = cop.unwrap_or([0.0; 2]).map(|x| force * x);
+        self.others.push_back(Other { t, force, moment });
+        let before = self.waiting.front().map_or(t, |(at, ..)| at.min(t)) - LONGEST_S;
+        while self.others.len() > 2 && (self.others[1].t < before || self.others.len() > MOST) {
+            self.others.pop_front();
+        }
+    }
+
+    /// The next reading with what the other contact has; of the last ones where the recording has
+    /// `ended`.
+    pub fn next(&mut self, ended: bool) -> Option<(R, Share)> {
+        while let Some((t, ..)) = self.waiting.front() {
+            let t = *t;
+            if !ended && self.others.back().is_none_or(|last| last.t < t) {
+                return None;
+            }
+            let other = self.at(t);
+            let (_, own, reading) = self.waiting.pop_front()?;
+            match other {
+                None => self.alone += 1,
+                Some(other) if other.force < LEAST_LOAD_N => self.lifted += 1,
+                Some(other) => {
+                    let share = Share {
+                        share: other.force / (own + other.force),
+                        cop: other.moment.map(|moment| moment / other.force),
+                    };
+                    return Some((reading, share));
+                }
+            }
+        }
+        None
+    }
+
+    /// What is said of `readings` that were left out.
+    pub fn left_out(&self, readings: u64) -> Option<String> {
+        let Contacts { lifted, alone, .. } = self;
+        (lifted + alone > 0).then(|| {
+            format!(
+                "of {readings} readings {lifted} have the other foot in the air, {alone} no \
+                 message of it within {LONGEST_S} s; they are left out"
+            )
+        })
+    }
+
+    /// The other contact at time `t`; none where no messages are near enough.
+    fn at(&self, t: f64) -> Option<Other> {
+        let after = self.others.partition_point(|other| other.t < t);
+        let next = *self.others.get(after)?;
+        if next.t == t {
+            return Some(next);
+        }
+        let last = self.others.get(after.checked_sub(1)?)?;
+        if next.t - last.t > LONGEST_S {
+            return None;
+        }
+        let part = (t - last.t) / (next.t - last.t);
+        let between = |a: f64, b: f64| a + part * (b - a);
+        Some(Other {
+            t,
+            force: between(last.force, next.force),
+            moment: [0, 1].map(|axis| between(last.moment[axis], next.moment[axis])),
+        })
+    }
+}
