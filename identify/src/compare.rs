@@ -20,6 +20,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
+use sesc_model::effects::about::subject;
 use sesc_model::{EffectRecord, ModelFile};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, Normal};
 
@@ -402,11 +403,8 @@ fn sentence(found: &Comparison) -> String {
     let mut said = Vec::new();
     let labels = |change: Change| {
         let own = found.effects.iter().filter(|e| e.change == change);
-        let label = |e: &EffectChange| match &*e.target {
-            "-" => e.effect.clone(),
-            target => format!("{}:{target}", e.effect),
-        };
-        own.map(label).collect::<Vec<_>>().join(", ")
+        let own = own.map(|e| subject(&e.effect, &e.target));
+        own.collect::<Vec<_>>().join(", ")
     };
     for (change, what) in [
         (Change::Appeared, "Only the second model has"),

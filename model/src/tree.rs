@@ -29,7 +29,7 @@ use dofs::coordinates;
 use snaps::snaps;
 
 #[doc(hidden)]
-pub use sole::{below, is_support, like_sole, sole_of};
+pub use sole::{below, is_support, like_sole, sole_of, sole_parts};
 #[doc(hidden)]
 pub use supports::{feet, on_many_feet, support_rank};
 

@@ -48,7 +48,8 @@ pub(super) fn command_line(
 /// line behind `sesc`.
 pub(super) fn next(what: &str, words: &[&str]) {
     let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
-    super::message(&format!("next: {what}: sesc {}", words.join(" ")));
+    // The command has a line of its own, which a terminal's mouse takes whole.
+    super::message(&format!("next: {what}\n      sesc {}", words.join(" ")));
 }
 
 /// A URDF as command lines have it.

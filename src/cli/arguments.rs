@@ -104,7 +104,8 @@ pub(super) struct FeetArguments {
     /// show in how they lie. The CoP is that of both feet together
     #[arg(long)]
     pub(super) both_feet: bool,
-    /// The link that is the other sole (`other_foot` in the sidecar); by its name unless given
+    /// The link that is the other sole (`other_foot` in the sidecar), or the sole of one:
+    /// `l_foot@40mm`; by its name unless given, at the height of the support's
     #[arg(long, value_name = "LINK")]
     pub(super) other_foot: Option<String>,
 }

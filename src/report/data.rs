@@ -27,6 +27,8 @@ pub struct Data<'a> {
     pub postures: Vec<&'a [f64]>,
     /// What is wrong.
     pub health: &'a [Finding],
+    /// The number that the page gives the first posture of their figures, where it has a robot.
+    pub first_posed: Option<usize>,
 }
 
 impl Data<'_> {
@@ -48,7 +50,7 @@ impl Data<'_> {
             lines => self.lines.iter().map(|(name, said)| vec![name.to_string(), said.clone()])
                 .collect::<Vec<Vec<String>>>(),
             ranges => ranges,
-            health => health::rows(self.health),
+            health => health::rows(self.health, self.first_posed),
         }
     }
 

@@ -91,6 +91,11 @@ fn held_out(report: &DemoReport) -> Vec<Shown> {
             pose: i64::try_from(row.pose).unwrap_or(i64::MAX),
             q: row.q.clone(),
             measured: Some(row.measured),
+            row: Some(format!(
+                "row {} of {} that were held out",
+                k + 1,
+                report.cop.len()
+            )),
             said,
             ..Shown::default()
         }

@@ -23,6 +23,8 @@ pub struct Shown {
     pub predicted: Option<[[f64; 2]; 2]>,
     /// CoP that is expected, m.
     pub planned: Option<[f64; 2]>,
+    /// Its row, as people call it, where that is not its place among those of the slider.
+    pub row: Option<String>,
     /// What else is said of it, a phrase each.
     pub said: Vec<String>,
     /// It is rather an outlier.
@@ -184,6 +186,9 @@ fn posture(shown: &Shown) -> Json {
     }
     if let Some(planned) = &shown.planned {
         fields.insert("planned", place(planned));
+    }
+    if let Some(row) = &shown.row {
+        fields.insert("row", json!(row));
     }
     if !shown.said.is_empty() {
         fields.insert("said", json!(shown.said));

@@ -5,7 +5,8 @@ use minijinja::{Error, Value, context};
 
 use super::data::Data;
 use super::figures::robot::Marks;
-use super::fleet::still;
+use super::fleet::standing;
+use super::health::Posed;
 use super::html::render;
 use super::next_steps;
 use super::origin::Origin;
@@ -104,7 +105,13 @@ fn card(skeleton: &Skeleton, health: &[Finding]) -> Value {
             said.push(format!("`{}` ({kind})", finding.target));
         }
     }
-    still(skeleton, marks, &said, "No finding is about a joint.")
+    standing(
+        skeleton,
+        marks,
+        &said,
+        "No finding is about a joint.",
+        Posed::of(health).shown(),
+    )
 }
 
 fn page(broken: &Broken<'_>) -> Result<String, Error> {
@@ -117,6 +124,7 @@ fn page(broken: &Broken<'_>) -> Result<String, Error> {
         used: &[],
         postures: Vec::new(),
         health: broken.health,
+        first_posed: broken.drawn.map(|_| 0),
     };
     let context = context! {
         robot => broken.drawn.map(|drawn| card(drawn, broken.health)),

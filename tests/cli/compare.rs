@@ -136,7 +136,7 @@ fn two_logs_are_diagnosed_and_compared_on_a_page() {
     let html = std::fs::read_to_string(&page).unwrap();
     for words in [
         "friday.csv differs from monday.csv",
-        "joint_offset:r_knee",
+        "an offset of r_knee (joint_offset:r_knee)",
         "60 rows, hash ",
     ] {
         assert!(html.contains(words), "{words}");

@@ -4,6 +4,8 @@ use std::fs;
 
 use serde_json::Value;
 use sesc_test_support::command::{folder, op2, refused, sesc, stdout, write};
+use sesc_virtual::feet::TwoFeet;
+use sesc_virtual::stage::{Platform, Stage};
 
 /// 33.5 mm below the frame of the link: by name, and as a link of the URDF.
 const BY_HEIGHT: &str = "r_ank_roll_link@33.5mm";
@@ -108,17 +110,90 @@ fn a_height_is_refused_where_it_cannot_be_one() {
         &["--sole-height", "0.03"],
         &["name the link that has this sole by --support"],
     );
-    // The other sole would have to be one, too.
-    let both = [
-        "fit",
-        &op2,
-        "--data",
-        log,
-        "--support",
-        BY_HEIGHT,
-        "--both-feet",
-    ];
-    refused(&sesc(&both), &["a link in each sole"]);
+    // The other sole is given in the same way.
+    let both = ["fit", &op2, "--data", log, "--support", BY_HEIGHT];
+    let other = |name: &str| sesc(&[&both[..], &["--other-foot", name]].concat());
+    refused(
+        &other("l_ank_roll_link@3.0mm"),
+        &["is no sole of a link", "`l_ank_roll_link@3mm`"],
+    );
+    refused(
+        &other("l_ank_rol_link@3mm"),
+        &["`l_ank_rol_link` is no link", "did you mean"],
+    );
+}
+
+/// The OP2 without its links in the soles, on both feet: plans put both soles on the floor, and
+/// the knee that is off is found as with these links.
+#[test]
+fn a_robot_without_links_in_its_soles_stands_on_both_feet() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let [poses, log] = ["poses.csv", "log.csv"].map(at);
+    let mut bare = fs::read_to_string(op2()).unwrap();
+    for side in ["l", "r"] {
+        let begin = bare
+            .find(&format!("<joint name=\"{side}_sole_fixed\""))
+            .unwrap();
+        let link = format!("<link name=\"{side}_sole\"/>");
+        let end = bare.find(&link).unwrap() + link.len();
+        bare.replace_range(begin..end, "");
+    }
+    let bare = write(folder.path(), "bare.urdf", &bare);
+    let on = ["--support", "r_ank_roll_link", "--sole-height", "0.0335"];
+    let plan = ["plan", &bare, "--both-feet", "--poses", "30"];
+    let out = ["--candidates", "60", "--out", &poses, "--json"];
+    let planned = json(&[&plan[..], &on, &out].concat());
+    assert_eq!(planned["both_feet"]["other_foot"], "l_ank_roll_link@33.5mm");
+
+    let stage = Stage::new(Platform::Op2);
+    let feet = TwoFeet::new(&stage);
+    let world = stage.world().joint_offset("l_knee", 0.026).unwrap();
+    let text = fs::read_to_string(&poses).unwrap();
+    let mut rows = text.lines();
+    let mut logs = [0, 1].map(|_| format!("{},cop_x,cop_y\n", text.lines().next().unwrap()));
+    rows.next();
+    for row in rows {
+        let joints: Vec<f64> = row.split(',').skip(1).map(|x| x.parse().unwrap()).collect();
+        // The file has its angles to a microradian or so.
+        let off = feet.lies(&joints).amax();
+        assert!(off < 1e-5, "{off:e}");
+        let q = TwoFeet::encoders(&world, &joints);
+        let cop = world.cop(&q);
+        let q: Vec<String> = q.iter().map(|x| format!("{x:.7}")).collect();
+        let pose = row.split(',').next().unwrap();
+        // The link in the right sole is 10.5 mm to the right of the ankle.
+        for (log, y) in logs.iter_mut().zip([cop[1], cop[1] - 0.0105]) {
+            *log += &format!("{pose},{},{:.6},{y:.6}\n", q.join(","), cop[0]);
+        }
+    }
+    let [with, without] = logs;
+    let found = |urdf: &str, text: &str, more: &[&str]| {
+        fs::write(&log, text).unwrap();
+        let words = [
+            "diagnose", urdf, "--data", &log, "--noise", "0.003", "--json",
+        ];
+        json(&[&words[..], more].concat())
+    };
+    let own = found(&op2(), &with, &["--support", "r_sole", "--both-feet"]);
+    let by_height = found(&bare, &without, &[&on[..], &["--both-feet"]].concat());
+    let named = ["--other-foot", "l_ank_roll_link@33.5mm"];
+    let by_name = found(&bare, &without, &[&on[..], &named].concat());
+    assert_eq!(by_height["closure"], by_name["closure"]);
+    assert_eq!(by_height["steps"][0]["target"], "l_knee", "{by_height}");
+    let closure = &by_height["closure"];
+    assert_eq!(closure["other_foot"], "l_ank_roll_link@33.5mm");
+    assert_eq!(closure["closes"], true, "{closure}");
+    for key in ["roll_rad", "pitch_rad"] {
+        let [a, b] = [&own, &by_height].map(|found| found["closure"]["before"][key].as_f64());
+        assert!((a.unwrap() - b.unwrap()).abs() < 1e-9, "{key}: {a:?} {b:?}");
+    }
+
+    // A sole that is 20 mm lower than the other foot's does not lie on one floor with it.
+    let low = ["--other-foot", "l_ank_roll_link@53.5mm"];
+    let low = found(&bare, &without, &[&on[..], &low].concat());
+    let height = low["closure"]["before"]["height_m"].as_f64().unwrap();
+    assert!((0.015..0.025).contains(&height.abs()), "{}", low["closure"]);
 }
 
 #[test]

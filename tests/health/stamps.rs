@@ -1,5 +1,6 @@
 //! Stamps of other rows, and a fault that begins late in a long log.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use rand::SeedableRng as _;
@@ -92,6 +93,15 @@ fn a_fault_that_begins_late_in_a_long_log_is_found() {
         let meant: Vec<usize> = picture.points.iter().filter(|p| p.2).map(|p| p.0).collect();
         let inside = |row: &usize| (60_001..=70_000).contains(row);
         assert!(meant.len() > 20 && meant.iter().all(inside), "{meant:?}");
+        let numbers: BTreeSet<usize> = picture.points.iter().map(|p| p.0).collect();
+        assert!(
+            numbers
+                .into_iter()
+                .eq(picture.rows.iter().map(|row| row.number))
+        );
+        for row in &picture.rows {
+            assert_eq!(row.q, recording.q[row.number - 1], "row {}", row.number);
+        }
     }
 }
 

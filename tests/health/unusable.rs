@@ -160,5 +160,8 @@ fn what_makes_data_unusable_is_drawn() {
         let found = log.diagnose(support).diagnosis.health;
         let picture = found[0].picture.as_ref().unwrap();
         assert_eq!(picture.points.len(), 2 * POSTURES, "{}", found[0].sentence);
+        // Every row is shown as the robot stood in it.
+        let stood: Vec<&Vec<f64>> = picture.rows.iter().map(|row| &row.q).collect();
+        assert_eq!(stood, log.q.iter().collect::<Vec<_>>());
     }
 }

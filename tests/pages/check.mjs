@@ -1,18 +1,23 @@
 // Pages of sesc in a browser: nothing on the console, nothing from the network, pointers and
 // sliders answer, phones and paper show everything, texts stand out by day and by night.
 //
-//     node tests/pages/check.mjs FOLDER [--shots FOLDER]
+//     node tests/pages/check.mjs FOLDER PICTURES [--shots]
+//
+// PICTURES is the folder of the pictures of the documentation: they are compared with the pages
+// (shots.mjs says how), or taken with --shots.
 //
 // Exits with 1 if something does not hold, with 3 where no Chromium is installed.
 
-import { readdirSync, writeFileSync } from 'node:fs';
-import { basename, join, resolve } from 'node:path';
+import { readdirSync } from 'node:fs';
+import { resolve } from 'node:path';
 import { launch } from './browser.mjs';
 import { beyond, figures, pale } from './looks.mjs';
 import { interact } from './interact.mjs';
+import { Shots } from './shots.mjs';
 
-const [folder, , shots] = process.argv.slice(2);
-const files = readdirSync(folder).filter((file) => file.endsWith('.html')).sort();
+const [folder, pictures, write] = process.argv.slice(2);
+const files = readdirSync(folder, { recursive: true }).filter((file) => file.endsWith('.html')).sort();
+const shots = new Shots(pictures, write === '--shots');
 const browser = await launch();
 if (!browser) {
   console.error('no Chromium is installed');
@@ -21,25 +26,29 @@ if (!browser) {
 
 let faults = 0;
 for (const file of files) {
-  const found = await check(resolve(folder, file));
+  const found = await check(file);
   faults += found.length;
   console.log(`${found.length ? 'FAILS' : 'ok   '} ${file}`);
   found.forEach((what) => console.log(`      ${what}`));
 }
 await browser.close();
+for (const file of shots.finish()) {
+  faults++;
+  console.log(`FAILS docs/pages/${file} is of no page`);
+}
 process.exit(faults || !files.length ? 1 : 0);
 
 /** Everything that does not hold for a page. */
-async function check(path) {
+async function check(file) {
   const faults = [];
   const expect = (holds, what) => { if (!holds) faults.push(what); };
-  const url = `file://${path}`;
+  const url = `file://${resolve(folder, file)}`;
   const page = await browser.page();
   await page.media('screen', 'light');
   await page.size(1100, 900);
   await page.open(url);
   const count = (await page.ask(figures)).length;
-  expect(count > 0 || basename(path).startsWith('fleet'), 'has no figure');
+  expect(count > 0 || file.startsWith('fleet'), 'has no figure');
 
   await interact(page, expect);
 
@@ -68,7 +77,7 @@ async function check(path) {
   expect(data.length > 10000, 'prints nothing');
 
   await page.media('screen', 'light');
-  if (shots && !path.includes('_')) await shoot(page, basename(path, '.html'), url);
+  await shots.of(page, file, url, expect);
   expect(page.complaints.length === 0, `console: ${page.complaints.join('; ')}`);
   const others = page.requests.filter((asked) => asked !== url);
   expect(others.length === 0, `asks for ${others}`);
@@ -79,21 +88,4 @@ async function check(path) {
   expect(still.length === count && still.every((width) => width > 0), 'without script figures are missing');
   await page.close();
   return faults;
-}
-
-/** Pictures for the documentation: the top of a page by day, and of the diagnosis by night. */
-async function shoot(page, name, url) {
-  const shot = async (file) => {
-    await page.size(1100, 900, 1);
-    await page.open(url);
-    const height = await page.evaluate("Math.min(1240, document.documentElement.scrollHeight)");
-    const clip = { x: 0, y: 0, width: 1100, height, scale: 0.68 };
-    writeFileSync(join(shots, file), await page.picture(clip));
-  };
-  await shot(`${name}.png`);
-  if (name === 'diagnose') {
-    await page.media('screen', 'dark');
-    await shot('diagnose-dark.png');
-    await page.media('screen', 'light');
-  }
 }

@@ -39,7 +39,7 @@ async function postures(page, expect) {
   const at = "document.querySelector('.controls input')";
   const said = "document.querySelector('.controls output').textContent";
   const [before, words] = [await page.evaluate(DRAWN), await page.evaluate(said)];
-  expect(/^posture -?\d+ · row \d+ of \d+/.test(words), `the slider says "${words}"`);
+  expect(/^posture -?\d+ · row \d+( of \d+)?( · |$)/.test(words), `the slider says "${words}"`);
   await page.evaluate(`${at}.focus()`);
   const first = Number(await page.evaluate(`${at}.value`));
   const key = first > 0 ? ['ArrowLeft', 37] : ['ArrowRight', 39];
@@ -53,6 +53,8 @@ async function postures(page, expect) {
 async function dots(page, expect) {
   const count = await page.evaluate("[...document.querySelectorAll('svg')].filter((s) => s.querySelector(':scope [data-p] circle') && !s.closest('.tip')).length");
   if (!count) return;
+  const mute = await page.evaluate("document.querySelectorAll('.health [data-v]').length");
+  expect(mute === 0, `${mute} dots of findings show no posture`);
   for (let k = 0; k < count; k++) {
     const place = await page.evaluate(`(() => {
       const svg = [...document.querySelectorAll('svg')].filter((s) => s.querySelector(':scope [data-p] circle') && !s.closest('.tip'))[${k}];

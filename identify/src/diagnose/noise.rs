@@ -5,7 +5,7 @@ use super::criteria::noise::FALLS;
 use super::findings::{Explained, Verdict};
 use super::leftover::Misfit;
 use super::problem::Problem;
-use crate::health::{Finding, FitResiduals, Picture};
+use crate::health::{Finding, FitResiduals, Picture, Row};
 use crate::observations::noise::{NoiseSource, scale};
 use crate::observations::revisits::Untold;
 
@@ -63,12 +63,11 @@ pub(super) fn overstated(problem: &Problem, found: &Explained) -> Option<Finding
 /// What is left of each posture, mm.
 fn left(problem: &Problem, found: &Explained) -> Picture {
     let left = |row: usize| 1e3 * found.best.residual[row] / problem.weight[row];
-    let postures = (0..problem.data.len()).step_by(1 + problem.data.len() / 500);
-    Picture {
-        title: "What is left of the CoP, mm".to_string(),
-        points: postures
-            .flat_map(|k| [0, 1].map(|axis| (k + 1, left(2 * k + axis), true)))
-            .collect(),
-        ..Picture::default()
-    }
+    let row = |k: usize| Row::among(&problem.data, k);
+    Picture::chosen(
+        "What is left of the CoP, mm",
+        problem.data.len(),
+        row,
+        |k| [0, 1].map(|axis| (left(2 * k + axis), true)),
+    )
 }

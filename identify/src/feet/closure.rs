@@ -54,7 +54,7 @@ impl Closure {
     pub fn of(model: &Model, other: OtherFoot, q: &[f64], t: Option<&[f64]>) -> Closure {
         let dof = model.dof();
         let n = q.len() / dof.max(1);
-        let tape = Tape::new(&other_sole_by_joints(model, other.link));
+        let tape = Tape::new(&other_sole_by_joints(model, other.place()));
         let mut out = vec![0.0; n * tape.outputs()];
         tape.run(&[Values::PerPosture(q)], n, &mut out, FASTEST);
         let at = |row: usize, column: usize| out[row * (1 + dof) + column];

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use sesc_model::text::listed;
-use sesc_model::tree::support_rank;
+use sesc_model::tree::{like_sole, sole_parts, support_rank};
 use sesc_model::urdf::suggestion;
 use sesc_model::{Model, Snapping};
 
@@ -22,17 +22,26 @@ const SIDES: [(&str, &str); 2] = [("left", "right"), ("l", "r")];
 pub struct Feet {
     /// Whether both are on the floor in every row; the sidecar's unless given.
     pub both: Option<bool>,
-    /// The link that is the other sole; it says that both are on the floor, too.
+    /// The link that is the other sole, or the sole of one (`foot@40mm`); it says that both are on the floor, too.
     pub other: Option<String>,
 }
 
 /// The other sole of a two-foot stand.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OtherFoot {
     /// Index among the tree's links.
     pub link: usize,
-    /// Its name.
+    /// How far the sole is below the link's origin along its −z, m; 0 of a link in the sole.
+    pub below_m: f64,
+    /// Its name: `l_sole`, `l_foot@40mm`.
     pub name: String,
+}
+
+impl OtherFoot {
+    /// The link, and how far the sole is below its origin, m.
+    pub fn place(&self) -> (usize, f64) {
+        (self.link, self.below_m)
+    }
 }
 
 impl Feet {
@@ -44,10 +53,12 @@ impl Feet {
 
     /// The other sole, where a log on the model's support is of both feet: the caller's, else
     /// the sidecar's, else the link that is called as the support is on the other side, else
-    /// the only other sole.
+    /// the only other sole. Where the support is the sole of a link, so is the other, at the same
+    /// height unless it is named.
     ///
     /// # Errors
-    /// A link that is none, or that no joint moves; no link that must be it.
+    /// A link that is none, or that no joint moves; no link that must be it; a height that is
+    /// none.
     #[doc(hidden)]
     pub fn of(&self, sidecar: &Sidecar, model: &Model) -> Result<Option<OtherFoot>, Error> {
         let named = self.other.as_deref().or(sidecar.other_foot.as_deref());
@@ -55,12 +66,6 @@ impl Feet {
         let said = said.or(sidecar.both_feet);
         if !said.unwrap_or(named.is_some()) {
             return Ok(None);
-        }
-        if model.tree.by_height {
-            return Err(Error::request(message![
-                "both feet are on the floor, and the support is given by the height of a foot; add \
-                 to the URDF a link in each sole (docs/limits.md has the lines)"
-            ]));
         }
         let links = &model.tree.links;
         let name = match named {
@@ -72,7 +77,16 @@ impl Feet {
             let why = format!(" `{name}` {why}; the robot has {}", soles(model));
             Err(Error::request(message![Setting::OtherFoot, why]))
         };
-        let Some(link) = links.iter().position(|link| link.name == name) else {
+        let at = |name: &str| links.iter().position(|link| link.name == name);
+        let (carrier, below_m) = match sole_parts(&name) {
+            Some(Ok(parts)) if at(&name).is_none() => parts,
+            Some(Err(meant)) if at(&name).is_none() => {
+                return wrong(&format!("is no sole of a link; give `{meant}`"));
+            }
+            _ => (name.as_str(), 0.0),
+        };
+        let Some(link) = at(carrier) else {
+            let name = carrier;
             let meant = suggestion(&name, links.iter().map(|link| link.name.as_str()));
             let has = soles(model);
             let why = format!(" `{name}` is no link of the robot; the robot has {has}{meant}");
@@ -81,7 +95,11 @@ impl Feet {
         match model.chain.places[link].as_ref().map(|place| place.body) {
             None => wrong("hangs on a joint that no log knows"),
             Some(0) => wrong(&format!("does not move against the support `{support}`")),
-            Some(_) => Ok(Some(OtherFoot { link, name })),
+            Some(_) => Ok(Some(OtherFoot {
+                link,
+                below_m,
+                name,
+            })),
         }
     }
 }
@@ -96,21 +114,38 @@ fn unknown(model: &Model) -> Error {
     Error::request(message![why, Setting::OtherFoot, has])
 }
 
+/// The link that is the support, or whose sole it is.
+fn carrier(model: &Model) -> &str {
+    match sole_parts(model.support()) {
+        Some(Ok((link, _))) if model.tree.by_height => link,
+        _ => model.support(),
+    }
+}
+
 /// The robot's links but the support, soles and feet first.
 fn soles(model: &Model) -> String {
     let links = model.tree.links.iter().map(|link| link.name.as_str());
-    let mut names: Vec<&str> = links.filter(|name| *name != model.support()).collect();
+    let own = [model.support(), carrier(model)];
+    let mut names: Vec<&str> = links.filter(|name| !own.contains(name)).collect();
     names.sort_by_key(|name| support_rank(name));
     listed(names, NAMED)
 }
 
 /// The link that is called as the support is on the other side; else the only other one of
-/// the words that name a foot.
+/// the words that name a foot. Where the support is the sole of a link, its sole.
 fn mirrored(model: &Model) -> Option<String> {
-    let support = model.support();
+    let link = mirrored_link(model)?;
+    Some(match model.tree.by_height {
+        true => like_sole(model.support(), &link),
+        false => link,
+    })
+}
+
+fn mirrored_link(model: &Model) -> Option<String> {
+    let support = carrier(model);
     let others = || {
         let names = model.tree.links.iter().map(|link| &link.name);
-        names.filter(|name| *name != support)
+        names.filter(|name| *name != support && *name != model.support())
     };
     let mut mirrors = others().filter(|name| mirror(support, name));
     if let Some(first) = mirrors.next() {
@@ -192,6 +227,24 @@ mod tests {
                 && said.contains("(the robot has foot_b, foot_c, pelvis)"),
             "{said}"
         );
+    }
+
+    /// The sole of the other side is at the height of the support's.
+    #[test]
+    fn a_support_by_its_height_has_a_mirror() {
+        let both = Feet {
+            both: Some(true),
+            other: None,
+        };
+        for feet in [["r_foot", "l_foot", "toe"], ["lfoot", "rfoot", "foot"]] {
+            let model = robot(&feet)
+                .model(&format!("{}@40mm", feet[0]), Snapping::default(), None)
+                .unwrap();
+            let found = both.of(&Sidecar::default(), &model).unwrap().unwrap();
+            assert_eq!(found.name, format!("{}@40mm", feet[1]));
+            assert_eq!(model.tree.links[found.link].name, feet[1]);
+            assert_eq!(found.below_m, 0.04);
+        }
     }
 
     #[test]

@@ -70,6 +70,48 @@ fn the_other_sole_lies_where_the_reference_has_it() {
     }
 }
 
+/// A sole that is given by its height lies as the point below its link does, and as a link in the
+/// sole would: for the side that is named alike, and for one of another height.
+#[test]
+fn a_sole_by_its_height_lies_where_the_reference_has_it() {
+    let robot = Robot::parse(OP2, "robot.urdf").unwrap();
+    let support = "r_ank_roll_link@33.5mm";
+    let model = robot.model(support, Snapping::Off, None).unwrap();
+    let named = |other: &str| Feet {
+        both: Some(true),
+        other: Some(other.to_string()),
+    };
+    for (feet, below) in [
+        (Feet::default(), 0.0335),
+        (named("l_ank_roll_link@40mm"), 0.04),
+        (named("l_ank_roll_link"), 0.0),
+    ] {
+        let found = feet.of(&both(), &model).unwrap().unwrap();
+        assert_eq!(found.below_m, below);
+        let q = Simulator::new(&model.tree.dofs, Some(0.6), 3).batch(4);
+        let closure = Closure::of(&model, found, &q, None);
+        // The same links without a sole, seen from the other sole's link.
+        let twin = reference(&robot, "r_ank_roll_link");
+        let link = twin.robot().link_index("l_ank_roll_link").unwrap();
+        for (k, q) in q.chunks_exact(model.dof()).enumerate() {
+            let pose = twin.link_poses(q)[link];
+            let up = pose.rotation.matrix();
+            let height = 0.0335 + pose.translation.z - below * up[(2, 2)];
+            for (row, here) in [height, up[(2, 1)], -up[(2, 0)]].into_iter().enumerate() {
+                let off = closure.values[ROWS * k + row] - here;
+                assert!(off.abs() < 1e-12, "{below} row {row}: {off:e}");
+            }
+        }
+    }
+    let refused = |other: &str| named(other).of(&both(), &model).unwrap_err().to_string();
+    let said = refused("l_ank_roll_link@40.0mm");
+    assert!(said.contains("give `l_ank_roll_link@40mm`"), "{said}");
+    let said = refused("l_ank_rol_link@40mm");
+    assert!(said.contains("did you mean `l_ank_roll_link`"), "{said}");
+    let said = refused("r_ank_roll_link@40mm");
+    assert!(said.contains("does not move against the support"), "{said}");
+}
+
 /// Feet on one pelvis, each by a roll and a pitch joint 0.3 m above its sole.
 const LEGS: &str = "<robot name='legs'><link name='pelvis'><inertial><mass value='1'/></inertial>\
     </link>\

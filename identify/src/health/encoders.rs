@@ -15,7 +15,7 @@ use super::criteria::{
 };
 use super::statistics::scatter;
 use super::wirings::Wirings;
-use super::{Finding, Kind, Look, Picture};
+use super::{Finding, Kind, Look, Picture, Row};
 use crate::evaluate::Evaluator;
 use crate::observations::postures::rms;
 
@@ -136,7 +136,8 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
         ("°", 1f64.to_degrees())
     };
     let title = format!("{} as the CoP has it, {}", dof_of.joint, unit.0);
-    let picture = Picture::of(&title, n, |k| unit.1 * positions[k], |_| true);
+    let row = |k: usize| Row::among(data, k);
+    let picture = Picture::of(&title, n, row, |k| unit.1 * positions[k], |_| true);
     Some(Stuck {
         finding: finding.showing(picture),
         less_known,

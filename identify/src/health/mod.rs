@@ -45,7 +45,7 @@ pub use leftover::FitResiduals;
 #[doc(hidden)]
 pub use look::{Reading, look};
 #[doc(hidden)]
-pub use picture::Picture;
+pub use picture::{Picture, Row};
 use wirings::Wirings;
 
 /// What is found.
@@ -290,7 +290,7 @@ impl<'a> Look<'a> {
         let title = ["CoP x, mm", "CoP y, mm"][axis];
         let cad = |k: usize| 1e3 * self.predicted[2 * k + axis];
         let read = |k: usize| 1e3 * self.data.reading[2 * k + axis];
-        Picture::of_two(title, self.data.len(), [&cad, &read], ["CAD", "reading"])
+        self.of_two(title, [&cad, &read], ["CAD", "reading"])
     }
 
     /// Distance of the readings from CAD's CoP as they should be meant, and as they are.
@@ -302,7 +302,13 @@ impl<'a> Look<'a> {
         let sound = |k: usize| from(meant, k);
         let found = |k: usize| from(&self.predicted, k);
         let title = "Distance of the CoP from CAD's, mm";
-        Picture::of_two(title, self.data.len(), [&sound, &found], marks)
+        self.of_two(title, [&sound, &found], marks)
+    }
+
+    /// Two values of every posture.
+    fn of_two(&self, title: &str, values: [&dyn Fn(usize) -> f64; 2], marks: [&str; 2]) -> Picture {
+        let row = |k: usize| Row::among(self.data, k);
+        Picture::of_two(title, self.data.len(), row, values, marks)
     }
 
     fn of(robot: &'a Robot, model: &'a Model, snapping: Snapping, data: &'a Postures) -> Look<'a> {

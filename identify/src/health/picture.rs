@@ -1,6 +1,9 @@
-//! What a figure of a finding shows: one number of each row, and which rows are meant.
+//! What a figure of a finding shows: one number of each row, which rows are meant, and how the
+//! robot stood in them.
 
-/// Rows that a figure shows, at most; evenly chosen of more.
+use crate::observations::postures::Postures;
+
+/// Points that a figure shows, at most; evenly chosen of more.
 const MOST: usize = 500;
 
 /// What two marks of a figure mean where nothing else is said of them.
@@ -13,48 +16,81 @@ pub struct Picture {
     pub title: String,
     /// Rows from 1, values, and whether the finding is about the row.
     pub points: Vec<(usize, f64, bool)>,
+    /// Every row that has points, once, in their order.
+    pub rows: Vec<Row>,
     /// What other points and those of the finding are, where not rows.
     pub marks: Option<[String; 2]>,
 }
 
+/// A row of a log, and how the robot stood in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// From 1.
+    pub number: usize,
+    /// Number of its posture in the log.
+    pub pose: i64,
+    /// Joint by joint, rad or m.
+    pub q: Vec<f64>,
+}
+
+impl Row {
+    /// Posture `k` of those of a log.
+    pub(crate) fn among(data: &Postures, k: usize) -> Row {
+        let dof = data.q.len() / data.len().max(1);
+        Row {
+            number: k + 1,
+            pose: data.pose[k],
+            q: data.q[k * dof..(k + 1) * dof].to_vec(),
+        }
+    }
+}
+
 impl Picture {
-    /// The value of every row.
+    /// The value of each of so many rows.
     pub(super) fn of(
         title: &str,
         rows: usize,
+        row: impl Fn(usize) -> Row,
         value: impl Fn(usize) -> f64,
         meant: impl Fn(usize) -> bool,
     ) -> Picture {
-        let chosen = (0..rows).step_by(rows.div_ceil(MOST).max(1));
-        Picture {
-            title: title.to_string(),
-            points: chosen.map(|k| (k + 1, value(k), meant(k))).collect(),
-            marks: None,
-        }
+        Picture::chosen(title, rows, row, |k| [(value(k), meant(k))])
     }
 
-    /// Two values of every row: one that would be in order, and that of the finding.
+    /// Two values of each of so many rows: one that would be in order, and that of the finding.
     pub(super) fn of_two(
         title: &str,
         rows: usize,
+        row: impl Fn(usize) -> Row,
         [sound, found]: [&dyn Fn(usize) -> f64; 2],
         marks: [&str; 2],
     ) -> Picture {
-        let chosen = (0..rows).step_by((2 * rows).div_ceil(MOST).max(1));
-        let both = |k: usize| [(k + 1, sound(k), false), (k + 1, found(k), true)];
+        let both = |k: usize| [(sound(k), false), (found(k), true)];
         Picture {
-            title: title.to_string(),
-            points: chosen.flat_map(both).collect(),
             marks: Some(marks.map(str::to_string)),
+            ..Picture::chosen(title, rows, row, both)
         }
     }
 
-    /// With the numbers of rows in their log.
-    pub(super) fn numbered(mut self, number: impl Fn(usize) -> usize) -> Picture {
-        for point in &mut self.points {
-            point.0 = number(point.0 - 1);
+    /// N values of each of so many rows, and whether the finding is about them; of at most
+    /// [`MOST`] / N rows, evenly chosen.
+    pub(crate) fn chosen<const N: usize>(
+        title: &str,
+        rows: usize,
+        row: impl Fn(usize) -> Row,
+        values: impl Fn(usize) -> [(f64, bool); N],
+    ) -> Picture {
+        let mut picture = Picture {
+            title: title.to_string(),
+            ..Picture::default()
+        };
+        for k in (0..rows).step_by((N * rows).div_ceil(MOST).max(1)) {
+            let own = row(k);
+            let point = |(value, meant)| (own.number, value, meant);
+            picture.points.extend(values(k).map(point));
+            picture.rows.push(own);
         }
-        self
+        picture
     }
 
     /// What other points and those of the finding are.

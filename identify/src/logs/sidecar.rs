@@ -46,7 +46,8 @@ pub const KEYS: [(&str, &str); 11] = [
     ),
     (
         "other_foot",
-        "link of the other sole, where its name does not tell; it means `both_feet`, too",
+        "link of the other sole, or `foot@40mm`, where its name does not tell; it means `both_feet`, \
+         too",
     ),
     ("topic", "topic of the CoP in a recording that has several"),
     ("experiment", "the experiment that a diagnosis asked for"),

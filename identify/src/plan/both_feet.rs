@@ -8,7 +8,7 @@
 //! The CoP of both feet together may be wherever the hull of two soles is: that of the support,
 //! and the same about the other sole.
 
-use nalgebra::{DMatrix, DVector, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 use sesc_model::Model;
 use sesc_model::effects::other_sole_by_joints;
 use sesc_model::tape::{Tape, Values};
@@ -34,7 +34,7 @@ const BESIDE: f64 = 0.7;
 /// The other sole of a robot on its support.
 pub struct BothFeet<'m> {
     model: &'m Model,
-    /// The link.
+    /// The sole.
     pub other: OtherFoot,
     /// Body of the chain that holds the other sole, which may touch the floor.
     pub body: usize,
@@ -46,10 +46,14 @@ pub struct BothFeet<'m> {
 impl<'m> BothFeet<'m> {
     /// At rest in posture `rest`; none of a link that hangs on a joint nobody knows.
     pub fn new(model: &'m Model, other: OtherFoot, rest: &[f64]) -> Option<BothFeet<'m>> {
-        let (body, place) = poses::of_link(model, other.link)?;
+        let (body, link) = poses::of_link(model, other.link)?;
+        let place = link.then(&Pose {
+            rotation: Matrix3::identity(),
+            origin: Vector3::new(0.0, 0.0, -other.below_m),
+        });
         let mut feet = BothFeet {
             model,
-            tape: Tape::new(&other_sole_by_joints(model, other.link)),
+            tape: Tape::new(&other_sole_by_joints(model, other.place())),
             other,
             body,
             place,

@@ -102,6 +102,34 @@ pub fn about(catalog: &Catalog) -> Vec<EffectAbout> {
     catalog.iter().map(|effect| one(effect, &context)).collect()
 }
 
+/// The subject of a sentence about an effect that a file names, with that name beside it: `an
+/// offset of l_knee (joint_offset:l_knee)`; the name alone of an effect that is not known.
+#[doc(hidden)]
+pub fn subject(effect: &str, target: &str) -> String {
+    let label = match target {
+        "-" => effect.to_string(),
+        target => format!("{effect}:{target}"),
+    };
+    let catalog = Catalog::standard();
+    let own = catalog.iter().find(|known| known.id().name() == effect);
+    let Some(own) = own else {
+        return label;
+    };
+    let ways = about(&catalog)
+        .into_iter()
+        .find(|known| known.name == effect);
+    let way = match ways.map(|known| known.target) {
+        Some(TargetKind::Ways(names)) => names.into_iter().find(|name| *name == target),
+        _ => None,
+    };
+    let name = match target {
+        Target::ALL_JOINTS => "every joint",
+        target => target,
+    };
+    let phrase = own.phrase(&way.map_or(Target::Whole, Target::Way), name);
+    format!("{phrase} ({label})")
+}
+
 fn one(effect: &dyn Effect, context: &EffectContext) -> EffectAbout {
     let targets = effect.targets(context);
     let mut parameters: Vec<ParameterAbout> = Vec::new();
@@ -183,5 +211,31 @@ mod tests {
             named("units").target.to_string(),
             "degrees, millimetres, centimetres"
         );
+    }
+
+    #[test]
+    fn an_effect_of_a_file_is_said_in_words_with_its_name() {
+        for (effect, target, said) in [
+            (
+                "joint_offset",
+                "l_knee",
+                "an offset of l_knee (joint_offset:l_knee)",
+            ),
+            ("backlash", "all", "backlash in every joint (backlash:all)"),
+            (
+                "sensor_axes",
+                "flip_x",
+                "a flipped x axis of the sensor (sensor_axes:flip_x)",
+            ),
+            (
+                "joint_swap",
+                "l_el,r_el",
+                "encoders of l_el and r_el plugged into each other's channel (joint_swap:l_el,r_el)",
+            ),
+            ("ground_slope", "-", "a slope of the ground (ground_slope)"),
+            ("of_tomorrow", "l_knee", "of_tomorrow:l_knee"),
+        ] {
+            assert_eq!(subject(effect, target), said);
+        }
     }
 }

@@ -158,8 +158,9 @@ pub fn joints(context: &EffectContext, instances: &[Instance], params: &[f64]) -
     Program::new(measured.into_graph(), inputs, shape, &outputs)
 }
 
-/// How `link` lies on the sole plane of the support under effects: the height of its origin,
-/// m, and the sines of its roll and pitch; rows of these, columns value, ∂/∂e_1, ….
+/// How the sole that is `below_m` under the origin of `link`, along its −z, lies on the sole
+/// plane of the support under effects: its height, m, and the sines of its roll and pitch; rows of
+/// these, columns value, ∂/∂e_1, ….
 ///
 /// Inputs as in [`reading`]. Where joints bend, `params` are the base parameters that they
 /// bend under.
@@ -167,7 +168,7 @@ pub fn other_sole(
     context: &EffectContext,
     instances: &[Instance],
     params: &[f64],
-    link: usize,
+    (link, below_m): (usize, f64),
 ) -> Program {
     let (mut measured, unknowns) = written(
         context,
@@ -175,20 +176,20 @@ pub fn other_sole(
         ContextSource::Log,
         Parameters::Baked(params.to_vec()),
     );
-    let lies = measured.lies(link);
+    let lies = measured.lies(link, below_m);
     let inputs = inputs(context, unknowns.len());
     slopes_beside(measured, &lies, &unknowns, inputs)
 }
 
 /// The same of a robot without effects, of `q` alone, and its slopes by every joint: rows of
 /// height, roll and pitch, columns value, ∂/∂q_1, ….
-pub fn other_sole_by_joints(robot: &crate::Robot, link: usize) -> Program {
+pub fn other_sole_by_joints(robot: &crate::Robot, (link, below_m): (usize, f64)) -> Program {
     let params = Parameters::Baked(vec![0.0; robot.base.params.len()]);
     let mut measured = Measured::new(robot, ContextSource::Posture, Given::Positions, params, &[]);
     let joints: Vec<Id> = (0..robot.dof())
         .map(|j| measured.g().input(Argument::Positions, j))
         .collect();
-    let lies = measured.lies(link);
+    let lies = measured.lies(link, below_m);
     let inputs = vec![Array::new(Argument::Positions, robot.dof())];
     slopes_beside(measured, &lies, &joints, inputs)
 }

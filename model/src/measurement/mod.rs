@@ -380,14 +380,20 @@ impl<'m> Measured<'m> {
         subtrees
     }
 
-    /// How `link` lies on the sole plane at [`Measured::joints`]: the height of its origin, m,
-    /// and the sines of its roll and pitch, `(p_z, R_zy, −R_zx)` of its frame.
-    pub(crate) fn lies(&mut self, link: usize) -> [Id; 3] {
+    /// How `link` lies on the sole plane at [`Measured::joints`]: the height of the point that is
+    /// `below_m` under its origin along its −z, m, and the sines of its roll and pitch,
+    /// `(p_z − below R_zz, R_zy, −R_zx)` of its frame.
+    pub(crate) fn lies(&mut self, link: usize, below_m: f64) -> [Id; 3] {
         self.at(self.joints.clone(), "");
         // The columns of a link stand for its origin and for the axes of its frame.
         let map = self.robot().columns_of(link);
         let mut height = |column: usize| {
-            let point = map.column(column).iter().copied().collect();
+            let own = map.column(column).into_owned();
+            let point = match column {
+                0 => own - below_m * map.column(3),
+                _ => own,
+            };
+            let point = point.iter().copied().collect();
             self.of_point(point, &format!("o{column}"))[0].v.entries[2]
         };
         let [origin, x, y] = [0, 1, 2].map(&mut height);

@@ -54,6 +54,32 @@ pub fn below(robot: &Description, support: &str) -> Option<String> {
     })
 }
 
+/// The link and the height of its frame over the sole, m, of a name `LINK@40mm`; none of another
+/// name.
+///
+/// ```
+/// use sesc_model::tree::sole_parts;
+///
+/// assert_eq!(sole_parts("foot@40mm"), Some(Ok(("foot", 0.04))));
+/// assert_eq!(sole_parts("foot"), None);
+/// // Each sole has one name.
+/// assert_eq!(sole_parts("foot@40.0mm"), Some(Err("foot@40mm".to_string())));
+/// ```
+///
+/// # Errors
+/// What was meant, where the height is none, or is written in another way.
+#[doc(hidden)]
+pub fn sole_parts(support: &str) -> Option<Result<(&str, f64), String>> {
+    let (link, height) = parts(support)?;
+    let mm: Option<f64> = height.parse().ok();
+    let mm = mm.filter(|mm| mm.is_finite() && libm::fabs(*mm) <= HIGHEST_MM);
+    let meant = mm.map(|mm| sole_of(link, mm / 1000.0));
+    Some(match (mm, meant) {
+        (Some(mm), Some(meant)) if meant == support => Ok((link, mm / 1000.0)),
+        (_, meant) => Err(meant.unwrap_or_else(|| format!("{link}@40mm"))),
+    })
+}
+
 /// The sole of `link` at the height at which `support` is one of its link; `link` where it is none.
 ///
 /// ```
@@ -83,8 +109,8 @@ pub(super) fn standing<'a>(
     if has(support) {
         return Ok(Cow::Borrowed(robot));
     }
-    let (link, height) = match parts(support) {
-        Some((link, height)) if has(link) => (link, height),
+    let link = match parts(support) {
+        Some((link, _)) if has(link) => link,
         parts => {
             let name = parts.map_or(support, |(link, _)| link);
             return Err(Problem::UnknownSupport {
@@ -95,17 +121,17 @@ pub(super) fn standing<'a>(
             .into());
         }
     };
-    let mm: Option<f64> = height.parse().ok();
-    let meant = mm
-        .filter(|mm| mm.is_finite() && libm::fabs(*mm) <= HIGHEST_MM)
-        .map(|mm| sole_of(link, mm / 1000.0));
-    if meant.as_deref() != Some(support) {
-        return Err(Problem::NoHeight {
-            support: support.to_string(),
-            meant: meant.unwrap_or_else(|| format!("{link}@40mm")),
+    let height_m = match sole_parts(support) {
+        Some(Ok((_, height_m))) => height_m,
+        meant => {
+            let meant = meant.and_then(Result::err);
+            return Err(Problem::NoHeight {
+                support: support.to_string(),
+                meant: meant.unwrap_or_else(|| format!("{link}@40mm")),
+            }
+            .into());
         }
-        .into());
-    }
+    };
     let mut with = robot.clone();
     with.links.push(Link {
         name: support.to_string(),
@@ -115,7 +141,7 @@ pub(super) fn standing<'a>(
         name: support.to_string(),
         joint_type: JointType::Fixed,
         origin: Origin {
-            xyz: [0.0, 0.0, -mm.unwrap_or_default() / 1000.0],
+            xyz: [0.0, 0.0, -height_m],
             rpy: [0.0; 3],
         },
         parent: link.to_string(),

@@ -13,7 +13,7 @@ use crate::report::table::chance;
 use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
-use sesc_model::effects::Unit;
+use sesc_model::effects::{Target, Unit};
 
 /// The page of a comparison, alone in one file: `files` are the models before and after, `drawn`
 /// is their robot where its URDF is at hand, `command` makes the page again.
@@ -73,7 +73,11 @@ fn card(comparison: &Comparison, skeleton: &Skeleton) -> Value {
         .filter(|own| own.change != Change::Same)
     {
         if mark_effect(&mut marks, skeleton, &own.effect, &own.target) {
-            said.push(format!("`{}:{}` {}", own.effect, own.target, change(own)));
+            let what = format!("{} {}", in_words(&own.effect), change(own));
+            said.push(match own.target.as_str() {
+                Target::ALL_JOINTS => format!("every joint ({what})"),
+                target => format!("`{}` ({what})", target.replace(',', "`, `")),
+            });
         }
     }
     let said = match said.is_empty() {
@@ -94,6 +98,11 @@ fn card(comparison: &Comparison, skeleton: &Skeleton) -> Value {
     card.context()
 }
 
+/// `joint offset`: what stands in the tables of other pages, too.
+fn in_words(effect: &str) -> String {
+    effect.replace('_', " ")
+}
+
 fn effect(own: &EffectChange) -> Value {
     let size = |parameter: &Difference| {
         let value = |value: Option<f64>| value.map_or("–".to_string(), |x| of(parameter, x));
@@ -105,7 +114,7 @@ fn effect(own: &EffectChange) -> Value {
         }
     };
     context! {
-        effect => &own.effect,
+        effect => in_words(&own.effect),
         target => &own.target,
         change => change(own),
         sizes => own.parameters.iter().map(size).collect::<Vec<Value>>(),

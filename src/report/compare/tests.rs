@@ -50,7 +50,9 @@ fn the_page_says_what_changed_and_whether_it_is_more_than_chance() {
         "monday.csv, 40 rows, hash 1234",
         "hash 00c0ffee00c0ffee",
         "<pre>sesc compare a b</pre>",
-        "Orange: <code>joint_offset:knee</code> appeared.",
+        "Orange: <code>knee</code> (joint offset appeared).",
+        "Only the second model has an offset of knee (joint_offset:knee).",
+        "<td class=\"name\">joint offset</td>",
         "two&lt;link&gt;",
     ] {
         assert!(html.contains(words), "{words}\n{html}");

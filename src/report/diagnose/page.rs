@@ -125,6 +125,7 @@ fn data<'a>(found: &'a Diagnosis, view: &'a DiagnosisView) -> Data<'a> {
         used: &view.used,
         postures: view.postures.iter().map(|row| row.q.as_slice()).collect(),
         health: &found.health,
+        first_posed: Some(view.postures.len()),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{effect, parameters};
 use crate::report::figures::diagnose as figures;
 use crate::report::figures::robot::Marks;
+use crate::report::health::Posed;
 use crate::report::robot::{Card, Correction, Shown};
 use sesc_identify::diagnose::view::{DiagnosisView, Posture};
 use sesc_identify::diagnose::{ActsOn, Diagnosis, Step};
@@ -33,7 +34,7 @@ pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
     Card {
         skeleton: &view.skeleton,
         postures: view.postures.iter().map(shown).collect(),
-        apart: Vec::new(),
+        apart: Posed::of(&found.health).shown(),
         beside: Some(figures::arrows_beside(view, &suspects.cells)),
         caption,
         marks: suspects.marks,

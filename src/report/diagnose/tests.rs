@@ -307,3 +307,46 @@ fn thirty_eight_postures_of_a_humanoid_with_masses_in_doubt() {
     assert_eq!(view.by_moment.len(), 6);
     assert_eq!(view.postures.len(), 38);
 }
+
+/// Rows of findings are postures of the page behind those of its slider, and every dot of a
+/// finding's figure is one of them.
+#[test]
+fn dots_of_findings_pose_the_robot() {
+    const ROWS: usize = 80;
+    let far: Off = |k, _| [if k % 10 == 3 { 5.0 } else { 0.0 }, 0.0];
+    let (found, view) = small((ROWS, true), far);
+    assert_eq!(found.health[0].kind.name(), "cop_outside_sole");
+    let html = sound(&found, &view);
+    let figure = html.split("<figure class=\"health\">").nth(1).unwrap();
+    let figure = figure.split("</figure>").next().unwrap();
+    let dots: Vec<usize> = figure
+        .split("data-p=\"")
+        .skip(1)
+        .map(|rest| rest.split('"').next().unwrap().parse().unwrap())
+        .collect();
+    let first = view.postures.len();
+    assert_eq!(dots, (first..first + ROWS).collect::<Vec<usize>>());
+    assert!(!figure.contains("data-v"));
+
+    let (_, data) = html.split_once("id=\"robot\">").unwrap();
+    let data = data.split("</script>").next().unwrap();
+    let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    assert_eq!(data["slider"], first);
+    let postures = data["postures"].as_array().unwrap();
+    assert_eq!(postures.len(), first + ROWS);
+    let dofs = &view.skeleton.dofs;
+    let q = Simulator::new(dofs, Some(0.6), 3).batch(ROWS);
+    for (k, posture) in postures[first..].iter().enumerate() {
+        assert_eq!(posture["pose"], k);
+        assert_eq!(posture["row"], format!("row {}", k + 1));
+        let said = posture["said"][0].as_str().unwrap();
+        let (title, value) = said.split_once("mm: ").unwrap();
+        assert_eq!(title, "Distance of the CoP from the origin, ");
+        let value: f64 = value.parse().unwrap();
+        assert_eq!(value > 4000.0, k % 10 == 3, "{said}");
+        for (joint, own) in posture["q"].as_array().unwrap().iter().enumerate() {
+            let off = own.as_f64().unwrap() - q[k * dofs.len() + joint];
+            assert!(off.abs() <= 0.51e-5, "{off}");
+        }
+    }
+}

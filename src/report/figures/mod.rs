@@ -24,7 +24,7 @@ mod tests;
 pub use cop::{cop_over_postures, cop_plane};
 pub use effect::effect;
 pub use errors::errors;
-pub use health::health;
+pub use health::{health, said};
 pub use height::{height_level, height_shape};
 pub use lengths::{lengths_base, lengths_full};
 pub use parameters::parameters;

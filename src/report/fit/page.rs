@@ -86,5 +86,6 @@ fn data<'a>(report: &FitReport<'a>, shown: &'a Shown) -> Data<'a> {
         used: &shown.used,
         postures: shown.residuals.iter().map(|row| row.q.as_slice()).collect(),
         health: &found.health,
+        first_posed: (shown.robot.as_ref()).map(|_| figures::some(&shown.residuals).count()),
     }
 }

@@ -3,6 +3,7 @@
 use super::{FitReport, Moved, Shown};
 use crate::report::figures::fit::{sole_beside, some};
 use crate::report::figures::robot::Marks;
+use crate::report::health::Posed;
 use crate::report::robot::{Card, Correction, Shown as Posture};
 use sesc_identify::fit::residuals::Residual;
 
@@ -25,7 +26,7 @@ pub fn card<'a>(report: &FitReport<'_>, shown: &'a Shown) -> Option<Card<'a>> {
     Some(Card {
         skeleton: &moved.skeleton,
         postures: some(&shown.residuals).map(posture).collect(),
-        apart: Vec::new(),
+        apart: Posed::of(&report.found.health).shown(),
         beside: Some(sole_beside(&shown.residuals)),
         caption: caption(moved, report),
         marks: marks(moved, report),

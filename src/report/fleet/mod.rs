@@ -10,7 +10,7 @@ mod text;
 
 pub use page::{Pages, ROBOTS, page_of_robot, pages};
 pub use picture::skeleton;
-pub(in crate::report) use picture::{mark_effect, still};
+pub(in crate::report) use picture::{mark_effect, standing};
 pub use text::text;
 
 use std::collections::BTreeSet;
@@ -22,11 +22,17 @@ use sesc_identify::fleet::{EffectFound, Failed, Fleet, Row, Twice};
 /// What programs are told, besides the rows.
 #[derive(Serialize)]
 pub struct Answer<'a> {
+    /// Rows of the table: robots and days.
     groups: usize,
+    /// Rows that were taken from the store.
     from_store: usize,
+    /// Logs that were opened.
     logs_read: usize,
+    /// Files that could not be used.
     failed: &'a [Failed],
+    /// Logs that came more than once.
     twice: &'a [Twice],
+    /// What is said across robots.
     #[serde(flatten)]
     summary: &'a Summary,
 }

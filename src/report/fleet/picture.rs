@@ -14,7 +14,7 @@ use sesc_model::effects::{Catalog, Target};
 
 use super::{count, label};
 use crate::report::figures::robot::Marks;
-use crate::report::robot::{Card, Correction};
+use crate::report::robot::{Card, Correction, Shown};
 
 /// The robot of a fleet as it is drawn, on the support of most of its rows; none where no row has
 /// its URDF and a support. Meshes are looked for in `folder`.
@@ -109,24 +109,35 @@ pub(super) fn of_robot(rows: &[&Row], skeleton: &Skeleton) -> Option<Value> {
 }
 
 /// The robot with all joints at zero, with what is said of the marks on it.
-pub(in crate::report) fn still(
+fn still(skeleton: &Skeleton, marks: Marks, said: &[String], nothing: &str) -> Value {
+    standing(skeleton, marks, said, nothing, Vec::new())
+}
+
+/// The robot in one of `postures`, or with all joints at zero where there are none, with what is
+/// said of the marks on it.
+pub(in crate::report) fn standing(
     skeleton: &Skeleton,
     marks: Marks,
     said: &[String],
     nothing: &str,
+    postures: Vec<Shown>,
 ) -> Value {
+    let at = match postures.is_empty() {
+        true => "all joints at zero",
+        false => "the joints as they were read",
+    };
     let caption = match said.is_empty() {
         true => nothing.to_string(),
         false => format!("Orange: {}.", said.join("; ")),
     };
     let card = Card {
         skeleton,
-        postures: Vec::new(),
+        postures,
         apart: Vec::new(),
         beside: None,
         caption: format!(
-            "{caption} Quartered disc: centre of mass by CAD, with its plumb line; all joints at \
-             zero."
+            "{caption} Quartered disc: centre of mass by CAD, with its plumb line; \
+             {at}."
         ),
         marks,
         correction: Correction::default(),

@@ -124,9 +124,7 @@ function millimetres(value) {
 function said(data, k) {
   const posture = data.postures[k];
   const place = (p) => `x ${millimetres(p[0])}, y ${millimetres(p[1])} mm`;
-  const row = k < data.slider
-    ? `row ${k + 1} of ${data.slider}`
-    : `row ${k + 1 - data.slider} of ${data.postures.length - data.slider} that were held out`;
+  const row = posture.row || `row ${k + 1} of ${data.slider}`;
   const parts = [`posture ${posture.pose}`, row];
   if (posture.measured) parts.push(`read ${place(posture.measured)}`);
   if (posture.predicted) {

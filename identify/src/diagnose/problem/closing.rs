@@ -59,7 +59,7 @@ impl Problem<'_> {
             true => (&[], &[]),
             false => (terms, unknowns),
         };
-        let tape = self.soles(own, closure.other.link);
+        let tape = self.soles(own, &closure.other);
         let n = self.data.len();
         let mut out = vec![0.0; n * tape.outputs()];
         let arguments = [

@@ -12,6 +12,7 @@ use super::{Fit, Problem};
 use crate::diagnose::hypothesis::{Term, effects_of};
 use crate::diagnose::own_sides::OwnSides;
 use crate::evaluate::{Evaluator, FASTEST};
+use crate::feet::OtherFoot;
 
 /// What a set of terms runs on.
 pub(super) struct Tapes {
@@ -49,13 +50,13 @@ impl Problem<'_> {
         .clone()
     }
 
-    /// The program of the other sole, link `link`, under a set of terms.
-    pub(super) fn soles(&self, terms: &[Term], link: usize) -> Rc<Tape> {
+    /// The program of the other sole under a set of terms.
+    pub(super) fn soles(&self, terms: &[Term], other: &OtherFoot) -> Rc<Tape> {
         let tapes = self.tapes(terms);
         let mut made = tapes.soles.borrow_mut();
         made.get_or_insert_with(|| {
             let effects = effects_of(terms);
-            let program = effects::other_sole(&self.context, &effects, &self.params, link);
+            let program = effects::other_sole(&self.context, &effects, &self.params, other.place());
             Rc::new(Tape::new(&program))
         })
         .clone()

@@ -26,7 +26,8 @@ pub(super) fn saturated(
     if rows.cells > 0 {
         for cell in 0..rows.cells {
             let loads: Vec<f64> = kept.iter().map(|&k| rows.force(k)[cell]).collect();
-            found.extend(end(rows, &kept, &loads).map(|count| clipped_cell(cell, &loads, count)));
+            let clipped = end(rows, &kept, &loads);
+            found.extend(clipped.map(|count| clipped_cell(rows, &kept, cell, &loads, count)));
         }
         return found;
     }
@@ -43,8 +44,8 @@ pub(super) fn saturated(
             left_out.ends.push(End { channel, upper, at });
             let title = format!("{name}, mm");
             let value = |k: usize| 1e3 * values[k];
-            let picture = Picture::of(&title, values.len(), value, |k| values[k] == at)
-                .numbered(|k| rows.number[kept[k]]);
+            let row = |k: usize| rows.row(kept[k]);
+            let picture = Picture::of(&title, values.len(), row, value, |k| values[k] == at);
             let finding = Finding::new(
                 Kind::ChannelSaturated,
                 name,
@@ -61,8 +62,8 @@ pub(super) fn saturated(
         if let Some(step) = coarse_step(&values, rows.noise, left) {
             left_out.steps[channel] = step / f64::sqrt(12.0);
             let title = format!("{name}, mm");
-            let picture = Picture::of(&title, values.len(), |k| 1e3 * values[k], |_| true)
-                .numbered(|k| rows.number[kept[k]]);
+            let (row, value) = (|k: usize| rows.row(kept[k]), |k: usize| 1e3 * values[k]);
+            let picture = Picture::of(&title, values.len(), row, value, |_| true);
             let finding = Finding::new(
                 Kind::ChannelSaturated,
                 name,
@@ -79,7 +80,14 @@ pub(super) fn saturated(
     found
 }
 
-fn clipped_cell(cell: usize, loads: &[f64], count: usize) -> Finding {
+/// `loads`: of the cell in the `kept` rows, N; `count` of them are the largest.
+fn clipped_cell(
+    rows: &LogRows,
+    kept: &[usize],
+    cell: usize,
+    loads: &[f64],
+    count: usize,
+) -> Finding {
     let name = format!("fsr_{}", cell + 1);
     let sentence = format!(
         "{name} ends at {:.1} N, where {count} of {} rows are: the cell is saturated there. The \
@@ -89,7 +97,8 @@ fn clipped_cell(cell: usize, loads: &[f64], count: usize) -> Finding {
     );
     let most = largest(loads);
     let title = format!("Load on {name}, N");
-    let picture = Picture::of(&title, loads.len(), |k| loads[k], |k| loads[k] == most);
+    let row = |k: usize| rows.row(kept[k]);
+    let picture = Picture::of(&title, loads.len(), row, |k| loads[k], |k| loads[k] == most);
     Finding::new(Kind::ChannelSaturated, &name, sentence).showing(picture)
 }
 

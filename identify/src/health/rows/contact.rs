@@ -51,20 +51,12 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     );
     let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
     let load = |k: usize| rows.force(k).iter().sum::<f64>();
-    Some(
-        finding.showing(
-            match rows.cells {
-                0 => Picture::of(
-                    "Distance of the CoP from the origin, mm",
-                    rows.len(),
-                    length,
-                    gone,
-                ),
-                _ => Picture::of("Load on all cells, N", rows.len(), load, gone),
-            }
-            .numbered(|k| rows.number[k]),
-        ),
-    )
+    let (title, value): (&str, &dyn Fn(usize) -> f64) = match rows.cells {
+        0 => ("Distance of the CoP from the origin, mm", &length),
+        _ => ("Load on all cells, N", &load),
+    };
+    let picture = Picture::of(title, rows.len(), |k| rows.row(k), value, gone);
+    Some(finding.showing(picture))
 }
 
 /// Cells that never show a load while the others do.
@@ -89,13 +81,13 @@ pub(super) fn unplugged(rows: &LogRows) -> Vec<Finding> {
     let of = |cell: usize| {
         let load = |k: usize| rows.force(k)[cell];
         let title = format!("Load on fsr_{}, N", cell + 1);
-        let picture = Picture::of(&title, rows.len(), load, |_| true);
+        let picture = Picture::of(&title, rows.len(), |k| rows.row(k), load, |_| true);
         Finding::new(
             Kind::ContactLost,
             &format!("fsr_{}", cell + 1),
             sentence(cell),
         )
-        .showing(picture.numbered(|k| rows.number[k]))
+        .showing(picture)
     };
     dead.into_iter().map(of).collect()
 }

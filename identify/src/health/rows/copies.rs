@@ -57,10 +57,8 @@ pub(super) fn of(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let copied: HashSet<usize> = copied.into_iter().collect();
     let x = |k: usize| 1e3 * rows.reading[k][0];
     let meant = |k: usize| copied.contains(&k);
-    Some(
-        finding
-            .showing(Picture::of("CoP x, mm", rows.len(), x, meant).numbered(|k| rows.number[k])),
-    )
+    let picture = Picture::of("CoP x, mm", rows.len(), |k| rows.row(k), x, meant);
+    Some(finding.showing(picture))
 }
 
 /// Refuse a log whose rows are one row, or two, again and again: repeats without any noise of

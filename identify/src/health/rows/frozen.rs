@@ -87,8 +87,8 @@ pub(super) fn stretches(rows: &LogRows, left_out: &mut LeftOut) -> Option<Findin
         Part::Y => (1, "CoP y, mm"),
         Part::X | Part::BothAxes | Part::Cells => (0, "CoP x, mm"),
     };
-    let picture = Picture::of(title, n, |k| 1e3 * rows.reading[k][axis], is_frozen)
-        .numbered(|k| rows.number[k]);
+    let reading = |k: usize| 1e3 * rows.reading[k][axis];
+    let picture = Picture::of(title, n, |k| rows.row(k), reading, is_frozen);
     let share = 100.0 * rows_frozen as f64 / n as f64;
     if rows_frozen as f64 > MOST_LOST * n as f64 {
         left_out.frozen.clear();

@@ -32,8 +32,8 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
-use super::Finding;
 use super::criteria::FEW_ROWS;
+use super::{Finding, Row};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader};
@@ -103,6 +103,15 @@ impl LogRows {
 
     pub fn q(&self, row: usize) -> &[f64] {
         &self.q[row * self.dof..(row + 1) * self.dof]
+    }
+
+    /// A row as figures show it.
+    pub fn row(&self, row: usize) -> Row {
+        Row {
+            number: self.number[row],
+            pose: self.pose[row],
+            q: self.q(row).to_vec(),
+        }
     }
 
     /// Forces of the cells of a row, N; none where the log has a CoP.

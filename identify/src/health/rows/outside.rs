@@ -95,7 +95,7 @@ fn frame(rows: &LogRows, middle: [f64; 2]) -> Finding {
 fn picture(rows: &LogRows, meant: impl Fn(usize) -> bool) -> Picture {
     let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
     let title = "Distance of the CoP from the origin, mm";
-    Picture::of(title, rows.len(), length, meant).numbered(|k| rows.number[k])
+    Picture::of(title, rows.len(), |k| rows.row(k), length, meant)
 }
 
 /// Whether readings scatter no more than CAD says: in another unit they would.

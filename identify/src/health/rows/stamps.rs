@@ -43,7 +43,7 @@ pub(super) fn shuffled(rows: &LogRows) -> Option<Finding> {
         _ => return None,
     };
     let back = |k: usize| k > 0 && t[k] < t[k - 1];
-    let picture = Picture::of("t, s", n, |k| t[k], back).numbered(|k| rows.number[k]);
+    let picture = Picture::of("t, s", n, |k| rows.row(k), |k| t[k], back);
     Some(Finding::new(Kind::RowsShuffled, "t", sentence).showing(picture))
 }
 
