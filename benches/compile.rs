@@ -29,8 +29,14 @@ fn main() {
             (*name).to_string(),
         )
     });
-    let asked: Vec<usize> = std::env::args().filter_map(|word| word.parse().ok()).collect();
-    let sizes = if asked.is_empty() { vec![100, 500, 1000] } else { asked };
+    let asked: Vec<usize> = std::env::args()
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    let sizes = if asked.is_empty() {
+        vec![100, 500, 1000]
+    } else {
+        asked
+    };
     let drawn = sizes.into_iter().map(|joints| {
         let kind = Kind {
             joints,

@@ -79,9 +79,17 @@ fn generated(q: &[f64], repeats: usize) {
     let print = |name: &str, seconds: f64| {
         println!("{name}, generated code: {:.1}", 1e9 * seconds / few as f64);
     };
-    let com = || postures().for_each(|q| drop(black_box(op2::com(q, r))));
+    let com = || {
+        postures().for_each(|q| {
+            black_box(op2::com(q, r));
+        })
+    };
     print("com", least(repeats, com));
-    let zmp = || postures().for_each(|q| drop(black_box(op2::zmp(q, q, q, r))));
+    let zmp = || {
+        postures().for_each(|q| {
+            black_box(op2::zmp(q, q, q, r));
+        })
+    };
     print("zmp", least(repeats, zmp));
 }
 

@@ -120,7 +120,7 @@ fn finding(
     };
     let title = format!("{} by its encoder, {unit}", dof.joint);
     let position = |k: usize| per_unit * rows.q(k)[joint];
-    let picture = Picture::of(&title, rows.len(), position, parked);
-    Finding::new(Kind::EncoderStuck, &dof.joint, sentence)
-        .showing(picture.numbered(|k| rows.number[k]))
+    let row = |k: usize| rows.row(k);
+    let picture = Picture::of(&title, rows.len(), row, position, parked);
+    Finding::new(Kind::EncoderStuck, &dof.joint, sentence).showing(picture)
 }
