@@ -60,9 +60,10 @@ pub struct Verification {
     /// What rounding, snapping and springs may explain, in the same units.
     pub bound: BTreeMap<String, f64>,
     /// Functions whose bound is so wide that keeping it verifies nothing: they have to agree to
-    /// [`UNPROVEN_OF_REACH`] of the robot's reach instead.
+    /// a billionth of the robot's reach instead ([`UNPROVEN_OF_REACH`]).
     pub beyond_use: Vec<String>,
-    /// The widest bound of use, m: [`USEFUL`] of the robot's reach; without what springs explain.
+    /// The widest bound of use, m: a thousandth of the robot's reach ([`USEFUL`]); without what
+    /// springs explain.
     pub widest_of_use: f64,
     /// Those units; m of regressor rows.
     #[serde(skip)]

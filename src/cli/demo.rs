@@ -40,8 +40,11 @@ pub(super) struct Arguments {
 /// What programs are told.
 #[derive(Serialize)]
 struct Answer<'a> {
+    /// Whether all generated functions are within their bounds.
     pass: bool,
+    /// The page that was written.
     page: String,
+    /// What it shows.
     #[serde(flatten)]
     report: &'a DemoReport,
 }

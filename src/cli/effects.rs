@@ -33,6 +33,7 @@ pub(super) struct Arguments {
 
 #[derive(Serialize)]
 struct Listed {
+    /// The effects that a diagnosis knows, or the one that was asked for.
     effects: Vec<EffectAbout>,
 }
 

@@ -69,14 +69,19 @@ pub(super) struct Arguments {
 /// What is told of a package that was written.
 #[derive(Serialize)]
 struct Answer<'a> {
+    /// Name of the robot.
     robot: &'a str,
+    /// The link on the ground.
     support: &'a str,
+    /// Files of the package.
     files: Vec<WrittenFile>,
+    /// What was noticed.
     notes: &'a [String],
 }
 
 #[derive(Serialize)]
 struct WrittenFile {
+    /// Its path.
     file: String,
     /// Whether it was written; it was up to date otherwise.
     changed: bool,

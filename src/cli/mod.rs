@@ -156,7 +156,8 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
 /// Say what is wrong; the exit code.
 fn failed(error: &Error, json: bool) -> u8 {
     if json {
-        print_error(error.kind(), &error.to_string(), error.file(), error.line());
+        let message = [vec![error.to_string()], causes(error)].concat().join(": ");
+        print_error(error.kind(), &message, error.file(), error.line());
     }
     complain(error);
     2
@@ -178,31 +179,55 @@ fn json_is_wanted(words: &[OsString]) -> bool {
     words.any(|word| word == "--json")
 }
 
+/// What programs are told where a command fails.
+#[derive(serde::Serialize)]
+struct Failure<'a> {
+    /// What went wrong.
+    error: ErrorAbout<'a>,
+}
+
+#[derive(serde::Serialize)]
+struct ErrorAbout<'a> {
+    /// What kind of error it is, in a word: `usage`, `model`, `log`, `read`, `write` and others.
+    kind: &'a str,
+    /// The sentence that stands on standard error, too, with what caused it.
+    message: &'a str,
+    /// The file that it is about.
+    file: Option<&'a str>,
+    /// The line of that file, from 1.
+    line: Option<u64>,
+}
+
 /// An error on stdout, for programs; stderr has the sentence, too.
 fn print_error(kind: &str, message: &str, file: Option<&str>, line: Option<u64>) {
-    let about = serde_json::json!({
-        "kind": kind,
-        "message": message.trim_start_matches("error: ").trim_end(),
-        "file": file,
-        "line": line,
-    });
+    let error = ErrorAbout {
+        kind,
+        message: message.trim_start_matches("error: ").trim_end(),
+        file,
+        line,
+    };
     // If stdout is closed, nobody reads it.
-    let _ = print_json(&serde_json::json!({ "error": about }));
+    let _ = print_json(&Failure { error });
 }
 
 /// An error and what caused it, on stderr.
 fn complain(error: &Error) {
     let mut text = format!("error: {error}\n");
-    let mut cause = match error {
+    for cause in causes(error) {
+        text.push_str(&format!("  caused by: {cause}\n"));
+    }
+    message(text.trim_end());
+}
+
+/// What caused an error, the nearest cause first.
+fn causes(error: &Error) -> Vec<String> {
+    let first = match error {
         // Said already, in the words of this command line.
         Error::Identify(inner) => std::error::Error::source(inner),
         other => std::error::Error::source(other),
     };
-    while let Some(inner) = cause {
-        text.push_str(&format!("  caused by: {inner}\n"));
-        cause = inner.source();
-    }
-    message(text.trim_end());
+    let all = std::iter::successors(first, |inner| inner.source());
+    all.map(ToString::to_string).collect()
 }
 
 /// What the links of a robot weigh together in its URDF.

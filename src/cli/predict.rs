@@ -46,7 +46,9 @@ pub(super) struct Arguments {
 /// What is told of a table that was written.
 #[derive(Serialize)]
 struct Written {
+    /// Its path.
     file: String,
+    /// Its rows.
     postures: u64,
 }
 

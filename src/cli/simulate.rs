@@ -57,13 +57,21 @@ pub(super) struct Arguments {
 /// What is told of a log that was written.
 #[derive(Serialize)]
 struct Written<'a> {
+    /// Name of the robot.
     robot: &'a str,
+    /// The link on the ground.
     support: &'a str,
+    /// Rows of the log.
     postures: usize,
+    /// Seed of postures and noise.
     seed: u64,
+    /// Standard deviation of a reading on one axis, m.
     noise: f64,
+    /// Rows a second of a robot that moves.
     rate: Option<f64>,
+    /// The log that was written.
     log: String,
+    /// Its sidecar.
     sidecar: String,
 }
 

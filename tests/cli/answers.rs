@@ -111,6 +111,8 @@ fn errors_are_json_where_json_is_asked_for() {
         let output = sesc(arguments);
         assert_eq!(output.status.code(), Some(2));
         let stderr = String::from_utf8(output.stderr).unwrap();
+        // One sentence for programs, a line for each cause for people.
+        let stderr = stderr.replace("\n  caused by: ", ": ");
         let json: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert!(json["schema"].is_u64());
         let message = json["error"]["message"].as_str().unwrap();
@@ -132,6 +134,9 @@ fn errors_are_json_where_json_is_asked_for() {
         (&found["kind"], &found["file"]),
         (&"log".into(), &log.into())
     );
+    let found = error(&["compare", "none.toml", "none.toml", "--json"]);
+    let said = found["message"].as_str().unwrap();
+    assert!(said.starts_with("cannot read none.toml: "), "{said}");
     let broken = write(
         folder.path(),
         "a.urdf",

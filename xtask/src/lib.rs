@@ -6,6 +6,7 @@ pub mod crates;
 pub mod fleet_costs;
 pub mod fleet_parts;
 mod formats;
+mod keys;
 pub mod kills;
 pub mod regen;
 pub mod study;

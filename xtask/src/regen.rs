@@ -111,7 +111,7 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     }
     files.push((PathBuf::from(FIGURE), figure()?));
     files.extend(effect_pages()?);
-    files.push(crate::formats::page(root)?);
+    files.extend(crate::formats::pages(root)?);
     Ok(files)
 }
 

@@ -21,7 +21,7 @@ const EXACT: f64 = 1e-11;
 /// A corrected description.
 #[derive(Debug, Clone, Serialize)]
 pub struct Corrected {
-    /// kg
+    /// Mass of the robot, kg.
     pub total_mass: f64,
     /// Links that changed.
     pub links: Vec<Change>,
@@ -37,9 +37,9 @@ pub struct Corrected {
 pub struct Change {
     /// Name of the link.
     pub link: String,
-    /// kg
+    /// Its mass in CAD and as corrected, kg.
     pub mass: [f64; 2],
-    /// In the link frame, m.
+    /// Its CoM in CAD and as corrected, in the link frame, m.
     pub com: [[f64; 3]; 2],
 }
 

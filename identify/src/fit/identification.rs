@@ -48,11 +48,12 @@ impl Settings {
 pub struct ParameterFound {
     /// Name of the base parameter.
     pub name: String,
-    /// m
+    /// What was identified, m.
     pub value: f64,
-    /// m, ± 1.96 of them hold 95 %; none where neither data nor prior say anything.
+    /// Its standard deviation, m, ± 1.96 of them hold 95 %; none where neither data nor prior say
+    /// anything.
     pub std: Option<f64>,
-    /// m
+    /// Its value by CAD, m.
     pub cad: f64,
     /// `data` or `prior`, whichever tells more.
     pub source: &'static str,
@@ -76,9 +77,9 @@ pub struct BodyLength {
     pub body: String,
     /// The joint that moves it; none of the support.
     pub joint: Option<String>,
-    /// m
+    /// Its length by CAD, m.
     pub cad: f64,
-    /// m
+    /// Its length as identified, m.
     pub identified: f64,
     /// Standard deviation of the identified length, m.
     pub std: Option<f64>,
@@ -89,7 +90,7 @@ pub struct BodyLength {
 pub struct HeightConstant {
     /// Name of the base parameter.
     pub name: String,
-    /// m
+    /// Its value, m.
     pub value: f64,
     /// Standard deviation of the estimate, m; none where data and prior do not determine it.
     pub std: Option<f64>,

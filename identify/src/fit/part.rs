@@ -25,6 +25,7 @@ pub use options::PartOptions;
 /// A contribution to a fit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Part {
+    /// `sesc factor 4`.
     format: String,
     /// Hash of the robot.
     pub hash: String,

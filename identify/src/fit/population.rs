@@ -45,6 +45,7 @@ pub struct Population {
 /// A file with a table of that name.
 #[derive(Serialize, Deserialize)]
 struct File<T> {
+    /// What a fleet knows of the next robot.
     population: T,
 }
 

@@ -241,8 +241,11 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// A factor without its numbers, or with those of its upper triangle, row by row.
 #[derive(Serialize, Deserialize)]
 struct Packed {
+    /// Parameters.
     params: usize,
+    /// Rows that were rotated in.
     rows: u64,
+    /// The upper triangle, row by row, in files of formats that had it here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     triangle: Option<Vec<f64>>,
 }

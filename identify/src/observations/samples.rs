@@ -51,9 +51,13 @@ impl Samples {
 /// The same while logs are summed up.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sum {
+    /// Rows of the logs.
     rows: u64,
+    /// Rows' worth of independent samples.
     independent: f64,
+    /// How long noise lasts, s: the longest of the logs.
     correlation_s: f64,
+    /// Whether rows of a log without times were taken as independent.
     assumed: bool,
 }
 

@@ -47,14 +47,14 @@ const MOST: f64 = 1e9;
 /// One base parameter as identified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
-    /// Its name as in [`crate::base::BaseParam::name`]: `r_knee_link.x`.
+    /// Its name: `r_knee_link.x` ([`crate::base::BaseParam::name`]).
     pub name: String,
-    /// m (a mass fraction for the parameter of a prismatic joint)
+    /// Its value, m; a mass fraction for `.s` of a prismatic joint.
     pub value: f64,
     /// Standard deviation, in the unit of the value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub std: Option<f64>,
-    /// `data`, `prior` or another word for where it came from.
+    /// Where it came from: `data`, `prior`, `cad` or another word.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
 }
@@ -84,7 +84,7 @@ pub struct Quantity {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EffectRecord {
-    /// `joint_offset`, see [`crate::effects::Catalog`].
+    /// Its name: `joint_offset` ([`crate::effects::Catalog`]).
     pub effect: String,
     /// Joint, link, cell (`fsr_1`), `all`; `-` for the whole robot.
     #[serde(default = "whole")]
@@ -103,9 +103,9 @@ fn whole() -> String {
 pub struct ModelFile {
     /// Name of the robot.
     pub robot: String,
-    /// Hash of its URDF.
+    /// Hash of its URDF (FNV-1a of its content); the file is refused for another one.
     pub hash: String,
-    /// Link that stands on the ground.
+    /// Link that stands on the ground; the file is refused for another one.
     pub support: String,
     /// Noise of a reading on one axis, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -31,7 +31,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Information {
-    /// Row i from its diagonal on: n, n − 1, … 1 numbers.
+    /// The information factor, from which an estimator on the robot goes on: row i from its
+    /// diagonal on, so that there are n, n − 1, … 1 numbers.
     pub factor: Vec<Vec<f64>>,
 }
 

@@ -65,7 +65,10 @@ pub(super) const WHY: &[(&str, &str)] = &[
         "strsim",
         "\"did you mean\" for names of links, joints and columns",
     ),
-    ("syn", "generated Rust is parsed before it is printed"),
+    (
+        "syn",
+        "generated Rust is parsed before it is printed; tables of keys are read from types",
+    ),
     ("tempfile", "folders of tests"),
     ("terminal_size", "tables as wide as the terminal"),
     ("thiserror", "error enums with a sentence each"),

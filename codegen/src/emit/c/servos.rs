@@ -39,7 +39,7 @@ use sesc_model::urdf::suggestion;
 pub struct Setting {
     /// Ticks at q = 0; 2048 unless given.
     pub zero: Option<i32>,
-    /// 1 or −1.
+    /// 1 or −1; 1 unless given.
     pub sign: Option<i32>,
     /// Ticks a turn; 4096 unless given.
     pub resolution: Option<f64>,

@@ -38,7 +38,7 @@ pub struct Summary {
     pub look_first: Vec<String>,
     /// Why, in the same order.
     pub reasons: Vec<Reason>,
-    /// What the fleet knows of the next robot, as [`population`](super::population()) has it.
+    /// What the fleet knows of the next robot ([`population`](super::population())).
     pub population: Option<Population>,
 }
 

@@ -1,11 +1,14 @@
 //! The pages in `docs/`: their links resolve, their commands run, their tables are whole.
 
-use std::collections::{BTreeMap, BTreeSet};
+mod formats;
+mod keys;
+mod logs;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use sesc_test_support::command::{ROOT, folder, op2, program, sesc};
+use sesc_test_support::command::{ROOT, folder, program};
 
 /// Every page that a reader meets.
 fn pages() -> Vec<PathBuf> {
@@ -153,6 +156,29 @@ fn every_page_is_a_chapter_of_the_book() {
     }
 }
 
+/// Every picture of a page is shown somewhere, and `tests/pages/run` knows of which page it is.
+#[test]
+fn pictures_of_pages_are_known_and_shown() {
+    let listed: serde_json::Value = serde_json::from_str(&read("docs/pages/shots.json")).unwrap();
+    let listed = listed.as_object().unwrap();
+    let shown: String = pages()
+        .iter()
+        .map(|page| fs::read_to_string(page).unwrap())
+        .collect();
+    let mut seen = 0;
+    for entry in fs::read_dir(Path::new(ROOT).join("docs/pages")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if name.ends_with(".png") {
+            assert!(listed.contains_key(&name), "{name} is not in shots.json");
+            // The one by night is for those who look at the folder.
+            let night = name == "diagnose-dark.png";
+            assert!(night || shown.contains(&format!("pages/{name})")), "{name}");
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, listed.len());
+}
+
 /// The picture that README begins with has colours for dark pages, and paper of its own.
 #[test]
 fn figures_of_pages_know_dark_pages() {
@@ -249,215 +275,6 @@ fn every_effect_is_a_chapter() {
         );
         assert!(read("docs/effects/index.md").contains(&format!("[{name}]({name}.md)")));
     }
-}
-
-/// Every key that a command prints stands in its row, and no other.
-#[test]
-fn formats_name_every_key_of_json() {
-    let formats = read("docs/formats.md");
-    let folder = folder();
-    fs::copy(
-        format!("{ROOT}/robots/op2/op2.urdf"),
-        folder.path().join("op2.urdf"),
-    )
-    .unwrap();
-    let run = |line: &str| run(folder.path(), line);
-    fs::create_dir(folder.path().join("logs")).unwrap();
-    run("sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.001 --out logs/r1_1.csv");
-    let log = fs::read_to_string(folder.path().join("logs/r1_1.csv")).unwrap();
-    let lines = [
-        "demo",
-        "inspect op2.urdf --support r_sole",
-        "verify op2.urdf --support r_sole --samples 20",
-        "plan op2.urdf --support r_sole --poses 10 --candidates 100 --out poses.csv",
-        "fit op2.urdf --data logs/r1_1.csv --out model.toml",
-        "diagnose op2.urdf --data logs/r1_1.csv",
-        "effects",
-        "compare model.toml model.toml",
-        "fleet op2.urdf --data logs --out fleet.csv",
-        "simulate op2.urdf --support r_sole --poses 3 --rate 10 --out moving.csv",
-        "generate op2.urdf --support r_sole --name op2_r_sole --out src",
-        "predict op2.urdf --data poses.csv",
-        "predict op2.urdf --data poses.csv --out predicted.csv",
-        // Keys that are there where there is something to say.
-        "plan op2.urdf --support r_sole --both-feet --poses 5 --candidates 50 --out both.csv",
-        "fit op2.urdf --data logs/r1_1.csv --both-feet",
-        "fit op2.urdf --data timed.csv --physical --urdf corrected.urdf --report fit.html",
-        "diagnose op2.urdf --data logs/r1_1.csv --both-feet",
-        "diagnose op2.urdf --data timed.csv --out found.toml --urdf corrected.urdf",
-    ];
-    fs::write(folder.path().join("timed.csv"), timed(&log)).unwrap();
-    fs::write(
-        folder.path().join("timed.csv.toml"),
-        "support = \"r_sole\"\n",
-    )
-    .unwrap();
-    let mut printed: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
-    for line in lines {
-        let command = line.split(' ').next().unwrap();
-        let answer = run(&format!("sesc {line} --json --quiet"));
-        let answer: serde_json::Value = serde_json::from_str(&answer).unwrap();
-        let keys = answer.as_object().unwrap().keys();
-        let keys = keys.filter(|key| *key != "schema").cloned();
-        printed.entry(command).or_default().extend(keys);
-    }
-    for (command, printed) in printed {
-        let row = format!("| `{command}` | ");
-        let row = formats
-            .split(&row)
-            .nth(1)
-            .unwrap_or_else(|| panic!("{command}"));
-        let named = keys_of(row.lines().next().unwrap());
-        let missing: Vec<_> = printed.difference(&named).collect();
-        assert!(missing.is_empty(), "{command} prints {missing:?}");
-        // It takes a log that no robot can have.
-        let rare = |key: &&String| command == "diagnose" && *key == "implausible";
-        let stale: Vec<_> = named
-            .difference(&printed)
-            .filter(|key| !rare(key))
-            .collect();
-        assert!(stale.is_empty(), "{command} does not print {stale:?}");
-    }
-}
-
-/// The log with a time every 5 s, and without what is known of its noise.
-fn timed(log: &str) -> String {
-    let header: Vec<&str> = log.lines().next().unwrap().split(',').collect();
-    let kept = |line: &str| {
-        let cells = line.split(',').zip(&header);
-        let cells = cells.filter(|(_, name)| !name.ends_with("_std"));
-        cells.map(|(cell, _)| cell).collect::<Vec<_>>().join(",")
-    };
-    let rows = log.lines().skip(1).enumerate();
-    let rows = rows.map(|(k, line)| format!("{},{}\n", 5 * k, kept(line)));
-    format!(
-        "t,{}\n{}",
-        kept(&header.join(",")),
-        rows.collect::<String>()
-    )
-}
-
-/// Keys of a row of a table: what stands in backticks outside of parentheses.
-fn keys_of(row: &str) -> BTreeSet<String> {
-    let (mut depth, mut outside) = (0, String::new());
-    for c in row.chars() {
-        match c {
-            '(' => depth += 1,
-            ')' => depth -= 1,
-            c if depth == 0 => outside.push(c),
-            _ => {}
-        }
-    }
-    let words = outside.split('`').skip(1).step_by(2);
-    let words = words.filter(|word| !word.starts_with("--"));
-    words.map(str::to_string).collect()
-}
-
-/// The reader says itself which keys a sidecar may have.
-#[test]
-fn formats_name_every_key_of_sidecars() {
-    let formats = read("docs/formats.md");
-    let (folder, op2) = (folder(), op2());
-    let line = "sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.001 --out log.csv";
-    run(folder.path(), &line.replace("op2.urdf", &op2));
-    let log = folder.path().join("log.csv");
-    fs::write(log.with_extension("csv.toml"), "wxyz_uvw = 1\n").unwrap();
-    let log = log.display().to_string();
-    let said = sesc(&["fit", &op2, "--data", &log, "--support", "r_sole"]);
-    let said = String::from_utf8(said.stderr).unwrap();
-    let keys = said
-        .split("known are ")
-        .nth(1)
-        .unwrap_or_else(|| panic!("{said}"));
-    let keys = keys.lines().next().unwrap();
-    let keys: Vec<&str> = keys.trim().split(", ").collect();
-    assert!(keys.len() > 9, "{keys:?}");
-    for key in keys {
-        assert!(formats.contains(&format!("\n| `{key}` | ")), "{key}");
-    }
-}
-
-/// Columns are those that the commands name in their help.
-#[test]
-fn formats_name_every_column_and_key() {
-    let formats = read("docs/formats.md");
-    let columns = sesc_identify::logs::columns_text();
-    // Further lines of a meaning stand below its first.
-    let starts = |line: &&str| line.starts_with("  ") && !line.starts_with("   ");
-    for line in columns.lines().skip(1).filter(starts) {
-        let names = line
-            .split("  ")
-            .find(|part| !part.trim().is_empty())
-            .unwrap();
-        for name in names.split(',').map(str::trim) {
-            let name = match name {
-                "JOINT" => "a joint's name".to_string(),
-                "fsr_k" => "`fsr_1`".to_string(),
-                "fsr_k_std" => "`fsr_1_std`".to_string(),
-                name => format!("`{name}`"),
-            };
-            assert!(formats.contains(&name), "{name}");
-        }
-    }
-}
-
-/// The topics of a recording of a diagnosis, and the types of their messages, are those of its
-/// table.
-#[test]
-fn formats_name_every_topic_of_a_recording() {
-    let formats = read("docs/formats.md");
-    let (_, part) = formats.split_once("### Recording of a diagnosis").unwrap();
-    let (part, _) = part.split_once("\n## ").unwrap();
-    let folder = folder();
-    let simulate =
-        "sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.0005 --out log.csv";
-    run(folder.path(), &simulate.replace("op2.urdf", &op2()));
-    let diagnose = format!("sesc diagnose {} --data log.csv --mcap out.mcap", op2());
-    run(folder.path(), &diagnose);
-    let bytes = fs::read(folder.path().join("out.mcap")).unwrap();
-    let text = String::from_utf8_lossy(&bytes);
-    let rows = part.lines().filter(|line| line.starts_with("| `/"));
-    let named: BTreeSet<String> = rows.flat_map(keys_of).collect();
-    assert_eq!(named.len(), 6 + 3, "{named:?}");
-    for name in named {
-        assert!(text.contains(&name), "{name}");
-    }
-}
-
-/// The blocks of TOML are what the readers take.
-#[test]
-fn files_of_the_formats_page_are_read() {
-    let formats = read("docs/formats.md");
-    let blocks = blocks(&formats, "toml");
-    assert_eq!(blocks.len(), 4);
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    fs::copy(format!("{ROOT}/robots/op2/op2.urdf"), at("op2.urdf")).unwrap();
-    let run = |line: &str| run(folder.path(), line);
-    run("sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.001 --out run.csv");
-    // The log has its CoP already, and is of no experiment.
-    let unused = ["cells", "experiment", "topic", "readings_per_pose"];
-    let sidecar = blocks[0]
-        .lines()
-        .filter(|line| !unused.iter().any(|key| line.starts_with(key)));
-    fs::write(at("run.csv.toml"), sidecar.collect::<Vec<_>>().join("\n")).unwrap();
-    fs::write(at("prior.toml"), &blocks[1]).unwrap();
-    fs::write(at("servos.toml"), &blocks[2]).unwrap();
-    let warned = run("sesc fit op2.urdf --data run.csv --prior prior.toml 2>&1 >/dev/null");
-    assert_eq!(warned, "");
-    run("sesc diagnose op2.urdf --data run.csv --servos servos.toml");
-
-    fs::write(at("sesc.toml"), &blocks[3]).unwrap();
-    fs::write(
-        at("limits.csv"),
-        "joint,lower_deg,upper_deg\nhead_pan,-5,5\n",
-    )
-    .unwrap();
-    let planned = run("sesc plan op2.urdf --poses 3 --candidates 100 --out poses.csv 2>&1");
-    assert!(
-        planned.contains("--support=r_sole --prior=tight --noise=0.0005"),
-        "{planned}"
-    );
 }
 
 /// From an empty folder to a corrected controller: each block of output is what the commands
