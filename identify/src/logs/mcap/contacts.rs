@@ -235,3 +235,65 @@ impl<R> Contacts<R> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A force along z at a point.
+    fn at(force: f64, [x, y]: [f64; 2]) -> ([f64; 3], [f64; 3]) {
+        ([0.0, 0.0, force], [y * force, -x * force, 0.0])
+    }
+
+    /// Half way between 10 N at x = 0.02 m and 30 N at x = 0.06 m there are 20 N, whose moment is
+    /// (0.2 + 1.8)/2 = 1 N m: x = 0.05 m.
+    #[test]
+    fn the_other_contact_is_on_the_line_between_its_messages() {
+        let mut contacts = Contacts::new();
+        for (t, force, x) in [(1.0, 10.0, 0.02), (1.02, 30.0, 0.06)] {
+            let (force, torque) = at(force, [x, -x]);
+            contacts.other(t, force, torque);
+        }
+        contacts.reading(1.01, -60.0, "own");
+        let (own, other) = contacts.next(false).unwrap();
+        assert_eq!(own, "own");
+        assert!((other.share - 0.25).abs() < 1e-12, "{other:?}");
+        let off = [other.cop[0] - 0.05, other.cop[1] + 0.05];
+        assert!(off.iter().all(|x| x.abs() < 1e-12), "{other:?}");
+    }
+
+    #[test]
+    fn readings_wait_and_those_of_one_foot_are_left_out_and_counted() {
+        let mut contacts = Contacts::new();
+        contacts.reading(1.0, 50.0, 0);
+        assert_eq!(contacts.next(false), None);
+        let (force, torque) = at(50.0, [0.0; 2]);
+        contacts.other(1.0, force, torque);
+        assert!(contacts.next(false).is_some());
+        // In the air, and between messages that are half a second apart.
+        contacts.reading(1.5, 50.0, 1);
+        contacts.other(1.5, [0.0; 3], [0.0; 3]);
+        contacts.reading(1.75, 50.0, 2);
+        contacts.other(2.0, force, torque);
+        assert_eq!(contacts.next(false), None);
+        contacts.reading(2.5, 50.0, 3);
+        assert_eq!(contacts.next(true), None);
+        assert_eq!((contacts.lifted, contacts.alone), (1, 2));
+        let said = contacts.left_out(4).unwrap();
+        assert!(said.contains("of 4 readings 1 have the other foot in the air, 2 no"));
+    }
+
+    #[test]
+    fn memory_does_not_grow_with_what_lacks_its_other_half() {
+        let mut contacts = Contacts::new();
+        let (force, torque) = at(50.0, [0.0; 2]);
+        for k in 0..2 * MOST {
+            contacts.other(0.001 * k as f64, force, torque);
+        }
+        assert!(contacts.others.len() < 200, "{}", contacts.others.len());
+        for k in 0..2 * MOST {
+            contacts.reading(1e3 + k as f64, 50.0, 0);
+        }
+        assert_eq!(contacts.alone, MOST as u64);
+    }
+}
