@@ -87,7 +87,7 @@ impl Feet {
         };
         let Some(link) = at(carrier) else {
             let name = carrier;
-            let meant = suggestion(&name, links.iter().map(|link| link.name.as_str()));
+            let meant = suggestion(name, links.iter().map(|link| link.name.as_str()));
             let has = soles(model);
             let why = format!(" `{name}` is no link of the robot; the robot has {has}{meant}");
             return Err(Error::request(message![Setting::OtherFoot, why]));
