@@ -11,6 +11,7 @@ mod allowed;
 mod compare;
 mod imperfect;
 mod motion;
+mod truth;
 mod world;
 
 use std::collections::BTreeMap;
@@ -22,16 +23,17 @@ use sesc_reference::Reference;
 
 use crate::Error;
 pub use allowed::allowed;
-use allowed::{decided, magnified};
-use compare::{Block, Blocks, Compared, Compares, explained_by, velocities};
+use allowed::decided;
+use compare::{Block, Blocks, Compared, Compares, explained_by};
 pub use imperfect::with_effect;
 pub use motion::JointMotion;
+use motion::velocities;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_identify::threads::each;
 use sesc_identify::{Watch, tell};
-use world::{Bent, beyond_rounding};
+use world::{Bent, beyond_rounding, magnified};
 
 /// Joint angles that [`samples`] draws, in postures that the limits below hold.
 const DRAWN: usize = 1_000_000;

@@ -3,8 +3,8 @@
 use sesc_model::bounds::Precision;
 use sesc_model::{Function, Given, Model};
 
-use super::JointMotion;
-use super::compare::velocities;
+use super::motion::{JointMotion, velocities};
+use super::world::magnified;
 
 /// Derivatives by differences are this exact, relative to the robot's size.
 const DIFFERENCES: f64 = 2e-10;
@@ -19,14 +19,6 @@ pub(super) fn decided(model: &Model) -> Model {
         effects.retain(|(i, _)| i.effect.dead_band().is_none());
     }
     decided
-}
-
-/// How many times further a reading moves than its CoP; 1 without effects of the sensor.
-pub(super) fn magnified(model: &Model) -> f64 {
-    let at = |x: f64, y: f64| model.reading_of([x, y]);
-    let (here, step) = (at(0.0, 0.0), 1e-3);
-    let moved = |there: [f64; 2]| (there[0] - here[0]).hypot(there[1] - here[1]) / step;
-    moved(at(step, 0.0)).max(moved(at(0.0, step)))
 }
 
 /// How far generated code may be from the reference, m; infinite for a variant

@@ -61,3 +61,8 @@ impl JointMotion {
         snapped * (1.0 + 4.0 * self.stir * (reach + far + arm) / least)
     }
 }
+
+/// Joint velocities that the velocity of the CoM is compared at, rad/s or m/s: no two alike.
+pub(super) fn velocities(dof: usize) -> Vec<f64> {
+    (0..dof).map(|j| 1.0 / (1.0 + j as f64)).collect()
+}

@@ -17,9 +17,9 @@ use sesc_model::effects::{Catalog, EffectContext, Instance, Stage};
 use sesc_model::{Function, Model};
 use sesc_reference::{GRAVITY, Reference, World};
 
-use super::allowed::magnified;
-use super::compare::Truth;
-use super::{JointMotion, with_effect};
+use super::imperfect::with_effect;
+use super::motion::JointMotion;
+use super::truth::Truth;
 use crate::Error;
 use sesc_identify::robot::Robot;
 
@@ -297,4 +297,12 @@ pub(super) fn beyond_rounding(model: &Model, function: Function, left_out: f64) 
         Function::Regressor | Function::RegressorCop | Function::RegressorFull => AT_REST * reach,
         Function::CorrectCop => 0.0,
     }
+}
+
+/// How many times further a reading moves than its CoP; 1 without effects of the sensor.
+pub(super) fn magnified(model: &Model) -> f64 {
+    let at = |x: f64, y: f64| model.reading_of([x, y]);
+    let (here, step) = (at(0.0, 0.0), 1e-3);
+    let moved = |there: [f64; 2]| (there[0] - here[0]).hypot(there[1] - here[1]) / step;
+    moved(at(step, 0.0)).max(moved(at(0.0, step)))
 }
