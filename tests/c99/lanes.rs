@@ -313,7 +313,7 @@ fn every_lane_has_the_bits_of_one_posture_and_nothing_else_is_touched() {
 
 #[test]
 fn sanitizers_find_nothing() {
-    let folder = folder("lanes");
+    let folder = folder("lanes_sanitized");
     let checked = ["gcc", "-O1", "-g", "-fsanitize=address,undefined"];
     let checked = [&checked[..], &["-fno-sanitize-recover=all", "-DEXACT"]].concat();
     let mut cases = cases();
@@ -328,7 +328,7 @@ fn sanitizers_find_nothing() {
 /// With the C library's sines, lane by lane.
 #[test]
 fn the_sines_of_the_library_serve_as_well() {
-    let folder = folder("lanes");
+    let folder = folder("lanes_libm");
     let case = Case::robot("two_link", "foot").of_many(8);
     let libm = format!("-D{}_USE_LIBM", case.name);
     for scalar in [Scalar::F64, Scalar::F32] {
@@ -338,7 +338,7 @@ fn the_sines_of_the_library_serve_as_well() {
 
 #[test]
 fn neon_gives_the_same_bits() {
-    let folder = folder("lanes");
+    let folder = folder("lanes_neon");
     let cases = cases();
     let cross = ["aarch64-linux-gnu-gcc", "-O2", "-static"];
     parallel(cases.iter().take(5).collect(), |case| {
