@@ -304,13 +304,15 @@ for delay in map(float, sys.argv[2].split()):
     sender.start()
     try:
         calls[name]()
-        print("ended", end=" ")
+        said = "ended"
         try:
             sender.join()
         except KeyboardInterrupt:
             pass
     except KeyboardInterrupt:
-        print(time.perf_counter() - sent[0], end=" ")
+        said = str(time.perf_counter() - sent[0])
+    # Whole, whenever the signal comes.
+    print(said, end=" ")
 """
 
 
