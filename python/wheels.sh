@@ -105,7 +105,8 @@ emulated() {
 # the build has to be told.
 built() {
   maturin build --quiet --release --locked --zig --compatibility manylinux_2_28 --target "$1" \
-    --manifest-path python/Cargo.toml --config python/wheel.toml --out "$out" "${@:2}"
+    --manifest-path python/Cargo.toml --config python/wheel.toml --compression-level 9 \
+    --out "$out" "${@:2}"
 }
 
 for processor in "${processors[@]}"; do
