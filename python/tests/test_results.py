@@ -287,7 +287,7 @@ if name in ("c99", "rust"):
     joint = "<joint name='j{1}' type='revolute'><parent link='l{0}'/><child link='l{1}'/><origin xyz='0 0.01 0.1'/>"
     joint += "<axis xyz='{2}'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
     axes = ["1 0 0", "0 1 0", "0 0 1"]
-    parts = [link.format(k) for k in range(81)] + [joint.format(k, k + 1, axes[k % 3]) for k in range(80)]
+    parts = [link.format(k) for k in range(161)] + [joint.format(k, k + 1, axes[k % 3]) for k in range(160)]
     long = sesc.Robot("<robot name='long'>" + "".join(parts) + "</robot>").on("l0")
 if name in ("fleet", "executor"):
     paths = [f"{sys.argv[3]}/{k}.csv" for k in range(24)]
@@ -299,18 +299,23 @@ def send():
     sent.append(time.perf_counter())
     os.kill(os.getpid(), signal.SIGINT)
 for delay in map(float, sys.argv[2].split()):
-    sent = []
-    sender = threading.Thread(target=send)
-    sender.start()
-    try:
-        calls[name]()
-        said = "ended"
+    # A quick machine may end the call before the signal comes: then it comes sooner.
+    said = "ended"
+    while said == "ended" and delay > 1e-3:
+        sent = []
+        sender = threading.Thread(target=send)
+        sender.start()
         try:
-            sender.join()
+            calls[name]()
+            try:
+                sender.join()
+            except KeyboardInterrupt:
+                pass
         except KeyboardInterrupt:
-            pass
-    except KeyboardInterrupt:
-        said = str(time.perf_counter() - sent[0])
+            said = str(time.perf_counter() - sent[0])
+        if said == "ended" and os.path.exists("log.csv"):
+            os.remove("log.csv")
+        delay /= 2
     # Whole, whenever the signal comes.
     print(said, end=" ")
 """
@@ -329,8 +334,8 @@ def test_ctrl_c_stops_within_a_fifth_of_a_second(name: str, tmp_path: Path, tmp_
     done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False)
     assert done.returncode == 0 and done.stderr == "", done.stderr
     early, late = done.stdout.split()
-    assert early != "ended", "too quick to be interrupted"
-    assert float(early) < 0.2 and (late == "ended" or float(late) < 0.2), done.stdout
+    assert "ended" not in (early, late), "too quick to be interrupted"
+    assert float(early) < 0.2 and float(late) < 0.2, done.stdout
     assert os.listdir(tmp_path) == []
     # Of a fleet, rows that are whole stay in its store.
     assert all(json.loads(row.read_bytes()) for row in aside.glob("rows/**/*.json"))
