@@ -56,9 +56,10 @@ struct Case {
 }
 
 impl Case {
-    /// Whether its ZMP is compiled: of larger robots that would take minutes.
+    /// Whether its ZMP is compiled: of larger robots that takes long. Those with more joints
+    /// than are written out have bodies of their own.
     fn moves(&self) -> bool {
-        self.model.dof() <= 12
+        self.model.dof() <= 12 || self.model.begins_with_sines()
     }
 
     /// What is compiled.
@@ -72,16 +73,8 @@ impl Case {
 fn cases(robots: &[Standing], trees: u64) -> Vec<Case> {
     let mut cases = Vec::new();
     let mut push = |robot: Robot, support: &str, snapping| {
-        let model = robot.model(support, snapping, None).unwrap();
-        let mut q = corners(&model, 12);
-        q.extend(Simulator::new(&model.tree.dofs, None, 11).batch(POSTURES));
-        cases.push(Case {
-            module: format!("case_{}", cases.len()),
-            support: support.to_string(),
-            q: q.into_iter().map(|x| f64::from(x as f32)).collect(),
-            robot,
-            model,
-        });
+        let module = format!("case_{}", cases.len());
+        cases.push(case_of(robot, support, snapping, module));
     };
     for (name, support) in robots {
         let path = Path::new(ROOT).join(format!("robots/{name}/{name}.urdf"));
@@ -102,6 +95,19 @@ fn cases(robots: &[Standing], trees: u64) -> Vec<Case> {
         );
     }
     cases
+}
+
+fn case_of(robot: Robot, support: &str, snapping: Snapping, module: String) -> Case {
+    let model = robot.model(support, snapping, None).unwrap();
+    let mut q = corners(&model, 12);
+    q.extend(Simulator::new(&model.tree.dofs, None, 11).batch(POSTURES));
+    Case {
+        module,
+        support: support.to_string(),
+        q: q.into_iter().map(|x| f64::from(x as f32)).collect(),
+        robot,
+        model,
+    }
 }
 
 /// A crate that evaluates every case and writes what it finds.
@@ -178,6 +184,30 @@ fn optimised_code_is_the_tape_to_the_bit_and_the_reference_within_its_bound() {
 #[test]
 fn code_of_every_robot_is_the_tape_to_the_bit_and_the_reference_within_its_bound() {
     compiled_is_tape_and_reference("compiled_quick", &cases(&QUICK, 6), 1);
+}
+
+#[test]
+fn code_of_many_joints_is_the_tape_to_the_bit_and_the_reference_within_its_bound() {
+    let kind = Kind {
+        joints: 72,
+        canonical: false,
+        revolute: true,
+        chained: 0.7,
+    };
+    let (text, links) = tree(72, kind);
+    // A joint that slides passes its position where the others pass sines.
+    let text = text.replacen("type=\"revolute\"", "type=\"prismatic\"", 1);
+    let robot = Robot::parse(&text, "random.urdf").unwrap();
+    let case = case_of(robot, &links[0], Snapping::default(), "case_0".to_string());
+    assert!(case.model.begins_with_sines());
+    assert!(case.model.tree.dofs.iter().any(|dof| dof.prismatic));
+    let module = rust::module(&Facts::of(&case.model), &case.module).unwrap();
+    assert_eq!(
+        module.matches("sin_cos()").count(),
+        1,
+        "sines stand in a loop"
+    );
+    compiled_is_tape_and_reference("compiled_many", &[case], 1);
 }
 
 /// Compile the cases with optimisations of `level`, run them and compare.

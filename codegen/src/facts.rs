@@ -42,6 +42,9 @@ pub struct Facts<'m> {
     pub self_test: SelfTest<'m>,
     /// The functions that an effect acts on.
     pub affected: Vec<Function>,
+    /// Whether functions of joint positions are those of sines and cosines, where these can
+    /// be had.
+    pub begins_with_sines: bool,
     /// The functions.
     pub routines: Vec<Routine>,
 }
@@ -140,6 +143,7 @@ impl Facts<'_> {
             effects: effects(model),
             self_test: SelfTest::of(model),
             affected: affected(model),
+            begins_with_sines: model.begins_with_sines(),
             routines: routines(model),
         }
     }

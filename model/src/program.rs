@@ -119,7 +119,7 @@ pub fn operands(expr: Expr) -> impl Iterator<Item = Id> {
 }
 
 /// `expr` with its operands renamed.
-fn rename(expr: Expr, to: impl Fn(Id) -> Id) -> Expr {
+pub(crate) fn rename(expr: Expr, to: impl Fn(Id) -> Id) -> Expr {
     match expr {
         Expr::Const(_) | Expr::Input { .. } => expr,
         Expr::Add(a, b) => Expr::Add(to(a), to(b)),

@@ -14,6 +14,7 @@
 
 mod body;
 mod constants;
+mod once;
 mod printed;
 mod signature;
 
@@ -112,6 +113,9 @@ struct Robot {
     methods: Vec<Method>,
     /// All functions can be had from sines and cosines.
     from_sines: bool,
+    /// What functions of positions begin with where their bodies stand once, below those of
+    /// sines and cosines.
+    sines: Option<TokenStream>,
 }
 
 /// One function: what it is from outside, and what it does.
@@ -121,22 +125,42 @@ struct Method {
     doc: String,
     /// Parameters and result as the body sees them, then the body.
     body: TokenStream,
+    /// The same for a method beside those of the runtime's traits: what writes a matrix of
+    /// sines and cosines in place.
+    in_place: Option<TokenStream>,
 }
 
 impl Robot {
     fn new(facts: &Facts, unit: Ident, routines: &[&Routine], notes: &mut Notes) -> Robot {
-        let method = |routine: &&Routine| Method {
-            function: routine.function,
-            given: routine.given,
-            doc: documentation(facts, routine.function, routine.given),
-            body: body_of(routine, notes),
+        let of_sines = |routine: &&&Routine| routine.given == Given::SinesCosines;
+        let from_sines = routines.iter().filter(of_sines).count() == Function::ALL.len();
+        let once = from_sines && facts.begins_with_sines;
+        let method = |routine: &&Routine| {
+            let (function, given) = (routine.function, routine.given);
+            let in_place = match given {
+                Given::SinesCosines if once => matrix(function, Given::Positions),
+                _ => None,
+            };
+            let body = match (&in_place, given) {
+                (Some(matrix), _) => once::result_of(function, matrix),
+                (None, Given::Positions) if once && function != Function::CorrectCop => {
+                    once::forward(function, INTERFACE)
+                }
+                _ => body_of(routine, matrix(function, given), notes),
+            };
+            Method {
+                function,
+                given,
+                doc: documentation(facts, function, given),
+                body,
+                in_place: in_place.map(|matrix| body_of(routine, Some(matrix), notes)),
+            }
         };
-        let methods: Vec<Method> = routines.iter().map(method).collect();
-        let sines = |method: &&Method| method.given == Given::SinesCosines;
         Robot {
             unit,
-            from_sines: methods.iter().filter(sines).count() == Function::ALL.len(),
-            methods,
+            methods: routines.iter().map(method).collect(),
+            from_sines,
+            sines: once.then(|| once::sines(facts)),
         }
     }
 
@@ -216,7 +240,16 @@ impl Robot {
         let corrects = self
             .corrects()
             .then(|| implementation("SensorEffects", quote!(), &|_| false));
-        quote! { #robot #sines #corrects }
+        let in_place = self.sines.as_ref().map(|sines| {
+            let methods = self.methods.iter().filter_map(|method| {
+                let body = method.in_place.as_ref()?;
+                let name = once::in_place(method.function);
+                Some(quote! { #[inline(always)] fn #name #body })
+            });
+            let allow = allow_names();
+            quote! { #sines #allow impl #unit { #(#methods)* } }
+        });
+        quote! { #in_place #robot #sines #corrects }
     }
 }
 
@@ -231,10 +264,9 @@ impl Method {
     }
 }
 
-/// Parameters, result and statements of a function.
-fn body_of(routine: &Routine, notes: &mut Notes) -> TokenStream {
+/// Parameters, result and statements of a function; `matrix` is what it writes in place.
+fn body_of(routine: &Routine, matrix: Option<Ident>, notes: &mut Notes) -> TokenStream {
     let program = &routine.program;
-    let matrix = matrix(routine.function, routine.given);
     let listing = match matrix {
         Some(_) => Listing::new(program, Results::AsTheyCome),
         None => Listing::new(program, Results::AtTheEnd),

@@ -12,6 +12,7 @@ mod information;
 mod posture;
 mod records;
 mod sensor;
+mod sines;
 
 use std::ops::Deref;
 
