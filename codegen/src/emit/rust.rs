@@ -113,8 +113,8 @@ struct Robot {
     methods: Vec<Method>,
     /// All functions can be had from sines and cosines.
     from_sines: bool,
-    /// What functions of positions begin with where their bodies stand once, below those of
-    /// sines and cosines.
+    /// The function that those of positions begin with, where each body stands once: in that
+    /// of sines and cosines.
     sines: Option<TokenStream>,
 }
 
@@ -125,9 +125,6 @@ struct Method {
     doc: String,
     /// Parameters and result as the body sees them, then the body.
     body: TokenStream,
-    /// The same for a method beside those of the runtime's traits: what writes a matrix of
-    /// sines and cosines in place.
-    in_place: Option<TokenStream>,
 }
 
 impl Robot {
@@ -137,23 +134,15 @@ impl Robot {
         let once = from_sines && facts.begins_with_sines;
         let method = |routine: &&Routine| {
             let (function, given) = (routine.function, routine.given);
-            let in_place = match given {
-                Given::SinesCosines if once => matrix(function, Given::Positions),
-                _ => None,
-            };
-            let body = match (&in_place, given) {
-                (Some(matrix), _) => once::result_of(function, matrix),
-                (None, Given::Positions) if once && function != Function::CorrectCop => {
-                    once::forward(function, INTERFACE)
-                }
-                _ => body_of(routine, matrix(function, given), notes),
-            };
+            let forwards = once && given == Given::Positions && function != Function::CorrectCop;
             Method {
                 function,
                 given,
                 doc: documentation(facts, function, given),
-                body,
-                in_place: in_place.map(|matrix| body_of(routine, Some(matrix), notes)),
+                body: match forwards {
+                    true => once::forward(function, INTERFACE),
+                    false => body_of(routine, notes),
+                },
             }
         };
         Robot {
@@ -240,16 +229,8 @@ impl Robot {
         let corrects = self
             .corrects()
             .then(|| implementation("SensorEffects", quote!(), &|_| false));
-        let in_place = self.sines.as_ref().map(|sines| {
-            let methods = self.methods.iter().filter_map(|method| {
-                let body = method.in_place.as_ref()?;
-                let name = once::in_place(method.function);
-                Some(quote! { #[inline(always)] fn #name #body })
-            });
-            let allow = allow_names();
-            quote! { #sines #allow impl #unit { #(#methods)* } }
-        });
-        quote! { #in_place #robot #sines #corrects }
+        let begin = &self.sines;
+        quote! { #begin #robot #sines #corrects }
     }
 }
 
@@ -264,9 +245,10 @@ impl Method {
     }
 }
 
-/// Parameters, result and statements of a function; `matrix` is what it writes in place.
-fn body_of(routine: &Routine, matrix: Option<Ident>, notes: &mut Notes) -> TokenStream {
+/// Parameters, result and statements of a function.
+fn body_of(routine: &Routine, notes: &mut Notes) -> TokenStream {
     let program = &routine.program;
+    let matrix = matrix(routine.function, routine.given);
     let listing = match matrix {
         Some(_) => Listing::new(program, Results::AsTheyCome),
         None => Listing::new(program, Results::AtTheEnd),

@@ -7,7 +7,7 @@
 //! For robots with many joints, of which the compiler would read every body twice
 //! (`sesc_model`'s programs of positions are of the same operations).
 
-use proc_macro2::{Ident, Literal, TokenStream};
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::allow_names;
@@ -16,12 +16,6 @@ use crate::emit::header;
 use crate::facts::Facts;
 use sesc_model::expr::Argument;
 use sesc_model::{Function, Given};
-
-/// The method that writes the matrix of `function` from sines and cosines in place.
-pub(super) fn in_place(function: Function) -> Ident {
-    let name = header::function_name(function, Given::SinesCosines);
-    format_ident!("{name}_into")
-}
 
 /// The function that computes sines and cosines of all joints.
 pub(super) fn sines(facts: &Facts) -> TokenStream {
@@ -57,37 +51,19 @@ pub(super) fn forward(function: Function, interface: usize) -> TokenStream {
     let (parameters, names) = signature(function, Given::Positions, own_name);
     let rest = names.iter().skip(1);
     let result = result(function, Given::Positions);
+    let name = header::function_name(function, Given::SinesCosines);
+    let (name, v) = (format_ident!("{name}"), format_ident!("v{interface}"));
+    let value = quote! { <Self as #v::SinCosRobot>::#name(&sin, &cos #(, #rest)*) };
     match matrix(function, Given::Positions) {
-        Some(matrix) => {
-            let name = in_place(function);
-            quote! { <T: Real>(#parameters, #matrix: &mut #result) {
-                let (sin, cos) = sines(q);
-                Self::#name(&sin, &cos, #(#rest,)* #matrix);
-            } }
-        }
-        None => {
-            let name = header::function_name(function, Given::SinesCosines);
-            let (name, v) = (format_ident!("{name}"), format_ident!("v{interface}"));
-            quote! { <T: Real>(#parameters) -> #result {
-                let (sin, cos) = sines(q);
-                <Self as #v::SinCosRobot>::#name(&sin, &cos #(, #rest)*)
-            } }
-        }
+        Some(matrix) => quote! { <T: Real>(#parameters, #matrix: &mut #result) {
+            let (sin, cos) = sines(q);
+            *#matrix = #value;
+        } },
+        None => quote! { <T: Real>(#parameters) -> #result {
+            let (sin, cos) = sines(q);
+            #value
+        } },
     }
-}
-
-/// A function whose result is the matrix that [`in_place`] writes.
-pub(super) fn result_of(function: Function, matrix: &Ident) -> TokenStream {
-    let (parameters, names) = signature(function, Given::SinesCosines, own_name);
-    let result = result(function, Given::SinesCosines);
-    let (name, rows) = (in_place(function), function.rows().unwrap_or(1));
-    let columns = super::signature::extent(function.columns());
-    let rows = Literal::usize_unsuffixed(rows);
-    quote! { <T: Real>(#parameters) -> #result {
-        let mut #matrix = [[T::from_f64(0.0); #columns]; #rows];
-        Self::#name(#(#names,)* &mut #matrix);
-        #matrix
-    } }
 }
 
 fn own_name(argument: Argument) -> String {

@@ -43,7 +43,7 @@ fn filled(function: Function, rows: Option<usize>, with: &TokenStream) -> TokenS
 }
 
 /// A length as generated code names it.
-pub(super) fn extent(extent: Extent) -> TokenStream {
+fn extent(extent: Extent) -> TokenStream {
     match extent {
         Extent::Fixed(n) => {
             let n = Literal::usize_unsuffixed(n);
