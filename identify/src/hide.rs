@@ -64,6 +64,25 @@ fn record(context: &EffectContext, text: &str) -> Result<EffectRecord, Error> {
     };
     // What is wrong with the name or the target, the model file will say.
     let known = context.catalog.named(effect);
+    if let Some(effect) = known
+        && effect.targets(context).is_empty()
+    {
+        let moving = EffectContext {
+            times: true,
+            ..context.clone()
+        };
+        return Err(bad(match effect.targets(&moving).is_empty() {
+            true => {
+                "acts on the cells of a foot, and this robot has none; give a model file \
+                     with `cells`, or take another effect"
+            }
+            false => {
+                "acts on joint angles over time, which are logged as they are; to try it, \
+                      shift the joint columns of a log against its readings"
+            }
+        }
+        .to_string()));
+    }
     let target = known.and_then(|effect| context.target_named(effect, target));
     let (Some(effect), Some(target)) = (known, target) else {
         return Ok(record);
@@ -167,5 +186,7 @@ mod tests {
         );
         assert!(refused("joint_sign:hip=1").contains("takes no value"));
         assert!(refused("joint_offset:hip=NaN").contains("no value of offset_rad"));
+        assert!(refused("time_delay=20ms").contains("shift the joint columns"));
+        assert!(refused("cell_gain:0=1%").contains("give a model file with `cells`"));
     }
 }

@@ -17,6 +17,7 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, CommandFactory as _};
 use sesc_identify::logs::Sidecar;
 use sesc_model::files;
+use sesc_model::spelling::nearest;
 use sesc_model::text::shortened;
 
 use super::Cli;
@@ -101,7 +102,9 @@ pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Str
     };
     let known: Vec<&str> = KEYS.iter().map(|(key, _)| *key).collect();
     if let Some(unknown) = table.keys().find(|key| !known.contains(&key.as_str())) {
-        let remedy = format!("no such key; the keys are {}", known.join(", "));
+        let meant = nearest(unknown, "", known.iter().copied());
+        let meant = meant.map_or(String::new(), |key| format!("; did you mean `{key}`?"));
+        let remedy = format!("no such key; the keys are {}{meant}", known.join(", "));
         return Err(wrong(&file, &shortened(unknown, 64), &remedy));
     }
     let folder = file.parent().unwrap_or(Path::new(""));

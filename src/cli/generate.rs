@@ -11,7 +11,7 @@ use sesc_model::files::write_all_if_changed;
 
 use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Outcome, RobotArguments, again, message, print, print_json};
+use super::{Outcome, RobotArguments, again, message, print, print_json, streams};
 use crate::Error;
 
 /// Write the functions of a robot as source code
@@ -124,6 +124,13 @@ enum Layout {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    if streams::is_standard(&arguments.out) {
+        return Err(Error::Usage(
+            "--out - is no folder, and source files do not go to standard output; name a folder \
+             (`./-` has that name)"
+                .into(),
+        ));
+    }
     let reads = Files::default()
         .reads_robots([&arguments.robot.urdf])
         .reads(&arguments.model)

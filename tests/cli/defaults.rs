@@ -83,7 +83,7 @@ fn what_is_wrong_with_the_file_is_said_with_its_name() {
     for (text, words) in [
         (
             "suport = \"r_sole\"\n",
-            ["`suport`: no such key; the keys are support", "sesc.toml"],
+            ["did you mean `support`?", "sesc.toml"],
         ),
         (
             "support = 3\n",

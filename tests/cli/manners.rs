@@ -260,6 +260,14 @@ fn a_log_is_no_experiment_of_its_own() {
     fs::copy(format!("{log}.toml"), format!("{copy}.toml")).unwrap();
     let output = sesc(&["diagnose", &urdf, "--data", &log, "--then", &copy]);
     refused(&output, &["copy.csv", "same rows", "would count twice"]);
+    // The same rows with their columns in another order.
+    let turned = path("turned.csv");
+    let text = fs::read_to_string(&log).unwrap();
+    let turn = |line: &str| line.rsplit(',').collect::<Vec<_>>().join(",") + "\n";
+    fs::write(&turned, text.lines().map(turn).collect::<String>()).unwrap();
+    fs::copy(format!("{log}.toml"), format!("{turned}.toml")).unwrap();
+    let output = sesc(&["diagnose", &urdf, "--data", &log, "--then", &turned]);
+    refused(&output, &["turned.csv", "same rows", "would count twice"]);
 }
 
 #[test]

@@ -147,6 +147,7 @@ pub(super) fn outliers(problem: &Problem, best: &Fit) -> Vec<i64> {
 /// Joints whose offset this log hardly shows, with the size from which it would.
 pub(super) fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
     let context = &problem.context;
+    let reach = context.robot.reach();
     let mut spots = Vec::new();
     for (term, chi2) in visible {
         let Some(instance) = term.effect() else {
@@ -169,6 +170,10 @@ pub(super) fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Bli
             from,
             size: match unit.shown() {
                 _ if unit == Unit::Radian && from > FRAC_PI_2 => "over 90°".to_string(),
+                // More than the whole robot reaches.
+                _ if unit == Unit::Metre && from > reach => {
+                    format!("over {:.0} mm", 1e3 * reach)
+                }
                 (factor, "°") => format!("{:.0}°", factor * from),
                 (factor, symbol) => format!("{:.0} {symbol}", factor * from),
             },

@@ -105,8 +105,8 @@ impl Clearance {
         match (self.by_shapes, self.by_points) {
             (0, 0) => "nothing moves".to_string(),
             (0, points) => format!(
-                "{mm:.1} mm for joints and CoMs of {points} links: the robot has no collision shapes, \
-                 parts that reach beyond them may touch"
+                "{mm:.1} mm for joints and CoMs of {points} links: they have no collision shapes, \
+                 parts that reach beyond may touch"
             ),
             (shapes, 0) => format!("{mm:.1} mm for the collision shapes of {shapes} links"),
             (shapes, points) => format!(

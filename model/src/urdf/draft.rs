@@ -69,7 +69,7 @@ pub(super) fn draft(
     let version = read_version(&mut reader, root);
     draft.version = version;
 
-    let mut first_macro = None;
+    let (mut first_macro, mut first_call) = (None, None);
     for child in root.children().filter(roxmltree::Node::is_element) {
         match tag(child) {
             "link" if draft.links.len() < limits::LINKS => {
@@ -86,20 +86,25 @@ pub(super) fn draft(
                 );
                 break;
             }
-            _ if first_macro.is_none() && reader.tag(child).starts_with("xacro:") => {
-                first_macro = Some(child);
+            _ => {
+                if let Some(word) = reader.tag(child).strip_prefix("xacro:") {
+                    let adds = !matches!(word, "property" | "arg" | "macro");
+                    first_macro.get_or_insert(child);
+                    first_call = first_call.or(adds.then_some(child));
+                }
             }
-            _ => {}
         }
     }
-    if let Some(node) = first_macro {
+    if let Some(node) = first_call.or(first_macro) {
         let line = reader.line(node);
-        if draft.links.is_empty() {
+        if draft.links.is_empty() || first_call.is_some() {
             let tag = plain(reader.tag(node));
-            reader.complain(
-                line,
-                format!("an unexpanded xacro: no link, but <{tag}>; {EXPAND}"),
-            );
+            // A call of a macro, or what it includes, may hold links, joints and masses.
+            let what = match draft.links.is_empty() {
+                true => format!("no link, but <{tag}>"),
+                false => format!("<{tag}> stands for parts of the robot"),
+            };
+            reader.complain(line, format!("an unexpanded xacro: {what}; {EXPAND}"));
             return draft;
         }
         let found = shown(reader.tag(node));

@@ -208,6 +208,19 @@ fn only_direct_children_are_the_robots() {
 }
 
 #[test]
+fn calls_of_macros_are_parts_that_are_missing() {
+    for call in [
+        "<xacro:leg m='50'/>",
+        "<xacro:include filename='a'/>",
+        "<xacro:if value='1'/>",
+    ] {
+        let error = refuse(&robot(call));
+        assert!(error.contains("unexpanded xacro"), "{error}");
+        assert!(error.contains("stands for parts of the robot"), "{error}");
+    }
+}
+
+#[test]
 fn robot_tools_write_xml_of_their_own() {
     for head in [
         "\n<?xml version='1.0'?>\n",
