@@ -67,10 +67,8 @@ fn record(context: &EffectContext, text: &str) -> Result<EffectRecord, Error> {
     if let Some(effect) = known
         && effect.targets(context).is_empty()
     {
-        let moving = EffectContext {
-            times: true,
-            ..context.clone()
-        };
+        let mut moving = context.clone();
+        moving.times = true;
         return Err(bad(match effect.targets(&moving).is_empty() {
             true => {
                 "acts on the cells of a foot, and this robot has none; give a model file \
