@@ -8,6 +8,8 @@
 pub mod corrected;
 mod criteria;
 mod estimate;
+#[cfg(test)]
+mod freed_tests;
 #[cfg(feature = "nalgebra")]
 #[doc(hidden)]
 pub mod gather;

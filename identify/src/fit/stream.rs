@@ -88,10 +88,11 @@ impl Stream {
             return;
         };
         let params = rows.matrix.columns;
+        let Timing { axes, freed, .. } = &self.timing;
         let mut row = vec![0.0; params + 1];
         for (k, &t) in t.iter().enumerate() {
             for (axis, whitener) in whiteners.iter_mut().enumerate() {
-                let weight = 1.0 / dealt.std[k][axis];
+                let weight = axes[axis] / freed[axis] / dealt.std[k][axis];
                 for (to, from) in row.iter_mut().zip(rows.matrix.row(2 * k + axis)) {
                     *to = from * weight;
                 }

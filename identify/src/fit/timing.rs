@@ -37,6 +37,8 @@ pub struct Timing {
     pub correlation: [Correlation; 2],
     /// Noise of each axis in units of their RMS.
     pub axes: [f64; 2],
+    /// The same of rows that were freed of their correlation.
+    pub freed: [f64; 2],
     /// Whether times run forward.
     pub timed: bool,
     /// First time and length of the blocks that are held out, s; none where postures are.
@@ -54,6 +56,7 @@ impl Timing {
     pub const NONE: Timing = Timing {
         correlation: [Correlation::NONE; 2],
         axes: [1.0; 2],
+        freed: [1.0; 2],
         timed: false,
         blocks: None,
         long: false,
@@ -299,11 +302,13 @@ impl Head {
                 (length / folds as f64).max(HELD_OUT_TIMES * longest),
             )
         });
+        let own = match own_axes && self.rows > 0 {
+            true => self.apart(&axes, &correlation),
+            false => [1.0; 2],
+        };
         Timing {
-            axes: match own_axes && self.rows > 0 {
-                true => self.apart(&axes, &correlation),
-                false => [1.0; 2],
-            },
+            axes: own,
+            freed: self.freed_apart(&axes, &correlation).unwrap_or(own),
             correlation,
             timed: step.is_some(),
             blocks,
@@ -348,19 +353,47 @@ impl Head {
                 (square, df / correlation[axis].rows_per_sample)
             }),
         };
-        let [(x, df_x), (y, df_y)] = squares;
-        if df_x < TO_KNOW_NOISE || df_y < TO_KNOW_NOISE || !(x > 0.0 && y > 0.0) {
-            return [1.0; 2];
-        }
-        let Ok(distribution) = FisherSnedecor::new(df_x, df_y) else {
-            return [1.0; 2];
-        };
-        let below = distribution.cdf(x / y);
-        if below.min(1.0 - below) > 0.5 * UNLIKELY {
-            return [1.0; 2];
-        }
-        let ratio = (x / y).sqrt().clamp(1.0 / MOST_APART, MOST_APART);
-        let rms = ((ratio * ratio + 1.0) / 2.0).sqrt();
-        [ratio / rms, 1.0 / rms]
+        unalike(squares).unwrap_or([1.0; 2])
     }
+
+    /// The same of rows freed of their correlation: an axis whose noise is taken to last longer is
+    /// taken to be larger, too, and its innovations are known as well as there are windows. None
+    /// where rows stay as they are, or axes are alike.
+    fn freed_apart(
+        &self,
+        axes: &[(DMatrix<f64>, DVector<f64>)],
+        correlation: &[Correlation; 2],
+    ) -> Option<[f64; 2]> {
+        correlation.iter().find(|axis| axis.process.is_some())?;
+        let square = |axis: usize| {
+            let (x, y) = &axes[axis];
+            match correlation[axis].process {
+                Some(process) => {
+                    let windows = match self.rows / process.cut.rows {
+                        0 => self.stays.len(),
+                        windows => windows,
+                    };
+                    let df = windows as f64 - x.ncols() as f64;
+                    (correlation[axis].variance, df)
+                }
+                None => correlation::left(x, y),
+            }
+        };
+        unalike([0, 1].map(square))
+    }
+}
+
+/// Noise of each axis in units of their RMS by its mean square and degrees of freedom, where they
+/// differ by more than chance.
+fn unalike([(x, df_x), (y, df_y)]: [(f64, f64); 2]) -> Option<[f64; 2]> {
+    if df_x < TO_KNOW_NOISE || df_y < TO_KNOW_NOISE || !(x > 0.0 && y > 0.0) {
+        return None;
+    }
+    let below = FisherSnedecor::new(df_x, df_y).ok()?.cdf(x / y);
+    if below.min(1.0 - below) > 0.5 * UNLIKELY {
+        return None;
+    }
+    let ratio = (x / y).sqrt().clamp(1.0 / MOST_APART, MOST_APART);
+    let rms = ((ratio * ratio + 1.0) / 2.0).sqrt();
+    Some([ratio / rms, 1.0 / rms])
 }

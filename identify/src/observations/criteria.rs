@@ -42,9 +42,9 @@ pub mod correlation {
     /// Unless there are this many windows for each column. Chosen: with half as many a leap may
     /// be chance.
     pub const ROOM: usize = 4;
-    /// What white noise over an AR(1) process must gain beyond that: about the logarithm of
-    /// some hundred rows (Schwarz 1978). Closed form: half of it is for e³ = 20 rows, twice as
-    /// much for 160,000.
+    /// What white noise over an AR(1) process that leaves nothing must gain beyond that: about
+    /// the logarithm of some hundred rows (Schwarz 1978). Closed form: half of it is for e³ = 20
+    /// rows, twice as much for 160,000.
     pub const UNDER_WHITE: f64 = 6.0;
     /// More windows are not filtered: longer ones say the same of slow noise in less time.
     /// Chosen: it costs time, with its square.

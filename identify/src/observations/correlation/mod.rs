@@ -15,8 +15,8 @@
 //! a prior holds take less of it: they stand beside rows `0 = b_k + N(0, 1)` of their own.
 //! Stamps may be uneven.
 //!
-//! Where an AR(1) process under white noise is likelier than one alone, and leaves nothing that
-//! neighbours say of each other, it is used.
+//! Where an AR(1) process under white noise leaves nothing that neighbours say of each other, it is
+//! used if it is likelier by far than one alone, or if one alone leaves something.
 
 mod mixture;
 mod restricted;
@@ -254,8 +254,13 @@ impl Scale {
         if found.gain > SIGNIFICANT && n <= FILTERED {
             let known = (held, deviation);
             let all = restricted::with_coefficients(&middle, &joined, &of_x, &of_y, known);
+            // Where both leave nothing, the simpler is taken unless it is less likely by far.
+            let least = match consistent {
+                true => found.gain + UNDER_WHITE,
+                false => found.gain,
+            };
             let mixture = mixture::estimate(&all.t, &all.joined, &all.x, &all.y)
-                .filter(|it| it.found.gain > found.gain + UNDER_WHITE)
+                .filter(|it| it.found.gain > least)
                 .filter(|it| is_white(&it.innovations[..n], columns.taken));
             if let Some(mixture) = mixture {
                 (found, share, consistent) = (mixture.found, mixture.share, true);

@@ -226,3 +226,23 @@ fn the_spread_of_a_sum_is_that_of_the_dense_covariance() {
         );
     }
 }
+
+/// Half a minute of a sway of a quarter of a second under white noise at 500 Hz, beside sixty slow
+/// columns. Windows of 16 rows are the first that are filtered, and nearly all of their variance
+/// lasts: white noise beside it is hardly likelier than none, but without it something is left.
+#[test]
+fn a_sway_under_white_noise_that_sixty_columns_take_most_of_is_counted() {
+    let (kind, step) = (Kind::Under(0.25), 0.002);
+    let mut ratios: Vec<f64> = [303, 304, 305, 313, 318]
+        .into_iter()
+        .map(|seed| {
+            let (t, y, _) = log(15_000, step, kind, seed);
+            let wave = |k: usize, c: usize| (0.08 * (c + 1) as f64 * t[k] + c as f64).sin();
+            let x = DMatrix::from_fn(t.len(), 60, wave);
+            Correlation::of(&t, &y, &x).rows_per_sample / kind.rows_per_sample(step)
+        })
+        .collect();
+    println!("{ratios:.2?}");
+    ratios.sort_by(f64::total_cmp);
+    assert!(ratios[0] > 0.3, "{ratios:?}");
+}

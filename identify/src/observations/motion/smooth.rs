@@ -5,7 +5,10 @@
 //! ```
 //!
 //! Of a window of 2 h the noise of an acceleration has a thirtieth of the square that one of h
-//! has, and what both share is no more than that (it is the better estimate of the two).
+//! has, and what both share is no more than that (it is the better estimate of the two). Near the
+//! ends and beside a pause a window reaches as far as the log goes on: a few rows as they were read
+//! would hold more of the noise than all others together, and rows freed of noise that lasts are
+//! differences, which have all of it.
 
 use std::ops::Range;
 
@@ -29,7 +32,7 @@ pub struct Smooth {
 }
 
 impl Smooth {
-    /// The motion of `rows` by longer windows; that which is known where those are not whole.
+    /// The motion of `rows` by longer windows; that which is known where those reach no further to either side.
     pub(super) fn of(
         plan: &Plan,
         (t, q): (&[f64], &[f64]),
@@ -48,8 +51,9 @@ impl Smooth {
                 let node = nodes.of_row[row];
                 if at.as_ref().is_none_or(|(of, _)| *of != node) {
                     let around = window.around(node);
-                    let whole = window.is_whole(node, &around) && !nodes.are_still(&around);
-                    let fit = whole.then(|| Polynomials::fit(&nodes, node, around, half, HIGH));
+                    let reaches = window.reaches(node, &around, plan.half);
+                    let fit = (reaches && !nodes.are_still(&around))
+                        .then(|| Polynomials::fit(&nodes, node, around, half, HIGH));
                     at = Some((node, fit.flatten()));
                 }
                 let (_, fit) = at.as_ref().expect("set above");

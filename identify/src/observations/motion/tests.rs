@@ -206,3 +206,34 @@ fn accelerations_change_as_those_of_a_swing_do() {
         }
     }
 }
+
+/// Rows near the ends and beside a pause have windows that are shorter on one side; what is
+/// smooth there has as little of the ticks as elsewhere.
+#[test]
+fn rows_at_the_ends_are_smooth_too() {
+    let tick = std::f64::consts::TAU / 4096.0;
+    for (step, hertz) in [(0.001, 0.125), (0.005, 0.3), (0.02, 0.2)] {
+        let seconds = 30.0;
+        let (mut t, truth) = swing(step, seconds, hertz);
+        let half = t.len() / 2;
+        t.iter_mut().skip(half).for_each(|t| *t += 2.0 / hertz);
+        let q: Vec<f64> = truth.iter().map(|q| (q / tick).round() * tick).collect();
+        let plan = Plan::of(&t, &q, 1).unwrap();
+        let motion = plan
+            .motion((&t, &q, 1), 0..t.len(), Wanted::Smooth)
+            .unwrap();
+        let smooth = motion.smooth.unwrap();
+        let beside = (1.1 * plan.half / step) as usize;
+        let from_end = |k: usize| k.min(t.len() - 1 - k).min(k.abs_diff(half));
+        let ends: Vec<usize> = (0..t.len())
+            .filter(|k| motion.known[*k] && from_end(*k) < beside)
+            .collect();
+        assert!(ends.len() > beside, "{step} s: {}", ends.len());
+        let off = |read: &[f64]| {
+            let off: Vec<f64> = ends.iter().map(|k| read[*k] - truth[*k]).collect();
+            rms(&off)
+        };
+        let (own, ticks) = (off(&smooth.q), off(&q));
+        assert!(own < 0.5 * ticks, "{step} s: {own} of {ticks}");
+    }
+}

@@ -147,10 +147,16 @@ impl<'a> Window<'a> {
 
     /// Whether nodes reach far enough to both sides.
     pub fn is_whole(&self, node: usize, around: &Range<usize>) -> bool {
+        self.reaches(node, around, self.half)
+    }
+
+    /// Whether nodes reach far enough to one side, and to the other as far as in a whole window
+    /// of half `least`.
+    pub fn reaches(&self, node: usize, around: &Range<usize>, least: f64) -> bool {
         let here = self.t[node];
-        let spanned = SPANNED * self.half;
-        here - self.t[around.start] >= spanned
-            && self.t[around.end - 1] - here >= spanned
+        let sides = [here - self.t[around.start], self.t[around.end - 1] - here];
+        sides[0].min(sides[1]) >= SPANNED * least
+            && sides[0].max(sides[1]) >= SPANNED * self.half
             && around.len() >= FEWEST
     }
 }
