@@ -41,7 +41,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE|x,y;…", allow_hyphen_values = true)]
     sole: Option<String>,
     /// Keep the CoP at least so far from the edge of box or sole, m; of a sole by collision shapes
-    /// a third of half its narrower side is kept in any case
+    /// three tenths of half its narrower side are kept in any case
     #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::length_m)]
     margin: f64,
     /// Safety margin of the CoP in standard deviations of its prediction
