@@ -206,7 +206,7 @@ mod tests {
 
     const TEXT: &str = "\u{feff}<?xml version='1.0'?>\r\n<robot name='r' version='1.1'>\r\n  <link name='a&amp;b'/>\r\n\
         \x20 <link name='c/d'/><link name='e'><inertial><mass value='1'/></inertial></link><link name='payload_e'/><link name='f'/>\r\n\
-        \x20 <!-- bent --><xacro:foo bar='${x}'/>\r\n\
+        \x20 <!-- bent --><xacro:property bar='${x}'/>\r\n\
         \x20 <joint name='j/1' type='revolute'>\r\n    <parent link='a&amp;b'/><child link='c/d'/> <axis xyz='0 -2 0'/>\
         <limit lower='-1' upper='1'/></joint>\r\n\
         \x20 <joint name='k' type='continuous'><origin  xyz='0.10 0 0'/><mimic multiplier='-2' joint='j/1'/>\

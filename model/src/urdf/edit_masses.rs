@@ -114,7 +114,7 @@ mod tests {
     const TEXT: &str = "\u{feff}<?xml version='1.0'?>\r\n<!-- a -- b -->\n<robot name='r' x:y='1'>\n\
         <link name='a'>\n  <inertial>\n    <mass value=' 2.0 '/> <!-- weighed -->\n\
         \x20   <origin rpy='0 0 0.5'\txyz='0.10  -.2 3e-1'/>\n    <inertia ixx='1' ixy='0' ixz='0' iyy='2.' iyz='0' izz='4'/>\n\
-        \x20 </inertial></link>\n<link name='b'/><xacro:foo bar='${x}'/>\n\
+        \x20 </inertial></link>\n<link name='b'/><xacro:property bar='${x}'/>\n\
         <link name=\"c\">\n  <visual/>\n</link><link name='d'><inertial>\n\t<mass value='1'/></inertial></link>\n\
         <link name='e'><inertial><origin/><mass value='1'/></inertial></link>\n\
         <joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>\n\
@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(read.links[0].inertial.origin.rpy[2], 0.5);
         for kept in [
             "<!-- weighed -->",
-            "<xacro:foo bar='${x}'/>",
+            "<xacro:property bar='${x}'/>",
             "<visual/>",
             "\r\n",
         ] {
