@@ -2,7 +2,6 @@
 //! bytes however often and in whatever order.
 
 mod faults;
-mod inputs;
 mod prior;
 mod store;
 mod table;
