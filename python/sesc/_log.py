@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
+from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -213,13 +214,44 @@ def _columns(data: Any) -> list[tuple[str, Any]]:
     return [(name, _column(name, column)) for name, column in named]
 
 
+#: Units of times that Arrow has, s.
+_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+
 def _seconds(times: Any) -> Float64:
-    """Durations, or times since the first that is one, s; NaN where there is none."""
-    known = times[~np.isnat(times)]
-    since = times - known[0] if times.dtype.kind == "M" and len(known) else times
-    if since.dtype.kind == "M":
-        return np.full(len(times), np.nan)
-    return np.ascontiguousarray(since / np.timedelta64(1, "ns"), dtype=np.float64) * 1e-9
+    """Durations, or times since 1970 (UTC), s; NaN where there is none. As from Arrow."""
+    unit, count = np.datetime_data(times.dtype)
+    if unit not in _UNITS or count != 1:
+        unit = "ns"
+        times = times.astype(f"{times.dtype.kind}8[ns]")
+    seconds = times.astype(np.int64).astype(np.float64) * _UNITS[unit]
+    seconds[np.isnat(times)] = np.nan
+    return np.ascontiguousarray(seconds)
+
+
+def _datetimes(values: list[Any]) -> Any:
+    """Times of Python, with a zone or in UTC, as those of numpy; None where others are among them."""
+    if not any(isinstance(x, datetime) for x in values):
+        return None
+    if not all(isinstance(x, datetime) or _is_missing(x) for x in values):
+        return None
+    plain = [None if _is_missing(x) else x.astimezone(timezone.utc) if x.tzinfo else x for x in values]
+    return np.array([None if x is None else x.replace(tzinfo=None) for x in plain], dtype="datetime64[us]")
+
+
+def _unmasked(array: Any) -> Any:
+    """An array without its mask: masked numbers are NaN, of other things nothing is masked."""
+    if not isinstance(array, np.ma.MaskedArray):
+        return array
+    return array.astype(np.float64).filled(np.nan) if array.dtype.kind in "fiu" else array.filled()
+
+
+def _is_missing(x: Any) -> bool:
+    """None, NaN, NaT, and pandas' NA, which is nothing that it is compared with."""
+    try:
+        return x is None or bool(x != x)
+    except TypeError:
+        return True
 
 
 def _numbers(name: str, given: Any, what: str) -> Any:
@@ -242,18 +274,25 @@ def _is_pandas(data: Any) -> bool:
 
 def _column(name: str, column: Any) -> Any:
     try:
-        array = column.to_numpy() if hasattr(column, "to_numpy") else np.asarray(column)
+        if getattr(getattr(column, "dt", None), "tz", None) is not None:
+            column = column.dt.tz_convert("UTC").dt.tz_localize(None)
+        array = column.to_numpy() if hasattr(column, "to_numpy") else np.asanyarray(column)
     except ValueError as wrong:
         raise _of_column(name, str(wrong)) from None
     if array.ndim > 1:
         raise _of_column(name, f"its shape is {array.shape}; give one value a row")
+    array = _unmasked(array)
     if name == "support" or array.dtype.kind in "UST":
-        return ["" if text is None or text != text else str(text) for text in array.tolist()]
+        return ["" if _is_missing(text) else str(text) for text in array.tolist()]
     if array.dtype.kind == "O":
+        values = array.tolist()
+        times = _datetimes(values)
+        if times is not None:
+            return _seconds(times)
         try:
-            array = np.array([np.nan if x is None else x for x in array.tolist()], dtype=np.float64)
+            array = np.array([np.nan if _is_missing(x) else x for x in values], dtype=np.float64)
         except (TypeError, ValueError):
-            return [str(x) for x in array.tolist()]
+            return [str(x) for x in values]
     if array.dtype.kind in "mM":
         return _seconds(array)
     if array.dtype.kind in "iub" and name == "pose":

@@ -100,6 +100,8 @@ class _Clock:
 
 
 def _print(what: str, done: int, total: int | None, left: float | None) -> None:
+    if sys.stdout is None:  # of services, and of programs without a console
+        return
     part = f"{done / total:4.0%}" if total else f"{done}"
     end = "" if left is None else f", {_time(left)} left"
     sys.stdout.write(f"\r{what} {part}{end}  ")
@@ -116,7 +118,7 @@ def _time(seconds: float) -> str:
 
 def ended(progress: Progress) -> None:
     """Clear the line of :func:`_print`."""
-    if progress is True:
+    if progress is True and sys.stdout is not None:
         sys.stdout.write("\r" + " " * 60 + "\r")
         sys.stdout.flush()
 

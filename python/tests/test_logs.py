@@ -7,6 +7,7 @@ import io
 import math
 import pickle
 import re
+from datetime import timezone
 from pathlib import Path
 from typing import Any
 
@@ -254,11 +255,34 @@ def test_times_of_every_kind_are_seconds(columns: dict[str, Any], unit: str) -> 
     since = (seconds * factor).astype("int64").astype(f"timedelta64[{unit}]")
     dates = np.array("2026-03-01T08:00", dtype=f"datetime64[{unit}]") + since
     forms: list[Any] = [since, dates, pandas.Series(since), pandas.Series(dates)]
-    for form in forms:
+    for form, first in zip(forms, (0.0, 1772352000.0, 0.0, 1772352000.0), strict=True):
         for table in ({**columns, "t": form}, pandas.DataFrame({**columns, "t": form})):
             kept = sesc.Log(table, support="foot").columns()
             assert kept is not None
-            np.testing.assert_allclose(kept["t"], seconds, rtol=1e-12)
+            np.testing.assert_allclose(kept["t"], first + seconds, rtol=1e-15, atol=1e-12)
+
+
+def test_times_are_the_same_from_every_table(pole: sesc.Robot, columns: dict[str, Any]) -> None:
+    pandas, polars, pyarrow = map(pytest.importorskip, ("pandas", "polars", "pyarrow"))
+    dates = np.array("2026-03-01T08:00", dtype="datetime64[us]") + (250_000 * np.arange(N)).astype("timedelta64[us]")
+    table = {**columns, "t": dates}
+    zoned = pandas.DataFrame(table)
+    zoned["t"] = zoned["t"].dt.tz_localize("UTC").dt.tz_convert("Europe/Paris")
+    listed = {**columns, "t": [x.replace(tzinfo=timezone.utc) for x in dates.tolist()]}
+    forms = [table, pandas.DataFrame(table), zoned, listed, polars.DataFrame(table), pyarrow.table(table)]
+    parts = {bytes(sesc.gather(pole, sesc.Log(form, support="foot"))) for form in forms}
+    assert len(parts) == 1
+
+
+def test_masked_values_are_no_numbers(columns: dict[str, Any]) -> None:
+    masked = np.ma.masked_array(columns["hip"], mask=[True] + [False] * (N - 1))
+    kept = sesc.Log({**columns, "hip": masked}, support="foot").columns()
+    assert kept is not None and np.isnan(kept["hip"][0]) and not np.isnan(kept["hip"][1:]).any()
+
+
+def test_progress_without_a_console(pole: sesc.Robot, columns: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdout", None)
+    sesc.fit(pole, sesc.Log(columns, support="foot"), progress=True)
 
 
 def test_a_time_that_is_missing_is_no_number(columns: dict[str, Any]) -> None:
