@@ -243,7 +243,11 @@ def _unmasked(array: Any) -> Any:
     """An array without its mask: masked numbers are NaN, of other things nothing is masked."""
     if not isinstance(array, np.ma.MaskedArray):
         return array
-    return array.astype(np.float64).filled(np.nan) if array.dtype.kind in "fiu" else array.filled()
+    if array.dtype.kind not in "fiu":
+        return array.filled()
+    numbers = np.array(np.ma.getdata(array), dtype=np.float64)
+    numbers[np.ma.getmaskarray(array)] = np.nan
+    return numbers
 
 
 def _is_missing(x: Any) -> bool:
