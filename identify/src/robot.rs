@@ -12,7 +12,7 @@ use sesc_model::tree::{feet, on_many_feet, support_rank};
 use sesc_model::urdf::{self, Description};
 use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 
-use crate::{Error, Message, Setting, message};
+use crate::{Error, Message, Piece, Setting, message};
 
 /// Links named in a message.
 const NAMED: usize = 12;
@@ -97,13 +97,24 @@ impl Robot {
     /// is odd about sidecars, which may have meant to name it; and what can be said of a robot
     /// on more feet than two.
     pub(crate) fn no_support(&self, odd: &[Message]) -> Error {
+        self.missing_support(Setting::Support, odd)
+    }
+
+    /// The same of the logs of a fleet.
+    pub(crate) fn no_support_of_fleet(&self, odd: &[Message]) -> Error {
+        let places = "--support (support= in Python), `support` in the sidecar of the log, or a \
+                      column `support` of the manifest";
+        self.missing_support(places, odd)
+    }
+
+    fn missing_support(&self, places: impl Into<Piece>, odd: &[Message]) -> Error {
         let mut names: Vec<&str> = self.description.link_names().collect();
         names.sort_by_key(|name| support_rank(name));
         let has = format!(" (the robot has {})", listed(names, NAMED));
         let odd: String = odd.iter().map(|message| format!("; {message}")).collect();
         Error::request(message![
             "no support link given; add ",
-            Setting::Support,
+            places,
             has,
             odd,
             self.feet_note()

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import Executor, Future
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -218,6 +219,46 @@ def test_a_worker_reads_a_urdf_once(robot: sesc.Robot) -> None:
     # Another reading of right angles is another robot.
     exact = fleet.Job(sesc.Robot(POLE, snap=False), "{}", "a")
     assert pickle.loads(pickle.dumps(exact)).robot.snap is False
+
+
+DAY = datetime(2031, 5, 1)
+
+
+def manifest(kind: str) -> Any:
+    """Two logs: the second has no robot and no day of its own."""
+    rows = [{"path": "x_9.csv", "robot": "a", "day": DAY}, {"path": "b_2.csv", "robot": None, "day": None}]
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    if kind == "rows":
+        return rows
+    if kind == "dict":
+        return {**columns, "robot": ["a", float("nan")]}
+    if kind == "lazy polars":
+        return pytest.importorskip("polars").DataFrame(columns).lazy()
+    if kind == "duckdb":
+        text = "select * from (values ('x_9.csv', 'a', timestamp '2031-05-01'), ('b_2.csv', null, null)) t(path, robot, day)"
+        return pytest.importorskip("duckdb").sql(text)
+    library = pytest.importorskip(kind)
+    return library.table(columns) if kind == "pyarrow" else library.DataFrame(columns)
+
+
+@pytest.mark.parametrize("kind", ["dict", "rows", "pandas", "polars", "lazy polars", "pyarrow", "duckdb"])
+def test_a_manifest_is_any_table(robot: sesc.Robot, kind: str) -> None:
+    found = fleet.run(robot, manifest(kind))
+    assert [(row["robot"], row["day"]) for row in found] == [("a", "2031-05-01"), ("b", "2")]
+    assert [failed["input"] for failed in found.failed] == ["b_2.csv", "x_9.csv"]
+
+
+@pytest.mark.parametrize("nothing", [None, float("nan"), ""])
+def test_a_row_of_a_table_without_a_path_is_named(robot: sesc.Robot, nothing: Any) -> None:
+    with pytest.raises(ValueError, match="row 1 .* has no path"):
+        fleet.run(robot, {"path": ["a_1.csv", nothing]})
+
+
+def test_keys_in_one_text_are_split_at_commas(robot: sesc.Robot) -> None:
+    (row,) = fleet.run(robot, ["a_1.csv"], by="robot")
+    assert (row["robot"], row["day"]) == ("a_1", "")
+    (row,) = fleet.run(robot, ["a_1.csv"], by="robot,day")
+    assert (row["robot"], row["day"]) == ("a", "1")
 
 
 def test_what_is_no_fleet_is_said(robot: sesc.Robot, tmp_path: Path) -> None:

@@ -70,7 +70,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, value_name = "WHAT")]
     only: Option<Only>,
     /// Threads; as many as there are cores unless given
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
     /// What is known of the next robot: mean and covariance of the parameters between robots, for
     /// `fit --prior FILE` and `diagnose --prior FILE`. Rows are then kept with their covariances,
@@ -89,6 +89,15 @@ pub(super) struct Arguments {
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// A number of threads.
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) => Err("no thread does no work; give 1 or more, or leave --threads away".to_string()),
+        Ok(count) => Ok(count),
+        Err(_) => Err("it is no whole number; give 1 or more".to_string()),
+    }
 }
 
 /// What is made of each robot and day.

@@ -2,6 +2,7 @@
 //! bytes however often and in whatever order.
 
 mod faults;
+mod inputs;
 mod prior;
 mod store;
 mod table;

@@ -213,6 +213,32 @@ fn the_table_depends_on_no_path_and_no_order() {
     assert_eq!(found.len(), 1);
     assert_eq!(field(&found[0], "postures"), "120");
     assert_eq!(field(&found[0], "error"), "");
+
+    // Nor does it depend on the path of the URDF, of which an error says its hash.
+    for only in [&[][..], &["--only", "parameters"]] {
+        let wrong = |folder: &Path, data: &str| {
+            let (urdf, out) = (at(folder, "own.urdf"), at(folder, "wrong.csv"));
+            fs::copy(op2(), &urdf).unwrap();
+            let data = at(folder, data);
+            let words = ["fleet", &urdf, "--data", &data, "--support", "nosuch"];
+            let words = [&words[..], &["--out", &out, "--json"], only].concat();
+            let json: Value = serde_json::from_slice(&sesc(&words).stdout).unwrap();
+            let said = json["failed"][0]["error"].as_str().unwrap().to_string();
+            assert!(
+                said.starts_with(&format!("{urdf}: no link `nosuch`")),
+                "{said}"
+            );
+            fs::read(out).unwrap()
+        };
+        let table = wrong(other.path(), "manifest.csv");
+        assert_eq!(table, wrong(one.path(), "manifest.csv"));
+        let found = records(&at(one.path(), "wrong.csv"));
+        let error = field(&found[0], "error");
+        assert!(
+            error.starts_with("URDF ") && error.contains("no link `nosuch`"),
+            "{error}"
+        );
+    }
 }
 
 #[test]

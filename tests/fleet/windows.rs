@@ -32,10 +32,11 @@ fn a_row_for_each_robot_and_week_whatever_days_have_logs() {
         ..Fleet::sound(1, 4, 12)
     };
     hidden.write(folder).unwrap();
-    // Thursday to Monday: the last is of another week.
+    // Thursday to Monday: the last is of another week. However its days are written, a week has
+    // one name.
     for (day, name) in [
         (1, "2031-05-01"),
-        (2, "2031-05-02"),
+        (2, "20310502"),
         (3, "2031-05-04"),
         (4, "2031-05-05"),
     ] {

@@ -64,7 +64,7 @@ impl Log {
     /// When one of them cannot be read; the error names the file without its folder.
     pub fn read(disk: &dyn Disk, path: &Path) -> Result<Log, Error> {
         let bytes = disk.read(path, u64::MAX);
-        let bytes = bytes.map_err(|error| Error::read(file_name(path), error))?;
+        let bytes = bytes.map_err(|error| Error::read(file_name(path), unspelled(path, error)))?;
         Ok(Log::new(bytes, read_sidecar(disk, path)?))
     }
 
@@ -116,6 +116,17 @@ pub(super) fn read_sidecar(disk: &dyn Disk, log: &Path) -> Result<String, Error>
         }
     }
     Ok(String::new())
+}
+
+/// The error of a file that no name in UTF-8 opens.
+fn unspelled(path: &Path, error: io::Error) -> io::Error {
+    let is_odd = path.to_string_lossy().contains('\u{fffd}');
+    match error.kind() {
+        io::ErrorKind::NotFound if is_odd => {
+            io::Error::other("its name is no text in UTF-8; give it another name")
+        }
+        _ => error,
+    }
 }
 
 fn file_name(path: &Path) -> String {

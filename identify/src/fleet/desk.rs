@@ -258,4 +258,12 @@ impl Parts for Desk<'_> {
             ))),
         }
     }
+
+    fn log(&mut self, log: &Content) -> Option<Log> {
+        let at = self
+            .held
+            .iter()
+            .position(|(_, held)| held.content == *log)?;
+        self.bytes(at)
+    }
 }

@@ -73,7 +73,7 @@ impl Disk for Local {
 
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
-        let file = std::fs::File::open(path)?;
+        let file = regular(path)?;
         let stamp = files::Stamp::of(&file);
         (&file)
             .take(most.saturating_add(1))
@@ -100,8 +100,21 @@ impl Disk for Local {
     }
 
     fn robot(&self, urdf: &Path) -> Result<Robot, Error> {
+        regular(urdf).map_err(|error| Error::read(urdf.display().to_string(), error))?;
         Robot::read(urdf)
     }
+}
+
+/// A regular file, opened: a pipe has no bytes until somebody writes them, and a device may have
+/// no end, so that one of them would hold up the whole fleet.
+fn regular(path: &Path) -> io::Result<std::fs::File> {
+    let about = std::fs::metadata(path)?;
+    let what = match (about.is_file(), about.is_dir()) {
+        (true, _) => return std::fs::File::open(path),
+        (false, true) => "it is a folder",
+        (false, false) => "it is a pipe or a device; a fleet reads regular files",
+    };
+    Err(io::Error::other(what))
 }
 
 #[cfg(unix)]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::content::{Content, Log, each_once};
+use super::failed::without_path;
 use super::joined_logs::together;
 use super::options::{Only, Options};
 use super::part_of_log::{Contribution, Gathering, prior, request, support_said};
@@ -45,8 +46,9 @@ pub fn row(
     }
     let mut row = group.row(name);
     let (mut errors, mut sources) = (Vec::new(), Vec::new());
+    // What is wrong with a log is said before a support is missed.
+    let single = logs.len() == 1 && group.supports().of_group.is_ok();
     for log in &logs {
-        let single = logs.len() == 1;
         let source = log.source().and_then(|source| match single {
             // The diagnosis will say what is wrong with it.
             true => Ok(source),
@@ -54,7 +56,7 @@ pub fn row(
         });
         match source {
             Ok(source) => sources.push((log.content(), source)),
-            Err(error) => errors.push(error.to_string()),
+            Err(error) => errors.push(without_path(&error, robot)),
         }
     }
     let (readable, sources): (Vec<Content>, Vec<LogSource>) = sources.into_iter().unzip();
@@ -70,7 +72,7 @@ pub fn row(
     match made {
         Ok(faults) => errors.extend(faults),
         Err(error) if error.kind() == ErrorKind::Interrupted => return Err(error),
-        Err(error) => errors.push(error.to_string()),
+        Err(error) => errors.push(without_path(&error, robot)),
     }
     row.set_errors(errors);
     Ok(row)
@@ -88,6 +90,9 @@ pub(super) trait Parts {
         log: &Content,
         watch: &mut dyn Watch,
     ) -> Result<Contribution, Error>;
+
+    /// The log itself; none where it cannot be read, which is noted elsewhere.
+    fn log(&mut self, log: &Content) -> Option<Log>;
 }
 
 /// Parts of logs that are in memory.
@@ -100,11 +105,15 @@ impl Parts for FromMemory<'_> {
         log: &Content,
         watch: &mut dyn Watch,
     ) -> Result<Contribution, Error> {
-        let is_it = |own: &&Log| own.hash == log.hash && own.sidecar == log.sidecar;
-        match self.0.iter().find(is_it) {
-            Some(log) => Contribution::of(how, log, watch),
+        match self.log(log) {
+            Some(log) => Contribution::of(how, &log, watch),
             None => Ok(Contribution::Fault(format!("{} is not here", log.name()))),
         }
+    }
+
+    fn log(&mut self, log: &Content) -> Option<Log> {
+        let is_it = |own: &&Log| own.hash == log.hash && own.sidecar == log.sidecar;
+        self.0.iter().find(is_it).cloned()
     }
 }
 
@@ -164,12 +173,12 @@ impl Group<'_> {
                     of_logs.push((log, support));
                     odd.extend(of_log);
                 }
-                Err(error) => faults.push(error.to_string()),
+                Err(error) => faults.push(without_path(&error, self.robot)),
             }
         }
         let first = of_logs.iter().find_map(|(_, support)| support.clone());
         Supports {
-            of_group: first.ok_or_else(|| self.robot.no_support(&odd)),
+            of_group: first.ok_or_else(|| self.robot.no_support_of_fleet(&odd)),
             of_logs,
             faults,
         }
@@ -193,7 +202,13 @@ impl Group<'_> {
         let support = match support {
             Ok(support) => support,
             Err(error) => {
-                faults.push(error.to_string());
+                // What is wrong with a log is said before a support is missed.
+                let unreadable = self.unreadable(&logs, parts);
+                let all = unreadable.len() == logs.len();
+                faults.extend(unreadable);
+                if !all {
+                    faults.push(without_path(&error, self.robot));
+                }
                 return Ok(faults);
             }
         };
@@ -229,7 +244,7 @@ impl Group<'_> {
                 Some(whole) => whole.merge(part, &log.name()),
             };
             if let Err(error) = merged {
-                faults.push(error.to_string());
+                faults.push(without_path(&error, self.robot));
                 return Ok(faults);
             }
         }
@@ -239,9 +254,23 @@ impl Group<'_> {
             if error.kind() == ErrorKind::Interrupted {
                 return Err(error);
             }
-            faults.push(error.to_string());
+            faults.push(without_path(&error, self.robot));
         }
         Ok(faults)
+    }
+
+    /// What is wrong with logs of which nobody says where they stand.
+    fn unreadable(
+        &self,
+        logs: &[(&Content, Option<String>)],
+        parts: &mut dyn Parts,
+    ) -> Vec<String> {
+        let found = logs.iter().filter_map(|(log, _)| {
+            let source = parts.log(log)?.source();
+            let read = source.and_then(|source| readable(self.robot, self.options, &source));
+            read.err().map(|error| without_path(&error, self.robot))
+        });
+        found.collect()
     }
 
     fn gathering<'s>(&'s self, support: &'s str, alone: bool) -> Gathering<'s> {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use sesc_model::text::visible;
 
-use super::manifest::Input;
+use super::input::Input;
 
 /// Logs of one robot on one day, with one URDF.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -26,9 +26,12 @@ mod evaluate;
 mod failed;
 mod gathering;
 mod groups;
+mod input;
+mod inputs;
 mod joined_logs;
 mod known_logs;
 mod manifest;
+mod named_files;
 mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -53,9 +56,10 @@ pub use failed::Failed;
 pub use gathering::Gathering;
 pub use gathering::{Fleet, Twice};
 pub use groups::{Group, groups};
+pub use input::Input;
 #[doc(hidden)]
-pub use manifest::is_address;
-pub use manifest::{Input, inputs};
+pub use input::is_address;
+pub use inputs::inputs;
 pub use options::{Only, Options};
 #[doc(hidden)]
 pub use population::check_population;

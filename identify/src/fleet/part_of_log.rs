@@ -9,6 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use super::content::{Content, Log};
+use super::failed::without_path;
 use super::options::Options;
 use crate::fit::part::Part;
 use crate::fit::prior::{Prior, PriorChoice};
@@ -56,7 +57,7 @@ impl Contribution {
         match made {
             Ok(Ok(part)) => Ok(Contribution::Part(Box::new(part))),
             Ok(Err(error)) if error.kind() == ErrorKind::Interrupted => Err(error),
-            Ok(Err(error)) => Ok(Contribution::Fault(error.to_string())),
+            Ok(Err(error)) => Ok(Contribution::Fault(without_path(&error, how.robot))),
             Err(_) => Ok(Contribution::Fault(DEFECT.to_string())),
         }
     }

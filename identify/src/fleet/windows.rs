@@ -11,7 +11,7 @@ use std::num::NonZeroU32;
 
 use sesc_model::text::visible;
 
-use super::manifest::Input;
+use super::input::Input;
 use crate::{Error, Setting, message};
 
 /// Days from 1970-01-01 to the Monday after it.
@@ -19,13 +19,11 @@ const MONDAY: i64 = 4;
 /// Number of the first day, where days are numbered.
 const FIRST: i64 = 1;
 
-/// How a day was written.
+/// What a day is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Day {
-    /// `2031-05-01`: days since 1970-01-01.
-    Dashed(i64),
-    /// `20310501`: days since 1970-01-01.
-    Packed(i64),
+    /// `2031-05-01`, `20310501`, `2031-05-01 00:00`: days since 1970-01-01.
+    Date(i64),
     /// `12`: its number.
     Number(i64),
 }
@@ -72,18 +70,15 @@ pub fn windows(inputs: Vec<Input>, days: NonZeroU32) -> Result<Vec<Input>, Error
     Ok(inputs)
 }
 
-/// The first day of the window that a day is in, written as the day is.
+/// The first day of the window that a day is in: a number, or a date as `2031-04-28` however the
+/// day is written, so that a window has one name.
 fn first_day(day: &str, days: i64) -> Option<String> {
     let window = |day: i64, origin: i64| (day - origin).div_euclid(days) * days + origin;
     Some(match day_of(day)? {
         Day::Number(number) => window(number, FIRST).to_string(),
-        Day::Dashed(day) => {
+        Day::Date(day) => {
             let (year, month, day) = date(window(day, MONDAY));
             format!("{year:04}-{month:02}-{day:02}")
-        }
-        Day::Packed(day) => {
-            let (year, month, day) = date(window(day, MONDAY));
-            format!("{year:04}{month:02}{day:02}")
         }
     })
 }
@@ -98,11 +93,16 @@ fn day_of(text: &str) -> Option<Day> {
         let [year, month, day] = parts.map(|(part, _)| part.parse::<i64>().ok());
         fits.then(|| days_since_1970(year?, month?, day?))?
     };
+    // A time of the day behind a date is that of the day.
+    let text = match text.split_once([' ', 'T']) {
+        Some((date, time)) if time.starts_with(|c: char| c.is_ascii_digit()) => date,
+        _ => text,
+    };
     let mut parts = text.split('-');
     if let (Some(year), Some(month), Some(day), None) =
         (parts.next(), parts.next(), parts.next(), parts.next())
     {
-        return date(year, month, day).map(Day::Dashed);
+        return date(year, month, day).map(Day::Date);
     }
     if !is_digits(text) {
         return None;
@@ -113,7 +113,7 @@ fn day_of(text: &str) -> Option<Day> {
     };
     // Nobody numbers days up to twenty million.
     match packed {
-        Some(day) => Some(Day::Packed(day)),
+        Some(day) => Some(Day::Date(day)),
         None => text
             .parse::<u32>()
             .ok()
@@ -170,7 +170,9 @@ mod tests {
             ("2031-05-04", "2031-04-28"),
             ("2031-05-05", "2031-05-05"),
             ("2031-05-11", "2031-05-05"),
-            ("20310511", "20310505"),
+            ("20310511", "2031-05-05"),
+            ("2031-05-11 00:00", "2031-05-05"),
+            ("2031-05-11T23:59:59Z", "2031-05-05"),
             ("1970-01-01", "1969-12-29"),
             ("2032-03-01", "2032-03-01"),
             ("2032-02-29", "2032-02-23"),
@@ -195,6 +197,7 @@ mod tests {
             "2031-5-1",
             "1-2-3-4",
             "ä1",
+            "2031-05-01 noon",
         ] {
             assert_eq!(first_day(day, 7), None, "{day}");
         }

@@ -14,7 +14,7 @@ use super::content::{Log, each_once, name_of};
 use super::desk::Desk;
 use super::disk::Disk;
 use super::evaluate::{Group as Logs, row};
-use super::failed::Failed;
+use super::failed::{Failed, name_of_urdf, with_cause};
 use super::groups::Group;
 use super::options::{Only, Options};
 use super::part_of_log::DEFECT;
@@ -101,7 +101,7 @@ pub fn work(job: Job, group: &Group, watch: &mut dyn Watch) -> Result<Done, Erro
         ..
     } = desk;
     if let Some(error) = &found.error {
-        failed.extend(named(error, &read, group));
+        failed.extend(named(error, &read, (group, robot.as_ref())));
         errors.insert(0, error.clone());
     }
     found.set_errors(errors);
@@ -123,7 +123,7 @@ fn without_robot(job: &Job, group: &Group, error: &Error) -> Done {
     let contents = each_once(&desk.contents());
     desk.failed.push(Failed {
         input: input.to_string(),
-        error: error.to_string(),
+        error: with_cause(error),
     });
     let row = Row {
         robot: group.robot.clone(),
@@ -165,7 +165,9 @@ fn made(
 }
 
 /// The error of a row, with the names of files for the hashes of logs.
-fn named(error: &str, read: &[(String, PathBuf)], group: &Group) -> Vec<Failed> {
+fn named(error: &str, read: &[(String, PathBuf)], (group, robot): (&Group, &Robot)) -> Vec<Failed> {
+    let urdf = &robot.description;
+    let error = &error.replace(&name_of_urdf(&urdf.hash), &urdf.file);
     let faulty = read
         .iter()
         .filter(|(hash, _)| error.contains(&name_of(hash)));

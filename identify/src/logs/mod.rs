@@ -57,6 +57,7 @@ pub use columns::columns_text;
 pub use columns::{COLUMNS, Column, Need};
 #[doc(hidden)]
 pub use contacts::Soles;
+pub(crate) use csv::delimiter;
 #[doc(hidden)]
 pub use guard::panic_becomes_error;
 pub use input::LogSource;

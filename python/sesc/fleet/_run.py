@@ -16,6 +16,7 @@ from .._errors import FitError
 from .._robot import Robot
 from ._engines import worked
 from ._objects import Objects, is_address, local
+from ._tables import is_table, rows_of
 from ._unit import Job
 
 __all__ = ["COLUMNS", "Fleet", "run"]
@@ -213,7 +214,7 @@ def _restored(robot: Robot, options: str, packed: str, objects: Objects) -> Flee
 def run(
     robot: Robot,
     paths_or_table: Any,
-    by: Sequence[str] = ("robot", "day"),
+    by: str | Sequence[str] = ("robot", "day"),
     store: str | os.PathLike[str] | None = None,
     engine: Any = None,
     *,
@@ -238,9 +239,11 @@ def run(
         robot: the robot of every log that has no URDF of its own.
         paths_or_table: a pattern (``"logs/robot=*/day=*/*.parquet"``), a folder, a list file or a
             manifest, several of these, or a table with the column ``path`` and any of ``by``,
-            ``urdf``, ``support``. Paths may be addresses (``s3://``, ``gs://``), which fsspec reads.
+            ``urdf``, ``support``: a dict of columns, a list of dicts, or a table of pandas, polars,
+            pyarrow, DuckDB or whatever exports an Arrow stream. Empty cells say nothing. Paths may be addresses (``s3://``, ``gs://``), which fsspec reads.
         by: what makes a group, from the table's columns, the path's folders or the file's name:
-            the last is the day, those before it the robot.
+            the last is the day, those before it the robot. A text is split at commas:
+            ``"site,robot,day"``.
         store: a folder that keeps rows, and with ``only="parameters"`` what each log contributes,
             under the hash of what they were made from; or an address.
         engine: any ``concurrent.futures.Executor`` (processes, Dask's ``client.get_executor()``),
@@ -264,6 +267,7 @@ def run(
         FitError: options that make no sense; what is wrong with a log is in its row.
         LogError: a pattern that no file has.
         TypeError: no fleet, or no engine.
+        ValueError: a table without the column ``path``, or with a row that has no path.
         KeyboardInterrupt: Ctrl-C, within 0.2 s; rows that are whole stay in the store.
 
     Example:
@@ -287,8 +291,9 @@ def run(
     threads = None if threads is None else _run.whole("threads", threads, 1, FitError)
     window = None if window is None else _run.whole("window", window, 1, FitError)
     objects = Objects(storage)
+    by = _keys(by)
     data, table = _named(paths_or_table, by, objects)
-    groups = _sesc.fleet_groups(data, table, list(by), window)
+    groups = _sesc.fleet_groups(data, table, by, window)
     folder = None if store is None else local(store)
     is_remote = any("://" in group for group in groups) or is_address(folder or "")
     show = _run.shown(progress)
@@ -319,14 +324,19 @@ def _ended(found: Fleet, progress: _run.Progress) -> Fleet:
     return found
 
 
+def _keys(by: str | Sequence[str]) -> list[str]:
+    """What makes a group; a text is split at commas, as the command does."""
+    return by.split(",") if isinstance(by, str) else list(by)
+
+
 def _named(
     given: Any, by: Sequence[str], objects: Objects
 ) -> tuple[list[str], list[tuple[str, dict[str, str]]]]:
     """Patterns and files, and the rows of a table with what it says of each path."""
     if isinstance(given, (str, os.PathLike)):
         given = [given]
-    if isinstance(given, Mapping) or hasattr(given, "columns"):
-        return [], _of_table(given, by)
+    if is_table(given):
+        return [], [(_plain(path), said) for path, said in rows_of(given, by)]
     if not isinstance(given, Iterable):
         raise TypeError(
             f"a fleet is a glob, paths or a table with the column `path`, not {type(given).__name__}"
@@ -339,19 +349,6 @@ def _named(
         else:
             here.append(path)
     return here, table
-
-
-def _of_table(table: Any, by: Sequence[str]) -> list[tuple[str, dict[str, str]]]:
-    names = [str(name) for name in (table if isinstance(table, Mapping) else table.columns)]
-    if "path" not in names:
-        raise ValueError(f"the table has no column `path`; it has {', '.join(names)}")
-    used = [name for name in (*by, "urdf", "support") if name in names]
-    columns = {name: [None if x is None else str(x) for x in table[name]] for name in used}
-    rows = []
-    for k, path in enumerate(table["path"]):
-        said = {name: column[k] for name, column in columns.items()}
-        rows.append((_plain(str(path)), {name: text for name, text in said.items() if text is not None}))
-    return rows
 
 
 def _plain(path: str) -> str:

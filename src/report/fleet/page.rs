@@ -9,7 +9,7 @@ use minijinja::{Error, context};
 use serde::Serialize;
 use sesc_identify::diagnose::Verdict;
 use sesc_identify::fleet::summary::Summary;
-use sesc_identify::fleet::{Fleet, Row};
+use sesc_identify::fleet::{Fleet, Row, content_hash};
 use sesc_identify::skeleton::Skeleton;
 
 use super::super::html::render;
@@ -23,6 +23,10 @@ use super::{count, hashes, headline, twice};
 pub const ROBOTS: usize = 2000;
 /// Days of the picture, at most: the last ones.
 const DAYS: usize = 31;
+
+/// Bytes of a robot's name in that of its file, at most: file systems take 255, and a file on its
+/// way to its place has some more.
+const NAME: usize = 160;
 
 /// A robot in the list of all.
 #[derive(Serialize)]
@@ -125,6 +129,7 @@ pub fn pages(
         rows => fleet.rows.len(),
         postures => fleet.rows.iter().map(|row| row.postures).sum::<u64>(),
         of_robots => count(robots.len(), "robot"),
+        of_rows => count(fleet.rows.len(), "row"),
         shared => Serde(&summary.shared),
         changes => Serde(&summary.changes),
         reasons => Serde(reasons.collect::<Vec<LookFirst>>()),
@@ -181,9 +186,16 @@ fn folder_of(fleet: &Path) -> String {
 }
 
 /// The name of a robot's file: letters, digits, `-`, `_` and `.` as they are, all else by its
-/// number behind `~`, which means nothing in an address.
+/// number behind `~`, which means nothing in an address. Of a long name the beginning and, behind
+/// `~~`, which is in no other, the hash of all of it: no two robots have one file.
 fn file_of(robot: &str) -> String {
-    format!("{}.html", spelt(robot, '~'))
+    let name = spelt(robot, '~');
+    match name.get(..NAME) {
+        Some(first) if name.len() > NAME => {
+            format!("{first}~~{}.html", content_hash(name.as_bytes()))
+        }
+        _ => format!("{name}.html"),
+    }
 }
 
 /// A name in an address.

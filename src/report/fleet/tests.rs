@@ -36,6 +36,30 @@ fn fleet() -> Fleet {
     fleet
 }
 
+/// File systems have names of 255 bytes at most.
+#[test]
+fn pages_of_robots_with_long_names_have_short_names_of_their_own() {
+    let mut fleet = Fleet::default();
+    let long = "é".repeat(150);
+    for robot in ["r1".to_string(), format!("{long}1"), format!("{long}2")] {
+        fleet.rows.push(row(&robot, "1", ""));
+    }
+    let summary = summary(&fleet.rows, &Default::default(), None);
+    let all = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html"), ROBOTS).unwrap();
+    let names: Vec<&str> = all.robots.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names[0], "r1.html");
+    assert!(names[1..].iter().all(|name| name.len() < 220), "{names:?}");
+    assert_ne!(names[1], names[2]);
+    for name in &names {
+        assert!(
+            all.fleet.contains(&format!("href=\"fleet/{name}\"")),
+            "{name}"
+        );
+    }
+    let path = page_of_robot(std::path::Path::new("fleet.html"), &format!("{long}1"));
+    assert_eq!(path.file_name().unwrap().to_str(), Some(names[1]));
+}
+
 #[test]
 fn the_page_says_what_robots_share_and_escapes_names() {
     let fleet = fleet();

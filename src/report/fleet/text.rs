@@ -7,7 +7,7 @@ use sesc_identify::fleet::summary::Summary;
 
 use super::super::table::Table;
 use super::line::outcome;
-use super::{headline, twice};
+use super::{count, headline, twice};
 
 /// Lines of a list, at most.
 const LISTED: usize = 20;
@@ -29,9 +29,9 @@ pub fn text(fleet: &Fleet, summary: &Summary) -> String {
         fleet.failed.len(),
     );
     let mut out = format!(
-        "{} robots, {} rows, {} of them from the store: {headline}\n\n{table}\n",
-        robots.len(),
-        fleet.rows.len(),
+        "{}, {}, {} of them from the store: {headline}\n\n{table}\n",
+        count(robots.len(), "robot"),
+        count(fleet.rows.len(), "row"),
         fleet.from_store
     );
     let shared = summary.shared.iter();

@@ -159,7 +159,7 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
         let name = label((&key.0, &key.1));
         match group {
             Some(group) => {
-                let sentence = format!("It shares {name} with {} others.", group.robots.len() - 1);
+                let sentence = format!("It shares {name} with {}.", others(group));
                 all.push(Statement::new(2.0, group.chance, sentence));
             }
             None if changed(&key) => {}
@@ -264,6 +264,14 @@ fn unexplained(history: &History) -> Option<Statement> {
     })
 }
 
+/// The other robots of a group: `1 other`, `7 others`.
+fn others(group: &Shared) -> String {
+    match group.robots.len().saturating_sub(1) {
+        1 => "1 other".to_string(),
+        n => format!("{n} others"),
+    }
+}
+
 fn errors(history: &History) -> Option<Statement> {
     let failed: Vec<&str> = history
         .rows
@@ -271,6 +279,14 @@ fn errors(history: &History) -> Option<Statement> {
         .filter(|row| row.error.is_some())
         .map(|row| row.day.as_str())
         .collect();
-    let sentence = || format!("Logs have errors on {}.", failed.join(", "));
+    let days: Vec<&str> = failed
+        .iter()
+        .copied()
+        .filter(|day| !day.is_empty())
+        .collect();
+    let sentence = || match days.is_empty() {
+        true => "Logs have errors.".to_string(),
+        false => format!("Logs have errors on {}.", days.join(", ")),
+    };
     (!failed.is_empty()).then(|| Statement::new(1.0, 0.0, sentence()))
 }

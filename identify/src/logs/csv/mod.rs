@@ -230,7 +230,7 @@ fn number(text: &str, column: &str) -> Result<f64, String> {
 }
 
 /// The delimiter of a log that starts with `head`: the one its first line has most of.
-fn delimiter(head: &[u8]) -> Result<u8, String> {
+pub(crate) fn delimiter(head: &[u8]) -> Result<u8, String> {
     if head.is_empty() {
         return Err("empty; a log starts with a header row, the names of its columns".into());
     }
