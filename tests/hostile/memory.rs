@@ -146,6 +146,46 @@ fn logs_take_memory_in_proportion_to_the_file() {
     in_proportion("wide CSV", 100, sizes(2000, wide), fit);
 }
 
+/// Readings that go with no posture are asked about under every exchange of two joints.
+#[test]
+fn broken_logs_of_many_joints_take_memory_in_proportion_to_the_file() {
+    let folder = folder();
+    let log_of = |joints: usize| {
+        let text = super::sizes::chain(joints, false);
+        let urdf = write(folder.path(), &format!("chain_{joints}.urdf"), text);
+        let log = folder.path().join("log.csv").display().to_string();
+        let simulate = ["simulate", &urdf, "--support", "l0", "--poses", "320"];
+        let options = ["--range", "5", "--out", &log];
+        stdout(&sesc(&[&simulate[..], &options].concat()));
+        let text = fs::read_to_string(log).unwrap();
+        let (header, rows) = text.split_once('\n').unwrap();
+        assert!(header.ends_with("cop_x,cop_y"), "{header}");
+        // Each posture has the reading of the one before it.
+        let parts = |row: &'_ str| {
+            let mut cells = row.rsplitn(3, ',');
+            let [y, x] = [cells.next().unwrap(), cells.next().unwrap()].map(str::to_string);
+            (cells.next().unwrap().to_string(), x, y)
+        };
+        let rows: Vec<(String, String, String)> = rows.lines().map(parts).collect();
+        let mut out = format!("{header}\n");
+        for k in 0..rows.len() {
+            let (_, x, y) = &rows[(k + rows.len() - 1) % rows.len()];
+            out += &format!("{},{x},{y}\n", rows[k].0);
+        }
+        out
+    };
+    for joints in [60, 120] {
+        let text = log_of(joints);
+        let log = write(folder.path(), "broken.csv", &text);
+        let urdf = folder.path().join(format!("chain_{joints}.urdf"));
+        let urdf = urdf.display().to_string();
+        let most = peak(&["fit", &urdf, "--support", "l0", "--data", &log]);
+        let size = text.len() as u64;
+        println!("broken log: {size} bytes, {} MB", most >> 20);
+        assert!(most <= BASE + 20 * size, "{size} bytes, {} MB", most >> 20);
+    }
+}
+
 #[test]
 fn urdfs_take_memory_in_proportion_to_the_file() {
     let folder = folder();

@@ -63,10 +63,12 @@ pub(super) fn turned(look: &Look, wirings: &Wirings) -> Option<Finding> {
     });
     let all = turns.map(|turn| (left(&turn), turn));
     let (turned, turn) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let straight = wirings.left_upright();
     // What noise leaves is no part of the comparison.
     let beyond = |left: f64| (left * left - noise * noise).max(0.0).sqrt();
-    if beyond(turned) > TURNED_LEAVES * beyond(straight) || straight < TURNED_SHOWS * noise {
+    let as_well = |straight: f64| {
+        beyond(turned) > TURNED_LEAVES * beyond(straight) || straight < TURNED_SHOWS * noise
+    };
+    if wirings.upright(as_well) {
         return None;
     }
     // Masses that are all negative explain half a turn; no robot has them.

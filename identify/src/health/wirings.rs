@@ -9,7 +9,9 @@
 //! readings, naming it is the work of a diagnosis. Up to [`MOST`] postures, evenly chosen,
 //! are looked at, and only once a finding is at hand.
 
+use std::borrow::Cow;
 use std::cell::OnceCell;
+use std::iter;
 
 use sesc_model::effects::{self, Catalog, EffectContext, Instance, Stage};
 use sesc_model::tape::{Tape, Values};
@@ -20,8 +22,12 @@ use super::statistics::{axis, left_by_gain, left_by_plane, scatter};
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::observations::postures::Postures;
 
-/// Postures that are looked at, at most.
+/// Postures that are looked at, at most; and at least, of robots with hundreds of joints.
 const MOST: usize = 300;
+const LEAST: usize = 40;
+
+/// Coordinates of the CoM that are kept from one question to the next, at most: 64 MiB.
+const KEPT: usize = 8 << 20;
 
 /// Joint positions of some postures under every wiring.
 pub(super) struct Wirings<'a> {
@@ -33,15 +39,16 @@ pub(super) struct Wirings<'a> {
     reading: Vec<f64>,
     /// Those in each unit of angles, the log's first.
     units: OnceCell<Vec<Vec<f64>>>,
-    /// And under each wiring; wirings follow each other unit by unit.
-    wired: OnceCell<Vec<Vec<f64>>>,
+    /// CoM under each wiring, where they are few; wirings follow each other unit by unit.
     com: OnceCell<Vec<Vec<f64>>>,
 }
 
 impl<'a> Wirings<'a> {
     pub fn new(model: &'a Model, data: &Postures) -> Wirings<'a> {
         let (n, dof) = (data.len(), model.dof());
-        let chosen: Vec<usize> = (0..n).step_by(n.div_ceil(MOST).max(1)).collect();
+        // Nearly all wirings are exchanges of two joints, in two units of angles.
+        let most = (KEPT / 3 / (dof * dof + 1)).clamp(LEAST, MOST);
+        let chosen: Vec<usize> = (0..n).step_by(n.div_ceil(most).max(1)).collect();
         let rows = |values: &[f64], width: usize| -> Vec<f64> {
             let of = |&k: &usize| values[k * width..(k + 1) * width].to_vec();
             chosen.iter().flat_map(of).collect()
@@ -52,25 +59,12 @@ impl<'a> Wirings<'a> {
             reading: rows(&data.reading, 2),
             chosen,
             units: OnceCell::new(),
-            wired: OnceCell::new(),
             com: OnceCell::new(),
         }
     }
 
     fn context(&self) -> EffectContext<'a> {
         EffectContext::new(self.model, &[], false, Catalog::standard())
-    }
-
-    /// Joint positions under each wiring, that of the log first.
-    fn wired(&self) -> &[Vec<f64>] {
-        self.wired.get_or_init(|| {
-            let (context, units) = (self.context(), self.units());
-            let mut wired = units.to_vec();
-            for fault in of_wiring(&context, false) {
-                wired.extend(units.iter().map(|q| self.under(&context, &fault, q)));
-            }
-            wired
-        })
     }
 
     /// Joint positions in each unit of angles that is tried; the log's is the first.
@@ -101,25 +95,34 @@ impl<'a> Wirings<'a> {
         out
     }
 
-    fn com_of(&self, model: &Model, wired: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    /// CoM under each wiring, on the support of `model`: that of the log first, unit by unit.
+    /// Each is made when it is asked for: exchanges of two joints are joints², and their joint
+    /// positions are joints³.
+    fn made<'b>(&'b self, model: &'b Model) -> impl Iterator<Item = Vec<f64>> + 'b {
+        let context = self.context();
         let com = Evaluator::new(model, Function::Com).fastest();
-        let of = |q: &Vec<f64>| com.run(q, self.chosen.len());
-        wired.iter().map(of).collect()
+        let faults = of_wiring(&context, false).into_iter().map(Some);
+        let all = iter::once(None).chain(faults);
+        let both = all.flat_map(|fault| self.units().iter().map(move |q| (fault.clone(), q)));
+        both.map(move |(fault, q)| match fault {
+            None => com.run(q, self.chosen.len()),
+            Some(fault) => com.run(&self.under(&context, &fault, q), self.chosen.len()),
+        })
     }
 
-    /// CoM under each wiring, on the log's support.
-    fn com(&self) -> &[Vec<f64>] {
-        self.com
-            .get_or_init(|| self.com_of(self.model, self.wired()))
+    /// CoM under each wiring on the log's support; they are kept where they are few.
+    fn com(&self) -> Box<dyn Iterator<Item = Cow<'_, [f64]>> + '_> {
+        if self.count() * self.chosen.len() * 3 > KEPT {
+            return Box::new(self.made(self.model).map(Cow::Owned));
+        }
+        let kept = self.com.get_or_init(|| self.made(self.model).collect());
+        Box::new(kept.iter().map(|com| Cow::Borrowed(&com[..])))
     }
 
     /// Least scatter of one axis of the CoP under any wiring in the log's unit, m.
     pub fn least_scatter(&self, k: usize) -> f64 {
-        let of = |com: &Vec<f64>| scatter(&column(com, k));
-        let in_unit = self
-            .com()
-            .chunks(self.units().len())
-            .filter_map(|all| all.first());
+        let in_unit = self.com().step_by(self.units().len());
+        let of = |com: Cow<'_, [f64]>| scatter(&column(&com, k));
         in_unit.map(of).fold(f64::INFINITY, f64::min)
     }
 
@@ -131,26 +134,31 @@ impl<'a> Wirings<'a> {
 
     /// The same on another support.
     pub fn left_on(&self, model: &Model) -> f64 {
-        self.least_left(&self.com_of(model, self.wired()), [0, 1])
+        self.least_left(self.made(model).map(Cow::Owned), [0, 1])
     }
 
-    fn least_left(&self, com: &[Vec<f64>], axes: [usize; 2]) -> f64 {
-        let both = |com: &Vec<f64>| {
-            let [x, y] = axes.map(|k| column(com, k));
+    fn least_left<'b>(&self, com: impl Iterator<Item = Cow<'b, [f64]>>, axes: [usize; 2]) -> f64 {
+        let both = |com: Cow<'b, [f64]>| {
+            let [x, y] = axes.map(|k| column(&com, k));
             let left = |k| left_by_plane(&axis(&self.reading, k), [&x, &y]);
             f64::hypot(left(0), left(1)) / f64::sqrt(2.0)
         };
-        com.iter().map(both).fold(f64::INFINITY, f64::min)
+        com.map(both).fold(f64::INFINITY, f64::min)
     }
 
-    /// The same in the axes of the support: the sensor's zero and the gain of each axis are free,
-    /// and none is mirrored.
-    pub fn left_upright(&self) -> f64 {
-        let both = |com: &Vec<f64>| {
+    /// Whether `holds` of what some wiring leaves, m RMS, in the axes of the support: the sensor's
+    /// zero and the gain of each axis are free, and none is mirrored.
+    pub fn upright(&self, holds: impl Fn(f64) -> bool) -> bool {
+        self.any(|com| {
             let left = |k| left_by_gain(&axis(&self.reading, k), &column(com, k));
-            f64::hypot(left(0), left(1)) / f64::sqrt(2.0)
-        };
-        self.com().iter().map(both).fold(f64::INFINITY, f64::min)
+            holds(f64::hypot(left(0), left(1)) / f64::sqrt(2.0))
+        })
+    }
+
+    /// Whether `holds` of the CoM under some wiring. Most logs are wired as they say, and
+    /// hundreds of other wirings need not be made.
+    fn any(&self, holds: impl Fn(&[f64]) -> bool) -> bool {
+        self.made(self.model).take(1).any(|com| holds(&com)) || self.com().any(|com| holds(&com))
     }
 
     /// Whether some axis of the readings goes with the postures under some wiring.
@@ -169,13 +177,10 @@ impl<'a> Wirings<'a> {
         let free = (self.chosen.len() as f64 - 3.0).max(1.0);
         let kept = (-2.0 * (CHANCE * tests).ln() / free).exp();
         let read = axis(&self.reading, k);
-        let goes = |com: &Vec<f64>| {
+        self.any(|com| {
             let left = left_by_plane(&read, [&column(com, 0), &column(com, 1)]);
             left * left < kept * scatter(&read).powi(2)
-        };
-        // Most logs are wired as they say, and hundreds of other wirings need not be made.
-        let own = self.com_of(self.model, &self.units()[..1]);
-        own.iter().any(goes) || self.com().iter().any(goes)
+        })
     }
 }
 
