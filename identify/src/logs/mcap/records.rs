@@ -10,7 +10,8 @@
 //! the summary after the data is walked over. A file that ends before its
 //! closing magic was cut off, which is an error. Memory: one chunk, of
 //! [`LARGEST`] bytes at most, and the names of topics and types, [`NAMES`] bytes at most. A
-//! chunk becomes at most [`EXPANSION`] times larger than it is, beyond its first MiB.
+//! chunk becomes at most [`EXPANSION`] times larger than it is, and all of a file [`FREE`] bytes
+//! more, so that time is in proportion to the file, too.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -24,7 +25,7 @@ use super::format::{MAGIC, OWN_POSTURES};
 /// images included.
 const LARGEST: u64 = 64 << 20;
 
-/// Bytes of an unpacked chunk that need no packed ones, and how many times larger it becomes
+/// Unpacked bytes of a file that need no packed ones, and how many times larger its chunks become
 /// beyond: joint states pack ten to one.
 const FREE: u64 = 1 << 20;
 const EXPANSION: u64 = 200;
@@ -67,6 +68,8 @@ pub(super) struct Records<R> {
     at: usize,
     in_chunk: bool,
     ended: bool,
+    /// What is left of [`FREE`].
+    free: u64,
 }
 
 impl<R: Read> Records<R> {
@@ -86,6 +89,7 @@ impl<R: Read> Records<R> {
             at: 0,
             in_chunk: false,
             ended: false,
+            free: FREE,
         })
     }
 
@@ -229,13 +233,14 @@ impl<R: Read> Records<R> {
         let compression = fields.name()?;
         let length = fields.length()?;
         let packed = fields.take(length)?;
-        let most = FREE.saturating_add(EXPANSION.saturating_mul(packed.len() as u64));
-        if size > LARGEST.min(most) {
+        let beyond = size.saturating_sub(EXPANSION.saturating_mul(packed.len() as u64));
+        if size > LARGEST || beyond > self.free {
             let packed = packed.len();
             return Err(format!(
                 "a chunk of {packed} bytes that claims to unpack to {size}; the file is damaged"
             ));
         }
+        self.free -= beyond;
         let records = unpack(&compression, packed, size)?;
         if records.len() as u64 != size || (checksum != 0 && crc32(&records) != checksum) {
             return Err("a chunk that does not match its checksum; the file is damaged".into());

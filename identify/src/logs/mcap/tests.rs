@@ -176,6 +176,19 @@ fn read(bytes: &[u8], sidecar: &str) -> Result<(super::super::Block, Vec<crate::
     read_file(&path, &dofs(&["hip", "knee"]), &options)
 }
 
+/// A file of a few hundred bytes unpacks to a megabyte and no more.
+#[test]
+fn what_chunks_of_zeros_unpack_to_is_counted_over_the_file() {
+    // Records of no opcode and no length, which say nothing.
+    let empty = |bytes: usize| chunk(&vec![0; bytes / 9 * 9], "zstd");
+    let of =
+        |count: usize| file(&[empty(400_000).repeat(count), chunk(&records(), "zstd")].concat());
+    read(&of(2), "").unwrap();
+    assert!(of(3).len() < 20_000);
+    let said = read(&of(3), "").unwrap_err().to_string();
+    assert!(said.contains("claims to unpack to 399996"), "{said}");
+}
+
 #[test]
 fn stretches_of_rest_become_postures() {
     let (expected, warnings) = read(&file(&records()), "").unwrap();
