@@ -2,7 +2,8 @@
 //!
 //! What is read of a file that somebody writes to is neither what it was nor what it becomes,
 //! and may look whole. A file is therefore asked for its size and the time of its last change
-//! before the first byte and after the last one.
+//! before the first byte and after the last one. Where the system keeps the time of any change
+//! to a file, that one tells, too: a program may put back the time of its last writing.
 
 use std::fs::{File, Metadata};
 use std::io;
@@ -13,8 +14,7 @@ use std::time::SystemTime;
 pub struct Stamp {
     size: u64,
     modified: Option<SystemTime>,
-    /// Device and number, where files have them: another file may be put in its place.
-    place: (u64, u64),
+    unix: Unix,
 }
 
 impl Stamp {
@@ -24,7 +24,7 @@ impl Stamp {
         about.is_file().then(|| Stamp {
             size: about.len(),
             modified: about.modified().ok(),
-            place: place(&about),
+            unix: Unix::of(&about),
         })
     }
 
@@ -34,7 +34,7 @@ impl Stamp {
     /// A sentence with the remedy where it is not.
     pub fn check(&self, file: &File) -> io::Result<()> {
         match Stamp::of(file) {
-            Some(now) if now == *self => Ok(()),
+            Some(now) if self.is(&now) => Ok(()),
             now => Err(io::Error::other(format!(
                 "it changed while it was read, {} bytes before and {} after; wait until it is \
                  written, or read a copy",
@@ -43,18 +43,44 @@ impl Stamp {
             ))),
         }
     }
+
+    fn is(&self, now: &Stamp) -> bool {
+        let (before, after) = (&self.unix, &now.unix);
+        // A name more or less is noted as a change, and is none of what the file holds.
+        let touched = before.names == after.names && before.changed != after.changed;
+        (self.size, self.modified) == (now.size, now.modified)
+            && before.place == after.place
+            && !touched
+    }
 }
 
-#[cfg(unix)]
-fn place(about: &Metadata) -> (u64, u64) {
-    use std::os::unix::fs::MetadataExt as _;
-
-    (about.dev(), about.ino())
+/// What systems of the Unix family keep of a file; zeros elsewhere.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+struct Unix {
+    /// Device and number: another file may be put in its place.
+    place: (u64, u64),
+    /// How many names it has.
+    names: u64,
+    /// When anything of it was changed: s, and ns beyond.
+    changed: (i64, i64),
 }
 
-#[cfg(not(unix))]
-fn place(_: &Metadata) -> (u64, u64) {
-    (0, 0)
+impl Unix {
+    #[cfg(unix)]
+    fn of(about: &Metadata) -> Unix {
+        use std::os::unix::fs::MetadataExt as _;
+
+        Unix {
+            place: (about.dev(), about.ino()),
+            names: about.nlink(),
+            changed: (about.ctime(), about.ctime_nsec()),
+        }
+    }
+
+    #[cfg(not(unix))]
+    fn of(_: &Metadata) -> Unix {
+        Unix::default()
+    }
 }
 
 #[cfg(test)]
@@ -76,6 +102,31 @@ mod tests {
         log.write_all(b"one more\n").unwrap();
         let said = stamp.check(&file).unwrap_err().to_string();
         assert!(said.contains("8 bytes before and 17 after"), "{said}");
+        fs::remove_file(path).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_time_of_writing_that_is_put_back_hides_no_change() {
+        let path = std::env::temp_dir().join(format!("sesc_put_back_{}", std::process::id()));
+        fs::write(&path, "0.010\n").unwrap();
+        let file = File::open(&path).unwrap();
+        let stamp = Stamp::of(&file).unwrap();
+        let modified = file.metadata().unwrap().modified().unwrap();
+        let mut log = OpenOptions::new().write(true).open(&path).unwrap();
+        // The clock of a file system ticks every few milliseconds.
+        std::thread::sleep(std::time::Duration::from_millis(30));
+        log.write_all(b"0.020\n").unwrap();
+        log.set_modified(modified).unwrap();
+        assert_eq!(Stamp::of(&file).unwrap().modified, stamp.modified);
+        stamp.check(&file).unwrap_err();
+        // A name more is none.
+        let stamp = Stamp::of(&file).unwrap();
+        let other = path.with_extension("link");
+        std::thread::sleep(std::time::Duration::from_millis(30));
+        fs::hard_link(&path, &other).unwrap();
+        stamp.check(&file).unwrap();
+        fs::remove_file(other).unwrap();
         fs::remove_file(path).unwrap();
     }
 
