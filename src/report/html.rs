@@ -5,7 +5,8 @@
 //! engine; only the figures, which escape their own texts, pass as they are.
 
 use minijinja::value::{Serde, Value};
-use minijinja::{Environment, Error, UndefinedBehavior, context};
+use minijinja::{Environment, Error, Output, State, UndefinedBehavior, context, escape_formatter};
+use sesc_model::text::visible_lines;
 
 use super::origin::Origin;
 use super::robot::Shown;
@@ -107,6 +108,7 @@ fn held_out(report: &DemoReport) -> Vec<Shown> {
 pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_formatter(spelled_out);
     environment.add_filter("mm", table::mm);
     environment.add_filter("scientific", scientific);
     environment.add_filter("code", code);
@@ -148,6 +150,19 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
         environment.add_template(name, source)?;
     }
     environment.get_template(page)?.render(context)
+}
+
+/// A value as the engine writes it, what is hidden in names spelled out: a browser turns text
+/// around where a name says so.
+fn spelled_out(
+    out: &mut Output<'_>,
+    state: &mut State<'_, '_>,
+    value: &Value,
+) -> Result<(), Error> {
+    match value.as_str().filter(|_| !value.is_safe()) {
+        Some(text) => escape_formatter(out, state, &Value::from(visible_lines(text))),
+        None => escape_formatter(out, state, value),
+    }
 }
 
 /// A sentence with its `names` set as code.

@@ -8,6 +8,7 @@ use serde_json::{Value as Json, json};
 
 use super::figures::robot::{Marks, Pictured};
 use sesc_identify::skeleton::Skeleton;
+use sesc_model::text::visible_lines;
 use sesc_model::tree::{Coordinate, Motion};
 
 /// A posture that the robot may be shown in.
@@ -196,10 +197,23 @@ fn posture(shown: &Shown) -> Json {
     json!(fields)
 }
 
+/// The same with what is hidden in names spelled out, since the script shows them.
+fn spelled_out(value: &Json) -> Json {
+    match value {
+        Json::String(text) => json!(visible_lines(text)),
+        Json::Array(values) => values.iter().map(spelled_out).collect(),
+        Json::Object(fields) => {
+            let field = |(name, value): (&String, &Json)| (name.clone(), spelled_out(value));
+            fields.iter().map(field).collect()
+        }
+        other => other.clone(),
+    }
+}
+
 /// JSON as the text of a script element: nothing in it ends the element or is markup.
 fn inline_json(value: &Json) -> String {
     let mut out = String::new();
-    for c in value.to_string().chars() {
+    for c in spelled_out(value).to_string().chars() {
         match c {
             '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
                 out.push_str(&format!("\\u{:04x}", u32::from(c)));
@@ -216,12 +230,12 @@ mod tests {
 
     #[test]
     fn data_in_a_script_end_no_script() {
-        let hostile = serde_json::json!("</script><!--\u{2028}\u{2029}&");
+        let hostile = json!({"hip": ["</script><!--&", "a\u{202e}b\u{1b}\u{2028}\n"]});
         let text = inline_json(&hostile);
-        assert!(!text.contains(['<', '>', '&', '\u{2028}', '\u{2029}']));
+        assert!(!text.contains(['<', '>', '&', '\u{202e}', '\u{2028}']));
         assert_eq!(
-            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
-            hostile
+            serde_json::from_str::<Json>(&text).unwrap(),
+            json!({"hip": ["</script><!--&", "a\\u{202e}b\\u{1b}\\u{2028}\n"]})
         );
     }
 }

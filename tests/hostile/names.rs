@@ -339,6 +339,40 @@ fn documents_of_hostile_names_stay_documents() {
     }
 }
 
+/// What a browser turns around, or a terminal that shows a page obeys, is spelled out there.
+#[test]
+#[cfg(unix)]
+fn pages_spell_out_what_names_of_files_hide() {
+    let folder = folder();
+    let title = "\u{1b}[2J\u{202e}\u{7}";
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let text = robot("r", &["j".into()]);
+    let urdf = write(folder.path(), &format!("{title}r.urdf"), text);
+    let (log, page) = (at(&format!("{title}log.csv")), at("page.html"));
+    let simulate = ["simulate", &urdf, "--support", "r", "--poses", "30"];
+    stdout(&sesc(&[&simulate[..], &["--out", &log]].concat()));
+    let mut commands = vec![
+        vec!["fit", &urdf, "--data", &log],
+        vec!["diagnose", &urdf, "--data", &log],
+        vec!["compare", &log, "", "--urdf", &urdf, "--support", "r"],
+    ];
+    let (other, plan) = (at("other.csv"), at(&format!("{title}plan.csv")));
+    fs::copy(&log, &other).unwrap();
+    commands[2][2] = &other;
+    let planned = ["plan", &urdf, "--support", "r", "--poses", "3"];
+    commands.push([&planned[..], &["--cop-box", "0.2", "--out", &plan]].concat());
+    for command in commands {
+        let output = sesc(&[&command[..], &["--report", &page]].concat());
+        let text = fs::read_to_string(&page).unwrap_or_else(|_| panic!("{output:?}"));
+        assert!(
+            !text.contains(['\u{1b}', '\u{202e}', '\u{7}']),
+            "{command:?}"
+        );
+        assert!(text.contains("\\u{202e}"), "{command:?}");
+        fs::remove_file(&page).unwrap();
+    }
+}
+
 /// What a terminal obeys does not reach it from a file, nor from the name of one.
 #[test]
 #[cfg(unix)]

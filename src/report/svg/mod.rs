@@ -14,6 +14,7 @@ pub mod tests;
 use std::fmt::{self, Write as _};
 
 use serde::Serialize;
+use sesc_model::text::visible_lines;
 
 pub use axes::{Axes, HEADING, same_scale, span};
 pub use marks::{Mark, key};
@@ -303,10 +304,10 @@ impl fmt::Display for Corners {
     }
 }
 
-/// `text` so that markup reads it as text.
+/// `text` so that markup reads it as text; what is hidden is spelled out, as in terminals.
 pub fn escaped(text: &str) -> String {
     let mut out = String::new();
-    for c in text.chars() {
+    for c in visible_lines(text).chars() {
         match c {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
