@@ -103,6 +103,7 @@ enum DuplicateParts {
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     check_files(arguments)?;
     let request = request(arguments)?;
+    check_robots_of_parts(arguments, &request)?;
     let bar = &mut Bar::new("reading");
     if let Some(path) = &arguments.partial {
         let part = fit::gather(&request, bar)?;
@@ -237,4 +238,17 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
         .writes(Kind::Part, &arguments.partial);
     let files = arguments.outputs.claimed(files);
     files.prints(arguments.json).check_writable()
+}
+
+/// The description that a factor file was made from is not written either, though it is not read.
+fn check_robots_of_parts(arguments: &Arguments, request: &Request) -> Result<(), Error> {
+    let robots = request
+        .parts
+        .iter()
+        .map(|(_, part)| part.urdf_file.as_str());
+    let files = Files::default().keeps(robots, "the robot of a factor file");
+    let files = files
+        .writes(Kind::Model, &arguments.out)
+        .writes(Kind::Part, &arguments.partial);
+    arguments.outputs.claimed(files).check_writable()
 }

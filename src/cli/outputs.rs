@@ -53,6 +53,16 @@ impl Files {
         self
     }
 
+    /// Files that are not read and not written either; `role` is what they are.
+    pub(super) fn keeps<'a>(
+        mut self,
+        paths: impl IntoIterator<Item = &'a str>,
+        role: &'static str,
+    ) -> Files {
+        self.access = self.access.reserves(paths, role);
+        self
+    }
+
     /// A setting that may name a file.
     pub(super) fn may_read<'a>(self, settings: impl IntoIterator<Item = &'a String>) -> Files {
         let paths: Vec<PathBuf> = settings.into_iter().map(PathBuf::from).collect();

@@ -21,6 +21,9 @@ impl Inputs {
         fs::rename(inputs.path("log.csv.toml"), inputs.path("log.toml")).unwrap();
         stdout(&inputs.run("fit a.urdf --data log.csv --out model.toml"));
         stdout(&inputs.run("fit a.urdf --data log.csv --partial a.part"));
+        for (from, to) in [("model.toml", "other.toml"), ("log.csv", "other.csv")] {
+            fs::copy(inputs.path(from), inputs.path(to)).unwrap();
+        }
         for (name, text) in [
             ("prior.toml", "[default]\nmass = 0.1\ncom = 0.005\n"),
             ("servos.toml", "[default]\nzero = 2048\n"),
@@ -53,7 +56,7 @@ impl Inputs {
 }
 
 /// What a command reads, and its options that name an output.
-const COMMANDS: [(&str, &str, &str); 5] = [
+const COMMANDS: [(&str, &str, &str); 8] = [
     (
         "fit a.urdf --data log.csv --prior prior.toml",
         "a.urdf log.csv log.toml prior.toml",
@@ -79,6 +82,21 @@ const COMMANDS: [(&str, &str, &str); 5] = [
         "simulate a.urdf --support foot --poses 3 --model model.toml",
         "a.urdf model.toml",
         "--out",
+    ),
+    (
+        "predict a.urdf --data log.csv --model model.toml",
+        "a.urdf log.csv log.toml model.toml",
+        "--out",
+    ),
+    (
+        "compare model.toml other.toml",
+        "model.toml other.toml",
+        "--report",
+    ),
+    (
+        "compare log.csv other.csv --urdf a.urdf",
+        "a.urdf log.csv log.toml other.csv",
+        "--report",
     ),
 ];
 
@@ -118,6 +136,22 @@ fn every_output_that_names_an_input_is_refused_and_the_input_stays() {
     }
     assert!(tried > 100, "{tried}");
     assert!(inputs.all() == before, "a file changed, or came");
+}
+
+/// What a factor file was made from is not read with it, and no output all the same.
+#[test]
+fn the_robot_of_a_factor_file_stays() {
+    let inputs = Inputs::new();
+    let before = inputs.all();
+    for spelled in ["a.urdf", "./a.urdf"] {
+        let line = format!("fit a.part --urdf {spelled}");
+        refused(
+            &inputs.run(&line),
+            &["a.urdf is read here as the robot of a factor file"],
+        );
+    }
+    assert!(inputs.all() == before);
+    stdout(&inputs.run("fit a.part --urdf b.urdf"));
 }
 
 #[test]

@@ -38,7 +38,7 @@ const fn writer(name: &'static str, versions: [&'static str; 2]) -> Writer {
 }
 
 /// Every command that writes, and every format.
-pub const WRITERS: [Writer; 11] = [
+pub const WRITERS: [Writer; 13] = [
     writer(
         "simulate, CSV",
         [
@@ -82,6 +82,20 @@ pub const WRITERS: [Writer; 11] = [
              --mcap found.mcap",
             "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv \
              --mcap found.mcap --prior cad",
+        ],
+    ),
+    writer(
+        "predict",
+        [
+            "predict a.urdf --data log.csv --support foot --out out.csv",
+            "predict a.urdf --data log.csv --model model.toml --out out.csv",
+        ],
+    ),
+    writer(
+        "compare",
+        [
+            "compare log.csv other.csv --urdf a.urdf --report page.html",
+            "compare log.csv other.csv --urdf a.urdf --report page.html --prior tight",
         ],
     ),
     writer(
@@ -198,6 +212,9 @@ impl<'p> Victim<'p> {
         self.to_its_end(&format!("{log} log.csv"));
         if self.writer.versions[1].contains("model.toml") {
             self.to_its_end("fit a.urdf --data log.csv --out model.toml");
+        }
+        if self.writer.name == "compare" {
+            self.to_its_end(&format!("{log} other.csv --seed 2"));
         }
         if self.writer.name != "fleet" {
             return;
