@@ -25,7 +25,9 @@ impl Data<'_> {
     unsafe fn new<'a>(rows: Rows, q: *const f64, reading: *const f64, n: usize) -> Data<'a> {
         Data {
             rows,
+            // SAFETY: the caller passes `n` postures of 20 numbers.
             q: unsafe { std::slice::from_raw_parts(q, DOF * n) },
+            // SAFETY: the caller passes `n` readings of 2 numbers.
             reading: unsafe { std::slice::from_raw_parts(reading, 2 * n) },
         }
     }
@@ -39,6 +41,7 @@ impl Data<'_> {
         let mut columns = [0.0; 2 * BASE];
         for k in 0..count {
             let q = &self.q[DOF * (start + k)..DOF * (start + k + 1)];
+            // SAFETY: `q` has 20 numbers, and `columns` the room that rows of one posture take.
             unsafe { (self.rows)(q.as_ptr(), columns.as_mut_ptr()) };
             for (column, pair) in columns.as_chunks::<2>().0.iter().enumerate() {
                 to[column * height + 2 * k..][..2].copy_from_slice(pair);
@@ -58,7 +61,10 @@ impl Data<'_> {
     }
 }
 
-fn answer(found: impl Iterator<Item = f64>, params: *mut f64) {
+/// # Safety
+/// `params` has room for 42 numbers, which nobody else reads or writes.
+unsafe fn answer(found: impl Iterator<Item = f64>, params: *mut f64) {
+    // SAFETY: as the caller says.
     let params = unsafe { std::slice::from_raw_parts_mut(params, BASE) };
     params.iter_mut().zip(found).for_each(|(to, x)| *to = x);
 }
@@ -75,6 +81,7 @@ pub unsafe extern "C" fn faer_normal_fit(
     n: usize,
     params: *mut f64,
 ) {
+    // SAFETY: the caller passes `n` postures and readings.
     let data = unsafe { Data::new(rows, q, reading, n) };
     let mut gram = Mat::<f64>::zeros(BASE, BASE);
     let mut right = Mat::<f64>::zeros(BASE, 1);
@@ -96,7 +103,8 @@ pub unsafe extern "C" fn faer_normal_fit(
     });
     let factor = Llt::new(gram.as_ref(), Side::Lower).expect("rows of full rank");
     factor.solve_in_place_with_conj(Conj::No, right.as_mut());
-    answer((0..BASE).map(|i| right[(i, 0)]), params);
+    // SAFETY: the caller passes room for 42 numbers.
+    unsafe { answer((0..BASE).map(|i| right[(i, 0)]), params) };
 }
 
 /// `faer`: all rows as one matrix, QR.
@@ -111,6 +119,7 @@ pub unsafe extern "C" fn faer_qr_fit(
     n: usize,
     params: *mut f64,
 ) {
+    // SAFETY: the caller passes `n` postures and readings.
     let data = unsafe { Data::new(rows, q, reading, n) };
     let mut all = vec![0.0; 2 * n * BASE];
     data.fill(0, n, &mut all, 2 * n);
@@ -118,7 +127,8 @@ pub unsafe extern "C" fn faer_qr_fit(
     let factor = MatRef::from_column_major_slice(&all, 2 * n, BASE).qr();
     let mut y = MatMut::from_column_major_slice_mut(&mut y, 2 * n, 1);
     factor.solve_lstsq_in_place_with_conj(Conj::No, y.as_mut());
-    answer((0..BASE).map(|i| y[(i, 0)]), params);
+    // SAFETY: the caller passes room for 42 numbers.
+    unsafe { answer((0..BASE).map(|i| y[(i, 0)]), params) };
 }
 
 fn reading_of(data: &Data) -> Vec<f64> {
@@ -137,6 +147,7 @@ pub unsafe extern "C" fn nalgebra_normal_fit(
     n: usize,
     params: *mut f64,
 ) {
+    // SAFETY: the caller passes `n` postures and readings.
     let data = unsafe { Data::new(rows, q, reading, n) };
     let mut gram = DMatrix::<f64>::zeros(BASE, BASE);
     let mut right = DVector::<f64>::zeros(BASE);
@@ -148,5 +159,6 @@ pub unsafe extern "C" fn nalgebra_normal_fit(
         right.gemv_tr(1.0, &a, &y, 1.0);
     });
     let factor = gram.cholesky().expect("rows of full rank");
-    answer(factor.solve(&right).iter().copied(), params);
+    // SAFETY: the caller passes room for 42 numbers.
+    unsafe { answer(factor.solve(&right).iter().copied(), params) };
 }

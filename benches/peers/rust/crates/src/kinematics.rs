@@ -32,8 +32,11 @@ fn open(urdf: &str, joints: &[&str]) -> Option<Robot> {
 /// `urdf` is a C string, `joints` an array of 20 of them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn k_open(urdf: *const c_char, joints: *const *const c_char) -> i32 {
+    // SAFETY: the caller passes C strings, which live until this returns.
     let text = |at: *const c_char| unsafe { CStr::from_ptr(at) }.to_str().unwrap_or("");
-    let joints: Vec<&str> = (0..DOF).map(|i| text(unsafe { *joints.add(i) })).collect();
+    // SAFETY: the caller passes an array of 20 of them.
+    let joint = |i| unsafe { *joints.add(i) };
+    let joints: Vec<&str> = (0..DOF).map(|i| text(joint(i))).collect();
     match open(text(urdf), &joints) {
         Some(robot) => i32::from(ROBOT.set(robot).is_err()),
         None => 1,
@@ -47,6 +50,7 @@ pub unsafe extern "C" fn k_open(urdf: *const c_char, joints: *const *const c_cha
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn k_com(q: *const f64, out: *mut f64) {
     let robot = ROBOT.get().expect("k_open comes first");
+    // SAFETY: the caller passes 20 numbers.
     let q = unsafe { &*q.cast::<[f64; DOF]>() };
     let mut positions = [0.0; DOF];
     for (x, &at) in q.iter().zip(&robot.place) {
@@ -54,6 +58,7 @@ pub unsafe extern "C" fn k_com(q: *const f64, out: *mut f64) {
     }
     robot.chain.set_joint_positions_unchecked(&positions);
     let com = k::center_of_mass(&robot.chain);
+    // SAFETY: the caller passes room for 3 numbers.
     unsafe { *out.cast::<[f64; 3]>() = [com.x, com.y, com.z] };
 }
 
@@ -64,6 +69,7 @@ pub unsafe extern "C" fn k_com(q: *const f64, out: *mut f64) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn k_com_batch(q: *const f64, n: usize, out: *mut f64) {
     for i in 0..n {
+        // SAFETY: the caller passes n times what `k_com` asks for.
         unsafe { k_com(q.add(DOF * i), out.add(3 * i)) };
     }
 }

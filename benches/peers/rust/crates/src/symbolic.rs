@@ -29,7 +29,9 @@ macro_rules! offer {
             /// `q` holds 20 numbers, `out` has room for the result.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $one(q: *const $scalar, out: *mut $scalar) {
+                // SAFETY: the caller passes 20 numbers and room for the result, which do not overlap.
                 let q = unsafe { &*q.cast::<[$scalar; DOF]>() };
+                // SAFETY: as above.
                 unsafe { *out.cast::<[$scalar; $width]>() = call!($function, q) };
             }
         )?
@@ -40,7 +42,9 @@ macro_rules! offer {
         /// `q` holds 20 n numbers, `out` has room for n results.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $batch(q: *const $scalar, n: usize, out: *mut $scalar) {
+            // SAFETY: the caller passes 20 n numbers, which nobody changes meanwhile.
             let q = unsafe { std::slice::from_raw_parts(q.cast::<[$scalar; DOF]>(), n) };
+            // SAFETY: the caller passes room for n results, which nobody else reads or writes.
             let out = unsafe { std::slice::from_raw_parts_mut(out.cast::<[$scalar; $width]>(), n) };
             for (q, out) in q.iter().zip(out) {
                 *out = call!($function, q);
