@@ -1,7 +1,7 @@
 //! What one robot on one day comes to.
 
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -165,7 +165,10 @@ impl Row {
     }
 
     /// Say what went wrong, if anything did.
-    pub(super) fn set_errors(&mut self, errors: Vec<String>) {
+    pub(super) fn set_errors(&mut self, mut errors: Vec<String>) {
+        // What is wrong with an option is wrong for every log.
+        let mut said = BTreeSet::new();
+        errors.retain(|error| said.insert(error.clone()));
         self.error = (!errors.is_empty()).then(|| errors.join("; "));
     }
 
