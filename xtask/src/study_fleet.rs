@@ -37,6 +37,13 @@ pub struct StudyFleet {
     /// Days
     #[arg(long, default_value_t = 7)]
     days: usize,
+    /// Bodies of the fleets in which nothing is hidden differ by these deviations: part of each
+    /// mass, m of each CoM
+    #[arg(long, value_name = "PART,M", value_delimiter = ',', num_args = 1)]
+    spread: Vec<f64>,
+    /// Prior of fits and diagnoses, as of `sesc fleet`
+    #[arg(long, value_name = "PRIOR")]
+    prior: Option<String>,
     /// The first fleet's seed; each further one's is one more
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -97,7 +104,11 @@ impl StudyFleet {
         text += "\n## Nothing hidden\n\n| seed | rows | verdicts but none and absorbed | shared effects | changes | robots to look at |\n|---|---|---|---|---|---|\n";
         let (mut shared, mut changed) = (0, 0);
         for seed in 1000 + self.seed..1000 + self.seed + self.sound {
-            let (found, summary, _) = self.look(&Fleet::sound(self.robots, self.days, seed))?;
+            let mut fleet = Fleet::sound(self.robots, self.days, seed);
+            if let [part, length] = self.spread[..] {
+                fleet.spread = Some((part, length));
+            }
+            let (found, summary, _) = self.look(&fleet)?;
             let named = found
                 .rows
                 .iter()
@@ -146,6 +157,9 @@ impl StudyFleet {
         let logs = inputs(&[pattern.display().to_string()], &by)?;
         let mut request = Request::new(Arc::new(Robot::read(&urdf)?), groups(&logs));
         request.threads = Some(self.threads);
+        if let Some(prior) = &self.prior {
+            request.options.prior = Some(prior.clone());
+        }
         let found = run(&request, &mut ())?;
         let summary = summary(&found.rows, &found.names, None);
         Ok((found, summary, start.elapsed().as_secs_f64()))

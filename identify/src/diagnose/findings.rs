@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
-use sesc_model::effects::{EffectContext, Target};
+use sesc_model::effects::{EffectContext, Fitted, Target};
 
 use super::held_out::HeldOut;
 use super::hypothesis::Term;
@@ -105,6 +105,9 @@ pub struct Step {
     pub acts_on: ActsOn,
     /// Its parameters by name, which ends in the unit: `offset_rad`.
     pub parameters: BTreeMap<&'static str, Quantity>,
+    /// What is fitted for each of them: zero where there is no effect.
+    #[serde(skip)]
+    pub fitted: BTreeMap<&'static str, Fitted>,
     /// Held-out, without and with it (beside the steps before), m.
     pub rmse_before: f64,
     /// Held-out RMS error with it, m; the next step begins there.

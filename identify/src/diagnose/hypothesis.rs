@@ -10,7 +10,11 @@
 //! that most postures share imitates them. Free masses imitate every load and, on
 //! one flat foot, offsets and gains too: they are the last resort.
 
-use sesc_model::effects::{self, Carry, EffectContext, Experiment, Instance, Stage, Target, Value};
+use std::collections::BTreeMap;
+
+use sesc_model::effects::{
+    self, Carry, EffectContext, Experiment, Fitted, Instance, Stage, Target, Value,
+};
 
 /// One term of a hypothesis.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -37,6 +41,15 @@ impl Term {
             Term::Effect(instance) => Some(instance),
             Term::Outliers | Term::FreeMasses => None,
         }
+    }
+
+    /// What is fitted for each parameter, if it is an effect.
+    pub fn fitted(&self, context: &EffectContext) -> BTreeMap<&'static str, Fitted> {
+        let own = self.effect().map(|instance| {
+            let parameters = instance.effect.parameters(context, &instance.target);
+            parameters.iter().map(|own| (own.name, own.fitted))
+        });
+        own.into_iter().flatten().collect()
     }
 
     /// When the effect acts, if it is one.

@@ -53,6 +53,7 @@ pub(super) fn told(
                     )
                 })
                 .collect(),
+            fitted: term.fitted(&problem.context),
             rmse_before,
             rmse_after: held[k].rmse,
             evidence: evidence[at],

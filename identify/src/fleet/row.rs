@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use sesc_model::effects::Fitted;
 
 use crate::diagnose::{Diagnosis, Step, Verdict};
 use crate::fit::Identification;
@@ -20,6 +21,56 @@ pub struct Size {
     pub std: f64,
 }
 
+/// What a parameter is where there is no effect, if that is not 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Absent {
+    /// A factor is 1.
+    One,
+    /// A stiffness is infinite.
+    Infinite,
+}
+
+impl Absent {
+    fn of(fitted: Fitted) -> Option<Absent> {
+        match fitted {
+            Fitted::LessOne => Some(Absent::One),
+            Fitted::WeightOver => Some(Absent::Infinite),
+            _ => None,
+        }
+    }
+
+    /// How far from there a size is: a factor less one, the inverse of a stiffness.
+    fn away(self, size: Size) -> Size {
+        match self {
+            Absent::One => Size {
+                value: size.value - 1.0,
+                ..size
+            },
+            Absent::Infinite => self.inverse(size),
+        }
+    }
+
+    /// The size that is so far from there.
+    pub(super) fn back(self, away: Size) -> Size {
+        match self {
+            Absent::One => Size {
+                value: away.value + 1.0,
+                ..away
+            },
+            Absent::Infinite => self.inverse(away),
+        }
+    }
+
+    fn inverse(self, size: Size) -> Size {
+        Size {
+            value: 1.0 / size.value,
+            std: size.std / (size.value * size.value),
+        }
+    }
+}
+
 /// One effect of a row's explanation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -30,6 +81,9 @@ pub struct EffectFound {
     pub target: String,
     /// Its parameters by name, which ends in the unit: `offset_rad`.
     pub parameters: BTreeMap<String, Size>,
+    /// What those of them are without the effect that are not 0 then: `scale` is `one`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub absent: BTreeMap<String, Absent>,
     /// Rise of −2 log evidence without this effect.
     pub evidence: f64,
     /// The complete explanations that these data allow instead, effects with their targets;
@@ -45,13 +99,27 @@ impl EffectFound {
             std: q.std,
         };
         let parameters = step.parameters.iter();
+        let absent = |(name, fitted): (&&str, &Fitted)| {
+            let absent = Absent::of(*fitted)?;
+            Some((name.to_string(), absent))
+        };
         EffectFound {
             effect: step.effect.to_string(),
             target: step.target.clone(),
             parameters: parameters.map(|(n, q)| (n.to_string(), size(q))).collect(),
+            absent: step.fitted.iter().filter_map(absent).collect(),
             evidence: step.evidence,
             instead,
         }
+    }
+
+    /// How far a parameter is from what it is without the effect.
+    pub(super) fn away(&self, parameter: &str) -> Option<Size> {
+        let size = self.parameters.get(parameter).copied()?;
+        Some(match self.absent.get(parameter) {
+            Some(absent) => absent.away(size),
+            None => size,
+        })
     }
 }
 

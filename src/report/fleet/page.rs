@@ -132,6 +132,7 @@ pub fn pages(
         of_rows => count(fleet.rows.len(), "row"),
         shared => Serde(&summary.shared),
         changes => Serde(&summary.changes),
+        bodies => summary.bodies.as_ref(),
         reasons => Serde(reasons.collect::<Vec<LookFirst>>()),
         linked => shown.len(),
         population => Serde(summary.population.as_ref().map(|p| (p.robots, p.names.len()))),

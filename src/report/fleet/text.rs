@@ -34,6 +34,9 @@ pub fn text(fleet: &Fleet, summary: &Summary) -> String {
         count(fleet.rows.len(), "row"),
         fleet.from_store
     );
+    if let Some(bodies) = &summary.bodies {
+        out += &format!("{bodies}\n\n");
+    }
     let shared = summary.shared.iter();
     let shared = shared.map(|s| format!("{} ({})", s.sentence, s.robots.join(", ")));
     let changes = summary.changes.iter();

@@ -1,34 +1,25 @@
 //! What changed in a robot between its days, and is more than chance.
 //!
-//! A number x_d with deviation s_d on each of D days is split at every day:
+//! Two kinds of numbers are followed over its [days](super::course), each with half of the chance
+//! of a false alarm: base parameters as fitted without effects, and sizes of effects. On days on
+//! which an effect is in no explanation it is 0 ± [`UNSEEN`] of its deviations, since a smaller
+//! one would hardly be seen.
 //!
-//! ```text
-//! z_k = (x̄_{≥k} − x̄_{<k}) / √(var x̄_{≥k} + var x̄_{<k})      x̄: weighted by 1/s²
-//! ```
-//!
-//! The chance of the largest |z_k| is at most that of one, times D − 1 days, the numbers of a
-//! robot and the robots of the fleet (Bonferroni); below [`FALSE_ALARM`] it is a change. Two
-//! kinds of numbers are looked at, each with half of that: base parameters as fitted without
-//! effects, and sizes of effects. On days on which an effect is in no explanation it is
-//! 0 ± [`UNSEEN`] of its deviations, since a smaller one would hardly be seen.
-//!
-//! The days before a change and those from it on are split again in the same way (binary
-//! segmentation), unless a straight line explains them: a drift is one change. Each time the
-//! chance counts twice as many numbers, so that a robot with a change gets a second one by
-//! chance no more often than a sound robot gets its first.
+//! An explanation may change where nothing does: a body that differs from its URDF is explained
+//! by a payload on one day and by an offset on the next. A change of an effect counts where what
+//! is fitted without effects is [borne out](super::borne_out) to change, too.
 //!
 //! Deviations are widened by what the days of the whole fleet scatter: by the median of the
 //! squared differences between neighbouring days, parameter by parameter.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use serde::Serialize;
-use statrs::distribution::{ChiSquared, ContinuousCDF as _, StudentsT};
 
-use super::criteria::FALSE_ALARM;
-use super::criteria::changes::{DIFFERENCES, HYPOTHESES, LEAST_FREEDOM, ONSET, UNSEEN};
-use super::history::{History, Key, Said, label, principal, said};
+use super::borne_out::{is_borne_out, size};
+use super::course::{Course, Step, freedom, steps};
+use super::criteria::changes::{DIFFERENCES, HYPOTHESES, UNSEEN};
+use super::history::{History, Key, Said, absent, label, principal, said};
 use super::shared::one_in;
 use crate::diagnose::words::{NamedValue, named};
 use crate::fleet::row::{Row, Size, by_number};
@@ -59,48 +50,25 @@ pub struct Change {
     pub robot: String,
     /// The first day on which it is so.
     pub day: String,
+    /// The first and the last of the days on which it may have come, at 95 %; none of what files
+    /// themselves say.
+    pub day_interval: Option<[String; 2]>,
     /// What changed, as a sentence.
     pub what: String,
     /// What kind of thing changed.
     pub kind: ChangeKind,
     /// The effect, the parameter or the finding, as `name:target`.
     pub target: String,
+    /// The parameter that `before` and `after` are of; its end is the unit, or it is a base
+    /// parameter in m.
+    pub parameter: Option<String>,
+    /// Its size on the day before; none where it is not seen.
+    pub before: Option<Size>,
+    /// Its size on the last day that is so; none where it is not seen.
+    pub after: Option<Size>,
     /// The most that chance would make of it in a fleet in which nothing changes; none of
     /// what is no estimate.
     pub chance: Option<f64>,
-}
-
-/// A number by day.
-struct Course<'r> {
-    days: Vec<&'r str>,
-    sizes: Vec<Size>,
-    freedom: f64,
-}
-
-impl Course<'_> {
-    /// The days of a range alone.
-    fn part(&self, days: &Range<usize>) -> Self {
-        Course {
-            days: self.days[days.clone()].to_vec(),
-            sizes: self.sizes[days.clone()].to_vec(),
-            freedom: self.freedom,
-        }
-    }
-}
-
-/// Where a course can be split best.
-struct Split {
-    /// Place of the first day on which it is so.
-    onset: usize,
-    ln_p: f64,
-}
-
-/// A change of a course.
-struct Step {
-    /// Days since the change up to the next one.
-    days: Range<usize>,
-    /// The most that chance would make of it.
-    chance: f64,
 }
 
 pub(super) fn changes(
@@ -114,7 +82,7 @@ pub(super) fn changes(
         found.extend(urdfs(history));
         found.extend(findings(history));
         for stretch in history.stretches() {
-            let effects = effects(history, &stretch, robots);
+            let effects = effects(history, &stretch, &widening, robots);
             match effects.is_empty() {
                 true => found.extend(parameters(history, &stretch, &widening, names, robots)),
                 false => found.extend(effects),
@@ -141,6 +109,7 @@ fn urdfs(history: &History) -> Vec<Change> {
     let change = |pair: &[&&Row]| Change {
         robot: history.robot.to_string(),
         day: pair[1].day.clone(),
+        day_interval: None,
         what: format!(
             "Its URDF is another one from this day on ({}, before {}): numbers before and after \
              are not compared.",
@@ -148,6 +117,9 @@ fn urdfs(history: &History) -> Vec<Change> {
         ),
         kind: ChangeKind::Urdf,
         target: pair[1].urdf_hash.clone(),
+        parameter: None,
+        before: None,
+        after: None,
         chance: None,
     };
     pairs.map(change).collect()
@@ -170,9 +142,13 @@ fn findings(history: &History) -> Vec<Change> {
         lasts.then(|| Change {
             robot: history.robot.to_string(),
             day: rows[first].day.clone(),
+            day_interval: None,
             what: finding.sentence.clone(),
             kind: ChangeKind::Health,
             target: label((finding.kind.name(), &finding.target)),
+            parameter: None,
+            before: None,
+            after: None,
             chance: None,
         })
     };
@@ -180,7 +156,7 @@ fn findings(history: &History) -> Vec<Change> {
 }
 
 /// Effects whose size changes.
-fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
+fn effects(history: &History, rows: &[&Row], widening: &[f64], robots: f64) -> Vec<Change> {
     let mut found = Vec::new();
     for key in history.keys() {
         let all = rows.iter().filter_map(|row| match said(row, &key) {
@@ -191,31 +167,43 @@ fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
             continue;
         };
         let course = course_of_effect(rows, &key, &parameter);
-        let say = |size: Size| match size.value {
-            // An effect that no explanation has is not there, whatever it might be.
-            0.0 => "not seen".to_string(),
-            _ => named(&NamedValue {
+        let absent = absent(rows, &key, &parameter);
+        // An effect that no explanation has is not there, whatever it might be.
+        let seen = |away: Size| {
+            let back = || absent.map_or(away, |absent| absent.back(away));
+            (away.value != 0.0).then(back)
+        };
+        let say = |size: Option<Size>| match size {
+            None => "not seen".to_string(),
+            Some(size) => named(&NamedValue {
                 name: &parameter,
                 value: size.value,
                 std: size.std,
             }),
         };
-        for step in steps(&course, HYPOTHESES * robots) {
-            let (before, last) = (step.days.start - 1, step.days.end - 1);
+        let steps = steps(&course, HYPOTHESES * robots).into_iter();
+        let first = |step: &Step| course.days[step.days.start];
+        for step in steps.filter(|step| is_borne_out(rows, first(step), widening)) {
+            let (day, last) = (step.days.start - 1, step.days.end - 1);
+            let [before, after] = [day, last].map(|at| seen(course.sizes[at]));
             found.push(Change {
                 robot: history.robot.to_string(),
                 day: course.days[step.days.start].to_string(),
+                day_interval: Some(course.days_of(&step)),
                 what: format!(
                     "{} changes: {} on {}, {} on {}. Chance would make it in {} fleets.",
                     label((&key.0, &key.1)),
-                    say(course.sizes[before]),
-                    course.days[before],
-                    say(course.sizes[last]),
+                    say(before),
+                    course.days[day],
+                    say(after),
                     course.days[last],
                     one_in(step.chance)
                 ),
                 kind: ChangeKind::Effect,
                 target: label((&key.0, &key.1)),
+                parameter: Some(parameter.clone()),
+                before,
+                after,
                 chance: Some(step.chance),
             });
         }
@@ -223,9 +211,10 @@ fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
     found
 }
 
+/// How far a parameter of an effect is, day by day, from what it is without the effect.
 fn course_of_effect<'r>(rows: &[&'r Row], key: &Key, parameter: &str) -> Course<'r> {
     let of = |row: &Row| match said(row, key) {
-        Said::Found(found) => found.parameters.get(parameter).copied().map(Some),
+        Said::Found(found) => found.away(parameter).map(Some),
         // It may be there or not.
         Said::Possible => None,
         Said::No => Some(None),
@@ -253,13 +242,6 @@ fn course_of_effect<'r>(rows: &[&'r Row], key: &Key, parameter: &str) -> Course<
             .collect(),
         freedom: freedom(&used),
     }
-}
-
-/// Degrees of freedom of the deviations of all rows together.
-fn freedom(rows: &[&Row]) -> f64 {
-    let of =
-        |row: &&Row| (2.0 * row.independent as f64 - row.params.len() as f64).max(LEAST_FREEDOM);
-    rows.iter().map(of).sum()
 }
 
 /// When parameters change, the clearest of them named.
@@ -320,6 +302,7 @@ fn parameters(
         Change {
             robot: history.robot.to_string(),
             day: course.days[step.days.start].to_string(),
+            day_interval: Some(course.days_of(step)),
             what: format!(
                 "{name} changes: {} on {}, {} on {}; no effect is named for it.{others} Chance \
                  would make it in {} fleets.",
@@ -331,20 +314,13 @@ fn parameters(
             ),
             kind: ChangeKind::Parameter,
             target: name.clone(),
+            parameter: Some(name.clone()),
+            before: Some(course.sizes[before]),
+            after: Some(course.sizes[last]),
             chance: Some(step.chance),
         }
     };
     steps.iter().map(of).collect()
-}
-
-/// A parameter of a row with its widened deviation.
-fn size(row: &Row, k: usize, widening: &[f64]) -> Option<Size> {
-    let (value, std) = (*row.params.get(k)?, (*row.std.get(k)?)?);
-    let wide = widening.get(k).copied().unwrap_or(1.0);
-    (std > 0.0).then_some(Size {
-        value,
-        std: wide * std,
-    })
 }
 
 /// How many times as much days scatter as their deviations say, parameter by parameter; 1 at
@@ -378,95 +354,4 @@ fn widening(histories: &[History]) -> Vec<f64> {
             false => median(own),
         });
     each.collect()
-}
-
-/// Where a number changes, day after day. `tests` are the numbers that are looked at, besides
-/// days.
-fn steps(course: &Course, tests: f64) -> Vec<Step> {
-    let days = course.sizes.len();
-    // Of two kinds of numbers.
-    let looks = 2.0 * tests * (days as f64 - 1.0);
-    let mut onsets: Vec<(usize, f64)> = Vec::new();
-    let mut parts = vec![(0..days, looks)];
-    while let Some((part, looks)) = parts.pop() {
-        let own = course.part(&part);
-        let again = part.len() < days;
-        if again && is_straight(&own.sizes) {
-            continue;
-        }
-        let Some(Split { onset, ln_p }) = split(&own) else {
-            continue;
-        };
-        let chance = (ln_p + looks.ln()).exp().min(1.0);
-        if chance < FALSE_ALARM {
-            let onset = part.start + onset;
-            onsets.push((onset, chance));
-            parts.push((part.start..onset, 2.0 * looks));
-            parts.push((onset..part.end, 2.0 * looks));
-        }
-    }
-    onsets.sort_by_key(|(onset, _)| *onset);
-    let ends = onsets.iter().skip(1).map(|(onset, _)| *onset).chain([days]);
-    let steps = onsets.iter().zip(ends).map(|(&(onset, chance), end)| Step {
-        days: onset..end,
-        chance,
-    });
-    steps.collect()
-}
-
-/// Whether a straight line over the days, weighted by 1/s², explains the sizes.
-fn is_straight(sizes: &[Size]) -> bool {
-    let days = sizes.iter().enumerate().map(|(day, size)| {
-        let weight = 1.0 / (size.std * size.std);
-        (day as f64, size.value, weight)
-    });
-    let sum =
-        |of: &dyn Fn(f64, f64) -> f64| days.clone().map(|(t, x, w)| w * of(t, x)).sum::<f64>();
-    let weight = sum(&|_, _| 1.0);
-    let (mean_t, mean_x) = (sum(&|t, _| t) / weight, sum(&|_, x| x) / weight);
-    let slope = sum(&|t, x| (t - mean_t) * (x - mean_x)) / sum(&|t, _| (t - mean_t).powi(2));
-    let line = |t: f64| mean_x + slope * (t - mean_t);
-    let chi2 = sum(&|t, x| (x - line(t)).powi(2));
-    // Two days always lie on a line.
-    let law = ChiSquared::new(sizes.len() as f64 - 2.0);
-    law.is_ok_and(|law| law.sf(chi2) > FALSE_ALARM) || sizes.len() < 3
-}
-
-fn split(course: &Course) -> Option<Split> {
-    let n = course.sizes.len();
-    // Means of the days before each day, and of those from it on.
-    let before = means(course.sizes.iter());
-    let mut after = means(course.sizes.iter().rev());
-    after.reverse();
-    let gap = |later: Size, k: usize| {
-        let before: Size = before[k - 1];
-        (later.value - before.value) / later.std.hypot(before.std)
-    };
-    let z = |k: usize| gap(after[k], k);
-    let best = (1..n).max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs()))?;
-    let of = |k: usize| {
-        let own = gap(course.sizes[k], k);
-        own.abs() > ONSET && own.signum() == z(best).signum()
-    };
-    // A drift is split best in its middle, and begins before.
-    let onset = (1..=best).find(|k| of(*k)).unwrap_or(best);
-    let law = StudentsT::new(0.0, 1.0, course.freedom.max(LEAST_FREEDOM)).ok()?;
-    let p = 2.0 * law.sf(z(best).abs());
-    let ln_p = p.max(f64::MIN_POSITIVE).ln();
-    z(best).is_finite().then_some(Split { onset, ln_p })
-}
-
-/// Means weighted by 1/s² of the first number, of the first two, and so on.
-fn means<'s>(sizes: impl Iterator<Item = &'s Size>) -> Vec<Size> {
-    let (mut sum, mut weights) = (0.0, 0.0);
-    let mean = |size: &Size| {
-        let weight = 1.0 / (size.std * size.std);
-        weights += weight;
-        sum += weight * size.value;
-        Size {
-            value: sum / weights,
-            std: weights.sqrt().recip(),
-        }
-    };
-    sizes.map(mean).collect()
 }

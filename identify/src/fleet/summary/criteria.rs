@@ -20,6 +20,10 @@ pub const FALSE_FINDING: f64 = 0.01;
 /// spread to a third (closed form).
 pub const ROBOTS: usize = 5;
 
+/// Where more than this part of the robots have effects of their own, bodies are said to differ.
+/// Chosen: half of it is reached by a fleet with several batches whose sizes scatter.
+pub const OWN_EFFECTS: f64 = 0.5;
+
 /// What changed in a robot.
 pub mod changes {
     /// Deviations of an effect on a day that does not show it. Chosen: half of it makes an
@@ -31,6 +35,10 @@ pub mod changes {
     /// A day that differs from those before it by so many deviations begins a change. Chosen:
     /// half of it dates changes too early; twice as much dates drifts late.
     pub const ONSET: f64 = 4.0;
+    /// An effect that comes or goes is a change where what is fitted without effects differs by
+    /// more than chance makes of it in this part of cases. Chosen: half of it tells small effects
+    /// later; the rate of false alarms has its own threshold.
+    pub const BORNE_OUT: f64 = 0.01;
     /// Fewer differences than these do not tell how days scatter. Chosen: the root of the
     /// median of so many squares is off by a quarter (closed form), of half as many by a third.
     pub const DIFFERENCES: usize = 20;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::fleet::row::{EffectFound, Row, Size, by_number};
+use crate::fleet::row::{Absent, EffectFound, Row, Size, by_number};
 use crate::health::Kind;
 
 /// Effect and target.
@@ -104,10 +104,22 @@ impl<'r> History<'r> {
     }
 }
 
+/// What a parameter of an effect is without it, where that is not 0.
+pub(super) fn absent(rows: &[&Row], key: &Key, parameter: &str) -> Option<Absent> {
+    rows.iter().find_map(|row| match said(row, key) {
+        Said::Found(found) => found.absent.get(parameter).copied(),
+        Said::Possible | Said::No => None,
+    })
+}
+
 /// The parameter of an effect that is largest beside its deviation.
 pub(super) fn principal<'a>(found: impl Iterator<Item = &'a EffectFound>) -> Option<String> {
     let mut told: BTreeMap<&str, f64> = BTreeMap::new();
-    for (name, size) in found.flat_map(|found| &found.parameters) {
+    let sizes = |found: &'a EffectFound| {
+        let names = found.parameters.keys();
+        names.filter_map(|name| Some((name, found.away(name)?)))
+    };
+    for (name, size) in found.flat_map(sizes) {
         *told.entry(name).or_default() += (size.value / size.std.max(f64::MIN_POSITIVE)).powi(2);
     }
     let best = told.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));

@@ -244,7 +244,8 @@ fn lasts(history: &History, key: &Key) -> bool {
     let clear = match since.last() {
         Some(Said::Found(found)) => found
             .parameters
-            .values()
+            .keys()
+            .filter_map(|name| found.away(name))
             .any(|size| size.value.abs() > CLEAR * size.std),
         _ => false,
     };

@@ -5,7 +5,10 @@
 //!                                └▶ changes ────────┴▶ what to look at first
 //! ```
 
+mod bodies;
+mod borne_out;
 mod changes;
+mod course;
 pub(super) mod criteria;
 mod history;
 mod look_first;
@@ -38,6 +41,9 @@ pub struct Summary {
     pub look_first: Vec<String>,
     /// Why, in the same order.
     pub reasons: Vec<Reason>,
+    /// What to do where most robots have effects of their own, as a sentence: an effect may then
+    /// stand for a body that differs from the URDF.
+    pub bodies: Option<String>,
     /// What the fleet knows of the next robot ([`population`](super::population())).
     pub population: Option<Population>,
 }
@@ -57,6 +63,7 @@ pub fn summary(
     Summary {
         look_first: reasons.iter().map(|reason| reason.robot.clone()).collect(),
         reasons,
+        bodies: bodies::differ(&histories, &shared),
         population,
         shared,
         changes,

@@ -29,10 +29,10 @@ use statrs::function::gamma::ln_gamma;
 
 use super::criteria::FALSE_ALARM;
 use super::criteria::shared::{ALIKE, LASTING, LEAST_WINDOW};
-use super::history::{History, Key, Said, label, pooled, principal, said};
+use super::history::{History, Key, Said, absent, label, pooled, principal, said};
 use super::spread::interval;
 use crate::diagnose::words::{NamedValue, named, spoken};
-use crate::fleet::row::Size;
+use crate::fleet::row::{Absent, Size};
 
 /// An effect that robots share.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -77,6 +77,7 @@ pub struct SharedMember {
 /// An effect in one robot over all its days.
 struct Member<'r> {
     robot: &'r str,
+    /// How far its parameter is from what it is without the effect.
     size: Size,
 }
 
@@ -84,6 +85,8 @@ struct Member<'r> {
 struct Candidate<'r> {
     key: Key,
     parameter: String,
+    /// What the parameter is without the effect, where that is not 0.
+    absent: Option<Absent>,
     /// Robots that no group of this effect and target holds yet.
     members: Vec<Member<'r>>,
     /// Groups of this effect and target, and their robots.
@@ -168,7 +171,7 @@ fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
             match said(row, &key) {
                 Said::Found(found) => {
                     possible += 1;
-                    sizes.extend(found.parameters.get(&parameter).copied());
+                    sizes.extend(found.away(&parameter));
                 }
                 Said::Possible => possible += 1,
                 Said::No => {}
@@ -182,9 +185,13 @@ fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
         })
     };
     let members: Vec<Member> = histories.iter().filter_map(member).collect();
+    let absent = histories
+        .iter()
+        .find_map(|history| absent(&history.usable().collect::<Vec<_>>(), &key, &parameter));
     Some(Candidate {
         key,
         parameter,
+        absent,
         members,
         groups: 0,
         grouped: 0,
@@ -250,10 +257,18 @@ fn group(
     let sizes: Vec<Size> = members[i..=j].iter().map(|m| m.size).collect();
     let (size, own_std) = pooled(&sizes)?;
     let own_std_interval = interval(&sizes, own_std).unwrap_or([0.0, own_std]);
-    let of_group = members[i..=j].iter().map(|member| SharedMember {
-        robot: member.robot.to_string(),
-        value: member.size.value,
-        std: member.size.std,
+    // As people know the parameter, and not from what it is without the effect.
+    let back = |away: Size| candidate.absent.map_or(away, |absent| absent.back(away));
+    let spread = |std: f64| back(Size { std, ..size }).std;
+    let (own_std, own_std_interval) = (spread(own_std), own_std_interval.map(spread));
+    let size = back(size);
+    let of_group = members[i..=j].iter().map(|member| {
+        let size = back(member.size);
+        SharedMember {
+            robot: member.robot.to_string(),
+            value: size.value,
+            std: size.std,
+        }
     });
     let mut of_group: Vec<SharedMember> = of_group.collect();
     of_group.sort_by(|a, b| a.robot.cmp(&b.robot));

@@ -8,7 +8,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 
 use super::*;
 use crate::diagnose::Verdict;
-use crate::fleet::row::{EffectFound, Size};
+use crate::fleet::row::{Absent, EffectFound, Size};
 
 /// Deviation of a drawn offset, rad, and of a drawn parameter, m.
 const STD: f64 = 0.001;
@@ -58,10 +58,13 @@ impl Drawn {
                 continue;
             }
             row.verdict = Some(Verdict::Named);
+            // What is fitted without effects takes the offset for masses elsewhere.
+            row.params[7] += value;
             row.effects.push(EffectFound {
                 effect: "joint_offset".into(),
                 target: joint.into(),
                 parameters: [("offset_rad".to_string(), Size { value, std: STD })].into(),
+                absent: BTreeMap::new(),
                 evidence: 100.0,
                 instead: Vec::new(),
             });
@@ -381,4 +384,105 @@ fn one_step_is_one_change() {
         .filter(|seed| stepped(2000 + seed, 9, &[(4, 0.035)]).len() > 1)
         .count();
     assert!(more <= 4, "{more} of 100 robots");
+}
+
+/// A row of effects of which each robot has another one.
+fn with_effects_of_their_own(robots: usize) -> Drawn {
+    let mut fleet = Drawn::fleet(20, 3, 17);
+    for robot in 0..robots {
+        fleet.offset(robot, &format!("j{robot}"), 0.02 + 0.001 * robot as f64, 1);
+    }
+    fleet
+}
+
+#[test]
+fn bodies_that_differ_are_told_from_faults_of_a_few() {
+    let said = with_effects_of_their_own(11).summary().bodies.unwrap();
+    assert!(said.starts_with("11 of 20 robots"), "{said}");
+    assert_eq!(with_effects_of_their_own(10).summary().bodies, None);
+    // A batch of half of the fleet is a batch.
+    let mut fleet = Drawn::fleet(20, 3, 18);
+    (0..15).for_each(|robot| fleet.offset(robot, "l_knee", 0.03, 1));
+    let found = fleet.summary();
+    assert_eq!((found.shared.len(), found.bodies), (1, None));
+}
+
+/// An explanation that comes and goes while the robot stays as it is.
+#[test]
+fn an_effect_that_nothing_bears_out_is_no_change() {
+    let bear = |moved: bool, gap: Option<f64>| {
+        let mut fleet = Drawn::fleet(12, 6, 19);
+        let before = fleet.rows.clone();
+        fleet.offset(3, "l_knee", 0.03, 4);
+        for (row, old) in fleet.rows.iter_mut().zip(before) {
+            row.held_out_rmse = Some(5e-4);
+            if !moved {
+                row.params = old.params;
+            }
+            if let (Some(gap), false) = (gap, row.effects.is_empty()) {
+                row.held_out_rmse = Some(gap);
+            }
+        }
+        let changes = fleet.summary().changes;
+        changes
+            .iter()
+            .any(|change| change.kind == ChangeKind::Effect)
+    };
+    assert!(!bear(false, None));
+    assert!(bear(true, None));
+    // Backlash moves no parameter and leaves a gap.
+    assert!(bear(false, Some(1e-3)));
+    assert!(!bear(false, Some(5.2e-4)));
+}
+
+/// A factor is 1 where nothing is wrong, and a stiffness infinite.
+#[test]
+fn factors_differ_from_one_and_stiffness_from_none() {
+    let of = |name: &str, absent: Absent, sizes: [f64; 4]| {
+        let mut fleet = Drawn::fleet(12, 3, 20);
+        let parameter = [(name.to_string(), absent)];
+        for (robot, value) in sizes.into_iter().enumerate() {
+            fleet.offset(robot, "l_knee", 0.0, 1);
+            let own = fleet
+                .rows
+                .iter_mut()
+                .filter(|row| row.robot == format!("r{robot:02}"));
+            for row in own {
+                let std = 0.02 * value;
+                row.effects[0].effect = "joint_scale".into();
+                row.effects[0].parameters = [(name.to_string(), Size { value, std })].into();
+                row.effects[0].absent = parameter.clone().into();
+            }
+        }
+        fleet.summary().shared
+    };
+    // Sizes that scatter around nothing agree in being near 1, which says nothing.
+    assert_eq!(of("scale", Absent::One, [0.95, 1.02, 0.98, 1.05]).len(), 0);
+    let found = of("scale", Absent::One, [1.3; 4]);
+    assert_eq!(found.len(), 1);
+    assert!((found[0].size - 1.3).abs() < 1e-9 && (found[0].members[0].std - 0.026).abs() < 0.02);
+    let found = of("stiffness_nm_per_rad", Absent::Infinite, [20.0; 4]);
+    assert!((found[0].size - 20.0).abs() < 1e-9, "{found:?}");
+    assert!(
+        (found[0].std - 0.4 / 12.0_f64.sqrt()).abs() < 1e-3,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn changes_say_sizes_and_the_days_on_which_they_may_have_come() {
+    let mut fleet = Drawn::fleet(20, 12, 21);
+    let later = |row: &&mut Row| row.robot == "r10" && row.day.parse::<usize>().unwrap() >= 6;
+    for row in fleet.rows.iter_mut().filter(later) {
+        row.params[5] += 30.0 * STD;
+    }
+    let found = fleet.summary().changes;
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(
+        found[0].day_interval,
+        Some(["6".to_string(), "6".to_string()])
+    );
+    let [before, after] = [&found[0].before, &found[0].after].map(|size| size.unwrap());
+    assert!((after.value - before.value - 30.0 * STD).abs() < 5.0 * STD);
+    assert!(before.std >= STD && after.std >= STD);
 }
