@@ -50,13 +50,13 @@ mod _sesc {
     #[pymodule_export]
     use super::diagnosis::{DiagnosisReport, correct_urdf, diagnose_log};
     #[pymodule_export]
-    use super::drawing::{draw_postures, draw_robot};
+    use super::drawing::{draw_postures, draw_robot, escape_html};
     #[pymodule_export]
     use super::fit::{FitReport, correct_fit, fit_logs};
     #[pymodule_export]
     use super::fleet::{FleetFound, fleet_groups, fleet_work};
     #[pymodule_export]
-    use super::log::Log;
+    use super::log::{Log, Unusable};
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]

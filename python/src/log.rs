@@ -83,9 +83,26 @@ fn overlaid(own: &Sidecar, settings: &str) -> Result<Sidecar, Failure> {
     serde_json::from_value(merged).map_err(wrong)
 }
 
+/// A column that holds neither numbers nor texts: it is in nobody's way until it is used.
+#[pyclass(frozen, module = "sesc._sesc")]
+pub struct Unusable {
+    pub rows: usize,
+    pub what: String,
+}
+
+#[pymethods]
+impl Unusable {
+    #[new]
+    fn new(rows: usize, what: String) -> Unusable {
+        Unusable { rows, what }
+    }
+}
+
 /// A column on its way from Python.
 #[derive(FromPyObject)]
 enum Given<'py> {
+    #[pyo3(transparent)]
+    Unusable(PyRef<'py, Unusable>),
     #[pyo3(transparent)]
     Numbers(PyReadonlyArray1<'py, f64>),
     #[pyo3(transparent)]
@@ -99,6 +116,7 @@ enum View<'a> {
     Numbers(ArrayView1<'a, f64>),
     Integers(ArrayView1<'a, i64>),
     Texts(&'a [String]),
+    Unusable(usize, &'a str),
 }
 
 impl View<'_> {
@@ -107,6 +125,7 @@ impl View<'_> {
             Given::Numbers(values) => View::Numbers(values.as_array()),
             Given::Integers(values) => View::Integers(values.as_array()),
             Given::Texts(values) => View::Texts(values),
+            Given::Unusable(column) => View::Unusable(column.rows, &column.what),
         }
     }
 
@@ -115,6 +134,7 @@ impl View<'_> {
         Ok(match self {
             View::Numbers(values) => table.numbers(name, copy(values, signals)?),
             View::Integers(values) => table.integers(name, copy(values, signals)?),
+            View::Unusable(rows, what) => table.unusable(name, rows, what),
             View::Texts(values) => {
                 let mut all: Vec<Arc<str>> = Vec::with_capacity(values.len());
                 for some in values.chunks(CHUNK) {
