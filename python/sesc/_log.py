@@ -303,6 +303,8 @@ def _column(name: str, column: Any) -> Any:
             array = np.array([np.nan if _is_missing(x) else x for x in values], dtype=np.float64)
         except (TypeError, ValueError):
             return [str(x) for x in values]
+        if array.ndim > 1:
+            return _sesc.Unusable(len(values), "lists")
     if array.dtype.kind in "mM":
         return _seconds(array)
     if array.dtype.kind in "iub" and name == "pose":

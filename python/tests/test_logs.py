@@ -151,6 +151,9 @@ def test_columns_that_nobody_uses_may_hold_anything(pole: sesc.Robot, columns: d
     assert params(pole, {**columns, "note": np.zeros(N, complex)}) == want
     with pytest.raises(sesc.LogError, match="column `hip` holds values of the type complex128; cast"):
         sesc.fit(pole, sesc.Log({**columns, "hip": np.zeros(N, complex)}, support="foot"))
+    pandas = pytest.importorskip("pandas")
+    for values in ([[1, 2]] * N, [{"a": 1}] * N, [b"x"] * N, pandas.period_range("2026", periods=N)):
+        assert params(pole, pandas.DataFrame({**columns, "note": values})) == want
 
 
 def test_decimals_halves_and_dictionaries_are_numbers() -> None:
