@@ -21,7 +21,6 @@ use pyo3::types::PyCapsule;
 use self::values::{Kind, integer, is_valid, kind, number, string};
 use crate::calls::{Signals, guarded};
 use crate::errors::{Doing, Failure};
-use crate::log::Unusable;
 
 /// Rows of a column that are read between looks for signals: a millisecond's worth.
 const CHUNK: usize = 1 << 16;
@@ -93,6 +92,21 @@ enum Values {
     Texts(Vec<String>),
     /// Neither numbers nor texts, so many rows: what they are.
     Unusable(usize, String),
+}
+
+/// A column that holds neither numbers nor texts: it is in nobody's way until it is used.
+#[pyclass(frozen, module = "sesc._sesc")]
+pub struct Unusable {
+    pub rows: usize,
+    pub what: String,
+}
+
+#[pymethods]
+impl Unusable {
+    #[new]
+    fn new(rows: usize, what: String) -> Unusable {
+        Unusable { rows, what }
+    }
 }
 
 /// A column of the schema, and what was read of it.

@@ -38,7 +38,7 @@ mod _sesc {
     use super::*;
 
     #[pymodule_export]
-    use super::arrow::arrow_columns;
+    use super::arrow::{Unusable, arrow_columns};
     #[pymodule_export]
     use super::calls::Stop;
     #[pymodule_export]
@@ -56,7 +56,7 @@ mod _sesc {
     #[pymodule_export]
     use super::fleet::{FleetFound, fleet_groups, fleet_work};
     #[pymodule_export]
-    use super::log::{Log, Unusable};
+    use super::log::Log;
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]

@@ -11,6 +11,7 @@ use sesc_identify::health;
 use sesc_identify::logs::{LogSource, Sidecar, Table, Values};
 use sesc_identify::simulate;
 
+use crate::arrow::Unusable;
 use crate::calls::{Signals, Stopped, detached, guarded, watched};
 use crate::errors::{Doing, Failure, keyword};
 use crate::robot::Robot;
@@ -81,21 +82,6 @@ fn overlaid(own: &Sidecar, settings: &str) -> Result<Sidecar, Failure> {
             .map_err(|error| Failure::plain(Doing::Log, format!("`{key}` {said}: {error}")))?;
     }
     serde_json::from_value(merged).map_err(wrong)
-}
-
-/// A column that holds neither numbers nor texts: it is in nobody's way until it is used.
-#[pyclass(frozen, module = "sesc._sesc")]
-pub struct Unusable {
-    pub rows: usize,
-    pub what: String,
-}
-
-#[pymethods]
-impl Unusable {
-    #[new]
-    fn new(rows: usize, what: String) -> Unusable {
-        Unusable { rows, what }
-    }
 }
 
 /// A column on its way from Python.

@@ -150,7 +150,7 @@ impl ParquetSource {
         Ok(())
     }
 
-    /// By what the numbers of a column are multiplied: times are seconds.
+    /// The factor of a column's numbers: times are seconds.
     fn unit(&self, column: usize) -> f64 {
         let schema = self.reader.metadata().file_metadata().schema_descr();
         unit(&schema.column(column)).unwrap_or(1.0)
