@@ -17,7 +17,7 @@ from ._model import Model, restored
 from ._postures import Postures
 from ._robot import Robot
 from ._run import Progress
-from ._wording import in_python
+from ._wording import in_python, page_in_python
 
 __all__ = ["Diagnosis", "Quantity", "Step", "diagnose"]
 
@@ -389,7 +389,7 @@ def diagnose(
     state = {
         "json": report.json(),
         "text": in_python(report.text()),
-        "page": report.page(),
+        "page": page_in_python(report.page()),
         "model_file": report.model_file(),
         "robot": robot,
         "prior": os.fspath(prior),

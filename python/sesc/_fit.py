@@ -16,7 +16,7 @@ from ._log import Log
 from ._model import Model, restored
 from ._robot import Robot
 from ._run import Progress
-from ._wording import in_python
+from ._wording import in_python, page_in_python
 
 __all__ = ["CorrectedUrdf", "Fit", "Parameter", "Part", "fit", "gather"]
 
@@ -501,7 +501,7 @@ class Fit:
 
     def _page(self) -> str:
         if self._report is not None:
-            return self._report.page("sesc.fit(…)", None)
+            return page_in_python(self._report.page("sesc.fit(…)", None))
         page: str = self._state["page"]
         return page
 

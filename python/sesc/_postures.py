@@ -16,7 +16,7 @@ from ._log import Log
 from ._model import Model
 from ._robot import Robot
 from ._run import Progress
-from ._wording import in_python
+from ._wording import in_python, page_in_python
 
 __all__ = ["Plan", "Postures", "plan", "predict", "simulate"]
 
@@ -300,7 +300,8 @@ def plan(
         found = _sesc.plan_postures(robot, standing, log, options, _run.shown(progress))
     finally:
         _run.ended(progress)
-    state = {"json": found.json(), "text": in_python(found.text()), "page": found.page("plan", "sesc.plan(…)")}
+    page = page_in_python(found.page("plan", "sesc.plan(…)"))
+    state = {"json": found.json(), "text": in_python(found.text()), "page": page}
     return Plan(standing, found.q(), state)
 
 

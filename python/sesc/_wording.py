@@ -3,11 +3,12 @@ lines are calls."""
 
 from __future__ import annotations
 
+import html
 import json
 import re
 import shlex
 
-__all__ = ["in_python"]
+__all__ = ["in_python", "page_in_python"]
 
 #: What options of the command line that write files are in Python.
 _WRITTEN = {"--next": "next_postures().save", "--out": "save", "--report": "report", "--urdf": "correct_urdf().save"}
@@ -24,6 +25,18 @@ def in_python(text: str) -> str:
     for theirs, ours in _ELSEWHERE.items():
         text = text.replace(theirs, ours)
     return _COMMAND.sub(lambda line: line[1] + _call(line[2]), text)
+
+
+def page_in_python(page: str) -> str:
+    """The page of a report, in which next steps are calls."""
+    first, *further = page.split("<code>sesc ")
+    pieces = [first]
+    for piece in further:
+        line, _, rest = piece.partition("</code>")
+        command = "sesc " + html.unescape(line)
+        said = _call(command) if " URDF " in command else command
+        pieces.append(f"<code>{html.escape(said)}</code>{rest}")
+    return "".join(pieces)
 
 
 def _call(line: str) -> str:

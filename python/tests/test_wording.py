@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import re
 import shlex
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -52,3 +54,13 @@ def test_texts_of_results_name_no_options(log: sesc.Log, options: dict[str, Any]
 def test_what_is_left_out_of_a_text_is_found_in_python(op2: sesc.Robot) -> None:
     found = sesc.fit(op2, sesc.simulate(op2.on("r_sole"), 100, noise=1e-4))
     assert "all named by `.to_dict()`, `.report(…)`" in str(found) and "--" not in str(found)
+
+
+def test_pages_name_calls(op2: sesc.Robot, tmp_path: Path) -> None:
+    model = op2.on("r_sole")
+    sesc.plan(op2, "r_sole", poses=5, candidates=100).report(tmp_path / "plan.html")
+    log = sesc.simulate(model, 100, range=0.5, noise=3e-4, seed=4, hide={"joint_offset:r_knee": 0.026})
+    sesc.diagnose(op2, log).report(tmp_path / "found.html")
+    for name, call in (("plan", 'sesc.fit(robot, "LOG", support="r_sole")'), ("found", 'sesc.diagnose(robot, "LOG").save("model.toml")')):
+        page = (tmp_path / f"{name}.html").read_text()
+        assert f"<code>{html.escape(call)}</code>" in page and "<code>sesc " not in page
