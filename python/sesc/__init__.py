@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 from ._checks import Comparison, Effect, Verification, compare, effects, verify
 from ._diagnose import Diagnosis, Quantity, Step, diagnose
 from ._errors import (
+    ArgumentError,
+    ArgumentTypeError,
     FitError,
     InternalError,
     LogError,
@@ -38,6 +40,8 @@ if TYPE_CHECKING:
     from . import fleet
 
 __all__ = [
+    "ArgumentError",
+    "ArgumentTypeError",
     "Comparison",
     "CorrectedUrdf",
     "Diagnosis",

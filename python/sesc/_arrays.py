@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ._errors import ArgumentError, ArgumentTypeError
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -24,18 +26,39 @@ def positions(given: Any, joints: list[str], name: str) -> Float64:
     elif hasattr(given, "columns") and hasattr(given, "__getitem__"):
         columns = given
     else:
-        return _floats(given, name)
+        return floats(given, name)
     missing = [joint for joint in joints if joint not in columns]
     if missing and not hasattr(given, "keys"):
         names = list(given.columns)
         missing = [joint for joint in joints if joint not in names]
     if missing:
-        raise ValueError(f"{name} has no column for {', '.join(missing)}")
-    return np.stack([_floats(columns[joint], f"{name}[{joint!r}]") for joint in joints], axis=-1)
+        raise ArgumentError(f"{name} has no column for {', '.join(missing)}")
+    return np.stack([floats(columns[joint], f"{name}[{joint!r}]") for joint in joints], axis=-1)
 
 
-def _floats(given: Any, name: str) -> Float64:
-    array = np.asarray(given)
+def array_of(given: Any, name: str) -> Any:
+    """``given`` as an array of numpy, with its mask if it has one."""
+    try:
+        return np.asanyarray(given)
+    except ValueError:
+        what = "give every posture the same number of values"
+        raise ArgumentError(f"{name} has rows of different lengths; {what}") from None
+
+
+def unmasked(array: Any) -> Any:
+    """An array without its mask: masked numbers are NaN, of other things nothing is masked."""
+    if not isinstance(array, np.ma.MaskedArray):
+        return array
+    if array.dtype.kind not in "fiu":
+        return array.filled()
+    numbers = np.array(np.ma.getdata(array), dtype=np.float64)
+    numbers[np.ma.getmaskarray(array)] = np.nan
+    return numbers
+
+
+def floats(given: Any, name: str) -> Float64:
+    """``given`` as a C-contiguous array of 64-bit floats; NaN where a mask covers one."""
+    array = unmasked(array_of(given, name))
     if array.dtype.kind not in "fiu" and array.size:
-        raise TypeError(f"{name} holds {array.dtype}; give numbers (rad, m)")
+        raise ArgumentTypeError(f"{name} holds {array.dtype}; give numbers (rad, m)")
     return np.require(array, dtype=np.float64, requirements=["C", "A"]).reshape(array.shape)

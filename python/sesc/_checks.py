@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Union
 
 from . import _run, _sesc
 from ._diagnose import Diagnosis
-from ._errors import FitError, ModelFileError
+from ._errors import FitError, ModelFileError, check_first
 from ._fit import Fit
 from ._model import Model
 from ._robot import Robot
@@ -320,8 +320,7 @@ def verify(model: Model, *, samples: int | None = None, seed: int = 1, progress:
         >>> sesc.verify(model, samples=100).worst_error["com"] < 1e-14
         True
     """
-    if not isinstance(model, Model):
-        raise TypeError(f"a model comes first, not {type(model).__name__}")
+    check_first(model, Model, "a model")
     samples = None if samples is None else _run.whole("samples", samples, 1, FitError)
     seed = _run.whole("seed", seed, 0, FitError)
     try:

@@ -10,13 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import _run, _sesc
-from ._errors import FitError
+from ._errors import FitError, check_first
 from ._fit import CorrectedUrdf
 from ._health import Finding
 from ._model import Model, restored
 from ._postures import Postures
 from ._robot import Robot
 from ._run import Progress
+from ._wording import in_python, page_in_python
 
 __all__ = ["Diagnosis", "Quantity", "Step", "diagnose"]
 
@@ -89,8 +90,8 @@ class Step(NamedTuple):
 
 
 class Diagnosis:
-    """What a diagnosis found. ``str(found)`` is what ``sesc diagnose`` prints, a notebook shows
-    its report. Every key of the command's JSON is an attribute too: ``found.noise_floor``.
+    """What a diagnosis found. ``str(found)`` is what ``sesc diagnose`` prints, with calls for
+    command lines, a notebook shows its report. Every key of the command's JSON is an attribute too: ``found.noise_floor``.
 
     Example:
         >>> found.noise_floor == found.to_dict()["noise_floor"]
@@ -180,6 +181,9 @@ class Diagnosis:
     def model(self) -> Model:
         """The robot with the identified parameters and effects: ``found.model.com(q)`` is its
         centre of mass where its encoders read ``q``.
+
+        Raises:
+            FitError: data that cannot be used.
 
         Example:
             >>> found.model.com([0.0]).shape
@@ -358,8 +362,7 @@ def diagnose(
         >>> (folder / "found.mcap").read_bytes()[1:5]
         b'MCAP'
     """
-    if not isinstance(robot, Robot):
-        raise TypeError(f"a robot comes first, not {type(robot).__name__}")
+    check_first(robot, Robot, "a robot")
     first = _run.one_log(log, FitError, "; logs of experiments are given as `then`")
     further = _run.logs(list(then) if isinstance(then, (list, tuple)) else then)
     options = {
@@ -385,8 +388,8 @@ def diagnose(
     first._robot = first._robot or robot
     state = {
         "json": report.json(),
-        "text": report.text(),
-        "page": report.page(),
+        "text": in_python(report.text()),
+        "page": page_in_python(report.page()),
         "model_file": report.model_file(),
         "robot": robot,
         "prior": os.fspath(prior),

@@ -1,7 +1,7 @@
 """Exceptions of the package: one class for each kind of thing that goes wrong.
 
 Every one is a :class:`SescError` and has ``file``, ``line`` and ``column`` where they are
-known. Faults of an input are also a ``ValueError``; a file that cannot be opened is also the
+known. Faults of an input are also a ``ValueError``, arguments of a wrong type a ``TypeError``, too; a file that cannot be opened is also the
 ``OSError`` that Python has for it, such as ``FileNotFoundError``.
 """
 
@@ -10,6 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 __all__ = [
+    "ArgumentError",
+    "ArgumentTypeError",
     "FitError",
     "InternalError",
     "LogError",
@@ -41,6 +43,14 @@ class SescError(Exception):
         kind = next(c for c in type(self).__mro__ if c.__module__ == __name__ and c.__name__ in _CLASSES)
         place = (self.file, self.line, self.column)
         return make, (kind.__name__, str(self), place, errno, getattr(self, "complaints", []))
+
+
+class ArgumentError(SescError, ValueError):
+    """An argument of a call that cannot be: an array of another shape, a word that is not known."""
+
+
+class ArgumentTypeError(ArgumentError, TypeError):
+    """An argument of a type that cannot be taken, such as text for numbers."""
 
 
 class UrdfError(SescError, ValueError):
@@ -93,6 +103,8 @@ _CLASSES: dict[str, type[SescError]] = {
     kind.__name__: kind
     for kind in (
         SescError,
+        ArgumentError,
+        ArgumentTypeError,
         UrdfError,
         SupportError,
         LogError,
@@ -113,6 +125,12 @@ def _with_system(kind: type[SescError], errno: int) -> type[SescError]:
         members = {"__module__": kind.__module__, "__str__": lambda self: self.args[0]}
         _OF_SYSTEM[kind, system] = type(kind.__name__, (kind, system), members)
     return _OF_SYSTEM[kind, system]
+
+
+def check_first(given: Any, kinds: type | tuple[type, ...], what: str) -> None:
+    """A call begins with a robot, a model or a part."""
+    if not isinstance(given, kinds):
+        raise ArgumentTypeError(f"{what} comes first, not {type(given).__name__}")
 
 
 def unreadable(kind: str, path: str, error: OSError) -> Exception:

@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 
 from . import _run, _sesc
 from ._arrays import Float64
-from ._errors import FitError, PartError, unreadable
+from ._errors import FitError, PartError, check_first, unreadable
 from ._health import Finding
 from ._log import Log
 from ._model import Model, restored
 from ._robot import Robot
 from ._run import Progress
+from ._wording import in_python, page_in_python
 
 __all__ = ["CorrectedUrdf", "Fit", "Parameter", "Part", "fit", "gather"]
 
@@ -75,6 +76,9 @@ class CorrectedUrdf(NamedTuple):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the text to ``path``, whole or not at all.
 
+        Raises:
+            SescError: a file that cannot be written; it is an ``OSError`` too.
+
         Example:
             >>> fit.correct_urdf().save(folder / "pole.urdf")
             >>> sesc.Robot(folder / "pole.urdf").name
@@ -85,6 +89,9 @@ class CorrectedUrdf(NamedTuple):
     @property
     def robot(self) -> Robot:
         """The robot that it describes.
+
+        Raises:
+            UrdfError: a text that was changed by hand and is no URDF.
 
         Example:
             >>> fit.correct_urdf().robot.links
@@ -162,6 +169,9 @@ class Part:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write it to ``path`` (ending in .part, for the command line), whole or not at all.
+
+        Raises:
+            SescError: a file that cannot be written; it is an ``OSError`` too.
 
         Example:
             >>> part.save(folder / "monday.part")
@@ -303,7 +313,8 @@ class Part:
 
 
 class Fit:
-    """What a fit found. ``str(fit)`` is what ``sesc fit`` prints, a notebook shows its report.
+    """What a fit found. ``str(fit)`` is what ``sesc fit`` prints, with calls for command
+    lines, a notebook shows its report.
 
     Every key of the command's JSON is an attribute too: ``fit.lack_of_fit``, ``fit.samples``.
 
@@ -421,6 +432,9 @@ class Fit:
     def model(self) -> Model:
         """The robot with the identified parameters.
 
+        Raises:
+            ModelFileError: the model file of the fit is not of its robot.
+
         Example:
             >>> fit.model.com([0.0]).shape
             (3,)
@@ -429,6 +443,9 @@ class Fit:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the model file, for ``Robot.on``, ``sesc generate`` and ``build.rs``.
+
+        Raises:
+            SescError: a file that cannot be written; it is an ``OSError`` too.
 
         Example:
             >>> fit.save(folder / "model.toml")
@@ -439,6 +456,9 @@ class Fit:
 
     def report(self, path: str | os.PathLike[str]) -> None:
         """Write the page of ``sesc fit --report``: figures, tables, what cannot be seen.
+
+        Raises:
+            SescError: a file that cannot be written; it is an ``OSError`` too.
 
         Example:
             >>> fit.report(folder / "fit.html")
@@ -481,7 +501,7 @@ class Fit:
 
     def _page(self) -> str:
         if self._report is not None:
-            return self._report.page("sesc.fit(…)", None)
+            return page_in_python(self._report.page("sesc.fit(…)", None))
         page: str = self._state["page"]
         return page
 
@@ -574,8 +594,7 @@ def fit(
     given = [] if log is None else list(log) if isinstance(log, (list, tuple)) else [log]
     if isinstance(robot, (list, tuple)) and robot and all(isinstance(one, Part) for one in robot):
         given, robot = [*robot[1:], *given], robot[0]
-    if not isinstance(robot, (Robot, Part)):
-        raise TypeError(f"a robot or a part comes first, not {type(robot).__name__}")
+    check_first(robot, (Robot, Part), "a robot or a part")
     parts = [one for one in given if isinstance(one, Part)]
     logs = _run.logs([one for one in given if not isinstance(one, Part)])
     if isinstance(robot, Part):
@@ -604,7 +623,7 @@ def fit(
     urdf, file, snap = report.robot
     state = {
         "json": report.json(),
-        "text": report.text(),
+        "text": in_python(report.text()),
         "params": report.params(),
         "covariance": report.covariance(),
         "model_file": report.model_file(),
@@ -644,8 +663,7 @@ def gather(
         >>> sesc.gather(robot, log)
         <sesc.Part on foot: 30 postures of 1 log>
     """
-    if not isinstance(robot, Robot):
-        raise TypeError(f"a robot comes first, not {type(robot).__name__}")
+    check_first(robot, Robot, "a robot")
     options = _options(support, angles, prior, noise, robust, folds, None, False, motion, settle, unit)
     logs = _run.logs(log)
     if not logs:

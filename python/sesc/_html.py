@@ -28,5 +28,7 @@ def pictures(drawn: Iterable[str], width: int) -> str:
 
 def framed(page: str) -> str:
     """The page of a report, with its figures and its own style, in a frame of its own."""
-    source = html.escape(page, quote=True)
+    from ._sesc import escape_html
+
+    source = escape_html(page)
     return f'<iframe srcdoc="{source}" sandbox style="width: 100%; height: 640px; border: 0"></iframe>'

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _arrow, _sesc
-from ._arrays import Float64
-from ._errors import LogError
+from ._arrays import Float64, unmasked
+from ._errors import ArgumentTypeError, LogError
 from ._health import Finding
 
 if TYPE_CHECKING:
@@ -101,6 +101,9 @@ class Log:
     def settings(self) -> dict[str, Any]:
         """What its sidecar says, or the arguments that win over it.
 
+        Raises:
+            LogError: a sidecar that is gone or faulty by now.
+
         Example:
             >>> log.settings["support"]
             'foot'
@@ -116,6 +119,9 @@ class Log:
         ``robot=`` also encoders that are stuck, readings of the other foot, a dead axis of the
         CoP, shuffled rows, readings outside the sole.
 
+        Raises:
+            LogError: a file that is no log, with its line and column.
+
         Example:
             >>> isinstance(log.health, list)
             True
@@ -124,6 +130,9 @@ class Log:
 
     def to_dict(self) -> dict[str, Any]:
         """Name, settings and health, for JSON.
+
+        Raises:
+            LogError: a file that is no log, with its line and column.
 
         Example:
             >>> log.to_dict()["name"]
@@ -135,17 +144,23 @@ class Log:
     def columns(self) -> dict[str, Any]:
         """The columns of a log in memory, by name: for ``polars.DataFrame``, ``pandas.DataFrame``.
 
+        Raises:
+            ArgumentTypeError: the log is a file, whose columns were not read.
+
         Example:
             >>> list(log.columns())
             ['hip', 'cop_x', 'cop_y']
         """
         columns = self._inner.columns()
         if columns is None:
-            raise TypeError(f"{self.name} is a file; read its columns with the tool that it is for")
+            raise ArgumentTypeError(f"{self.name} is a file; read its columns with the tool that it is for")
         return columns
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a simulated log to ``path`` (.csv, .csv.gz or .parquet) with its sidecar.
+
+        Raises:
+            LogError: a log that was not simulated, or a file that cannot be written (an ``OSError``, too).
 
         Example:
             >>> sesc.simulate(model, 10).save(folder / "log.csv")
@@ -157,7 +172,7 @@ class Log:
     def __len__(self) -> int:
         size = self._inner.size
         if size is None:
-            raise TypeError(f"{self.name} is a file; its rows are counted when it is read")
+            raise ArgumentTypeError(f"{self.name} is a file; its rows are counted when it is read")
         return size[1]
 
     def __bool__(self) -> bool:
@@ -206,11 +221,11 @@ def _columns(data: Any) -> list[tuple[str, Any]]:
     elif hasattr(data, "__arrow_c_stream__") and not _is_pandas(data):
         named = _arrow.columns(data)
     elif hasattr(data, "collect"):
-        raise TypeError(f"collect() the {type(data).__name__} first: a log is read more than once")
+        raise ArgumentTypeError(f"collect() the {type(data).__name__} first: a log is read more than once")
     elif hasattr(data, "columns") and hasattr(data, "__getitem__"):
         named = [(str(name), data[name]) for name in data.columns]
     else:
-        raise TypeError(f"a log is a path, a file, bytes, a table or a dict of arrays, not {type(data).__name__}")
+        raise ArgumentTypeError(f"a log is a path, a file, bytes, a table or a dict of arrays, not {type(data).__name__}")
     return [(name, _column(name, column)) for name, column in named]
 
 
@@ -237,17 +252,6 @@ def _datetimes(values: list[Any]) -> Any:
         return None
     plain = [None if _is_missing(x) else x.astimezone(timezone.utc) if x.tzinfo else x for x in values]
     return np.array([None if x is None else x.replace(tzinfo=None) for x in plain], dtype="datetime64[us]")
-
-
-def _unmasked(array: Any) -> Any:
-    """An array without its mask: masked numbers are NaN, of other things nothing is masked."""
-    if not isinstance(array, np.ma.MaskedArray):
-        return array
-    if array.dtype.kind not in "fiu":
-        return array.filled()
-    numbers = np.array(np.ma.getdata(array), dtype=np.float64)
-    numbers[np.ma.getmaskarray(array)] = np.nan
-    return numbers
 
 
 def _is_missing(x: Any) -> bool:
@@ -277,6 +281,8 @@ def _is_pandas(data: Any) -> bool:
 
 
 def _column(name: str, column: Any) -> Any:
+    if isinstance(column, _sesc.Unusable):
+        return column
     try:
         if getattr(getattr(column, "dt", None), "tz", None) is not None:
             column = column.dt.tz_convert("UTC").dt.tz_localize(None)
@@ -285,7 +291,7 @@ def _column(name: str, column: Any) -> Any:
         raise _of_column(name, str(wrong)) from None
     if array.ndim > 1:
         raise _of_column(name, f"its shape is {array.shape}; give one value a row")
-    array = _unmasked(array)
+    array = unmasked(array)
     if name == "support" or array.dtype.kind in "UST":
         return ["" if _is_missing(text) else str(text) for text in array.tolist()]
     if array.dtype.kind == "O":
@@ -297,10 +303,12 @@ def _column(name: str, column: Any) -> Any:
             array = np.array([np.nan if _is_missing(x) else x for x in values], dtype=np.float64)
         except (TypeError, ValueError):
             return [str(x) for x in values]
+        if array.ndim > 1:
+            return _sesc.Unusable(len(values), "lists")
     if array.dtype.kind in "mM":
         return _seconds(array)
     if array.dtype.kind in "iub" and name == "pose":
         return np.ascontiguousarray(array, dtype=np.int64)
     if array.dtype.kind not in "fiub":
-        raise TypeError(f"column `{name}` holds {array.dtype}, which is neither numbers nor text")
+        return _sesc.Unusable(len(array), f"values of the type {array.dtype}")
     return np.ascontiguousarray(array, dtype=np.float64)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _sesc
-from ._arrays import Float64
+from ._arrays import Float64, floats
+from ._errors import ArgumentError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -75,7 +76,7 @@ class Model(_sesc.Model):
             to: names of the columns of the result; :attr:`joints` unless given.
 
         Raises:
-            ValueError: a joint of ``to`` that ``q`` has no column for, or shapes that do not fit.
+            ArgumentError: a joint of ``to`` that ``q`` has no column for, or shapes that do not fit.
 
         Example:
             >>> model.reordered([[0.1, 7.0]], joints=["hip", "camera"])
@@ -83,12 +84,12 @@ class Model(_sesc.Model):
         """
         have = self.joints if joints is None else list(joints)
         want = self.joints if to is None else list(to)
-        values = np.asarray(q, dtype=np.float64)
+        values = floats(q, "q")
         if values.ndim == 0 or values.shape[-1] != len(have):
-            raise ValueError(f"q has the shape {values.shape}; its last axis must hold {len(have)} joints")
+            raise ArgumentError(f"q has the shape {values.shape}; its last axis must hold {len(have)} joints")
         missing = [joint for joint in want if joint not in have]
         if missing:
-            raise ValueError(f"q has no column for {', '.join(missing)}")
+            raise ArgumentError(f"q has no column for {', '.join(missing)}")
         return np.ascontiguousarray(values[..., [have.index(joint) for joint in want]])
 
     def c99(
@@ -137,6 +138,9 @@ class Model(_sesc.Model):
 
     def rust(self, folder: str | os.PathLike[str], *, name: str | None = None) -> list[Path]:
         """Write the functions as a Rust module to ``folder``; gives the file.
+
+        Raises:
+            SescError: a name that Rust does not take, or a file that cannot be written (an ``OSError``, too).
 
         Example:
             >>> [file.name for file in model.rust(folder, name="Pole")]

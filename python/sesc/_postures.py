@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from . import _run, _sesc
-from ._arrays import Float64, positions
-from ._errors import LogError, PlanError
+from ._arrays import Float64, array_of, positions
+from ._errors import LogError, PlanError, check_first
 from ._log import Log
 from ._model import Model
 from ._robot import Robot
 from ._run import Progress
+from ._wording import in_python, page_in_python
 
 __all__ = ["Plan", "Postures", "plan", "predict", "simulate"]
 
@@ -66,6 +67,9 @@ class Postures:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a posture file (.csv, .csv.gz or .parquet) with its sidecar.
+
+        Raises:
+            PlanError: a file that cannot be written, or of another ending (of the system, an ``OSError``, too).
 
         Example:
             >>> postures.save(folder / "next.csv")
@@ -135,7 +139,8 @@ class Postures:
 
 
 class Plan(Postures):
-    """Postures that tell most about the parameters. ``str(plan)`` is what ``sesc plan`` prints.
+    """Postures that tell most about the parameters. ``str(plan)`` is what ``sesc plan`` prints,
+    with calls for command lines.
 
     Every key of the command's JSON is an attribute too: ``plan.expected_error``.
 
@@ -162,6 +167,9 @@ class Plan(Postures):
 
     def report(self, path: str | os.PathLike[str]) -> None:
         """Write the page of ``sesc plan --report``.
+
+        Raises:
+            SescError: a file that cannot be written; it is an ``OSError`` too.
 
         Example:
             >>> plan.report(folder / "plan.html")
@@ -257,6 +265,7 @@ def plan(
         >>> sesc.plan(robot, "foot", poses=5, cop_box=0.3, sigmas=0.0, candidates=50)
         <sesc.Plan on foot: 5 postures of 1 joints>
     """
+    check_first(robot, Robot, "a robot")
     if data is not None and noise is not None:
         raise PlanError("`data` knows the noise: leave out `noise`, or the log")
     standing = robot.on(support, model)
@@ -291,7 +300,8 @@ def plan(
         found = _sesc.plan_postures(robot, standing, log, options, _run.shown(progress))
     finally:
         _run.ended(progress)
-    state = {"json": found.json(), "text": found.text(), "page": found.page("plan", "sesc.plan(…)")}
+    page = page_in_python(found.page("plan", "sesc.plan(…)"))
+    state = {"json": found.json(), "text": in_python(found.text()), "page": page}
     return Plan(standing, found.q(), state)
 
 
@@ -331,9 +341,10 @@ def simulate(
         >>> sesc.simulate(model, 100, noise=1e-4, hide={"joint_offset:hip": 0.02})
         <sesc.Log simulation: 6 columns, 100 rows>
     """
+    check_first(model, Model, "a model")
     postures = None
     is_table = isinstance(poses, (Postures, Mapping)) or hasattr(poses, "columns")
-    if not is_table and np.ndim(poses) == 0:
+    if not is_table and array_of(poses, "poses").ndim == 0:
         count = _run.whole("poses", poses, 0, LogError)
     else:
         given = poses.q if isinstance(poses, Postures) else poses
@@ -391,6 +402,7 @@ def predict(
         >>> sesc.predict(model, {"hip": [0.0]})["cop"].tolist()
         [[0.1, 0.0]]
     """
+    check_first(model, Model, "a model")
     one = _run.one_log(log, LogError)
     try:
         units, moves = _run.degrees(angles), _run.motion(motion)

@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from . import _sesc
-from ._errors import SescError, make
+from ._errors import ArgumentTypeError, SescError, make
 from ._model import Model
 
 __all__ = ["Robot"]
@@ -48,6 +48,9 @@ class Robot(_sesc.Robot):
             >>> sesc.Robot(urdf).on("foot")
             <sesc.Model pole on foot: 1 joint, 2 kg, 5 parameters>
         """
+        if not isinstance(support, str):
+            some = ", ".join(self.links[:8]) + (", …" if len(self.links) > 8 else "")
+            raise ArgumentTypeError(f"`support` {support!r}: give the name of a link; the robot has {some}")
         return Model(self, support, model)
 
     def to_dict(self) -> dict[str, Any]:
@@ -90,7 +93,7 @@ def _read(given: Any) -> tuple[str, str | None]:
     if hasattr(given, "read"):
         text, name = given.read(), str(getattr(given, "name", "robot.urdf"))
         return name, _decoded(text, name) if isinstance(text, bytes) else text
-    raise TypeError(f"a URDF is given by its path, its text or an open file, not by {type(given).__name__}")
+    raise ArgumentTypeError(f"a URDF is given by its path, its text or an open file, not by {type(given).__name__}")
 
 
 def _decoded(data: bytes, name: str) -> str:

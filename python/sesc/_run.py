@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any, Union
 
+from ._errors import ArgumentError, ArgumentTypeError
 from ._log import Log
 
 #: ``True`` prints how far a call is; a function receives what is done, how much, and of how much,
@@ -41,7 +42,7 @@ def whole(name: str, given: Any, least: int, error: type[Exception]) -> int:
     try:
         number = operator.index(given)
     except TypeError:
-        raise TypeError(f"`{name}` {given!r}: give a whole number") from None
+        raise ArgumentTypeError(f"`{name}` {given!r}: give a whole number") from None
     if not least <= number < 1 << 63:
         raise error(f"`{name}` {number}: give a whole number, {least or 'zero'} or more")
     return number
@@ -52,7 +53,7 @@ def number(name: str, given: Any) -> float | None:
     if given is None:
         return None
     if isinstance(given, str) or not (hasattr(given, "__float__") or hasattr(given, "__index__")):
-        raise TypeError(f"`{name}` {given!r}: give a number")
+        raise ArgumentTypeError(f"`{name}` {given!r}: give a number")
     return float(given)
 
 
@@ -126,14 +127,14 @@ def ended(progress: Progress) -> None:
 def degrees(angles: str | None) -> bool | None:
     """The unit of revolute joints."""
     if angles not in (None, "deg", "rad"):
-        raise ValueError(f"angles {angles!r}: give 'deg' or 'rad'")
+        raise ArgumentError(f"`angles` {angles!r}: give 'deg' or 'rad'")
     return None if angles is None else angles == "deg"
 
 
 def motion(motion: str) -> bool:
     """Whether the motion of the joints counts where a log knows it."""
     if motion not in ("auto", "off"):
-        raise ValueError(f"motion {motion!r}: give 'auto' or 'off'")
+        raise ArgumentError(f"`motion` {motion!r}: give 'auto' or 'off'")
     return motion == "auto"
 
 

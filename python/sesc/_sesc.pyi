@@ -18,6 +18,7 @@ __all__ = [
     "PlanReport",
     "Robot",
     "Stop",
+    "Unusable",
     "__version__",
     "arrow_columns",
     "c_files",
@@ -29,6 +30,7 @@ __all__ = [
     "draw_postures",
     "draw_robot",
     "effects_about",
+    "escape_html",
     "fit_logs",
     "fleet_groups",
     "fleet_work",
@@ -285,6 +287,12 @@ class Stop:
     def set(self) -> None:
         """Stop them."""
 
+@final
+class Unusable:
+    """A column that holds neither numbers nor texts: it is in nobody's way until it is used."""
+
+    def __new__(cls, rows: int, what: str) -> Self: ...
+
 def arrow_columns(capsule: Any) -> list[tuple[str, Any]]: ...
 def c_files(model: Model, folder: str, options: dict[str, Any]) -> list[str]: ...
 def command(words: list[str]) -> int: ...
@@ -308,6 +316,7 @@ def diagnose_log(
 def draw_postures(robot: Robot, model: Model, q: Float64) -> list[str]: ...
 def draw_robot(robot: Robot, model: Model) -> list[str]: ...
 def effects_about() -> str: ...
+def escape_html(text: str) -> str: ...
 def fit_logs(
     robot: Robot | None, logs: list[Log], parts: list[Part], options: dict[str, Any], show: _Show = None
 ) -> FitReport: ...

@@ -8,11 +8,13 @@
 //! once by `sesc._arrays`.
 
 use numpy::{
-    PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArrayMethods,
+    BorrowError, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn,
+    PyUntypedArrayMethods,
 };
-use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+
+use crate::errors::{Doing, Failure};
 
 /// What the last axis of an argument is.
 #[derive(Clone, Copy)]
@@ -62,20 +64,24 @@ pub fn numbers<'py>(
     axis: Axis<'_>,
     name: &str,
 ) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
-    let array = match given.cast::<PyArrayDyn<f64>>() {
+    // A kind of array of its own may have a mask.
+    let array = match given.cast_exact::<PyArrayDyn<f64>>() {
         Ok(array) if array.is_c_contiguous() && array.is_aligned() => array.clone(),
         _ => convert(given, axis.names(), name)?.cast_into::<PyArrayDyn<f64>>()?,
     };
     if array.shape().last() != Some(&axis.names().len()) {
-        return Err(PyValueError::new_err(format!(
-            "{name} has the shape {:?}; its last axis must hold {}",
-            array.shape(),
-            axis.said()
-        )));
+        let (shape, axis) = (array.shape(), axis.said());
+        let message = format!("{name} has the shape {shape:?}; its last axis must hold {axis}");
+        return Err(refused(given.py(), message));
     }
     array.try_readonly().map_err(|_| {
-        PyValueError::new_err(format!("{name} is being written to; give a copy of it"))
+        let message = format!("{name} is being written to; give a copy of it");
+        refused(given.py(), message)
     })
+}
+
+fn refused(py: Python<'_>, message: impl Into<String>) -> PyErr {
+    Failure::plain(Doing::Argument, message).raise(py)
 }
 
 /// An array for results.
@@ -96,25 +102,30 @@ impl<'py> Target<'py> {
         let Some(out) = out else {
             return Ok(Target::New(PyArrayDyn::zeros(py, shape, false)));
         };
-        let array = out
-            .cast::<PyArrayDyn<f64>>()
-            .map_err(|_| PyTypeError::new_err("out must be a numpy array of 64-bit floats"))?;
-        if array.shape() != shape || !array.is_c_contiguous() {
-            return Err(PyValueError::new_err(format!(
-                "out has the shape {:?}{}; give a C-contiguous array of the shape {shape:?}",
-                array.shape(),
-                if array.is_c_contiguous() {
-                    ""
-                } else {
-                    ", and gaps"
-                },
-            )));
+        let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
+            let message = "out must be a numpy array of 64-bit floats";
+            Failure::plain(Doing::ArgumentType, message).raise(py)
+        })?;
+        if !out.is_exact_instance_of::<PyArrayDyn<f64>>() && out.hasattr("mask")? {
+            let message = "out has a mask, which results would not change; give a plain array";
+            return Err(Failure::plain(Doing::ArgumentType, message).raise(py));
         }
-        let overlap = "out shares memory with an argument; give an array of its own";
-        let array = array.try_readwrite();
-        array
-            .map(Target::Given)
-            .map_err(|_| PyValueError::new_err(overlap))
+        if array.shape() != shape || !array.is_c_contiguous() {
+            let (found, gaps) = match array.is_c_contiguous() {
+                true => (array.shape(), ""),
+                false => (array.shape(), ", and gaps"),
+            };
+            let wanted = format!("give a C-contiguous array of the shape {shape:?}");
+            let message = format!("out has the shape {found:?}{gaps}; {wanted}");
+            return Err(refused(py, message));
+        }
+        array.try_readwrite().map(Target::Given).map_err(|wrong| {
+            let message = match wrong {
+                BorrowError::NotWriteable => "out is read-only; give an array that is writeable",
+                _ => "out shares memory with an argument; give an array of its own",
+            };
+            refused(py, message)
+        })
     }
 
     /// Its values, row by row.

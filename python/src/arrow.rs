@@ -1,7 +1,7 @@
 //! Tables of other libraries, by the Arrow C stream interface: no library of Arrow is needed.
 //!
 //! ```text
-//! __arrow_c_stream__ ─▶ ArrowArrayStream ─▶ batches ─▶ columns: numbers, whole numbers, texts
+//! __arrow_c_stream__ ─▶ ArrowArrayStream ─▶ batches ─▶ columns: numbers, whole numbers, texts, or what they are instead
 //! ```
 //!
 //! The layouts are those of <https://arrow.apache.org/docs/format/CDataInterface.html> and
@@ -10,15 +10,17 @@
 
 #![allow(unsafe_code)]
 
+mod values;
+
 use std::ffi::{CStr, c_char, c_int, c_void};
-use std::ptr;
 
 use numpy::PyArray1;
-use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
+use self::values::{Kind, integer, is_valid, kind, number, string};
 use crate::calls::{Signals, guarded};
+use crate::errors::{Doing, Failure};
 
 /// Rows of a column that are read between looks for signals: a millisecond's worth.
 const CHUNK: usize = 1 << 16;
@@ -88,6 +90,86 @@ enum Values {
     Numbers(Vec<f64>),
     Integers(Vec<i64>),
     Texts(Vec<String>),
+    /// Neither numbers nor texts, so many rows: what they are.
+    Unusable(usize, String),
+}
+
+/// A column that holds neither numbers nor texts: it is in nobody's way until it is used.
+#[pyclass(frozen, module = "sesc._sesc")]
+pub struct Unusable {
+    pub rows: usize,
+    pub what: String,
+}
+
+#[pymethods]
+impl Unusable {
+    #[new]
+    fn new(rows: usize, what: String) -> Unusable {
+        Unusable { rows, what }
+    }
+}
+
+/// A column of the schema, and what was read of it.
+struct Column {
+    name: String,
+    kind: Kind,
+    /// What the places in a dictionary are.
+    index: Option<Kind>,
+    values: Values,
+}
+
+impl Column {
+    /// # Safety
+    /// `schema` is valid.
+    unsafe fn of(schema: &Schema) -> Column {
+        // SAFETY: names and formats are texts, the dictionary is none or a schema.
+        let (name, format, dictionary) = unsafe {
+            let dictionary = schema.dictionary.as_ref();
+            let dictionary = dictionary.map(|dictionary| text(dictionary.format));
+            (text(schema.name), text(schema.format), dictionary)
+        };
+        let found = match &dictionary {
+            None => kind(&format).map(|kind| (kind, None)),
+            Some(values) => {
+                let both = kind(values).and_then(|kind| Ok((kind, self::kind(&format)?)));
+                both.map(|(kind, index)| (kind, Some(index)))
+            }
+        };
+        let (kind, index, values) = match found {
+            Ok((kind, index)) => (kind, index, Values::new(kind, &name)),
+            Err(what) => (Kind::Nothing, None, Values::Unusable(0, what)),
+        };
+        Column {
+            name,
+            kind,
+            index,
+            values,
+        }
+    }
+}
+
+impl Values {
+    fn new(kind: Kind, name: &str) -> Values {
+        match kind {
+            Kind::Text(_) | Kind::TextView => Values::Texts(Vec::new()),
+            Kind::Int(..) if name == "pose" => Values::Integers(Vec::new()),
+            _ => Values::Numbers(Vec::new()),
+        }
+    }
+
+    fn array(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        Ok(match self {
+            Values::Numbers(x) => PyArray1::from_vec(py, x).into_any(),
+            Values::Integers(x) => PyArray1::from_vec(py, x).into_any(),
+            Values::Texts(x) => numpy_texts(py, x)?,
+            Values::Unusable(rows, what) => Bound::new(py, Unusable { rows, what })?.into_any(),
+        })
+    }
+}
+
+/// The error of a table that cannot be read, for threads that may have no interpreter.
+fn refused(message: impl Into<String>) -> PyErr {
+    Python::attach(|py| Failure::plain(Doing::Log, message).raise(py))
 }
 
 /// A stream on its way to where the interpreter's lock is free.
@@ -101,53 +183,6 @@ impl Pointer {
     fn get(self) -> *mut Stream {
         self.0
     }
-}
-
-/// What a format holds, and by what its numbers are multiplied: times are seconds.
-#[derive(Clone, Copy)]
-enum Kind {
-    Bool,
-    Int(u8, bool),
-    Float(u8),
-    Text(u8),
-    TextView,
-    Time(f64),
-}
-
-fn kind(format: &str, name: &str) -> PyResult<Kind> {
-    let unit = |unit: Option<char>| match unit {
-        Some('s') => Some(1.0),
-        Some('m') => Some(1e-3),
-        Some('u') => Some(1e-6),
-        Some('n') => Some(1e-9),
-        _ => None,
-    };
-    let time = format.strip_prefix("ts").or(format.strip_prefix("tD"));
-    if let Some(factor) = time.and_then(|rest| unit(rest.chars().next())) {
-        return Ok(Kind::Time(factor));
-    }
-    Ok(match format {
-        "b" => Kind::Bool,
-        "c" => Kind::Int(1, true),
-        "C" => Kind::Int(1, false),
-        "s" => Kind::Int(2, true),
-        "S" => Kind::Int(2, false),
-        "i" => Kind::Int(4, true),
-        "I" => Kind::Int(4, false),
-        "l" => Kind::Int(8, true),
-        "L" => Kind::Int(8, false),
-        "f" => Kind::Float(4),
-        "g" => Kind::Float(8),
-        "u" => Kind::Text(4),
-        "U" => Kind::Text(8),
-        "vu" => Kind::TextView,
-        other => {
-            return Err(PyTypeError::new_err(format!(
-                "column `{name}` has the Arrow format {other}, which is neither numbers nor text; \
-                 cast it or leave it out"
-            )));
-        }
-    })
 }
 
 /// Columns of an Arrow stream, by name.
@@ -164,16 +199,9 @@ pub fn arrow_columns<'py>(
     // stream may be called by any thread, one at a time, and take the interpreter's lock by
     // themselves where they need it.
     let columns = guarded(py, || py.detach(move || unsafe { read(stream.get()) }))?;
-    let array = |values| -> PyResult<Bound<'py, PyAny>> {
-        Ok(match values {
-            Values::Numbers(x) => PyArray1::from_vec(py, x).into_any(),
-            Values::Integers(x) => PyArray1::from_vec(py, x).into_any(),
-            Values::Texts(x) => numpy_texts(py, x)?,
-        })
-    };
     let columns = columns.into_iter();
     columns
-        .map(|(name, values)| Ok((name, array(values)?)))
+        .map(|column| Ok((column.name, column.values.array(py)?)))
         .collect()
 }
 
@@ -183,7 +211,7 @@ fn numpy_texts(py: Python<'_>, texts: Vec<String>) -> PyResult<Bound<'_, PyAny>>
 
 /// # Safety
 /// `stream` is valid.
-unsafe fn read(stream: *mut Stream) -> PyResult<Vec<(String, Values)>> {
+unsafe fn read(stream: *mut Stream) -> PyResult<Vec<Column>> {
     let failed = |stream: *mut Stream| {
         // SAFETY: as above; the text lives until the next call.
         let said = unsafe {
@@ -191,7 +219,7 @@ unsafe fn read(stream: *mut Stream) -> PyResult<Vec<(String, Values)>> {
             text.filter(|text| !text.is_null())
                 .map(|text| CStr::from_ptr(text).to_string_lossy().into_owned())
         };
-        PyValueError::new_err(said.unwrap_or_else(|| "the Arrow stream failed".to_string()))
+        refused(said.unwrap_or_else(|| "the Arrow stream failed".to_string()))
     };
     // SAFETY: the stream is valid, and its functions are called as the interface says.
     unsafe {
@@ -199,36 +227,17 @@ unsafe fn read(stream: *mut Stream) -> PyResult<Vec<(String, Values)>> {
         let (Some(_), Some(get_schema), Some(get_next)) =
             ((*stream).release, (*stream).get_schema, (*stream).get_next)
         else {
-            return Err(PyValueError::new_err("the Arrow stream was released"));
+            return Err(refused("the Arrow stream was released"));
         };
         let mut schema = OwnedSchema::empty();
         if get_schema(stream, &mut *schema.0) != 0 {
             return Err(failed(stream));
         }
         if CStr::from_ptr(schema.0.format).to_bytes() != b"+s" {
-            return Err(PyTypeError::new_err(
-                "the Arrow stream is of an array; give a table",
-            ));
+            return Err(refused("the Arrow stream is of an array; give a table"));
         }
-        let mut columns = Vec::new();
-        for k in 0..schema.0.n_children as usize {
-            let child = &**schema.0.children.add(k);
-            let name = text(child.name);
-            let of = |schema: &Schema| kind(&text(schema.format), &name);
-            let values = match child.dictionary.is_null() {
-                true => of(child)?,
-                false => of(&*child.dictionary)?,
-            };
-            let index = (!child.dictionary.is_null())
-                .then(|| of(child))
-                .transpose()?;
-            let empty = match (values, name.as_str()) {
-                (Kind::Text(_) | Kind::TextView, _) => Values::Texts(Vec::new()),
-                (Kind::Int(..), "pose") => Values::Integers(Vec::new()),
-                _ => Values::Numbers(Vec::new()),
-            };
-            columns.push((name, values, index, empty));
-        }
+        let children = (0..schema.0.n_children as usize).map(|k| &**schema.0.children.add(k));
+        let mut columns: Vec<Column> = children.map(|child| Column::of(child)).collect();
         let mut signals = Signals::new();
         loop {
             let mut batch = OwnedArray::empty();
@@ -239,24 +248,21 @@ unsafe fn read(stream: *mut Stream) -> PyResult<Vec<(String, Values)>> {
                 break;
             }
             if batch.0.n_children as usize != columns.len() {
-                return Err(PyValueError::new_err(
+                return Err(refused(
                     "a batch of the Arrow stream has other columns than its schema",
                 ));
             }
-            for (k, (name, kind, index, values)) in columns.iter_mut().enumerate() {
+            for (k, column) in columns.iter_mut().enumerate() {
                 let child = &**batch.0.children.add(k);
                 let rows = batch.0.offset as usize..(batch.0.offset + batch.0.length) as usize;
                 for from in rows.clone().step_by(CHUNK) {
                     let some = from..rows.end.min(from + CHUNK);
-                    append(child, *kind, *index, some, name, values)?;
+                    append(child, some, column)?;
                     signals.look()?;
                 }
             }
         }
-        Ok(columns
-            .into_iter()
-            .map(|(name, _, _, values)| (name, values))
-            .collect())
+        Ok(columns)
     }
 }
 
@@ -273,19 +279,17 @@ unsafe fn text(pointer: *const c_char) -> String {
 }
 
 /// # Safety
-/// `array` is valid and of that kind.
-unsafe fn append(
-    array: &Array,
-    kind: Kind,
-    index: Option<Kind>,
-    rows: std::ops::Range<usize>,
-    name: &str,
-    values: &mut Values,
-) -> PyResult<()> {
+/// `array` is valid and of the column's kind.
+unsafe fn append(array: &Array, rows: std::ops::Range<usize>, column: &mut Column) -> PyResult<()> {
+    let kind = column.kind;
+    if let Values::Unusable(count, _) = &mut column.values {
+        *count += rows.len();
+        return Ok(());
+    }
     for row in rows {
         // SAFETY: rows of the batch are rows of its columns.
         let place = unsafe {
-            match index {
+            match column.index {
                 _ if !is_valid(array, row) => None,
                 None => Some((array, row)),
                 Some(index) => {
@@ -297,119 +301,22 @@ unsafe fn append(
         };
         // SAFETY: likewise.
         unsafe {
-            match (&mut *values, place) {
+            match (&mut column.values, place) {
                 (Values::Numbers(all), Some((of, row))) => all.push(number(of, kind, row)),
                 (Values::Numbers(all), None) => all.push(f64::NAN),
                 (Values::Integers(all), Some((of, row))) => all.push(integer(of, kind, row)),
                 (Values::Integers(_), None) => {
-                    return Err(PyValueError::new_err(format!(
-                        "column `{name}` has no value in row {}; give every row one",
+                    return Err(refused(format!(
+                        "column `{}` has no value in row {}; give every row one",
+                        column.name,
                         row + 1
                     )));
                 }
                 (Values::Texts(all), Some((of, row))) => all.push(string(of, kind, row)),
                 (Values::Texts(all), None) => all.push(String::new()),
+                (Values::Unusable(..), _) => {}
             }
         }
     }
     Ok(())
-}
-
-/// # Safety
-/// `row` is a row of the valid `array`.
-unsafe fn is_valid(array: &Array, row: usize) -> bool {
-    let at = row + array.offset as usize;
-    // SAFETY: the first buffer, if there is one, has a bit for each row.
-    unsafe {
-        let bits: *const u8 = (*array.buffers).cast();
-        array.null_count == 0 || bits.is_null() || (*bits.add(at / 8) >> (at % 8)) & 1 == 1
-    }
-}
-
-/// The value of type `T` in the second buffer.
-///
-/// # Safety
-/// The array's values are of that type, and `row` is one of its rows.
-unsafe fn value<T: Copy>(array: &Array, row: usize) -> T {
-    // SAFETY: as said; buffers of other libraries may be unaligned.
-    unsafe {
-        let values: *const T = (*array.buffers.add(1)).cast();
-        ptr::read_unaligned(values.add(row + array.offset as usize))
-    }
-}
-
-/// # Safety
-/// As [`value`].
-unsafe fn integer(array: &Array, kind: Kind, row: usize) -> i64 {
-    // SAFETY: the format says the type.
-    unsafe {
-        match kind {
-            Kind::Int(1, true) => value::<i8>(array, row).into(),
-            Kind::Int(1, false) => value::<u8>(array, row).into(),
-            Kind::Int(2, true) => value::<i16>(array, row).into(),
-            Kind::Int(2, false) => value::<u16>(array, row).into(),
-            Kind::Int(4, true) => value::<i32>(array, row).into(),
-            Kind::Int(4, false) => value::<u32>(array, row).into(),
-            Kind::Int(_, false) => value::<u64>(array, row).try_into().unwrap_or(i64::MAX),
-            _ => value::<i64>(array, row),
-        }
-    }
-}
-
-/// # Safety
-/// As [`value`].
-unsafe fn number(array: &Array, kind: Kind, row: usize) -> f64 {
-    // SAFETY: the format says the type; booleans are bits.
-    unsafe {
-        match kind {
-            Kind::Float(4) => value::<f32>(array, row).into(),
-            Kind::Float(_) => value::<f64>(array, row),
-            Kind::Time(factor) => value::<i64>(array, row) as f64 * factor,
-            Kind::Bool => {
-                let at = row + array.offset as usize;
-                let bits: *const u8 = (*array.buffers.add(1)).cast();
-                f64::from((*bits.add(at / 8) >> (at % 8)) & 1)
-            }
-            Kind::Int(8, false) => value::<u64>(array, row) as f64,
-            _ => integer(array, kind, row) as f64,
-        }
-    }
-}
-
-/// # Safety
-/// The array is of texts, and `row` is one of its rows.
-unsafe fn string(array: &Array, kind: Kind, row: usize) -> String {
-    // SAFETY: offsets of a row and the next bound its bytes; a view is 16 bytes: length, then
-    // the text itself up to 12 bytes, else 4 of it, a buffer and an offset.
-    unsafe {
-        let bytes = match kind {
-            Kind::TextView => {
-                let at = row + array.offset as usize;
-                let views: *const u8 = (*array.buffers.add(1)).cast();
-                let view = views.add(16 * at);
-                let word = |k: usize| ptr::read_unaligned(view.add(4 * k).cast::<i32>()) as usize;
-                let length = word(0);
-                match length <= 12 {
-                    true => std::slice::from_raw_parts(view.add(4), length),
-                    false => {
-                        let data: *const u8 = (*array.buffers.add(2 + word(2))).cast();
-                        std::slice::from_raw_parts(data.add(word(3)), length)
-                    }
-                }
-            }
-            _ => {
-                let offset = |row: usize| match kind {
-                    Kind::Text(4) => value::<i32>(array, row) as usize,
-                    _ => value::<i64>(array, row) as usize,
-                };
-                let (from, to) = (offset(row), offset(row + 1));
-                let data: *const u8 = (*array.buffers.add(2)).cast();
-                match to > from {
-                    true => std::slice::from_raw_parts(data.add(from), to - from),
-                    false => &[],
-                }
-            }
-        };
-        String::from_utf8_lossy(bytes).into_owned()
-    }
 }

@@ -6,17 +6,34 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use sesc_model::tape::BLOCK;
 
 use crate::calls::Signals;
+use crate::errors::{Doing, Failure};
 
 /// Additions from which on the interpreter's lock is released: below ten microseconds' worth
 /// where postures come one by one, and far below where they come in blocks.
 const LONG: usize = 4_000;
 /// Additions of a chunk: a fraction of a millisecond.
 const CHUNK: usize = 1_000_000;
+
+/// How many threads share a batch out.
+pub struct Count(pub i64);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Count {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Count> {
+        given.extract().map(Count).map_err(|_| {
+            let said = given
+                .repr()
+                .map_or_else(|_| String::new(), |repr| repr.to_string());
+            let message = format!("threads is {said}; give a whole number, 1 or more");
+            Failure::plain(Doing::ArgumentType, message).raise(given.py())
+        })
+    }
+}
 
 /// A batch, and how it is shared out.
 pub struct Batch {
@@ -38,7 +55,7 @@ impl Batch {
     ) -> PyResult<()> {
         let Some(threads) = usize::try_from(self.threads).ok().filter(|n| *n > 0) else {
             let message = format!("threads is {}; give 1 or more", self.threads);
-            return Err(PyValueError::new_err(message));
+            return Err(Failure::plain(Doing::Argument, message).raise(py));
         };
         if self.postures.saturating_mul(self.operations) < LONG {
             run(0, self.postures, out);

@@ -21,6 +21,10 @@ pub enum Doing {
     Plan,
     Part,
     Code,
+    /// An argument cannot be.
+    Argument,
+    /// An argument is of another type.
+    ArgumentType,
 }
 
 impl Doing {
@@ -33,6 +37,8 @@ impl Doing {
             Doing::Plan => "PlanError",
             Doing::Part => "PartError",
             Doing::Code => "SescError",
+            Doing::Argument => "ArgumentError",
+            Doing::ArgumentType => "ArgumentTypeError",
         }
     }
 }

@@ -38,7 +38,7 @@ mod _sesc {
     use super::*;
 
     #[pymodule_export]
-    use super::arrow::arrow_columns;
+    use super::arrow::{Unusable, arrow_columns};
     #[pymodule_export]
     use super::calls::Stop;
     #[pymodule_export]
@@ -50,7 +50,7 @@ mod _sesc {
     #[pymodule_export]
     use super::diagnosis::{DiagnosisReport, correct_urdf, diagnose_log};
     #[pymodule_export]
-    use super::drawing::{draw_postures, draw_robot};
+    use super::drawing::{draw_postures, draw_robot, escape_html};
     #[pymodule_export]
     use super::fit::{FitReport, correct_fit, fit_logs};
     #[pymodule_export]

@@ -11,6 +11,7 @@ use sesc_identify::health;
 use sesc_identify::logs::{LogSource, Sidecar, Table, Values};
 use sesc_identify::simulate;
 
+use crate::arrow::Unusable;
 use crate::calls::{Signals, Stopped, detached, guarded, watched};
 use crate::errors::{Doing, Failure, keyword};
 use crate::robot::Robot;
@@ -87,6 +88,8 @@ fn overlaid(own: &Sidecar, settings: &str) -> Result<Sidecar, Failure> {
 #[derive(FromPyObject)]
 enum Given<'py> {
     #[pyo3(transparent)]
+    Unusable(PyRef<'py, Unusable>),
+    #[pyo3(transparent)]
     Numbers(PyReadonlyArray1<'py, f64>),
     #[pyo3(transparent)]
     Integers(PyReadonlyArray1<'py, i64>),
@@ -99,6 +102,7 @@ enum View<'a> {
     Numbers(ArrayView1<'a, f64>),
     Integers(ArrayView1<'a, i64>),
     Texts(&'a [String]),
+    Unusable(usize, &'a str),
 }
 
 impl View<'_> {
@@ -107,6 +111,7 @@ impl View<'_> {
             Given::Numbers(values) => View::Numbers(values.as_array()),
             Given::Integers(values) => View::Integers(values.as_array()),
             Given::Texts(values) => View::Texts(values),
+            Given::Unusable(column) => View::Unusable(column.rows, &column.what),
         }
     }
 
@@ -115,6 +120,7 @@ impl View<'_> {
         Ok(match self {
             View::Numbers(values) => table.numbers(name, copy(values, signals)?),
             View::Integers(values) => table.integers(name, copy(values, signals)?),
+            View::Unusable(rows, what) => table.unusable(name, rows, what),
             View::Texts(values) => {
                 let mut all: Vec<Arc<str>> = Vec::with_capacity(values.len());
                 for some in values.chunks(CHUNK) {

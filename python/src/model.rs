@@ -4,14 +4,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::{PyArray1, PyArrayDyn, PyUntypedArrayMethods};
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use sesc::inspect::{inspect, notes};
 use sesc_identify::robot;
 use sesc_model::{self as model, Function, ModelFile};
 
 use crate::arrays::{Axis, Target, numbers};
-use crate::batch::Batch;
+use crate::batch::{Batch, Count};
 use crate::calls::{detached, guarded};
 use crate::errors::{Doing, Failure};
 use crate::prepared::{Functions, READING};
@@ -22,7 +21,7 @@ type In<'a, 'py> = &'a Bound<'py, PyAny>;
 /// The caller's array for the result.
 type Out<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// Over how many threads; one where nothing is said.
-type Threads = Option<i64>;
+type Threads = Option<Count>;
 /// The result, or an exception.
 type Found<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 
@@ -61,10 +60,11 @@ impl Model {
                     .zip(&arrays)
                     .map(|((name, _), array)| format!("{name} {:?}", array.shape()))
                     .collect();
-                return Err(PyTypeError::new_err(format!(
+                let message = format!(
                     "the shapes are {}; give arrays of one shape",
                     shapes.join(", ")
-                )));
+                );
+                return Err(Failure::plain(Doing::ArgumentType, message).raise(py));
             }
             let outer = &shape[..shape.len() - 1];
             let shape: Vec<usize> = outer.iter().chain(&prepared.shape).copied().collect();
@@ -83,7 +83,7 @@ impl Model {
                         postures: outer.iter().product(),
                         width: evaluator.width(),
                         operations: evaluator.operations(),
-                        threads: threads.unwrap_or(1),
+                        threads: threads.map_or(1, |threads| threads.0),
                     };
                     batch.run(py, values, |start, n, out| {
                         let from = |k: usize| &q[k.min(N - 1)][start * width..];
@@ -272,8 +272,8 @@ impl Model {
     /// ``(n, 3)``.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
-    ///     TypeError: no numbers.
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
     ///
     /// Example:
     ///     >>> model.com([0.0]).tolist()
@@ -287,8 +287,8 @@ impl Model {
     /// ``(n, 3, dof)``.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
-    ///     TypeError: no numbers.
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
     ///
     /// Example:
     ///     >>> model.com_jacobian([[0.0], [0.5]]).shape
@@ -302,8 +302,8 @@ impl Model {
     /// velocities of one shape give ``(3,)`` or ``(n, 3)``.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
-    ///     TypeError: no numbers, or arrays of different shapes.
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers, or arrays of different shapes.
     ///
     /// Example:
     ///     >>> float(model.com_velocity([0.0], [0.5])[0])
@@ -323,8 +323,8 @@ impl Model {
     /// ``(n, dof)``; times ``model.total_mass * 9.80665`` it is Nm.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
-    ///     TypeError: no numbers.
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
     ///
     /// Example:
     ///     >>> model.gravity_moments([0.0]).shape
@@ -343,8 +343,8 @@ impl Model {
     /// model: ``(2,)`` or ``(n, 2)``.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
-    ///     TypeError: no numbers.
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
     ///
     /// Example:
     ///     >>> model.cop([0.0]).tolist()
@@ -358,8 +358,8 @@ impl Model {
     /// p)`` or ``(n, 2, p)``.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
-    ///     TypeError: no numbers.
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
     ///
     /// Example:
     ///     >>> model.cop_rows([0.0]).shape
@@ -373,8 +373,8 @@ impl Model {
     /// p)``.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
-    ///     TypeError: no numbers.
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
     ///
     /// Example:
     ///     >>> model.com_rows([0.0]).shape
@@ -389,8 +389,8 @@ impl Model {
     /// ``(n, 3, f)``.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
-    ///     TypeError: no numbers.
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
     ///
     /// Example:
     ///     >>> model.full_rows([0.0]).shape
@@ -405,8 +405,8 @@ impl Model {
     /// ``(n, 2)`` gives ``(n, 2)``; a data frame or dict is asked for ``cop_x`` and ``cop_y``.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not x and y, or an unsuitable ``out``.
-    ///     TypeError: no numbers.
+    ///     ArgumentError: a last axis that is not x and y, or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
     ///
     /// Example:
     ///     >>> model.correct_cop([0.02, 0.01]).tolist()
@@ -425,8 +425,8 @@ impl Model {
     /// accelerations of one shape give ``(2,)`` or ``(n, 2)``.
     ///
     /// Raises:
-    ///     ValueError: a last axis that is not the joints', or an unsuitable ``out``.
-    ///     TypeError: no numbers.
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
     ///
     /// Example:
     ///     >>> model.zmp([0.0], [0.0], [0.0]).tolist()

@@ -1,7 +1,7 @@
 //! Keywords of calls: how they are taken, and those that fits and parts share, as requests of the
 //! library.
 
-use pyo3::exceptions::{PyOverflowError, PyTypeError};
+use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::PriorChoice;
@@ -14,7 +14,7 @@ use crate::log::Log;
 use crate::robot::Robot;
 
 /// The keywords of a call. What cannot be taken is said by the keyword's name: a number that is out
-/// of range as any other fault of what is asked for, a value of another type as a `TypeError`.
+/// of range as any other fault of what is asked for, a value of another type as an `ArgumentTypeError`.
 pub fn taken<'a, 'py, T>(given: &'a Bound<'py, PyAny>, doing: Doing) -> PyResult<T>
 where
     T: FromPyObject<'a, 'py>,
@@ -35,7 +35,10 @@ where
                 Failure::plain(doing, message).raise(py)
             }
             true => Failure::plain(doing, format!("`{name}` {value}: too large")).raise(py),
-            false => PyTypeError::new_err(format!("`{name}` {value}: {}", cause.value(py))),
+            false => {
+                let message = format!("`{name}` {value}: {}", cause.value(py));
+                Failure::plain(Doing::ArgumentType, message).raise(py)
+            }
         }
     })
 }

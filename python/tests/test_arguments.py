@@ -3,6 +3,7 @@ is inside."""
 
 from __future__ import annotations
 
+import pickle
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -102,6 +103,33 @@ def test_calls_of_one_log_take_one(log: sesc.Log) -> None:
         for given in ([], [log, log]):
             with pytest.raises(sesc.SescError, match=f"one log is asked for, not {len(given)}"):
                 call(given)
+
+
+def test_arguments_of_other_types_are_errors_of_the_package_and_of_python(log: sesc.Log, tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("hip,cop_x,cop_y\n0,0,0\n")
+    calls: list[tuple[Callable[[], Any], str]] = [
+        (lambda: ROBOT.on(None), "`support` None: give the name of a link; the robot has foot, top"),  # type: ignore[arg-type]
+        (lambda: sesc.Robot(3), "a URDF is given by its path"),
+        (lambda: sesc.fit(3, log), "a robot or a part comes first, not int"),  # type: ignore[arg-type]
+        (lambda: sesc.gather(MODEL, log), "a robot comes first, not Model"),  # type: ignore[arg-type]
+        (lambda: sesc.diagnose(MODEL, log), "a robot comes first, not Model"),  # type: ignore[arg-type]
+        (lambda: sesc.plan(MODEL, "foot", poses=3), "a robot comes first, not Model"),  # type: ignore[arg-type]
+        (lambda: sesc.verify(ROBOT), "a model comes first, not Robot"),  # type: ignore[arg-type]
+        (lambda: sesc.simulate(ROBOT, 3), "a model comes first, not Robot"),  # type: ignore[arg-type]
+        (lambda: sesc.predict(ROBOT, log), "a model comes first, not Robot"),  # type: ignore[arg-type]
+        (lambda: sesc.Log(3), "a log is a path"),
+        (lambda: sesc.Log(tmp_path / "log.csv").columns(), "is a file"),
+        (lambda: sesc.fit(ROBOT, log, noise="many"), "`noise` 'many'"),  # type: ignore[arg-type]
+    ]
+    for call, words in calls:
+        with pytest.raises(TypeError, match=re.escape(words)) as caught:
+            call()
+        assert type(caught.value) is sesc.ArgumentTypeError and isinstance(caught.value, sesc.ArgumentError)
+        again = pickle.loads(pickle.dumps(caught.value))
+        assert type(again) is sesc.ArgumentTypeError and str(again) == str(caught.value)
+    for option in ("angles", "motion"):
+        with pytest.raises(sesc.ArgumentError, match=f"`{option}` 'much': give"):
+            sesc.fit(ROBOT, log, **{option: "much"})  # type: ignore[arg-type]
 
 
 def test_postures_are_counted_in_whole_numbers(log: sesc.Log) -> None:

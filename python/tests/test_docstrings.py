@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import inspect
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -85,6 +86,19 @@ def test_examples_run(name: str, space: dict[str, Any]) -> None:
     said: list[str] = []
     doctest.DocTestRunner().run(test, out=said.append)
     assert not said, "".join(said)
+
+
+#: Functions and methods that look things up, and cannot fail.
+CALM = {"Plan.columns", "Postures.columns", "effects", "fleet.Fleet.columns"}
+CALM |= {name for name in THINGS if name.endswith(".to_dict") and name != "Log.to_dict"}
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_functions_say_what_they_raise(name: str) -> None:
+    thing = THINGS[name]
+    raises = re.search(r"^Raises:\n +\S+: ", inspect.getdoc(thing) or "", re.M)
+    if callable(thing) and not isinstance(thing, type):
+        assert bool(raises) != (name in CALM), f"{name} says nothing of errors, or is calm and does"
 
 
 def test_members_are_among_them() -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import sesc
+from sesc._wording import in_python
 
 from conftest import POLE
 
@@ -62,7 +63,7 @@ def test_fits_are_equal(
     outputs = ["--out", tmp_path / "a.toml", "--urdf", tmp_path / "a.urdf", "--total-mass", "3.5"]
     text = command("fit", robots / LEGS[0], "--data", log, *words, *outputs)
     # A command line of next steps stands last.
-    assert str(found).partition("sesc diagnose URDF")[0].strip() in text
+    assert str(found).partition("sesc.diagnose(robot")[0].strip() in in_python(text)
     found.save(tmp_path / "b.toml")
     found.correct_urdf(total_mass=3.5).save(tmp_path / "b.urdf")
     for end in ("toml", "urdf"):
@@ -141,7 +142,7 @@ def test_stays_of_no_length_and_unknown_motion_are_refused(small: sesc.Robot, st
     for ask in asks:
         with pytest.raises(sesc.FitError, match="`settle`: give 0.01 to 3600 seconds"):
             ask(small, stays, settle=-0.5)
-        with pytest.raises(ValueError, match="motion 'slow': give 'auto' or 'off'"):
+        with pytest.raises(ValueError, match="`motion` 'slow': give 'auto' or 'off'"):
             ask(small, stays, motion="slow")
 
 

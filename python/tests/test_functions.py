@@ -206,6 +206,23 @@ def test_nan_stays_in_its_posture(model: sesc.Model) -> None:
     np.testing.assert_array_equal(np.delete(got, 3, 0), np.delete(want, 3, 0))
 
 
+def test_a_masked_value_is_nan_in_its_posture(model: sesc.Model, tmp_path: Path) -> None:
+    q = RNG.uniform(-1, 1, (5, 20))
+    masked = np.ma.masked_array(q, mask=np.zeros((5, 20), bool))
+    np.testing.assert_array_equal(model.com(masked), model.com(q))
+    masked[2, 7] = np.ma.masked
+    got = model.com(masked)
+    assert type(got) is np.ndarray and np.isnan(got[2]).any()
+    np.testing.assert_array_equal(np.delete(got, 2, 0), np.delete(model.com(q), 2, 0))
+    named = {name: masked[:, k] for k, name in enumerate(model.joints)}
+    np.testing.assert_array_equal(model.com(named), got)
+    np.testing.assert_array_equal(model.com(model.reordered(masked)), got)
+    with pytest.raises(TypeError, match="out has a mask"):
+        model.com(q, out=np.ma.zeros((5, 3)))
+    place = np.memmap(tmp_path / "out", dtype=np.float64, shape=(5, 3), mode="w+")
+    np.testing.assert_array_equal(model.com(q, out=place), model.com(q))
+
+
 def test_joints_are_found_by_name(model: sesc.Model) -> None:
     q = RNG.uniform(-1, 1, (9, 20))
     columns = {name: q[:, k] for k, name in reversed(list(enumerate(model.joints)))}
@@ -227,12 +244,17 @@ def test_joints_are_found_by_name(model: sesc.Model) -> None:
         (lambda m: m.com(np.zeros(20), out=np.zeros(3, np.float32)), TypeError, "64-bit"),
         (lambda m: m.com(np.zeros((4, 20)), out=np.zeros((4, 6))[:, ::2]), ValueError, "gaps"),
         (lambda m: m.com(np.zeros((64, 20)), threads=0), ValueError, "threads"),
+        (lambda m: m.com(np.zeros(20), threads=2.0), TypeError, "threads is 2.0; give a whole number, 1 or more"),
+        (lambda m: m.com([[0.1] * 20, [0.2] * 19]), ValueError, "q has rows of different lengths; give every posture"),
+        (lambda m: m.reordered([[0.1, 0.2], [0.3]]), ValueError, "q has rows of different lengths"),
         (lambda m: m.zmp(np.zeros(20), np.zeros(20), np.zeros((1, 20))), TypeError, "one shape"),
     ],
 )
 def test_what_cannot_be_taken_is_said(model: sesc.Model, call: Any, error: Any, words: str) -> None:
-    with pytest.raises(error, match=words):
+    with pytest.raises(error, match=words) as caught:
         call(model)
+    kind = sesc.ArgumentTypeError if error is TypeError else sesc.ArgumentError
+    assert type(caught.value) is kind and isinstance(caught.value, (sesc.SescError, ValueError))
 
 
 def test_out_is_not_written_over_q() -> None:
@@ -242,7 +264,7 @@ def test_out_is_not_written_over_q() -> None:
         pole.com(memory[:1], out=memory)
     frozen = np.zeros(3)
     frozen.flags.writeable = False
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="out is read-only; give an array that is writeable"):
         pole.com([0.0], out=frozen)
 
 

@@ -8,6 +8,7 @@ import math
 import pickle
 import re
 from datetime import timezone
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -121,8 +122,70 @@ def test_arrow_types_become_numbers(pole: sesc.Robot, columns: dict[str, Any]) -
     assert got["hip"].dtype == np.float64 and got["pose"].dtype == np.int64
     assert got["support"] == ["foot"] * N and got["note"][:2] == ["a text that is longer than twelve bytes", ""]
     assert got["flag"][0] == 1.0 and np.isnan(got["flag"][1]) and got["flag"][2] == 0.0
-    with pytest.raises(TypeError, match="date"):
-        sesc.Log(pa.table({"date": pa.array([1] * 3, pa.list_(pa.int8()) if False else pa.date32())}))
+
+
+def odd_columns(pa: Any) -> dict[str, Any]:
+    """Columns that are neither numbers nor text, by what they are said to hold."""
+    half = N // 2
+    return {
+        "dates": pa.array([1] * N, pa.date32()),
+        "times of day": pa.array([1] * N, pa.time32("s")),
+        "lists": pa.array([[1, 2], None] * half, pa.list_(pa.int8())),
+        "structures": pa.array([{"a": 1}] * N),
+        "bytes": pa.array([b"x"] * N, pa.binary()),
+        "maps": pa.array([[("a", 1)]] * N, pa.map_(pa.string(), pa.int8())),
+        "lists (Arrow format +w:2)": pa.array([[1.0, 2.0]] * N, pa.list_(pa.float64(), 2)),
+        "intervals": pa.array([None] * N, pa.month_day_nano_interval()),
+    }
+
+
+def test_columns_that_nobody_uses_may_hold_anything(pole: sesc.Robot, columns: dict[str, Any]) -> None:
+    pa = pytest.importorskip("pyarrow")
+    want = params(pole, columns)
+    for what, odd in odd_columns(pa).items():
+        assert params(pole, pa.table({**columns, "note": odd})) == want, what
+        used = sesc.Log(pa.table({**columns, "hip": odd}), support="foot")
+        with pytest.raises(sesc.LogError, match=re.escape(f"column `hip` holds {what}")) as caught:
+            sesc.fit(pole, used)
+        assert "cast them to numbers" in str(caught.value)
+    assert params(pole, {**columns, "note": np.zeros(N, complex)}) == want
+    with pytest.raises(sesc.LogError, match="column `hip` holds values of the type complex128; cast"):
+        sesc.fit(pole, sesc.Log({**columns, "hip": np.zeros(N, complex)}, support="foot"))
+    pandas = pytest.importorskip("pandas")
+    for values in ([[1, 2]] * N, [{"a": 1}] * N, [b"x"] * N, pandas.period_range("2026", periods=N)):
+        assert params(pole, pandas.DataFrame({**columns, "note": values})) == want
+
+
+def test_decimals_halves_and_dictionaries_are_numbers() -> None:
+    pa = pytest.importorskip("pyarrow")
+    want = [-1.25, 0.5, None, 3.0]
+    texts = ["-1.25", "0.5", None, "3"]
+    kinds = [pa.decimal128(9, 4), pa.decimal256(40, 4)]
+    arrays = [pa.array([None if x is None else Decimal(x) for x in texts], kind) for kind in kinds]
+    arrays.append(pa.array([None if x is None else np.float16(x) for x in want], pa.float16()))
+    arrays.append(pa.array(want).dictionary_encode())
+    for array in arrays:
+        kept = sesc.Log(pa.table({"hip": array})).columns()
+        np.testing.assert_array_equal(kept["hip"], [np.nan if x is None else x for x in want])
+    nothing = sesc.Log(pa.table({"hip": pa.nulls(4)})).columns()
+    assert np.isnan(nothing["hip"]).all()
+
+
+@pytest.mark.parametrize("kind", ["s", "ms", "us", "ns", "zone", "int96"])
+def test_times_of_parquet_are_those_of_its_table(
+    pole: sesc.Robot, columns: dict[str, Any], kind: str, tmp_path: Path
+) -> None:
+    pa, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    unit = {"zone": "us", "int96": "ns"}.get(kind, kind)
+    since = (1772352000 + 2 * np.arange(N)) * {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}[unit]
+    typed = pa.timestamp(unit, tz="Europe/Paris" if kind == "zone" else None)
+    table = pa.table({**columns, "t": pa.array(since, typed)})
+    parquet.write_table(table, tmp_path / "log.parquet", use_deprecated_int96_timestamps=kind == "int96")
+    logs = [sesc.Log(log, support="foot") for log in (table, tmp_path / "log.parquet")]
+    found = [sesc.fit(pole, log, noise=1e-4) for log in logs]
+    assert found[0].params.tolist() == found[1].params.tolist()
+    times = [one.to_dict()["data"][0]["times"] for one in found]
+    assert times == [[1772352000.0, 1772352000.0 + 2 * (N - 1)]] * 2
 
 
 def test_an_arrow_stream_that_was_taken_is_refused(columns: dict[str, Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import os
 import pickle
@@ -100,6 +101,7 @@ def test_plans_balance_and_are_simulated(op2: sesc.Robot, model: sesc.Model) -> 
     again = pickle.loads(pickle.dumps(plan))
     np.testing.assert_array_equal(again.q, plan.q)
     assert "srcdoc" in plan._repr_html_() and str(plan).startswith("op2 on r_sole")
+    assert str(plan).rstrip().endswith('sesc.fit(robot, "LOG", support="r_sole")')
 
 
 def test_parts_merge_to_the_fit_of_all(op2: sesc.Robot, model: sesc.Model) -> None:
@@ -374,41 +376,54 @@ def test_calls_do_not_leak(pole: sesc.Robot) -> None:
         assert peak(call, 1000) - before < 4096, name  # kB
 
 
+def ticks(call: Any, seconds: float = 0.1) -> int:
+    """How often another thread gets the lock, which nobody is made to give away, while calls follow each other."""
+    seen, over = [0], threading.Event()
+
+    def count() -> None:
+        while not over.is_set():
+            time.sleep(1e-4)
+            seen[0] += 1
+
+    usual = sys.getswitchinterval()
+    counter = threading.Thread(target=count)
+    # Before the other thread asks for the first time: it waits as long as it was told then.
+    sys.setswitchinterval(60.0)
+    counter.start()
+    try:
+        before, end = seen[0], time.perf_counter() + seconds
+        while time.perf_counter() < end:
+            call()
+        return seen[0] - before
+    finally:
+        sys.setswitchinterval(usual)
+        over.set()
+        counter.join()
+
+
 @pytest.mark.skipif(not getattr(sys, "_is_gil_enabled", lambda: True)(), reason="this Python has no lock")
 @pytest.mark.parametrize("name", ["com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows", "full_rows"])
 def test_the_lock_is_free_in_calls_of_microseconds(name: str, model: sesc.Model) -> None:
     """Nobody is made to give the lock away meanwhile: another thread goes on where a call does."""
     call = getattr(model, name)
 
-    def others(q: Any, seconds: float = 0.1) -> int:
-        """How often another thread gets the lock while calls of ``q`` follow each other."""
-        ticks, over = [0], threading.Event()
+    def others(q: Any) -> int:
         # Where numpy makes a large array, it frees the lock itself.
         out = call(q)
-
-        def count() -> None:
-            while not over.is_set():
-                time.sleep(1e-4)
-                ticks[0] += 1
-
-        usual = sys.getswitchinterval()
-        counter = threading.Thread(target=count)
-        # Before the other thread asks for the first time: it waits as long as it was told then.
-        sys.setswitchinterval(60.0)
-        counter.start()
-        try:
-            before, end = ticks[0], time.perf_counter() + seconds
-            while time.perf_counter() < end:
-                call(q, out=out)
-            return ticks[0] - before
-        finally:
-            sys.setswitchinterval(usual)
-            over.set()
-            counter.join()
+        return ticks(lambda: call(q, out=out))
 
     # One posture is shorter than to give the lock away and get it back; 64 take some ten microseconds.
     assert others(np.zeros(20)) == 0
     assert others(np.zeros((64, 20))) > 5
+
+
+@pytest.mark.skipif(not getattr(sys, "_is_gil_enabled", lambda: True)(), reason="this Python has no lock")
+def test_the_lock_is_free_while_a_page_is_shown() -> None:
+    from sesc._html import framed
+
+    page = "<p class='a'>x & \"y\", 1 µm</p>\n" * 200_000
+    assert f'"{html.escape(page)}"' in framed(page)
+    assert ticks(lambda: framed(page)) > 5
 
 
 def test_the_command_comes_along(tmp_path: Path) -> None:

@@ -38,6 +38,8 @@ enum Column {
     Numbers(Shared<f64>),
     Integers(Shared<i64>),
     Texts(Shared<Arc<str>>),
+    /// So many rows of what no log has; the words say what.
+    Unusable(usize, String),
 }
 
 impl Table {
@@ -71,6 +73,12 @@ impl Table {
         self.with(name, Column::Texts(Shared::new(values)))
     }
 
+    /// Add a column of `rows` values that are neither numbers nor texts. It is in nobody's way
+    /// until it is used; then `what` says what it holds: `dates`, `lists`.
+    pub fn unusable(self, name: &str, rows: usize, what: impl Into<String>) -> Table {
+        self.with(name, Column::Unusable(rows, what.into()))
+    }
+
     fn with(mut self, name: &str, column: Column) -> Table {
         self.header.push(name.trim().to_string());
         self.columns.push(column);
@@ -83,10 +91,11 @@ impl Table {
         &self.name
     }
 
-    /// The columns in their order, by name.
+    /// The columns of numbers and texts in their order, by name.
     pub fn columns(&self) -> impl Iterator<Item = (&str, Values<'_>)> {
         let names = self.header.iter().map(String::as_str);
-        names.zip(self.columns.iter().map(Column::values))
+        let columns = names.zip(self.columns.iter().map(Column::values));
+        columns.filter_map(|(name, values)| Some((name, values?)))
     }
 
     /// XXH64 over names and values, column by column: the same columns have the
@@ -105,12 +114,13 @@ impl Table {
 }
 
 impl Column {
-    fn values(&self) -> Values<'_> {
-        match self {
+    fn values(&self) -> Option<Values<'_>> {
+        Some(match self {
             Column::Numbers(values) => Values::Numbers(values.as_ref()),
             Column::Integers(values) => Values::Integers(values.as_ref()),
             Column::Texts(values) => Values::Texts(values.as_ref()),
-        }
+            Column::Unusable(..) => return None,
+        })
     }
 
     fn len(&self) -> usize {
@@ -118,6 +128,7 @@ impl Column {
             Column::Numbers(values) => values.as_ref().len(),
             Column::Integers(values) => values.as_ref().len(),
             Column::Texts(values) => values.as_ref().len(),
+            Column::Unusable(rows, _) => *rows,
         }
     }
 
@@ -125,7 +136,7 @@ impl Column {
         match self {
             Column::Numbers(values) => values.as_ref()[row],
             Column::Integers(values) => values.as_ref()[row] as f64,
-            Column::Texts(_) => f64::NAN,
+            Column::Texts(_) | Column::Unusable(..) => f64::NAN,
         }
     }
 
@@ -145,6 +156,7 @@ impl Column {
                     hash.write(&[0]);
                 }
             }
+            Column::Unusable(_, what) => hash.write(what.as_bytes()),
         }
     }
 }
@@ -182,16 +194,24 @@ impl TableSource {
     /// Check that every wanted column holds what it should.
     fn check_types(&self, columns: &Columns) -> Result<(), Error> {
         let table = &self.table;
-        let is_text = |k: usize| matches!(table.columns[k], Column::Texts(_));
-        let mut numbers = columns.numbers.iter().copied().chain(columns.pose);
-        if let Some(k) = numbers.find(|k| is_text(*k)) {
+        let numbers = columns.numbers.iter().copied().chain(columns.pose);
+        for k in numbers {
             let name = &table.header[k];
-            return Err(fault(table, format!("column `{name}` holds no numbers")));
+            match &table.columns[k] {
+                Column::Numbers(_) | Column::Integers(_) => {}
+                Column::Texts(_) => {
+                    return Err(fault(table, format!("column `{name}` holds no numbers")));
+                }
+                Column::Unusable(_, what) => {
+                    let message = format!("column `{name}` holds {what}; cast them to numbers");
+                    return Err(fault(table, message));
+                }
+            }
         }
-        if columns.support.is_some_and(|k| !is_text(k)) {
-            return Err(fault(table, format!("column `{SUPPORT}` holds no text")));
+        match columns.support.map(|k| &table.columns[k]) {
+            None | Some(Column::Texts(_)) => Ok(()),
+            Some(_) => Err(fault(table, format!("column `{SUPPORT}` holds no text"))),
         }
-        Ok(())
     }
 }
 

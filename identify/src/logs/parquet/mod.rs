@@ -1,5 +1,5 @@
 //! Parquet logs, as data frames write them: one column per name, numbers of
-//! any width, `support` as text.
+//! any width, `support` as text. Timestamps are seconds since 1970, as those of tables.
 //!
 //! Memory: one page of each wanted column, and what files claim is held against their
 //! bytes (`budget`).
@@ -8,22 +8,23 @@ mod budget;
 mod kinds;
 mod sink;
 mod thrift;
+mod values;
 
 use std::hash::Hasher as _;
 use std::io::Read as _;
 use std::panic::{self, AssertUnwindSafe};
 
-use parquet::basic::{LogicalType, Type as Physical};
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::data_type::{ByteArray, DataType};
+use parquet::basic::Type as Physical;
+use parquet::column::reader::ColumnReader;
+use parquet::data_type::ByteArray;
 use parquet::errors::ParquetError;
 use parquet::file::reader::FileReader;
 use parquet::file::serialized_reader::SerializedFileReader;
-use parquet::schema::types::ColumnDescriptor;
 use twox_hash::XxHash64;
 
 use self::budget::Footer;
 pub(super) use self::sink::ParquetSink;
+use self::values::{is_flat, is_number, read, read_numbers, spread, unit};
 use super::columns::{Columns, POSE, SUPPORT};
 use super::guard::Guard;
 use super::input::{Bytes, Place};
@@ -133,7 +134,7 @@ impl ParquetSource {
         for (k, name) in named {
             if !is_number(&schema.column(k)) {
                 return Err(self.bad(format!(
-                    "column `{name}` holds no plain numbers; store float64, float32 or integers"
+                    "column `{name}` holds no plain numbers; store float64, float32, integers or timestamps"
                 )));
             }
         }
@@ -147,6 +148,12 @@ impl ParquetSource {
             return Err(self.bad(format!("column `{SUPPORT}` holds no text")));
         }
         Ok(())
+    }
+
+    /// The factor of a column's numbers: times are seconds.
+    fn unit(&self, column: usize) -> f64 {
+        let schema = self.reader.metadata().file_metadata().schema_descr();
+        unit(&schema.column(column)).unwrap_or(1.0)
     }
 
     /// Hold what the pages of wanted columns claim against their bytes.
@@ -177,7 +184,10 @@ impl ParquetSource {
                 let place = raw.numbers[start..].iter_mut().skip(k).step_by(width);
                 let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
                 self.complete(values.len(), n)?;
-                place.zip(values).for_each(|(to, value)| *to = value);
+                let factor = self.unit(columns.numbers[k]);
+                place
+                    .zip(values)
+                    .for_each(|(to, value)| *to = value * factor);
             } else if k == width && columns.pose.is_some() {
                 let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
                 self.complete(values.len(), n)?;
@@ -338,74 +348,4 @@ fn guarded<T>(step: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, Parqu
     let _guard = Guard::new();
     let done = panic::catch_unwind(AssertUnwindSafe(step));
     done.unwrap_or_else(|_| Err(ParquetError::General("contradicts itself".into())))
-}
-
-/// A plain column, not a list or a field of a structure.
-fn is_flat(column: &ColumnDescriptor) -> bool {
-    column.max_rep_level() == 0 && column.max_def_level() <= 1
-}
-
-/// A plain column whose bits mean the number they spell.
-fn is_number(column: &ColumnDescriptor) -> bool {
-    let plain = matches!(
-        column.logical_type_ref(),
-        None | Some(LogicalType::Integer { .. })
-    );
-    let physical = column.physical_type();
-    let number = [
-        Physical::INT32,
-        Physical::INT64,
-        Physical::FLOAT,
-        Physical::DOUBLE,
-    ];
-    is_flat(column) && plain && number.contains(&physical)
-}
-
-/// Up to `n` values, fewer at the end of the column; NaN for none.
-fn read_numbers(reader: &mut ColumnReader, n: usize) -> Result<Vec<f64>, ParquetError> {
-    fn all<T: DataType>(
-        reader: &mut ColumnReaderImpl<T>,
-        n: usize,
-        number: impl Fn(T::T) -> f64,
-    ) -> Result<Vec<f64>, ParquetError> {
-        let (values, levels) = read(reader, n)?;
-        let values = values.into_iter().map(number);
-        Ok(match levels {
-            None => values.collect(),
-            Some(levels) => spread(values, &levels)
-                .map(|value| value.unwrap_or(f64::NAN))
-                .collect(),
-        })
-    }
-    Ok(match reader {
-        ColumnReader::Int32ColumnReader(reader) => all(reader, n, f64::from)?,
-        ColumnReader::Int64ColumnReader(reader) => all(reader, n, |x| x as f64)?,
-        ColumnReader::FloatColumnReader(reader) => all(reader, n, f64::from)?,
-        ColumnReader::DoubleColumnReader(reader) => all(reader, n, |x| x)?,
-        _ => Vec::new(),
-    })
-}
-
-/// Values of a flat column, and where some are missing, which are there.
-type Column<T> = (Vec<<T as DataType>::T>, Option<Vec<i16>>);
-
-/// Up to `n` values of a flat column.
-fn read<T: DataType>(
-    reader: &mut ColumnReaderImpl<T>,
-    n: usize,
-) -> Result<Column<T>, ParquetError> {
-    let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(n.min(1 << 16)));
-    let (records, found, _) =
-        guarded(|| reader.read_records(n, Some(&mut levels), None, &mut values))?;
-    levels.truncate(records);
-    Ok((values, (found < records).then_some(levels)))
-}
-
-/// Values where `levels` say that there is one.
-fn spread<'a, T>(
-    mut values: impl Iterator<Item = T> + 'a,
-    levels: &'a [i16],
-) -> impl Iterator<Item = Option<T>> + 'a {
-    let of = move |level: &i16| if *level > 0 { values.next() } else { None };
-    levels.iter().map(of)
 }

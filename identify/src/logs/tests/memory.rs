@@ -141,6 +141,13 @@ fn faulty_tables_are_refused_by_column() {
         ),
         (
             Table::new("run")
+                .unusable("note", 1, "lists")
+                .numbers("hip", vec![0.0])
+                .unusable("knee", 1, "dates"),
+            "run: column `knee` holds dates; cast them to numbers",
+        ),
+        (
+            Table::new("run")
                 .numbers("hip", vec![0.0])
                 .numbers("knee", vec![0.0])
                 .numbers("support", vec![0.0]),
