@@ -13,6 +13,7 @@ from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecu
 from importlib import import_module
 from typing import Any
 
+from .._errors import ArgumentTypeError
 from ._unit import Job, work
 
 __all__ = ["worked"]
@@ -29,7 +30,7 @@ def worked(engine: Any, jobs: Sequence[Job]) -> Iterator[str]:
         return _ray(jobs)
     if hasattr(engine, "createDataFrame"):
         return _spark(engine, jobs)
-    raise TypeError(
+    raise ArgumentTypeError(
         f"an engine is None, a concurrent.futures.Executor, 'ray' or a SparkSession, not {type(engine).__name__}"
     )
 

@@ -15,6 +15,8 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any, TypeVar
 
+from .._errors import ArgumentError
+
 __all__ = ["Objects", "is_address", "local"]
 
 #: Requests of one kind until it is given up, with pauses of 0.2, 0.4, ... 5 s between them.
@@ -64,7 +66,7 @@ class Objects:
         except ImportError as error:
             raise ImportError(f"{address}: {error}; install fsspec and the package of {scheme}://") from error
         except ValueError as error:
-            raise ValueError(f"{address}: {error}") from error
+            raise ArgumentError(f"{address}: {error}") from error
         return system, path, f"{scheme}://"
 
     def _tried(self, call: Callable[[], T]) -> T:

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from .. import _run, _sesc
-from .._errors import FitError
+from .._errors import ArgumentTypeError, FitError
 from .._robot import Robot
 from ._engines import worked
 from ._objects import Objects, is_address, local
@@ -266,8 +266,8 @@ def run(
     Raises:
         FitError: options that make no sense; what is wrong with a log is in its row.
         LogError: a pattern that no file has.
-        TypeError: no fleet, or no engine.
-        ValueError: a table without the column ``path``, or with a row that has no path.
+        ArgumentTypeError: no fleet, or no engine.
+        ArgumentError: a table without the column ``path``, or with a row that has no path.
         KeyboardInterrupt: Ctrl-C, within 0.2 s; rows that are whole stay in the store.
 
     Example:
@@ -338,7 +338,7 @@ def _named(
     if is_table(given):
         return [], [(_plain(path), said) for path, said in rows_of(given, by)]
     if not isinstance(given, Iterable):
-        raise TypeError(
+        raise ArgumentTypeError(
             f"a fleet is a glob, paths or a table with the column `path`, not {type(given).__name__}"
         )
     here: list[str] = []

@@ -8,6 +8,8 @@ from datetime import date, datetime
 from importlib import import_module
 from typing import Any
 
+from .._errors import ArgumentError, ArgumentTypeError
+
 __all__ = ["is_table", "rows_of"]
 
 
@@ -22,18 +24,18 @@ def rows_of(table: Any, by: Sequence[str]) -> list[tuple[str, dict[str, str]]]:
     """Each path with what its row says of it: keys, ``urdf``, ``support``; empty cells say nothing.
 
     Raises:
-        ValueError: no column `path`, or a row without a path.
-        TypeError: a table that cannot be read here.
+        ArgumentError: no column `path`, or a row without a path.
+        ArgumentTypeError: a table that cannot be read here.
     """
     columns = _columns(table)
     if "path" not in columns:
-        raise ValueError(f"the table has no column `path`; it has {', '.join(columns)}")
+        raise ArgumentError(f"the table has no column `path`; it has {', '.join(columns)}")
     used = [name for name in (*by, "urdf", "support") if name in columns]
     rows = []
     for k, cell in enumerate(columns["path"]):
         path = _text(cell)
         if not path:
-            raise ValueError(f"row {k} of the table, counted from 0, has no path")
+            raise ArgumentError(f"row {k} of the table, counted from 0, has no path")
         said = {name: _text(columns[name][k]) for name in used}
         rows.append((path, {name: text for name, text in said.items() if text}))
     return rows
@@ -64,10 +66,10 @@ def _columns(table: Any) -> dict[str, Sequence[Any]]:
         try:
             pyarrow: Any = import_module("pyarrow")
         except ImportError as error:
-            raise TypeError(f"a table of {type(table).__name__} needs pyarrow; install it") from error
+            raise ArgumentTypeError(f"a table of {type(table).__name__} needs pyarrow; install it") from error
         found: dict[str, Sequence[Any]] = pyarrow.RecordBatchReader.from_stream(table).read_all().to_pydict()
         return found
-    raise TypeError(f"a table of {type(table).__name__} cannot be read; give a dict of columns")
+    raise ArgumentTypeError(f"a table of {type(table).__name__} cannot be read; give a dict of columns")
 
 
 def _cells(column: Iterable[Any]) -> Sequence[Any]:
