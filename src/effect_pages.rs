@@ -4,6 +4,8 @@
 //! ([`sesc_identify::diagnose::footprint`]) in balanced postures of the embedded robot. The
 //! command line prints the text, `cargo regen` writes it with its figures to `docs/effects/`.
 
+mod pictures;
+
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -24,6 +26,8 @@ use sesc_model::{Model, Snapping};
 
 use crate::report::figures;
 use crate::{Error, OP2_URDF};
+
+pub use pictures::Picture;
 
 /// Postures that effects are compared in.
 const POSTURES: usize = 400;

@@ -59,14 +59,23 @@ impl CommandLine {
     /// is `diagnose` and `more` is `--out model.toml`.
     pub(crate) fn of(&self, command: &str, more: &str) -> String {
         let mut line = format!("sesc {command} {}", quoted(&self.urdf));
-        for word in &self.options {
-            line = format!("{line} {}", quoted(word));
-        }
-        line = format!("{line} --data {}", quoted(&self.log));
+        line = format!("{line}{} --data {}", self.typed(), quoted(&self.log));
         match more {
             "" => line,
             more => format!("{line} {more}"),
         }
+    }
+
+    /// `sesc compare log.csv LATER_LOG --urdf op2.urdf --support r_sole`
+    pub(crate) fn compared(&self) -> String {
+        let [log, urdf] = [&self.log, &self.urdf].map(|word| quoted(word));
+        format!("sesc compare {log} LATER_LOG --urdf {urdf}{}", self.typed())
+    }
+
+    /// The options, a blank before each.
+    fn typed(&self) -> String {
+        let words = self.options.iter().map(|word| format!(" {}", quoted(word)));
+        words.collect()
     }
 
     /// The same without an option that takes a value, which the next command gives otherwise.
@@ -98,13 +107,26 @@ pub fn quoted(word: &str) -> String {
 
 impl NextStep {
     /// Something that is done by hand.
-    pub(crate) fn by_hand(what: impl Into<String>, why: impl Into<String>) -> NextStep {
+    pub fn by_hand(what: impl Into<String>, why: impl Into<String>) -> NextStep {
         NextStep {
             what: what.into(),
             why: why.into(),
             command: None,
             makes: None,
         }
+    }
+
+    /// Something that a command line does: these words behind `sesc`.
+    ///
+    /// ```
+    /// use sesc_identify::next_steps::NextStep;
+    ///
+    /// let step = NextStep::of_command("Fit the log", "it gives the parameters", &["fit", "a b.urdf"]);
+    /// assert_eq!(step.command.as_deref(), Some("sesc fit 'a b.urdf'"));
+    /// ```
+    pub fn of_command(what: impl Into<String>, why: impl Into<String>, words: &[&str]) -> NextStep {
+        let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+        NextStep::by_hand(what, why).by(format!("sesc {}", words.join(" ")))
     }
 
     /// What broken data leave to be done.

@@ -57,8 +57,9 @@ impl Robot {
         }
     }
 
-    /// Read a URDF file, once: it may be a pipe; `-` is standard input. A `.xacro` file is
-    /// expanded by the program `xacro`, where it is installed.
+    /// Read a URDF file, once: it may be a pipe; `-` is standard input. A `.xacro` file, and
+    /// any other that holds what xacro expands, is expanded by the program `xacro`, where it is
+    /// installed.
     ///
     /// # Errors
     /// When the file cannot be read, or everything that is wrong with its text.
@@ -68,8 +69,13 @@ impl Robot {
         {
             return Robot::parse(&expanded?, &path.display().to_string());
         }
-        let description = urdf::read(path).map_err(ModelError::from)?;
-        Ok(Robot::of(description))
+        match urdf::read(path) {
+            Ok(description) => Ok(Robot::of(description)),
+            Err(error) => match expanded(path).filter(|_| error.is_xacro() && path.is_file()) {
+                Some(text) => Robot::parse(&text?, &path.display().to_string()),
+                None => Err(ModelError::from(error).into()),
+            },
+        }
     }
 
     /// Parse the text of a URDF; `file` names it in messages.

@@ -69,7 +69,13 @@ pub fn compare_models(
             Ok(Skeleton::of(&model, description, folder))
         });
         let drawn = drawn.transpose()?;
-        let page = page(&found, [&before, &after], drawn.as_ref(), "sesc.compare(…)");
+        let page = page(
+            &found,
+            [&before, &after],
+            &[],
+            drawn.as_ref(),
+            "sesc.compare(…)",
+        );
         let page = page.map_err(|error| Failure::internal(error.to_string()))?;
         Ok((json(&found)?, text(&found, &before.file, &after.file), page))
     })

@@ -4,9 +4,10 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use clap::{Arg, CommandFactory as _};
-use sesc_identify::next_steps::{CommandLine, quoted};
+use sesc_identify::next_steps::{CommandLine, NextStep};
 
 use super::{Cli, WORDS, streams};
+use crate::report::next_steps;
 
 /// Options of `fit` that a diagnosis of the same log takes, too. Priors differ: a diagnosis trusts
 /// CAD more than a fit does.
@@ -44,12 +45,26 @@ pub(super) fn command_line(
     line
 }
 
-/// Say on stderr what a command that reports nothing else leads to: `words` are the next command
-/// line behind `sesc`.
-pub(super) fn next(what: &str, words: &[&str]) {
-    let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
-    // The command has a line of its own, which a terminal's mouse takes whole.
-    super::message(&format!("next: {what}\n      sesc {}", words.join(" ")));
+/// Say on stderr what to do next, where standard output is for data, scripts or names of files.
+pub(super) fn next(steps: &[NextStep]) {
+    super::message(next_steps::text(steps, &[]).trim_end());
+}
+
+/// `generate` for this robot: what computes on it what was looked at here.
+pub(super) fn generating(path: &Path, support: &str, model: Option<&Path>, why: &str) -> NextStep {
+    let (urdf, model) = (urdf(path), model.map(|model| model.display().to_string()));
+    let mut words = vec!["generate", &urdf, "--support", support];
+    words.extend(model.iter().flat_map(|file| ["--model", file]));
+    words.extend(["--lang", "c", "--out", "src"]);
+    NextStep::of_command("Write the functions as source code", why, &words)
+}
+
+/// The first of these options that was typed, as it is typed.
+pub(super) fn first_typed(options_of: &[&str]) -> Option<String> {
+    let words = WORDS.get().map_or(&[][..], Vec::as_slice);
+    let typed = options(words, |name| options_of.contains(&name));
+    let first = typed.into_iter().next()?;
+    Some(first.split('=').next().unwrap_or_default().to_string())
 }
 
 /// A URDF as command lines have it.

@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use sesc_identify::compare;
+use serde::Serialize;
+use sesc_identify::compare::{self, Change, Comparison};
 use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{LogSource, Stays};
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::{ModelFile, files};
@@ -16,11 +18,12 @@ use sesc_model::{ModelFile, files};
 use super::kinds::Kind;
 use super::outputs::Files;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, StandingArguments, StaysArguments,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, StandingArguments, StaysArguments, again,
     command_line, message, print_json, show,
 };
 use crate::Error;
 use crate::report::compare::{page, text};
+use crate::report::next_steps;
 
 /// Say what changed between two model files, or two logs, and whether it is more than chance
 #[derive(Args)]
@@ -56,11 +59,38 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+/// Options of reading and diagnosing logs: model files say theirs.
+const OF_LOGS: &[&str] = &[
+    "support",
+    "sole-height",
+    "degrees",
+    "prior",
+    "noise",
+    "floor",
+    "motion",
+    "both-feet",
+    "other-foot",
+    "settle",
+];
+/// Options of drawing the robot, beside.
+const OF_ROBOTS: &[&str] = &["no-snap"];
+
 /// Endings of logs.
 const LOGS: [&str; 4] = ["csv", "gz", "parquet", "mcap"];
 
+/// What programs are told.
+#[derive(Serialize)]
+struct Answer<'a> {
+    /// What differs.
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    /// What to do next, the most useful first.
+    next_steps: &'a [NextStep],
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let both = [&arguments.before, &arguments.after];
+    refuse_ignored(arguments)?;
     Files::default()
         .reads_robots(&arguments.urdf)
         .may_read(&arguments.how.reading.prior)
@@ -79,19 +109,89 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
     }
     let comparison = compare::compare(&models[0], &models[1])?;
+    let steps = after(arguments, &comparison);
     if let Some(path) = &arguments.report {
         let drawn = robot.map(|robot| skeleton(arguments, &robot, &comparison.support));
         let drawn = drawn.transpose()?;
         let files = [&models[0], &models[1]];
-        let page = page(&comparison, files, drawn.as_ref(), &command_line());
+        let page = page(&comparison, files, &steps, drawn.as_ref(), &command_line());
         files::write(path, &page.map_err(|error| Error::Report(Box::new(error)))?)?;
         message(&format!("wrote {}", path.display()));
     }
     match arguments.json {
-        true => print_json(&comparison)?,
-        false => show(&text(&comparison, &models[0].file, &models[1].file))?,
+        true => print_json(&Answer {
+            comparison: &comparison,
+            next_steps: &steps,
+        })?,
+        false => {
+            let text = text(&comparison, &models[0].file, &models[1].file);
+            show(&format!("{text}\n{}", next_steps::text(&steps, &[])))?;
+        }
     }
     Ok(Outcome::Ok)
+}
+
+/// What the difference of two models leads to.
+fn after(arguments: &Arguments, found: &Comparison) -> Vec<NextStep> {
+    let path = |path: &Path| path.display().to_string();
+    let name = arguments.urdf.as_deref().map(again::urdf);
+    let urdf = name.as_deref().unwrap_or("URDF");
+    let (before, after) = (path(&arguments.before), path(&arguments.after));
+    if !found.changed {
+        return vec![NextStep::by_hand(
+            format!("Go on with {before}"),
+            "nothing differs from it by more than chance, and what was generated from it holds",
+        )];
+    }
+    let mut steps = Vec::new();
+    let first = found.effects.iter().find(|own| own.change != Change::Same);
+    if let Some(own) = first {
+        let what = own.effect.replace('_', " ");
+        let what = match own.target.as_str() {
+            "-" => format!("Check what became of the {what} on the robot"),
+            target => format!("Check what became of the {what} of `{target}` on the robot"),
+        };
+        steps.push(NextStep::by_hand(what, "it changed by more than chance"));
+    }
+    steps.push(match is_log(&arguments.after) {
+        true => NextStep::of_command(
+            "Diagnose the later log",
+            "a diagnosis says what changes in URDF or controller put it right",
+            &["diagnose", urdf, "--data", &after],
+        ),
+        false => NextStep::of_command(
+            "Write the functions of the later model",
+            "those of the first are of a robot that has changed",
+            &[
+                "generate", urdf, "--model", &after, "--lang", "c", "--out", "src",
+            ],
+        ),
+    });
+    steps
+}
+
+fn is_log(path: &Path) -> bool {
+    let end = path.extension().unwrap_or_default().to_string_lossy();
+    LOGS.contains(&end.to_lowercase().as_str())
+}
+
+/// Options that two model files leave nothing to do are errors.
+fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
+    if is_log(&arguments.before) || is_log(&arguments.after) {
+        return Ok(());
+    }
+    if let Some(option) = again::first_typed(OF_LOGS) {
+        return Err(Error::Usage(format!(
+            "{option} is for logs, and two model files are compared, which hold what was identified; \
+             leave it out, or give the logs with --urdf"
+        )));
+    }
+    if let Some(option) = again::first_typed(OF_ROBOTS).filter(|_| arguments.urdf.is_none()) {
+        return Err(Error::Usage(format!(
+            "{option} is for the URDF, and none is given; leave it out, or add --urdf"
+        )));
+    }
+    Ok(())
 }
 
 /// The model that a file holds, or that the diagnosis of a log gives; none of a log that cannot
@@ -101,8 +201,7 @@ fn model(
     robot: Option<&Arc<Robot>>,
     path: &Path,
 ) -> Result<Option<ModelFile>, Error> {
-    let end = path.extension().unwrap_or_default().to_string_lossy();
-    let is_log = LOGS.contains(&end.to_lowercase().as_str());
+    let is_log = is_log(path);
     let Some(robot) = robot.filter(|_| is_log) else {
         return match is_log {
             true => Err(Error::Usage(format!(

@@ -14,7 +14,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use clap::parser::ValueSource;
-use clap::{ArgMatches, Command, CommandFactory as _};
+use clap::{Arg, ArgMatches, Command, CommandFactory as _};
 use sesc_identify::logs::Sidecar;
 use sesc_model::files;
 use sesc_model::spelling::nearest;
@@ -80,11 +80,48 @@ pub(super) fn keys() -> Vec<(&'static str, &'static str, Vec<String>)> {
     KEYS.into_iter().map(of).collect()
 }
 
-/// `words` with the options that the robot's [`FILE`] gives and they do not, and a note of them.
+/// Options that the [`FILE`] of a robot gave.
+pub(super) struct Given {
+    file: PathBuf,
+    text: String,
+    /// Options as they are typed, `--noise=0.001`, each with its key.
+    options: Vec<(&'static str, String)>,
+}
+
+impl Given {
+    /// What is said of them.
+    pub(super) fn note(&self) -> String {
+        let options: Vec<&str> = self.options.iter().map(|(_, own)| own.as_str()).collect();
+        format!("note: {} gives {}", self.file.display(), options.join(" "))
+    }
+
+    /// The first of them that a message names: the place of its key, as `sesc.toml:3: `noise``.
+    pub(super) fn blamed(&self, message: &str) -> Option<String> {
+        let names = |option: &str| {
+            let name = option.split('=').next().unwrap_or(option);
+            let ends = |after: &str| !after.starts_with(|c: char| c.is_alphanumeric() || c == '-');
+            let mut places = message.match_indices(name);
+            places.any(|(at, _)| ends(&message[at + name.len()..]))
+        };
+        let (key, _) = self.options.iter().find(|(_, option)| names(option))?;
+        let is_key = |line: &str| {
+            let rest = line.trim_start().trim_start_matches(['"', '\'']);
+            let rest = rest
+                .strip_prefix(key)
+                .map(|rest| rest.trim_start_matches(['"', '\'']));
+            rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+        };
+        let line = self.text.lines().position(is_key);
+        let line = line.map_or(String::new(), |k| format!(":{}", k + 1));
+        Some(format!("{}{line}: `{key}`", self.file.display()))
+    }
+}
+
+/// `words` with the options that the robot's [`FILE`] gives and they do not, and those.
 ///
 /// # Errors
 /// A file that cannot be used, with its name, the key and the remedy.
-pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<String>), Error> {
+pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Given>), Error> {
     let mut words = words.to_vec();
     let command = Cli::command();
     // What is wrong with the words is said by the parser that runs after this.
@@ -97,7 +134,7 @@ pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Str
     let (Some(command), Some(file)) = (command.find_subcommand(name), of_robot(matches)) else {
         return Ok((words, None));
     };
-    let Some(table) = read(&file)? else {
+    let Some((text, table)) = read(&file)? else {
         return Ok((words, None));
     };
     let known: Vec<&str> = KEYS.iter().map(|(key, _)| *key).collect();
@@ -115,18 +152,25 @@ pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Str
         };
         let option = spelled(value, kind, folder).map_err(|remedy| wrong(&file, key, &remedy))?;
         if let Some(value) = option.filter(|_| wanted(command, matches, key)) {
-            given.push(format!("--{}{value}", key.replace('_', "-")));
+            given.push((key, format!("--{}{value}", key.replace('_', "-"))));
         }
     }
     if given.is_empty() {
         return Ok((words, None));
     }
-    let note = format!("note: {} gives {}", file.display(), given.join(" "));
     // Behind the name of the command: what comes after `--` are files.
     let at = words.iter().position(|word| word == name);
     let at = at.map_or(words.len(), |k| k + 1);
-    words.splice(at..at, given.into_iter().map(OsString::from));
-    Ok((words, Some(note)))
+    words.splice(at..at, given.iter().map(|(_, option)| option.into()));
+    let options = given;
+    Ok((
+        words,
+        Some(Given {
+            file,
+            text,
+            options,
+        }),
+    ))
 }
 
 /// Where the file of the command's robot would be.
@@ -144,14 +188,14 @@ pub(super) fn beside(urdf: &Path) -> Option<PathBuf> {
     described.then(|| urdf.with_file_name(FILE))
 }
 
-fn read(file: &Path) -> Result<Option<toml::Table>, Error> {
+fn read(file: &Path) -> Result<Option<(String, toml::Table)>, Error> {
     let text = match files::read_text(file, files::SIDECAR) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(Error::Usage(format!("{}: {error}", file.display()))),
     };
     match files::parse_toml(&text, FORMAT) {
-        Ok(table) => Ok(Some(table)),
+        Ok(table) => Ok(Some((text, table))),
         Err(error) => Err(Error::Usage(format!("{}: {error}", file.display()))),
     }
 }
@@ -185,7 +229,7 @@ fn wanted(command: &Command, matches: &ArgMatches, key: &str) -> bool {
         .get_arguments()
         .find(|own| own.get_long() == Some(&option));
     let Some(own) = own else { return false };
-    let typed = is_typed(matches, own.get_id().as_str());
+    let typed = is_typed(matches, own.get_id().as_str()) || contradicts(command, matches, own);
     let used = match key {
         "support" => command.get_name() != "fleet" && !logs_say_support(matches),
         // Postures at rest have no motion.
@@ -195,6 +239,17 @@ fn wanted(command: &Command, matches: &ArgMatches, key: &str) -> bool {
         _ => true,
     };
     !typed && used
+}
+
+/// Whether an option that does not go with this one has been typed: it wins, too.
+fn contradicts(command: &Command, matches: &ArgMatches, own: &Arg) -> bool {
+    let conflict = |one: &Arg, other: &Arg| {
+        let all = command.get_arg_conflicts_with(one);
+        all.iter().any(|found| found.get_id() == other.get_id())
+    };
+    command.get_arguments().any(|other| {
+        is_typed(matches, other.get_id().as_str()) && (conflict(own, other) || conflict(other, own))
+    })
 }
 
 fn is_typed(matches: &ArgMatches, id: &str) -> bool {

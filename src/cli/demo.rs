@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use sesc_identify::hide::hide;
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate;
 use sesc_model::Snapping;
@@ -13,10 +14,10 @@ use sesc_model::files::write_all_if_changed;
 
 use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Bar, Outcome, again, command_line, message, print_json, show};
+use super::{Bar, Outcome, command_line, message, print_json, show};
 use crate::demo::{self, Demo};
 use crate::report::table::{Table, wrapped};
-use crate::report::{DemoReport, html};
+use crate::report::{DemoReport, html, next_steps};
 use crate::{Error, OP2_URDF};
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
@@ -47,6 +48,8 @@ struct Answer<'a> {
     /// What it shows.
     #[serde(flatten)]
     report: &'a DemoReport,
+    /// What to do next, the most useful first.
+    next_steps: &'a [NextStep],
 }
 
 /// Noise of a reading in the logs that are kept, m.
@@ -64,7 +67,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         keep(folder)?;
     }
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
-    let page = html::demo(&demo.report, &command_line())
+    let steps = [after(arguments.keep.as_deref())];
+    let page = html::demo(&demo.report, &steps, &command_line())
         .map_err(|error| Error::Report(Box::new(error)))?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
     let page = arguments.out.display().to_string();
@@ -73,25 +77,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             pass: demo.verification.pass,
             page,
             report: &demo.report,
+            next_steps: &steps,
         })?,
         false => {
             show(&text(&demo))?;
-            show(&format!("\nreport with figures: {page}\n"))?;
+            let next = next_steps::text(&steps, &[]);
+            show(&format!("\nreport with figures: {page}\n\n{next}"))?;
         }
-    }
-    match &arguments.keep {
-        Some(folder) => {
-            let file = |name: &str| folder.join(name).display().to_string();
-            let (urdf, log) = (file("op2.urdf"), file(SAMPLES[0].0));
-            again::next(
-                "identify the parameters of a robot from a log",
-                &["fit", &urdf, "--data", &log],
-            );
-        }
-        None => again::next(
-            "write a robot and two logs of it, to play with",
-            &["demo", "--keep", "play"],
-        ),
     }
     if demo.verification.pass {
         Ok(Outcome::Ok)
@@ -99,6 +91,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         message("check failed: generated functions and reference disagree");
         Ok(Outcome::Failed)
     }
+}
+
+/// What to do after the demo: with what it kept, or to keep it.
+fn after(kept: Option<&Path>) -> NextStep {
+    let Some(folder) = kept else {
+        return NextStep::of_command(
+            "Write a robot and two logs of it",
+            "every command can be tried on them",
+            &["demo", "--keep", "play"],
+        );
+    };
+    let file = |name: &str| folder.join(name).display().to_string();
+    let (urdf, log) = (file("op2.urdf"), file(SAMPLES[1].0));
+    NextStep::of_command(
+        "Diagnose the log of the robot whose knee is off",
+        "a diagnosis says what its simulation misses",
+        &["diagnose", &urdf, "--data", &log],
+    )
 }
 
 /// Write the OP2, and logs of 200 postures of it read to 0.5 mm.

@@ -77,7 +77,7 @@ pub(super) struct Arguments {
     /// Model file to write; `-` is standard output
     #[arg(long, value_name = "FILE", conflicts_with = "partial")]
     out: Option<PathBuf>,
-    /// Exit with 1 if the held-out error exceeds K noise floors
+    /// Exit with 1 if the held-out error of the fitted parameters exceeds K noise floors
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = super::positive, conflicts_with = "partial")]
     fail_above: Option<f64>,
     #[command(flatten)]
@@ -100,7 +100,43 @@ enum DuplicateParts {
     Skip,
 }
 
+/// Options about factor files.
+const OF_PARTS: &[&str] = &["unit", "duplicates"];
+/// Options of reading logs; the fit itself refuses others beside factor files alone.
+const OF_LOGS: &[&str] = &["both-feet", "other-foot"];
+
+/// Options that nothing would come of are errors.
+fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
+    let parts = arguments.inputs.iter().any(|path| is_part(path));
+    if !parts && let Some(option) = again::first_typed(OF_PARTS) {
+        let gathers = arguments.partial.is_some() && option == "--unit";
+        if !gathers {
+            return Err(Error::Usage(format!(
+                "{option} is about factor files (.part), and none is {}; leave it out, or {}",
+                if option == "--unit" {
+                    "written or read"
+                } else {
+                    "read"
+                },
+                if option == "--unit" {
+                    "add --partial FILE"
+                } else {
+                    "give those to combine"
+                },
+            )));
+        }
+    }
+    if let Some(option) = again::first_typed(OF_LOGS).filter(|_| arguments.data.is_empty()) {
+        return Err(Error::Usage(format!(
+            "{option} is about reading logs, and none is given: factor files were gathered as \
+             their options said; leave it out, or add --data"
+        )));
+    }
+    Ok(())
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    refuse_ignored(arguments)?;
     check_files(arguments)?;
     let request = request(arguments)?;
     check_robots_of_parts(arguments, &request)?;
@@ -166,7 +202,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         found.identification.held_out_rmse,
         found.identification.noise_floor,
     );
-    Ok(super::judged(error, floor, arguments.fail_above))
+    let what = "the held-out error of the fit";
+    Ok(super::judged(what, error, floor, arguments.fail_above))
+}
+
+fn is_part(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e == "part")
 }
 
 fn not_written(path: &Path) -> String {
@@ -175,7 +216,6 @@ fn not_written(path: &Path) -> String {
 
 /// What is asked for.
 fn request(arguments: &Arguments) -> Result<Request, Error> {
-    let is_part = |path: &&PathBuf| path.extension().is_some_and(|e| e == "part");
     let (parts, robots): (Vec<&PathBuf>, Vec<&PathBuf>) =
         arguments.inputs.iter().partition(|path| is_part(path));
     if let [first, second, ..] = robots[..] {

@@ -7,6 +7,7 @@ use serde::Serialize;
 use sesc_codegen::Servos;
 use sesc_codegen::facts::Facts;
 use sesc_codegen::sources::{self, C99};
+use sesc_identify::next_steps::NextStep;
 use sesc_model::files::write_all_if_changed;
 
 use super::kinds::Kind;
@@ -77,6 +78,8 @@ struct Answer<'a> {
     files: Vec<WrittenFile>,
     /// What was noticed.
     notes: &'a [String],
+    /// What to do next, the most useful first.
+    next_steps: Vec<NextStep>,
 }
 
 #[derive(Serialize)]
@@ -162,6 +165,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         support: model.support(),
         files: Vec::new(),
         notes: &written.notes,
+        next_steps: Vec::new(),
     };
     for ((path, _), changed) in files.iter().zip(changed) {
         let file = path.display().to_string();
@@ -180,12 +184,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .as_ref()
         .map(|file| file.display().to_string());
     verify.extend(file.iter().flat_map(|file| ["--model", file]));
-    again::next(
-        "compare the functions with an independent reference",
+    answer.next_steps.push(NextStep::of_command(
+        "Compare the functions with an independent reference",
+        "it sums the links of the URDF by itself",
         &verify,
-    );
-    if arguments.json {
-        print_json(&answer)?;
+    ));
+    match arguments.json {
+        true => print_json(&answer)?,
+        false => again::next(&answer.next_steps),
     }
     Ok(Outcome::Ok)
 }

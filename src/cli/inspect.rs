@@ -4,12 +4,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use clap::Args;
+use serde::Serialize;
 use sesc_codegen::emit::header::at_most;
-use sesc_model::{Function, Interface};
+use sesc_identify::next_steps::NextStep;
+use sesc_model::{Function, Interface, Model};
 
 use super::{Outcome, RobotArguments, again, print_json, show};
 use crate::Error;
 use crate::inspect::{Inspection, RankCheck, inspect};
+use crate::report::next_steps;
 use crate::report::table::{Table, wrapped};
 
 /// Tree, chain, base parameters, what is unobservable, operation counts, snaps
@@ -29,6 +32,16 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+/// What programs are told.
+#[derive(Serialize)]
+struct Answer<'a> {
+    /// What there is to know of the robot.
+    #[serde(flatten)]
+    inspection: &'a Inspection,
+    /// What to do next, the most useful first.
+    next_steps: &'a [NextStep],
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let stance = arguments.robot.stance(None)?;
     let model = stance.model()?;
@@ -36,14 +49,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     for note in &inspection.notes {
         super::message(&format!("note: {note}"));
     }
+    let steps = [planning(arguments, &model)];
     if arguments.json {
-        print_json(&inspection)?;
+        print_json(&Answer {
+            inspection: &inspection,
+            next_steps: &steps,
+        })?;
     } else {
-        show(&text(&inspection, arguments.long))?;
-        let (urdf, support) = (again::urdf(&arguments.robot.urdf), model.support());
-        let plan = ["plan", &urdf, "--support", support, "--poses", "40"];
-        let plan = [&plan[..], &["--out", "poses.csv"]].concat();
-        again::next("choose postures to record", &plan);
+        let text = text(&inspection, arguments.long);
+        show(&format!("{text}\n{}", next_steps::text(&steps, &[])))?;
     }
     match inspection.rank_check {
         RankCheck::Agrees => Ok(Outcome::Ok),
@@ -61,6 +75,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             Ok(Outcome::Failed)
         }
     }
+}
+
+/// What comes before the first log.
+fn planning(arguments: &Arguments, model: &Model) -> NextStep {
+    let urdf = again::urdf(&arguments.robot.urdf);
+    let words = ["plan", &urdf, "--support", model.support()];
+    let words = [&words[..], &["--poses", "40", "--out", "poses.csv"]].concat();
+    NextStep::of_command(
+        "Choose postures to record",
+        "a log of them tells most about the parameters",
+        &words,
+    )
 }
 
 fn text(i: &Inspection, long: bool) -> String {

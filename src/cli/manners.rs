@@ -100,7 +100,7 @@ pub(super) fn message(text: &str) -> Option<String> {
         ("check failed:", RED, true),
         ("warning:", YELLOW, true),
         ("note:", CYAN, false),
-        ("next:", CYAN, false),
+        ("next ", CYAN, false),
     ];
     let kind = kinds.iter().find(|(kind, ..)| text.starts_with(kind));
     let heeded = kind.is_some_and(|(.., heeded)| *heeded);

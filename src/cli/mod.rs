@@ -97,10 +97,11 @@ pub fn main() -> ExitCode {
 pub fn main_from(words: Vec<OsString>) -> u8 {
     let words = WORDS.get_or_init(|| words);
     let json = json_is_wanted(words);
-    let (words, note) = match defaults::completed(words) {
+    let (words, given) = match defaults::completed(words) {
         Ok(completed) => completed,
-        Err(error) => return failed(&error, json),
+        Err(error) => return failed(&error, None, json),
     };
+    let given = given.as_ref();
     let cli = match Cli::try_parse_from(words) {
         Ok(cli) => cli,
         // Help and version are answers.
@@ -110,16 +111,19 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
             if error.kind() == ErrorKind::UnknownArgument {
                 error.remove(ContextKind::Suggested);
             }
+            let rendered = error.render().to_string();
+            if let Some(error) = given.and_then(|given| of_file(given, &rendered)) {
+                return failed(&error, None, json);
+            }
             if json {
-                let rendered = error.render().to_string();
                 print_error("usage", &rendered, None, None);
             }
             error.exit()
         }
     };
     cli.manners.hold();
-    if let Some(note) = note {
-        message(&note);
+    if let Some(given) = given {
+        message(&given.note());
     }
     stay_silent_where_panics_become_errors();
     if let Err(error) = outputs::tidy_when_interrupted() {
@@ -149,12 +153,29 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
         Ok(Outcome::Failed) => 1,
         // A reader that went away (`| head`) is no fault.
         Err(error) if streams::is_closed(&error) => 0,
-        Err(error) => failed(&error, json),
+        Err(error) => failed(&error, given, json),
     }
 }
 
-/// Say what is wrong; the exit code.
-fn failed(error: &Error, json: bool) -> u8 {
+/// What the parser says of options, where a file gave the one that it names.
+fn of_file(given: &defaults::Given, rendered: &str) -> Option<Error> {
+    let said = rendered.trim_start_matches("error: ");
+    let said = said.split("\n\n").next().unwrap_or(said).trim_end();
+    let place = given.blamed(said)?;
+    Some(Error::Usage(format!("{place}: {said}")))
+}
+
+/// Say what is wrong, and where an option stands that it is about; the exit code.
+fn failed(error: &Error, given: Option<&defaults::Given>, json: bool) -> u8 {
+    let placed = given.and_then(|given| {
+        let place = given.blamed(&error.to_string())?;
+        Some(Error::Usage(format!("{place}: {error}")))
+    });
+    let error = match (&placed, error.kind()) {
+        // Other kinds name files of their own.
+        (Some(placed), "usage" | "request") => placed,
+        _ => error,
+    };
     if json {
         let message = [vec![error.to_string()], causes(error)].concat().join(": ");
         print_error(error.kind(), &message, error.file(), error.line());
@@ -348,16 +369,15 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Whether a held-out error, m, is one that the caller accepts, in noise floors.
-fn judged(error: f64, floor: f64, most: Option<f64>) -> Outcome {
+/// Whether an error, m, is one that the caller accepts, in noise floors; `what` names it.
+fn judged(what: &str, error: f64, floor: f64, most: Option<f64>) -> Outcome {
     // What is not a number is no success either.
     let within = |most: &f64| error.is_finite() && error <= most * floor;
     let Some(most) = most.filter(|most| !within(most)) else {
         return Outcome::Ok;
     };
     message(&format!(
-        "check failed: the held-out error is {:.2} mm, which is more than {most} noise floors of \
-         {:.2} mm",
+        "check failed: {what} is {:.2} mm, which is more than {most} noise floors of {:.2} mm",
         1e3 * error,
         1e3 * floor
     ));
@@ -370,10 +390,28 @@ fn progress(what: &'static str) -> ProgressBar {
     if !std::io::stderr().is_terminal() || manners::quiet() {
         bar.set_draw_target(ProgressDrawTarget::hidden());
     }
-    let style = ProgressStyle::with_template("{msg} {bar:30} {pos}/{len} ({eta})");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_style(style(UNKNOWN));
     bar.set_message(what);
     bar
+}
+
+/// A bar of which nothing is known yet, one that counts towards no known end, and one that does.
+const UNKNOWN: &str = "{msg} …";
+const COUNTING: &str = "{msg} {pos}";
+const MEASURED: &str = "{msg} {bar:30} {pos}/{len} ({eta})";
+
+fn style(template: &str) -> ProgressStyle {
+    let style = ProgressStyle::with_template(template);
+    style.unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
+/// What is shown of so much that is done.
+fn template(done: u64, total: Option<u64>) -> &'static str {
+    match (done, total.filter(|total| *total > 0)) {
+        (_, Some(_)) => MEASURED,
+        (0, None) => UNKNOWN,
+        (_, None) => COUNTING,
+    }
 }
 
 /// Progress on the terminal, and warnings on stderr.
@@ -384,9 +422,10 @@ impl Bar {
         Bar(progress(what))
     }
 
-    /// Show that so much is done. A bar of length 0 is full: it is empty until it is known how
-    /// much there is to do.
+    /// Show that so much is done. A bar of length 0 is full, and one without a length says
+    /// `0/0`: there is none until it is known how much there is to do.
     fn move_to(&self, done: u64, total: Option<u64>) {
+        self.0.set_style(style(template(done, total)));
         match total.filter(|total| *total > 0) {
             Some(total) => self.0.set_length(total),
             None => self.0.unset_length(),
@@ -432,7 +471,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bar_is_empty_until_it_is_known_how_much_there_is_to_do() {
+    fn there_is_no_bar_until_it_is_known_how_much_there_is_to_do() {
+        for (done, total) in [(0, Some(0)), (0, None), (7, None), (7, Some(0))] {
+            assert!(!template(done, total).contains("{len}"), "{done} {total:?}");
+        }
+        assert!(template(0, Some(9)).contains("{pos}/{len}"));
         let bar = Bar::new("reading");
         assert_eq!(bar.0.length(), None);
         for (done, total, length) in [(0, Some(0), None), (7, None, None), (7, Some(9), Some(9))] {

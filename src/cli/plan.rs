@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=2000))]
     poses: u64,
     /// Keep |x| and |y| of the CoP within this, m [default: the inner part of the sole where the
-    /// URDF has collision shapes of the support, else 0.023]
+    /// URDF has collision shapes of the support, else of a box with its inertia]
     #[arg(long, value_name = "M", conflicts_with = "sole", value_parser = super::units::length_m)]
     cop_box: Option<f64>,
     /// Keep the CoP within the hull of these points of the sole, m
@@ -42,7 +42,7 @@ pub(super) struct Arguments {
     sole: Option<String>,
     /// Keep the CoP at least so far from the edge of box or sole, m; of a sole by collision shapes
     /// three tenths of half its narrower side are kept in any case
-    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::length_m)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::margin_m)]
     margin: f64,
     /// Safety margin of the CoP in standard deviations of its prediction
     #[arg(long, value_name = "K", default_value_t = 2.0)]

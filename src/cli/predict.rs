@@ -8,10 +8,12 @@ use serde::Serialize;
 
 use super::kinds::Kind;
 use super::outputs::Files;
-use super::{Bar, Motion, Outcome, RobotArguments, message, print_json, streams};
+use super::{Bar, Motion, Outcome, RobotArguments, again, message, print_json, streams};
 use crate::Error;
-use sesc_identify::logs::{self, Angles, PREDICTED, PredictionWriter};
-use sesc_identify::predict::{Predictor, Request, predict};
+use sesc_identify::logs::{self, Angles, PREDICTED, PredictionWriter, Sidecar};
+use sesc_identify::next_steps::NextStep;
+use sesc_identify::predict::{Predictions, Predictor, Request, predict};
+use sesc_identify::stance::Stance;
 
 /// CoM and CoP of every posture in a log
 #[derive(Args)]
@@ -50,6 +52,18 @@ struct Written {
     file: String,
     /// Its rows.
     postures: u64,
+    /// What to do next, the most useful first.
+    next_steps: Vec<NextStep>,
+}
+
+/// What is told where nothing was written.
+#[derive(Serialize)]
+struct Answer {
+    /// What was predicted.
+    #[serde(flatten)]
+    predictions: Predictions,
+    /// What to do next, the most useful first.
+    next_steps: Vec<NextStep>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
@@ -61,6 +75,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .prints(arguments.json)
         .check_writable()?;
     let stance = arguments.robot.stance(arguments.model.as_deref())?;
+    let next_steps = vec![after(arguments, &stance)];
     let mut request = Request::new(stance, streams::log(&arguments.data)?);
     request.angles = arguments.degrees.then_some(Angles::Deg);
     request.motion = arguments.motion.into();
@@ -81,11 +96,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             bar.0.finish_and_clear();
             let file = path.display().to_string();
             message(&format!("wrote {file}"));
-            if json {
-                print_json(&Written { file, postures })?;
+            match json {
+                true => print_json(&Written {
+                    file,
+                    postures,
+                    next_steps,
+                })?,
+                false => again::next(&next_steps),
             }
         }
-        (None, true) => print_json(&predict(&request, bar)?)?,
+        (None, true) => print_json(&Answer {
+            predictions: predict(&request, bar)?,
+            next_steps,
+        })?,
         (None, false) => {
             let mut out = streams::output();
             let mut begun = false;
@@ -96,9 +119,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                 writeln!(out, "{pose},{x},{y},{z},{cop_x},{cop_y}").map_err(Error::Stdout)
             })?;
             out.flush().map_err(Error::Stdout)?;
+            bar.0.finish_and_clear();
+            again::next(&next_steps);
         }
     }
     Ok(Outcome::Ok)
+}
+
+/// What computes the same on the robot.
+fn after(arguments: &Arguments, stance: &Stance) -> NextStep {
+    let sidecar = || Sidecar::of(&arguments.data).ok()?.0.support;
+    let support = stance.support.clone().or_else(sidecar);
+    let support = support.as_deref().unwrap_or("LINK");
+    let (urdf, model) = (&arguments.robot.urdf, arguments.model.as_deref());
+    again::generating(urdf, support, model, "they compute the same on the robot")
 }
 
 /// Give the pose, CoM and CoP of every row to `take`.

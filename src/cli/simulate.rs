@@ -10,6 +10,7 @@ use super::outputs::Files;
 use super::{Bar, Motion, Outcome, RobotArguments, again, message, print_json, streams, units};
 use crate::Error;
 use sesc_identify::hide::hide;
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::simulate::{self, Request};
 
 /// Write a log of an ideal robot, in postures at rest or in motion, with CoP noise
@@ -73,6 +74,8 @@ struct Written<'a> {
     log: String,
     /// Its sidecar.
     sidecar: String,
+    /// What to do next, the most useful first.
+    next_steps: &'a [NextStep],
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
@@ -113,10 +116,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (log, sidecar) = (arguments.out.display(), sidecar.display());
     message(&format!("wrote {log} and {sidecar}"));
     let (urdf, name) = (again::urdf(&arguments.robot.urdf), log.to_string());
-    again::next(
-        "identify the parameters from the log",
+    let steps = [NextStep::of_command(
+        "Fit the log",
+        "it gives the parameters, their uncertainty and the error on postures not seen",
         &["fit", &urdf, "--data", &name],
-    );
+    )];
+    if !arguments.json {
+        again::next(&steps);
+    }
     if arguments.json {
         print_json(&Written {
             robot: &tree.robot,
@@ -127,6 +134,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             rate: request.rate,
             log: log.to_string(),
             sidecar: sidecar.to_string(),
+            next_steps: &steps,
         })?;
     }
     Ok(Outcome::Ok)

@@ -12,6 +12,8 @@ const NOISIEST_M: f64 = 0.1;
 /// No sole, and no height above it that a plan keeps clear, is larger, m; who wants no bound
 /// gives a metre.
 const LARGEST_M: f64 = 2.0;
+/// No sole leaves room for a margin so wide, m.
+const WIDEST_M: f64 = 0.25;
 /// No joint is drawn from more than a turn either way, degrees.
 const TURN_DEG: f64 = 360.0;
 /// No encoder of a robot is read more often, Hz.
@@ -22,12 +24,15 @@ const MASS_RATIO: f64 = 100.0;
 /// An angle or a length of a hidden effect that is given without its unit is no larger, rad or m.
 const HIDDEN_RAD: f64 = 0.6;
 const HIDDEN_M: f64 = 1.0;
+/// A mass that is given without its unit is no larger a part of what the robot weighs.
+const HIDDEN_PART: f64 = 3.0;
 
 /// What is hidden in a simulated robot: `effects` as they were typed, which the model has last.
 ///
 /// # Errors
-/// A number without a unit that is no likely one of rad or m.
+/// A number without a unit that is no likely one of rad, m or kg.
 pub(super) fn check_hidden(effects: &[String], model: &Model) -> Result<(), Error> {
+    let robot_kg = model.tree.mass;
     let records = model.file.as_ref().map_or(&[][..], |file| &file.effects);
     let typed = effects.iter().rev().zip(records.iter().rev());
     for (text, record) in typed {
@@ -46,6 +51,10 @@ pub(super) fn check_hidden(effects: &[String], model: &Model) -> Result<(), Erro
                     "rad",
                 ),
                 Unit::Metre => (HIDDEN_M, format!("{} mm", 1e3 * value), "mm", "m"),
+                Unit::Kilogram => {
+                    let shown = format!("the robot weighs {robot_kg:.3} kg");
+                    (HIDDEN_PART * robot_kg, shown, "g", "kg")
+                }
                 _ => continue,
             };
             if value.abs() > most && bare.contains(&value) {
@@ -73,6 +82,11 @@ pub(super) fn stays(text: &str) -> Result<Stays, String> {
 /// A length on the robot's scale, m.
 pub(super) fn length_m(text: &str) -> Result<f64, String> {
     metres(text, LARGEST_M)
+}
+
+/// A distance from the edge of a sole, m.
+pub(super) fn margin_m(text: &str) -> Result<f64, String> {
+    metres(text, WIDEST_M)
 }
 
 /// A range of joint angles, degrees.
@@ -145,6 +159,8 @@ mod tests {
         assert!(length_m("inf").is_err() && length_m("x").is_err());
         // What is not a number passes on to the command's own check.
         assert!(length_m("nan").unwrap().is_nan());
+        assert!(margin_m("2").unwrap_err().contains("0.002 for 2 mm"));
+        assert_eq!(margin_m("0.01"), Ok(0.01));
         assert!(length_m("9").unwrap_err().contains("0.009 for 9 mm"));
         assert!(
             range_deg("3000")

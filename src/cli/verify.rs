@@ -3,12 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
+use sesc_identify::next_steps::NextStep;
+use sesc_model::Model;
 
 use super::outputs::Files;
-use super::{Bar, Outcome, RobotArguments, print_json, show};
+use super::{Bar, Outcome, RobotArguments, again, print_json, show};
 use crate::Error;
+use crate::report::next_steps;
 use crate::report::table::Table;
-use crate::verify::{holds, samples, verify};
+use crate::verify::{Verification, holds, samples, verify};
 
 /// Compare the generated functions with the independent reference
 ///
@@ -41,6 +45,16 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+/// What programs are told.
+#[derive(Serialize)]
+struct Answer<'a> {
+    /// What the comparison found.
+    #[serde(flatten)]
+    verification: &'a Verification,
+    /// What to do next, the most useful first.
+    next_steps: &'a [NextStep],
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     Files::default().reads(&arguments.model).check()?;
     let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
@@ -50,8 +64,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     };
     let bar = &mut Bar::new("comparing");
     let found = verify(&robot, &model, samples, arguments.seed, bar)?;
+    let steps = [after(arguments, &model, found.pass)];
     if arguments.json {
-        print_json(&found)?;
+        print_json(&Answer {
+            verification: &found,
+            next_steps: &steps,
+        })?;
     } else {
         let mut table = Table::new(&["function", "worst error", "allowed", "unit", ""]);
         for (name, error) in &found.worst_error {
@@ -94,11 +112,37 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             );
         }
         let verdict = if found.pass { "pass" } else { "FAIL" };
-        show(&format!("{text}{verdict} on {} postures\n", found.samples))?;
+        show(&format!(
+            "{text}{verdict} on {} postures\n\n{}",
+            found.samples,
+            next_steps::text(&steps, &[])
+        ))?;
     }
     Ok(if found.pass {
         Outcome::Ok
     } else {
         Outcome::Failed
     })
+}
+
+/// What a comparison leads to.
+fn after(arguments: &Arguments, model: &Model, pass: bool) -> NextStep {
+    let (path, support, file) = (
+        &arguments.robot.urdf,
+        model.support(),
+        arguments.model.as_deref(),
+    );
+    if pass {
+        let why = "they are what was compared, for C; `--lang rust` for Rust";
+        return again::generating(path, support, file, why);
+    }
+    let (urdf, file) = (
+        again::urdf(path),
+        file.map(|file| file.display().to_string()),
+    );
+    let mut words = vec!["verify", &urdf, "--support", support];
+    words.extend(file.iter().flat_map(|file| ["--model", file]));
+    words.push("--no-snap");
+    let why = "what fails even so is no right angle that the URDF has but nearly";
+    NextStep::of_command("Compare without snapped angles", why, &words)
 }

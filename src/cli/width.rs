@@ -6,6 +6,8 @@ use std::io::IsTerminal as _;
 const LEAST: usize = 20;
 /// A last column without so much room goes into lines of its own, behind so many blanks.
 const INDENT: usize = 4;
+/// Blanks between columns.
+const GAP: usize = 2;
 
 /// The width of the terminal that shows results; none where none does.
 pub(super) fn of_terminal() -> Option<usize> {
@@ -15,22 +17,26 @@ pub(super) fn of_terminal() -> Option<usize> {
     terminal_size::terminal_size().map(|(width, _)| usize::from(width.0))
 }
 
-/// Lines of at most `width` characters, where they can be broken: those of a table go on below
-/// its last column, others below their first word.
+/// Lines of at most `width` characters, where they can be broken: rows of a table go on below
+/// their last column, or below themselves where a column before it is too far right; other lines
+/// below their first word.
 pub(super) fn fitted(text: &str, width: usize) -> String {
     let lines: Vec<&str> = text.lines().collect();
-    let mut last_column = None;
+    let mut columns = Vec::new();
     let mut out = String::with_capacity(text.len() + 64);
     for (k, line) in lines.iter().enumerate() {
         if line.is_empty() {
-            last_column = None;
+            columns.clear();
         } else if let Some(rule) = lines.get(k + 1).filter(|below| is_rule(below)) {
-            last_column = Some(start_of_last(rule));
+            columns = starts(rule);
         }
-        match (last_column, is_rule(line)) {
-            (Some(_), true) => out.extend(line.chars().take(width)),
-            (Some(start), false) => wrap(line, start, width, &mut out),
-            (None, _) => wrap(line, line.len() - line.trim_start().len(), width, &mut out),
+        match (columns.is_empty(), is_rule(line)) {
+            (false, true) => {
+                out.extend(line.chars().take(width));
+                out.truncate(out.trim_end_matches(' ').len());
+            }
+            (false, false) => row(line, &columns, width, &mut out),
+            (true, _) => wrap(line, line.len() - line.trim_start().len(), width, &mut out),
         }
         out.push('\n');
     }
@@ -42,10 +48,35 @@ fn is_rule(line: &str) -> bool {
     line.starts_with('─') && line.chars().all(|c| "─ ".contains(c))
 }
 
-/// Where the last column of a table begins, in characters.
-fn start_of_last(rule: &str) -> usize {
-    let marks: Vec<char> = rule.trim_end().chars().collect();
-    marks.iter().rposition(|c| *c == ' ').map_or(0, |k| k + 1)
+/// Where the columns of a table begin, in characters.
+fn starts(rule: &str) -> Vec<usize> {
+    let marks: Vec<char> = rule.chars().collect();
+    let begins = |k: &usize| marks[*k] != ' ' && (*k == 0 || marks[*k - 1] == ' ');
+    (0..marks.len()).filter(begins).collect()
+}
+
+/// A row of a table: what follows the columns that have room is wrapped.
+fn row(line: &str, columns: &[usize], width: usize, out: &mut String) {
+    let ends = columns.iter().skip(1).map(|next| next - GAP);
+    let fitting = ends.take_while(|end| *end <= width).count();
+    let last = columns.len() - 1;
+    if fitting >= last || line.chars().count() <= width {
+        wrap(line, columns[last], width, out);
+        return;
+    }
+    let at = |k: usize| {
+        let at = line.char_indices().nth(columns[k]);
+        at.map_or(line.len(), |(at, _)| at)
+    };
+    let cells = (fitting..=last).map(|k| {
+        let end = if k == last { line.len() } else { at(k + 1) };
+        line[at(k)..end].trim()
+    });
+    let cells: Vec<&str> = cells.filter(|cell| !cell.is_empty()).collect();
+    let cells = cells.join(&" ".repeat(GAP));
+    out.push_str(line[..at(fitting)].trim_end());
+    out.push('\n');
+    wrap(&format!("{:INDENT$}{cells}", ""), INDENT, width, out);
 }
 
 /// A line whose words behind `indent` characters are wrapped there, or below it where there is
@@ -132,6 +163,32 @@ mod tests {
                       than thirty\n\
                       characters.\n";
         assert_eq!(fitted(text, 20), narrow);
+    }
+
+    #[test]
+    fn a_table_whose_columns_have_no_room_goes_on_below_its_rows() {
+        let text = "body   carried by  r_i, mm\n\
+                    ─────  ──────────  ───────────\n\
+                    torso  pelvis      1.5 2.5 3.5\n\
+                    head   torso\n";
+        let expected = "body   carried by\n    \
+                        r_i, mm\n\
+                        ─────  ──────────\n\
+                        torso  pelvis\n    \
+                        1.5 2.5 3.5\n\
+                        head   torso\n";
+        assert_eq!(fitted(text, 18), expected);
+        let narrow = fitted(text, 12);
+        assert!(
+            narrow.lines().all(|line| line.chars().count() <= 12),
+            "{narrow}"
+        );
+        let wide = "a  bb  c\n─  ──  ─────\n1  22  three four five\n";
+        assert!(
+            fitted(wide, 14)
+                .lines()
+                .all(|line| line.chars().count() <= 14)
+        );
     }
 
     #[test]

@@ -10,7 +10,8 @@ use sesc_model::text::visible_lines;
 
 use super::origin::Origin;
 use super::robot::Shown;
-use super::{CopRow, DemoReport, HiddenAct, diagnose, digest, figures, svg, table};
+use super::{CopRow, DemoReport, HiddenAct, diagnose, digest, figures, next_steps, svg, table};
+use sesc_identify::next_steps::NextStep;
 
 /// Outline of the OP2's sole around its sole frame: length, width, m.
 const OP2_SOLE_M: [f64; 2] = [0.105, 0.066];
@@ -26,7 +27,7 @@ const SCRIPT: [&str; 6] = [
 ];
 
 /// The page of `sesc demo`; `command` makes it again.
-pub fn demo(report: &DemoReport, command: &str) -> Result<String, Error> {
+pub fn demo(report: &DemoReport, steps: &[NextStep], command: &str) -> Result<String, Error> {
     let figure = Value::from_safe_string;
     let hidden = report.hidden.as_ref();
     // The robot of the second act is shown in the first one's postures, too.
@@ -39,6 +40,7 @@ pub fn demo(report: &DemoReport, command: &str) -> Result<String, Error> {
             ..Origin::default()
         }
         .context(),
+        next => next_steps::context(steps, &[]),
         robot => hidden.map(|hidden| of_hidden(hidden, held_out(report))),
         sole_mm => OP2_SOLE_M.map(|length| format!("{:.0}", 1e3 * length)).to_vec(),
         all_within => report.functions.iter().all(|row| row.worst_error_m <= row.bound_m),
@@ -203,7 +205,7 @@ mod tests {
 
     #[test]
     fn the_page_says_the_numbers() {
-        let page = demo(&report(), "sesc demo").unwrap();
+        let page = demo(&report(), &[], "sesc demo").unwrap();
         for text in [
             "0.72 mm",
             "3.93 mm",
@@ -221,7 +223,7 @@ mod tests {
         let mut fine = report();
         fine.functions.truncate(1);
         assert!(
-            demo(&fine, "sesc demo")
+            demo(&fine, &[], "sesc demo")
                 .unwrap()
                 .contains("functions agree with the reference")
         );
@@ -229,7 +231,7 @@ mod tests {
 
     #[test]
     fn names_are_escaped() {
-        let page = demo(&report(), "sesc demo").unwrap();
+        let page = demo(&report(), &[], "sesc demo").unwrap();
         for raw in ["op<2>", "<b>&", "<l_knee>"] {
             assert!(!page.contains(raw), "{raw}");
         }
@@ -238,17 +240,17 @@ mod tests {
 
     #[test]
     fn the_page_stands_alone_and_is_the_same_every_time() {
-        let page = demo(&report(), "sesc demo").unwrap();
+        let page = demo(&report(), &[], "sesc demo").unwrap();
         still(&page, 1);
         assert_eq!(page.matches("<svg ").count(), 9);
-        assert_eq!(page, demo(&report(), "sesc demo").unwrap());
+        assert_eq!(page, demo(&report(), &[], "sesc demo").unwrap());
     }
 
     /// The policy of a page lets its one script run and nothing else, and that is small.
     #[test]
     fn a_page_may_run_its_own_script_and_load_nothing() {
         assert!(SCRIPT.concat().len() < 150_000);
-        let page = demo(&report(), "sesc demo").unwrap();
+        let page = demo(&report(), &[], "sesc demo").unwrap();
         let (_, policy) = page
             .split_once("Content-Security-Policy\" content=\"")
             .unwrap();

@@ -35,7 +35,7 @@ impl Origin<'_> {
 }
 
 /// First and last time as dates, where they are counted from 1970.
-fn recorded(times: [f64; 2]) -> Option<String> {
+pub(super) fn recorded(times: [f64; 2]) -> Option<String> {
     let [first, last] = times;
     let known = |t: f64| (EPOCH_S[0]..EPOCH_S[1]).contains(&t);
     (known(first) && known(last)).then(|| format!("{} to {} UTC", date(first), date(last)))

@@ -7,9 +7,17 @@ use minijinja::{Value, context};
 use serde_json::{Value as Json, json};
 
 use super::figures::robot::{Marks, Pictured};
+use sesc_identify::diagnose::view::chosen;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::text::visible_lines;
 use sesc_model::tree::{Coordinate, Motion};
+
+/// Bytes of the data of a page: with its script they stay below 150 kB.
+const DATA_BYTES: usize = 128_000;
+/// Bytes of one that is left out, `null,`.
+const NULL: usize = 5;
+/// CoPs of a picture that stay apart.
+const MOST: usize = 400;
 
 /// A posture that the robot may be shown in.
 #[derive(Debug, Clone, Default)]
@@ -65,6 +73,8 @@ impl Card<'_> {
             .postures
             .iter()
             .filter_map(|p| p.measured.or(p.planned));
+        let cop: Vec<[f64; 2]> = cop.collect();
+        let cop = chosen(cop.len(), MOST).into_iter().map(|k| cop[k]);
         let shown = most_upright(&self.postures);
         let all = || self.postures.iter().chain(&self.apart);
         let views = Pictured {
@@ -78,11 +88,10 @@ impl Card<'_> {
             marks: self.marks,
         }
         .views();
-        let data = json!({
+        let mut data = json!({
             "bodies": bodies(self.skeleton),
             "capsules": capsules(self.skeleton),
             "joints": joints(self.skeleton),
-            "postures": all().map(posture).collect::<Vec<Json>>(),
             "slider": self.postures.len(),
             "shown": shown,
             "names": self.correction.names,
@@ -93,6 +102,8 @@ impl Card<'_> {
                 .map(|(name, value, unit)| json!([name, rounded(*value, 6), unit]))
                 .collect::<Vec<Json>>(),
         });
+        let left = DATA_BYTES.saturating_sub(data.to_string().len());
+        data["postures"] = Json::from(within(all().map(posture).collect(), shown, left));
         context! {
             views => views.map(Value::from_safe_string).to_vec(),
             beside => self.beside.map(Value::from_safe_string),
@@ -101,6 +112,24 @@ impl Card<'_> {
             data => Value::from_safe_string(inline_json(&data)),
         }
     }
+}
+
+/// Postures whose text is no longer than `most` bytes: every second, third, … of more, and the
+/// one that is `shown`; the others are null, so that each keeps its number.
+fn within(postures: Vec<Json>, shown: usize, most: usize) -> Vec<Json> {
+    let lengths: Vec<usize> = postures.iter().map(|own| own.to_string().len()).collect();
+    let kept = |k: usize, step: usize| k.is_multiple_of(step) || k == shown;
+    let length = |step: usize| {
+        let own = lengths.iter().enumerate();
+        let own = own.map(|(k, length)| if kept(k, step) { length + 1 } else { NULL });
+        own.sum::<usize>()
+    };
+    let steps = 1..=postures.len().max(1);
+    let step = steps.clone().find(|step| length(*step) <= most);
+    let step = step.unwrap_or(*steps.end());
+    let own = postures.into_iter().enumerate();
+    own.map(|(k, posture)| if kept(k, step) { posture } else { Json::Null })
+        .collect()
 }
 
 /// The posture whose joints are nearest to zero.
@@ -172,7 +201,7 @@ fn joints(skeleton: &Skeleton) -> Vec<Json> {
 
 fn posture(shown: &Shown) -> Json {
     let place = |at: &[f64; 2]| json!(all(at, 6));
-    let mut fields = BTreeMap::from([("pose", json!(shown.pose)), ("q", json!(all(&shown.q, 5)))]);
+    let mut fields = BTreeMap::from([("pose", json!(shown.pose)), ("q", json!(all(&shown.q, 4)))]);
     if let Some(measured) = &shown.measured {
         fields.insert("measured", place(measured));
     }
@@ -227,6 +256,37 @@ fn inline_json(value: &Json) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A page of a long log or of many joints: what its script reads stays small, every posture
+    /// keeps its number, and the one that is shown is there.
+    #[test]
+    fn data_of_many_postures_stay_small() {
+        let of = |joints: usize, count: usize| -> Vec<Json> {
+            let shown = |k: usize| Shown {
+                pose: k as i64,
+                q: (0..joints)
+                    .map(|j| -0.123_45 - 1e-3 * (k + j) as f64)
+                    .collect(),
+                measured: Some([0.012_345, -0.012_345]),
+                predicted: Some([[0.012_345, -0.012_345]; 2]),
+                ..Shown::default()
+            };
+            (0..count).map(|k| posture(&shown(k))).collect()
+        };
+        for (joints, count) in [(20, 400), (20, 2000), (38, 400), (38, 5000), (400, 5000)] {
+            let kept = within(of(joints, count), 1, DATA_BYTES);
+            assert_eq!(kept.len(), count);
+            assert_eq!((&kept[0]["pose"], &kept[1]["pose"]), (&json!(0), &json!(1)));
+            let text = json!(kept).to_string();
+            assert!(
+                text.len() <= DATA_BYTES + 2,
+                "{joints} joints: {}",
+                text.len()
+            );
+        }
+        let few = of(20, 100);
+        assert_eq!(within(few.clone(), 0, DATA_BYTES), few);
+    }
 
     #[test]
     fn data_in_a_script_end_no_script() {

@@ -180,6 +180,35 @@ fn an_error_above_the_callers_limit_is_exit_code_1() {
     }
 }
 
+/// A gap that an effect explains is still a gap between simulation and robot.
+#[test]
+fn a_diagnosis_is_judged_by_the_uncorrected_model() {
+    let folder = folder();
+    let log = folder.path().join("log.csv").display().to_string();
+    let simulate = ["simulate", &op2(), "--support", "r_sole", "--poses", "120"];
+    let knee = ["--hide", "joint_offset:r_knee=3deg", "--noise", "0.0005"];
+    stdout(&sesc(&[&simulate[..], &knee, &["--out", &log]].concat()));
+    let judged = sesc(&[
+        "diagnose",
+        &op2(),
+        "--data",
+        &log,
+        "--fail-above",
+        "1.5",
+        "--json",
+    ]);
+    assert_eq!(judged.status.code(), Some(1));
+    let said = String::from_utf8(judged.stderr).unwrap();
+    assert!(
+        said.contains("the error of the uncorrected model is"),
+        "{said}"
+    );
+    let found: Value = serde_json::from_slice(&judged.stdout).unwrap();
+    assert_eq!(found["verdict"], "named", "{}", found["sentence"]);
+    let number = |place: &str| found.pointer(place).and_then(Value::as_f64).unwrap();
+    assert!(number("/final/rmse") < 1.5 * number("/noise_floor"));
+}
+
 /// A robot and logs to play with; what is not theirs stays.
 #[test]
 fn the_demo_keeps_samples() {

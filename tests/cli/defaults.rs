@@ -17,7 +17,9 @@ fn options_of_the_robot_need_not_be_typed() {
     let urdf = robot(folder.path(), "support = \"r_sole\"\nno_snap = true\n");
     let typed = sesc(&["inspect", &op2(), "--support", "r_sole", "--no-snap"]);
     let short = sesc(&["inspect", &urdf]);
-    assert_eq!(stdout(&short), stdout(&typed));
+    // Steps to take next have the path that was typed.
+    let found = |text: String| text.split("\nnext ").next().unwrap().to_string();
+    assert_eq!(found(stdout(&short)), found(stdout(&typed)));
     let note = String::from_utf8_lossy(&short.stderr).into_owned();
     assert!(
         note.contains("sesc.toml gives --support=r_sole --no-snap"),
@@ -102,4 +104,63 @@ fn what_is_wrong_with_the_file_is_said_with_its_name() {
         let urdf = robot(folder.path(), text);
         refused(&sesc(&["inspect", &urdf, "--json"]), &words);
     }
+}
+
+/// A value that the file gives is not blamed on an option that nobody typed.
+#[test]
+fn a_bad_value_is_blamed_on_the_file_and_its_line() {
+    let folder = folder();
+    let out = folder.path().join("poses.csv").display().to_string();
+    for (text, command, words) in [
+        (
+            "support = \"r_sole\"\n\nnoise = 5\n",
+            "plan",
+            ["sesc.toml:3: `noise`", "0.005 for 5 mm"],
+        ),
+        (
+            "support = \"r_sole\"\n motion = \"slow\"\n",
+            "fit",
+            ["sesc.toml:2: `motion`", "auto, off"],
+        ),
+        (
+            "support = \"r_sole\"\nnoise = -0.001\n",
+            "plan",
+            ["sesc.toml:2: `noise`", "above zero"],
+        ),
+    ] {
+        let urdf = robot(folder.path(), text);
+        let plan = ["plan", &urdf, "--poses", "3", "--out", &out];
+        let output = match command {
+            "plan" => sesc(&plan),
+            _ => sesc(&["fit", &urdf, "--data", "log.csv"]),
+        };
+        refused(&output, &words);
+    }
+    // What is typed is blamed on what is typed.
+    let urdf = robot(folder.path(), "support = \"r_sole\"\nnoise = 0.001\n");
+    let plan = ["plan", &urdf, "--poses", "3", "--out", &out];
+    let output = sesc(&[&plan[..], &["--noise", "5"]].concat());
+    refused(&output, &["--noise", "0.005 for 5 mm"]);
+    assert!(!String::from_utf8_lossy(&output.stderr).contains("sesc.toml:"));
+}
+
+/// An option that is typed wins over one of the file that it does not go with.
+#[test]
+fn options_of_the_file_give_way_to_those_that_contradict_them() {
+    let folder = folder();
+    let urdf = robot(folder.path(), "support = \"r_sole\"\ncop_box = 0.02\n");
+    let out = folder.path().join("poses.csv").display().to_string();
+    let plan = [
+        "plan",
+        &urdf,
+        "--poses",
+        "3",
+        "--candidates",
+        "50",
+        "--out",
+        &out,
+    ];
+    let sole = ["--sole", "0.03,0.02;-0.03,0.02;-0.03,-0.02;0.03,-0.02"];
+    let said = stdout(&sesc(&[&plan[..], &sole].concat()));
+    assert!(said.contains("a sole of 4 corners"), "{said}");
 }

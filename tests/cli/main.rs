@@ -4,8 +4,10 @@
 mod answers;
 mod compare;
 mod defaults;
+mod ignored;
 mod manners;
 mod model_files;
+mod next;
 mod pipes;
 mod processors;
 mod sole;

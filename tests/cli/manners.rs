@@ -77,6 +77,8 @@ fn other_units_are_refused_with_what_was_meant_too() {
         "--out",
         &out,
     ];
+    let far = sesc(&[&plan[..], &["--margin", "2"]].concat());
+    refused(&far, &["--margin", "0.002 for 2 mm"]);
     let boxed = sesc(&[&plan[..], &["--cop-box", "9"]].concat());
     refused(&boxed, &["--cop-box", "0.009 for 9 mm"]);
     stdout(&simulated(&["--noise", "0.0005"]));
@@ -121,6 +123,12 @@ fn names_of_links_effects_and_targets_are_guessed() {
         &hidden("sensor_offset=3,0"),
         &["3 m (3000 mm)", "3mm, or 3m"],
     );
+    // 150 kg are fifty robots.
+    refused(
+        &hidden("payload:body_link=150,0,0,0"),
+        &["150 kg (the robot weighs 2.925 kg)", "150g, or 150kg"],
+    );
+    stdout(&hidden("payload:body_link=0.15,0,0,0"));
     stdout(&hidden("joint_offset:r_knee=1.5rad"));
     stdout(&hidden("joint_offset:r_knee=0.02"));
     stdout(&sesc(&simulate));
@@ -277,7 +285,7 @@ fn other_formats_are_named_with_the_way_out() {
         (
             "robot.xml",
             "<mujoco model='x'><worldbody/></mujoco>",
-            "MJCF",
+            "mjcf-urdf-simple-converter",
         ),
         (
             "robot.sdf",
@@ -299,11 +307,24 @@ fn other_formats_are_named_with_the_way_out() {
 #[cfg(unix)]
 #[test]
 fn xacro_files_are_expanded_where_xacro_is_installed() {
+    for (name, body) in [
+        ("robot.urdf.xacro", ""),
+        // By what is in it, whatever its name.
+        ("robot.urdf", "<link name='${n}'/>"),
+        ("robot.xml", "<xacro:leg side='l'/>"),
+    ] {
+        expanded(name, body);
+    }
+}
+
+#[cfg(unix)]
+fn expanded(name: &str, body: &str) {
     use std::os::unix::fs::PermissionsExt as _;
 
     let folder = folder();
-    let robot = folder.path().join("robot.urdf.xacro");
-    let text = "<robot xmlns:xacro='http://ros.org/wiki/xacro' name='${n}'/>";
+    let robot = folder.path().join(name);
+    let text =
+        format!("<robot xmlns:xacro='http://ros.org/wiki/xacro' name='${{n}}'>{body}</robot>");
     fs::write(&robot, text).unwrap();
     let xacro = folder.path().join("xacro");
     let run = |path: &str| {
@@ -314,7 +335,7 @@ fn xacro_files_are_expanded_where_xacro_is_installed() {
     };
     refused(
         &run("/nowhere"),
-        &["robot.urdf.xacro", "unexpanded xacro", "expand it first"],
+        &[name, "unexpanded xacro", "expand it first"],
     );
 
     let folders = format!("{}:/usr/bin:/bin", folder.path().display());
@@ -325,10 +346,7 @@ fn xacro_files_are_expanded_where_xacro_is_installed() {
     script(format!("#!/bin/sh\ncat '{}'\n", op2()));
     assert!(stdout(&run(&folders)).contains("op2"));
     script("#!/bin/sh\necho 'XacroException: no such macro' >&2\nexit 2\n".into());
-    refused(
-        &run(&folders),
-        &["robot.urdf.xacro", "XacroException: no such macro"],
-    );
+    refused(&run(&folders), &[name, "XacroException: no such macro"]);
 }
 
 #[test]
@@ -406,9 +424,9 @@ fn quiet_commands_say_warnings_and_errors_alone() {
 fn tables_of_a_robot_fit_a_wide_terminal_and_long_ones_are_asked_for() {
     let inspect = ["inspect", &op2(), "--support", "r_sole"];
     let widest = |text: &str| {
-        let tables = text
-            .lines()
-            .filter(|line| !line.contains(" moves to its parent "));
+        let tables = text.lines().filter(|line| {
+            !line.contains(" moves to its parent ") && !line.contains(" sesc plan ")
+        });
         tables.map(|line| line.chars().count()).max().unwrap()
     };
     let text = stdout(&sesc(&inspect));

@@ -315,7 +315,7 @@ fn written_files_have_the_keys_of_their_tables() {
     }
 
     let mut seen = Seen::of(&model);
-    for name in ["model.toml", "cells.toml"] {
+    for name in ["model.toml", "cells.toml", "timed.toml"] {
         seen.object("", &toml(&at.join(name)));
     }
     assert!(seen.faults.is_empty(), "{:?}", seen.faults);
@@ -359,7 +359,8 @@ const FILES: [&str; 11] = [
     "sesc fit op2.urdf --data outliers.csv --robust huber --unit r1 --partial 1.part",
     "sesc fit op2.urdf --data clipped.csv --partial 2.part",
     "sesc fit op2.urdf --data feet.csv --partial 3.part",
-    "sesc fit op2.urdf --data timed.csv --partial 4.part",
+    "sesc fit op2.urdf --data timed.csv --partial 4.part; \
+     sesc fit op2.urdf --data timed.csv --out timed.toml",
     "sesc simulate op2.urdf --support r_sole --poses 600 --rate 50 --noise 0.0005 --out moving.csv; \
      sesc fit op2.urdf --data moving.csv --partial 5.part",
     "sesc fit op2.urdf --data stays.csv --settle 0.5 --partial 6.part",

@@ -229,7 +229,17 @@ fn pages_of_composed_names_stay_pages() {
         let commands: [&[&str]; 4] = [
             &["fit", &urdf, "--data", &log],
             &["diagnose", &urdf, "--data", &log],
-            &["plan", &urdf, &support, "--poses", "8", "--out", &poses],
+            &[
+                "plan",
+                &urdf,
+                &support,
+                "--poses",
+                "8",
+                "--cop-box",
+                "0.023",
+                "--out",
+                &poses,
+            ],
             &[
                 "fleet",
                 &urdf,

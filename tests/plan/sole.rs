@@ -1,6 +1,6 @@
 //! The region of planned CoPs comes from the sole that the URDF has.
 
-use sesc_test_support::command::{folder, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, refused, sesc, stdout, write};
 
 /// A pole on a foot of 0.2 m by 0.1 m; `collision` is the shape of the foot.
 fn pole(collision: &str) -> String {
@@ -64,13 +64,96 @@ fn the_sole_of_the_urdf_is_where_the_cop_stays() {
     }
     let said = |plan: &serde_json::Value| plan["cop_region"].as_str().unwrap().to_string();
     assert!(said(&of_shape).ends_with("by the collision shapes of the support"));
-    let without = plan("", &[]);
+    // A box of 0.2 m by 0.1 m by 0.02 m and 1 kg: 0.7 of half its narrower side.
+    let foot = "<inertial><origin xyz='0 0 0.02'/><mass value='1'/>";
+    let inertia = "<inertia ixx='0.000866667' iyy='0.003366667' izz='0.004166667' ixy='0' ixz='0' \
+                   iyz='0'/>";
+    let solid = |inertia: &str| pole("").replacen("<mass value='1'/>", inertia, 1);
+    let urdf = solid(&format!("<mass value='1'/>{inertia}"));
+    assert!(urdf.contains(&format!("{foot}{inertia}")), "{urdf}");
+    let urdf = write(folder.path(), "solid.urdf", urdf);
+    let out = folder.path().join("poses.csv").display().to_string();
+    let line = [
+        "plan",
+        &urdf,
+        "--support",
+        "foot",
+        "--poses",
+        "5",
+        "--candidates",
+        "60",
+    ];
+    let found = sesc(&[&line[..], &["--sigmas", "0", "--out", &out, "--json"]].concat());
     assert_eq!(
-        said(&without),
-        "|x|, |y| <= 23.0 mm, for the URDF has no shape of the sole"
+        said(&serde_json::from_str(&stdout(&found)).unwrap()),
+        "|x|, |y| <= 35.0 mm, by the inertia of the support, which has no shape"
+    );
+    // Without either nothing tells how large the sole is.
+    let urdf = write(folder.path(), "pole.urdf", pole(""));
+    let line = [
+        "plan",
+        &urdf,
+        "--support",
+        "foot",
+        "--poses",
+        "5",
+        "--out",
+        &out,
+    ];
+    refused(
+        &sesc(&line),
+        &["of `foot`", "--cop-box (such as 0.0", "--sole"],
     );
     assert_eq!(
         said(&plan(shape, &["--cop-box", "0.02"])),
         "|x|, |y| <= 20.0 mm"
     );
+}
+
+/// An arm on its pedestal is planned as it is; one foot of four is told a size that would do.
+#[test]
+fn a_plan_that_fails_says_a_box_that_would_do() {
+    let folder = folder();
+    let out = folder.path().join("poses.csv").display().to_string();
+    let plan = |robot: &str, support: &str, more: &[&str]| {
+        let urdf = format!("{ROOT}/robots/{robot}/{robot}.urdf");
+        let on = ["--support", support, "--poses", "20", "--out", &out];
+        sesc(&[&["plan", &urdf][..], &on, more].concat())
+    };
+    let said = stdout(&plan("arm6", "pedestal", &[]));
+    assert!(
+        said.contains("|x|, |y| <= 67.0 mm, by the inertia"),
+        "{said}"
+    );
+    let output = plan("quadruped", "lf_foot", &[]);
+    let words = ["lets a tenth of them balance", "the robot has 4 feet"];
+    refused(&output, &words);
+    let said = String::from_utf8(output.stderr).unwrap();
+    let (_, size) = said.split_once("--cop-box (").unwrap();
+    let size = size.split(' ').next().unwrap();
+    stdout(&plan("quadruped", "lf_foot", &["--cop-box", size]));
+}
+
+/// Two feet of four that are said to lie flat: what that can be used for is said.
+#[test]
+fn both_feet_of_a_robot_with_four_are_told_what_they_can_do() {
+    let folder = folder();
+    let log = folder.path().join("log.csv").display().to_string();
+    let urdf = format!("{ROOT}/robots/quadruped/quadruped.urdf");
+    let simulate = ["simulate", &urdf, "--support", "lf_foot", "--poses", "60"];
+    stdout(&sesc(
+        &[&simulate[..], &["--noise", "0.0005", "--out", &log]].concat(),
+    ));
+    for command in ["fit", "diagnose"] {
+        let feet = ["--both-feet", "--other-foot", "rf_foot"];
+        let output = sesc(&[&[command, &urdf, "--data", &log][..], &feet].concat());
+        let said = String::from_utf8(output.stderr).unwrap();
+        for words in [
+            "`lf_foot` and `rf_foot`",
+            "the robot has 4 feet",
+            "cannot be used",
+        ] {
+            assert!(said.contains(words), "{command}: {said}");
+        }
+    }
 }

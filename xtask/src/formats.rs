@@ -34,7 +34,7 @@ type Answers = &'static [(&'static str, Place)];
 /// What each command prints with `--json`, in the order in which they are listed.
 const ANSWERS: [(&str, Answers); 12] = [
     ("demo", &[("", ("src/cli/demo.rs", "Answer"))]),
-    ("inspect", &[("", ("src/inspect.rs", "Inspection"))]),
+    ("inspect", &[("", ("src/cli/inspect.rs", "Answer"))]),
     ("plan", &[("", ("identify/src/plan/report.rs", "Plan"))]),
     ("simulate", &[("", ("src/cli/simulate.rs", "Written"))]),
     (
@@ -52,19 +52,16 @@ const ANSWERS: [(&str, Answers); 12] = [
         &[("", ("identify/src/diagnose/findings.rs", "Diagnosis"))],
     ),
     ("effects", &[("", ("src/cli/effects.rs", "Listed"))]),
-    (
-        "compare",
-        &[("", ("identify/src/compare.rs", "Comparison"))],
-    ),
+    ("compare", &[("", ("src/cli/compare.rs", "Answer"))]),
     (
         "predict",
         &[
-            ("", ("identify/src/predict.rs", "Predictions")),
+            ("", ("src/cli/predict.rs", "Answer")),
             ("With `--out`", ("src/cli/predict.rs", "Written")),
         ],
     ),
     ("generate", &[("", ("src/cli/generate.rs", "Answer"))]),
-    ("verify", &[("", ("src/verify.rs", "Verification"))]),
+    ("verify", &[("", ("src/cli/verify.rs", "Answer"))]),
     ("fleet", &[("", ("src/report/fleet/mod.rs", "Answer"))]),
 ];
 

@@ -54,7 +54,8 @@ fn effect_pages() -> Result<Vec<(PathBuf, String)>, Error> {
          takes 99 % needs many postures, or another experiment, to be told from it.\n\n\
          | effect | acts on | what it is |\n|---|---|---|\n",
     );
-    for page in effect_pages::Bench::new()?.pages(None)? {
+    let bench = effect_pages::Bench::new()?;
+    for page in bench.pages(None)? {
         let about = &page.about;
         let name = about.name;
         list += &format!(
@@ -72,11 +73,13 @@ fn effect_pages() -> Result<Vec<(PathBuf, String)>, Error> {
              widths.\n\n| name | about | what it is |\n|---|---|---|\n";
     for (name, about, page) in MODEL_PAGES {
         let sentence = page.lines().next().unwrap_or_default();
+        let picture = bench.picture(name);
         list += &format!("| [{name}]({name}.md) | {about} | {sentence} |\n");
         files.push((
             folder.join(format!("{name}.md")),
-            format!("# {name}\n\n{page}"),
+            format!("# {name}\n\n{page}\n![{}]({name}.svg)\n", picture.label),
         ));
+        files.push((folder.join(format!("{name}.svg")), picture.svg));
     }
     files.push((folder.join("index.md"), list));
     Ok(files)

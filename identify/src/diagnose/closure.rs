@@ -3,7 +3,7 @@
 use super::criteria;
 use super::problem::{Fit, Problem};
 use crate::Error;
-use crate::feet::{Closure, ClosureFound, Feet, of_one_foot, tell_contacts};
+use crate::feet::{Closure, ClosureFound, Feet, of_many, of_one_foot, tell_contacts};
 use crate::logs::Sidecar;
 use crate::observations::postures::Postures;
 use crate::watch::Watch;
@@ -26,6 +26,9 @@ pub(super) fn of(
     let Some(other) = feet.of(&sidecar, model)? else {
         return Ok(None);
     };
+    if let Some(note) = of_many(model, &other) {
+        watch.note(&note);
+    }
     if let Some(warning) = of_one_foot(model, &other, data) {
         watch.warning(&warning.into());
     }

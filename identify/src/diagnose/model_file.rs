@@ -43,6 +43,7 @@ pub fn model_file(problem: &Problem, best: &Fit, log: &str) -> ModelFile {
             file: log.to_string(),
             hash: summary.hash.clone(),
             rows: summary.rows,
+            times: summary.times,
         });
     }
     let quantities = words::values(problem, best);

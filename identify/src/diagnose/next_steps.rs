@@ -39,7 +39,10 @@ pub(super) fn after(
             )
             .by(line.without("--prior").of("diagnose", "--prior PRIOR.toml")),
         ),
-        Verdict::None => steps.extend(larger(found)),
+        Verdict::None => {
+            steps.push(later(line));
+            steps.extend(larger(found));
+        }
     }
     steps.extend(found.again.as_ref().map(Again::step));
     if found.verdict != Verdict::None {
@@ -83,6 +86,16 @@ fn keep(again: impl Fn(&str) -> String) -> NextStep {
     )
     .by(again("--out model.toml"))
     .makes(Output::Model)
+}
+
+/// A robot that is as simulated stays so, or does not.
+fn later(line: &CommandLine) -> NextStep {
+    let line = line.without("--then").without("--servos");
+    NextStep::by_hand(
+        "Keep this log, and compare a later one with it",
+        "what changes on the robot shows in the difference",
+    )
+    .by(line.compared())
 }
 
 /// What else could have been seen.

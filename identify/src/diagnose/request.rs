@@ -443,6 +443,7 @@ fn with_data(
                 file: log.file_name().to_string(),
                 hash: summary.hash.clone(),
                 rows: summary.rows,
+                times: summary.times,
             })
         })
         .collect();

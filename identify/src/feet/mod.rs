@@ -26,4 +26,5 @@ pub(crate) use one_foot::of_one_foot;
 pub use other::Feet;
 #[doc(hidden)]
 pub use other::OtherFoot;
+pub(crate) use other::of_many;
 pub use soles::{ClosureFound, Lies, Offset};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use sesc_model::text::listed;
-use sesc_model::tree::{like_sole, sole_parts, support_rank};
+use sesc_model::tree::{like_sole, on_many_feet, sole_parts, support_rank};
 use sesc_model::urdf::suggestion;
 use sesc_model::{Model, Snapping};
 
@@ -102,6 +102,16 @@ impl Feet {
             })),
         }
     }
+}
+
+/// What two feet of a robot with more can be used for, where a log or a plan is of both.
+pub(crate) fn of_many(model: &Model, other: &OtherFoot) -> Option<String> {
+    let said = on_many_feet(&model.tree.feet)?;
+    Some(format!(
+        "`{}` and `{}` are taken as flat soles on one floor that carry the robot alone: {said}",
+        model.support(),
+        other.name
+    ))
 }
 
 fn unknown(model: &Model) -> Error {

@@ -250,6 +250,7 @@ impl Identification {
                 file: log.file.clone(),
                 hash: log.hash.clone(),
                 rows: log.rows,
+                times: log.times,
             })
             .collect();
         file

@@ -5,7 +5,7 @@
 
 use super::logs::Logs;
 use crate::Error;
-use crate::feet::{Closure, ClosureFound, Feet, of_one_foot};
+use crate::feet::{Closure, ClosureFound, Feet, of_many, of_one_foot};
 use crate::watch::Watch;
 
 /// How the soles lie in the log in which they lie worst; none where no log is of both feet.
@@ -31,6 +31,9 @@ pub(super) fn worst(
         let Some(other) = feet.of(&sidecar, &model)? else {
             continue;
         };
+        if let Some(note) = of_many(&model, &other) {
+            watch.note(&note);
+        }
         let Some(data) = logs.postures(log, &model, watch)? else {
             watch.note("the soles of a log that can be read once only are not looked at");
             continue;

@@ -53,6 +53,9 @@ pub struct Counts {
     /// The best CoP among draws that do not balance: how far it is out, m.
     #[serde(skip)]
     pub nearest_miss: Option<f64>,
+    /// How far each of the first draws is out, m, until one balances.
+    #[serde(skip)]
+    pub(crate) misses: Vec<f64>,
     /// The CoP's mean standard deviation over the draws, m.
     pub cop_std: f64,
     /// How often each link was the one near the ground.
@@ -144,6 +147,9 @@ impl<'a> Sampler<'a> {
         if drawn.violation > 0.0 {
             let nearest = self.counts.nearest_miss.get_or_insert(f64::INFINITY);
             *nearest = nearest.min(drawn.violation);
+            if self.counts.balanced == 0 {
+                self.counts.misses.push(drawn.violation);
+            }
             return false;
         }
         self.counts.balanced += 1;

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use nalgebra::{Rotation3, Vector3};
 use sesc_model::text::listed;
-use sesc_model::urdf::{self, Collision, Description};
+use sesc_model::urdf::{self, Collision, Description, Origin};
 
 use super::mesh;
 use crate::poses::Pose;
@@ -134,13 +134,18 @@ impl Geometry {
     }
 }
 
+/// What an `<origin>` says.
+pub(super) fn at(origin: &Origin) -> Pose {
+    let [roll, pitch, yaw] = origin.rpy;
+    Pose {
+        rotation: *Rotation3::from_euler_angles(roll, pitch, yaw).matrix(),
+        origin: Vector3::from(origin.xyz),
+    }
+}
+
 /// Pose and solid of a collision, and whether it is a mesh.
 fn solid(collision: &Collision, folder: Option<&Path>) -> Result<(Pose, Solid, bool), String> {
-    let [roll, pitch, yaw] = collision.origin.rpy;
-    let pose = Pose {
-        rotation: *Rotation3::from_euler_angles(roll, pitch, yaw).matrix(),
-        origin: Vector3::from(collision.origin.xyz),
-    };
+    let pose = at(&collision.origin);
     let plain = match &collision.shape {
         urdf::Shape::Box { size } => Solid::Box(Vector3::from(*size) / 2.0),
         &urdf::Shape::Sphere { radius } => Solid::Sphere { radius },

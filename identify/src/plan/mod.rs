@@ -55,7 +55,7 @@ pub use revisits::Revisits;
 
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::feet::Closure;
+use crate::feet::{Closure, of_many};
 use crate::fit::prior::{Prior, Tolerances};
 use crate::logs::Sidecar;
 use crate::lsq::factor::Factor;
@@ -112,6 +112,10 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let geometry = Geometry::read(&request.robot.description, request.folder.as_deref());
     let prior = request.prior.covariance_factor(model);
     let scene = scene(request, &geometry, prior.as_ref())?;
+    let both = scene.both_feet.as_ref();
+    if let Some(note) = both.and_then(|feet| of_many(model, &feet.other)) {
+        watch.note(&note);
+    }
     let (q, counts) = candidates_in(&scene, request, watch)?;
     let count = q.len() / dof;
 

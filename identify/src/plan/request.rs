@@ -14,7 +14,7 @@ use crate::next_steps::CommandLine;
 use crate::robot::Robot;
 use crate::{Error, Setting, message};
 
-/// |CoP| unless a sole is given: the seed paper's, m.
+/// |CoP| in the seed paper's postures of the OP2, m.
 pub const COP_BOX: f64 = 0.023;
 
 /// What is asked for.

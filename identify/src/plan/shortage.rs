@@ -29,22 +29,27 @@ pub(super) fn sentence(scene: &Scene, request: &Request, counts: &Counts) -> Mes
             _ => String::new(),
         };
         let strict = format!(
-            "the CoP must stay within {} by {} standard deviations ({:.1} mm each on average){miss}",
+            "the CoP must stay within {}, by {} standard deviations ({:.1} mm each on average){miss}",
             request.region.sentence(),
             request.sigmas,
             1e3 * counts.cop_std,
         );
+        let enough = wide_enough(request, counts).map_or_else(String::new, |half| {
+            format!(" ({half} lets a tenth of them balance, where the foot is so large)")
+        });
         message![
             strict,
             ": give a larger ",
             Setting::CopBox,
+            enough,
             " or the ",
             Setting::Sole,
             ", a ",
             Setting::Prior,
             " that knows more, or ",
             Setting::Limits,
-            " that suit the support"
+            " that suit the support",
+            request.robot.feet_note()
         ]
     } else if *clear < request.poses.max(balanced / 1000) {
         let worst = (0..counts.low.len())
@@ -73,4 +78,20 @@ pub(super) fn sentence(scene: &Scene, request: &Request, counts: &Counts) -> Mes
         ]
     };
     remedy.after(&format!("{numbers}\n  "))
+}
+
+/// Half the side of a square that lets a tenth of the draws balance, whole cm in m; none where
+/// some balance, or where both feet carry.
+fn wide_enough(request: &Request, counts: &Counts) -> Option<f64> {
+    let mut misses = counts.misses.clone();
+    misses.retain(|miss| miss.is_finite());
+    if counts.balanced > 0 || misses.is_empty() {
+        return None;
+    }
+    misses.sort_by(f64::total_cmp);
+    let miss = misses[misses.len() / 10];
+    let ends = request.region.bounds();
+    let half = ends.iter().flat_map(|(low, high)| [low.abs(), high.abs()]);
+    let half = half.fold(0.0, f64::max) + miss;
+    Some((1e2 * half).ceil() / 1e2)
 }

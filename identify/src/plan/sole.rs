@@ -3,15 +3,15 @@
 
 use std::path::Path;
 
-use nalgebra::Vector3;
-use sesc_model::Model;
+use nalgebra::{Matrix3, Vector3};
 use sesc_model::urdf::Description;
+use sesc_model::{Function, Model};
 
 use super::balance::Region;
-use super::geometry::{Geometry, Solid};
-use super::request::COP_BOX;
-use crate::Error;
+use super::geometry::{self, Geometry, Solid};
+use crate::evaluate::Evaluator;
 use crate::poses;
+use crate::{Error, Setting, message};
 
 /// What is higher than this above the lowest point is not on the ground, m.
 const NEAR: f64 = 0.01;
@@ -24,11 +24,11 @@ const CORNERS: usize = 16;
 impl Region {
     /// Where the CoP of a robot stays unless somebody says: within the sole, as the collision
     /// shapes of its support have it, and well away from its edge (at least `margin`, m);
-    /// where the URDF has no such shapes, in the square of [`COP_BOX`]. `folder` is where
-    /// meshes may be.
+    /// where the URDF has no such shapes, in a square within the box that has the inertia of
+    /// the support. `folder` is where meshes may be.
     ///
     /// # Errors
-    /// A square that is too small.
+    /// A support of which the URDF has neither; a square that is too small.
     pub fn of_support(
         model: &Model,
         description: &Description,
@@ -45,13 +45,68 @@ impl Region {
                 sole
             }
             None => {
-                let mut square = Region::square(COP_BOX, margin)?;
-                square.source = Some("for the URDF has no shape of the sole");
+                let half = of_inertia(model, description).ok_or_else(|| unknown(model))?;
+                let mut square = Region::square(half, margin)?;
+                square.source = Some("by the inertia of the support, which has no shape");
                 square
             }
         };
         Ok(region)
     }
+}
+
+/// Half the side of a square on the support, whole mm: the inner part of the narrower side of a
+/// homogeneous box with the inertia of its heaviest link.
+///
+/// ```text
+/// ∫ ρ x_a² dV = tr I / 2 − I_aa = m s_a² / 3        s_a: half the side along axis a
+/// ```
+///
+/// None of a link without inertia, or with one that no link of this robot has: beyond the height
+/// of its CoM.
+fn of_inertia(model: &Model, description: &Description) -> Option<f64> {
+    let on_ground = model.tree.links.iter().enumerate().filter_map(|(k, link)| {
+        let Some((0, place)) = poses::of_link(model, k) else {
+            return None;
+        };
+        let own = description.links.iter().find(|own| own.name == link.name)?;
+        Some((place, own.inertial))
+    });
+    let (place, inertial) = on_ground.max_by(|a, b| a.1.mass_kg.total_cmp(&b.1.mass_kg))?;
+    let [ixx, ixy, ixz, iyy, iyz, izz] = inertial.inertia;
+    let own = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
+    let turned = place.then(&geometry::at(&inertial.origin)).rotation;
+    let inertia = turned * own * turned.transpose();
+    let half = |axis: usize| {
+        let spread = inertia.trace() / 2.0 - inertia[(axis, axis)];
+        (3.0 * spread / inertial.mass_kg).sqrt()
+    };
+    let height = com_height(model);
+    let half = half(0).min(half(1));
+    // NaN of no mass, and of moments that no body has.
+    let half = Some(half).filter(|half| *half > 0.0 && *half < height)?;
+    let whole = (1e3 * INNER * half).round() / 1e3;
+    (whole > 0.0).then_some(whole)
+}
+
+/// Height of the robot's CoM with all joints at zero, m.
+fn com_height(model: &Model) -> f64 {
+    let zero = vec![0.0; model.dof()];
+    Evaluator::new(model, Function::Com).run(&zero, 1)[2].abs()
+}
+
+/// What is missing, and what to give.
+fn unknown(model: &Model) -> Error {
+    // As the OP2's 23 mm to the height of its CoM.
+    let height = com_height(model);
+    let sensible = (1e2 * height / 10.0).ceil().max(1.0) / 1e2;
+    let why = format!(
+        "the URDF has neither a collision shape nor a likely inertia of `{}`, which would tell how \
+         large its sole is: give half of it by ",
+        model.support()
+    );
+    let size = format!(" (such as {sensible}), or its corners by ");
+    Error::request(message![why, Setting::CopBox, size, Setting::Sole])
 }
 
 /// Counter-clockwise, in the support frame, m.

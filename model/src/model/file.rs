@@ -68,6 +68,9 @@ pub struct DataUsed {
     pub hash: String,
     /// Rows of the log.
     pub rows: u64,
+    /// First and last `t` of the log, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub times: Option<[f64; 2]>,
 }
 
 /// A number with its standard deviation.

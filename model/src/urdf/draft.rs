@@ -49,7 +49,9 @@ pub(super) fn draft(
             line,
             match tag(root) {
                 "mujoco" => "this is MJCF, MuJoCo's format; give the URDF that it was made from, \
-                             or convert it to one"
+                             or convert it to one (the Python package \
+                             mjcf-urdf-simple-converter does: \
+                             `convert(\"model.xml\", \"model.urdf\")`)"
                     .to_string(),
                 "sdf" => "this is SDF, Gazebo's format; give the URDF that it was made from, or \
                           convert it to one (sdformat_urdf does)"
@@ -104,7 +106,8 @@ pub(super) fn draft(
                 true => format!("no link, but <{tag}>"),
                 false => format!("<{tag}> stands for parts of the robot"),
             };
-            reader.complain(line, format!("an unexpanded xacro: {what}; {EXPAND}"));
+            let message = format!("an unexpanded xacro: {what}; {EXPAND}");
+            reader.report.called(line, message);
             return draft;
         }
         let found = shown(reader.tag(node));

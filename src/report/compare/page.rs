@@ -1,6 +1,6 @@
 //! The page of `sesc compare --report`.
 
-use minijinja::value::{Serde, Value};
+use minijinja::value::Value;
 use minijinja::{Error, context};
 
 use super::{change, judged, of};
@@ -8,21 +8,26 @@ use crate::report::figures::fit::deviations;
 use crate::report::figures::robot::Marks;
 use crate::report::fleet::mark_effect;
 use crate::report::html::render;
+use crate::report::next_steps;
+use crate::report::origin::recorded;
 use crate::report::robot::{Card, Correction};
 use crate::report::table::chance;
 use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::ModelFile;
 use sesc_model::effects::{Target, Unit};
+use sesc_model::{DataUsed, ModelFile};
 
 /// The page of a comparison, alone in one file: `files` are the models before and after, `drawn`
-/// is their robot where its URDF is at hand, `command` makes the page again.
+/// is their robot where its URDF is at hand, `steps` are what to do next, `command` makes the page
+/// again.
 ///
 /// # Errors
 /// When the template cannot be filled.
 pub fn page(
     comparison: &Comparison,
     files: [&ModelFile; 2],
+    steps: &[NextStep],
     drawn: Option<&Skeleton>,
     command: &str,
 ) -> Result<String, Error> {
@@ -32,7 +37,7 @@ pub fn page(
             name => file_name(&file.file),
             robot => &file.robot,
             hash => &file.hash,
-            logs => Serde(logs.map(|log| (&log.file, log.rows, &log.hash)).collect::<Vec<_>>()),
+            logs => logs.map(data).collect::<Vec<Value>>(),
         }
     });
     let rows = comparison.parameters.iter().filter_map(|own| {
@@ -46,6 +51,7 @@ pub fn page(
         changed => comparison.changed,
         sentence => &comparison.sentence,
         files => named.to_vec(),
+        next => next_steps::context(steps, &[]),
         chance => comparison.chance.map(chance),
         chi2 => comparison.chi2,
         directions => comparison.directions,
@@ -56,6 +62,16 @@ pub fn page(
         origin => context! { command },
     };
     render("compare.html", context)
+}
+
+/// A log that a model was identified from, with when it was recorded where it says so.
+fn data(log: &DataUsed) -> Value {
+    context! {
+        name => file_name(&log.file),
+        rows => log.rows,
+        hash => &log.hash,
+        recorded => log.times.and_then(recorded),
+    }
 }
 
 /// Without the folders of this machine.

@@ -1,6 +1,7 @@
 //! The page of two small models.
 
 use sesc_identify::compare::compare;
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::{ModelFile, Snapping};
@@ -15,7 +16,7 @@ fn file(name: &str, mm: f64, offset: Option<f64>) -> ModelFile {
     let mut text = format!(
         "robot = \"two<link>\"\nhash = \"00c0ffee00c0ffee\"\nsupport = \"foot\"\n\
          [[parameters]]\nname = \"thigh.z\"\nvalue = {}\nstd = 0.0001\nsource = \"data\"\n\
-         [[data]]\nfile = \"{name}.csv\"\nhash = \"1234\"\nrows = 40\n",
+         [[data]]\nfile = \"{name}.csv\"\nhash = \"1234\"\nrows = 40\ntimes = [1000000000.0, 1000000060.0]\n",
         mm / 1000.0
     );
     if let Some(offset) = offset {
@@ -37,7 +38,17 @@ fn the_page_says_what_changed_and_whether_it_is_more_than_chance() {
         file("friday", 103.0, Some(0.05)),
     );
     let found = compare(&monday, &friday).unwrap();
-    let made = |drawn| page(&found, [&monday, &friday], drawn, "sesc compare a b").unwrap();
+    let steps = [NextStep::by_hand("Check `knee`", "it changed")];
+    let made = |drawn| {
+        page(
+            &found,
+            [&monday, &friday],
+            &steps,
+            drawn,
+            "sesc compare a b",
+        )
+        .unwrap()
+    };
     let html = made(Some(&skeleton));
     for words in [
         "friday.toml differs from monday.toml by more than chance",
@@ -48,6 +59,8 @@ fn the_page_says_what_changed_and_whether_it_is_more_than_chance() {
         "<td>21.2</td>",
         "p &lt; 0.005",
         "monday.csv, 40 rows, hash 1234",
+        "2001-09-09 01:46 to 2001-09-09 01:47 UTC",
+        "<b>Check <code>knee</code></b>: it changed.",
         "hash 00c0ffee00c0ffee",
         "<pre>sesc compare a b</pre>",
         "Orange: <code>knee</code> (joint offset appeared).",
@@ -69,7 +82,7 @@ fn the_page_says_what_changed_and_whether_it_is_more_than_chance() {
 fn nothing_changed_is_said_so() {
     let (monday, friday) = (file("monday", 100.0, None), file("friday", 100.1, None));
     let found = compare(&monday, &friday).unwrap();
-    let html = page(&found, [&monday, &friday], None, "sesc compare a b").unwrap();
+    let html = page(&found, [&monday, &friday], &[], None, "sesc compare a b").unwrap();
     assert!(html.contains("Nothing changed by more than chance"));
     assert!(html.contains("Neither model has an effect."));
 }

@@ -88,6 +88,7 @@ fn made() -> ModelFile {
         file: "mon<day>.csv".to_string(),
         hash: "00c0ffee".to_string(),
         rows: 7,
+        times: None,
     });
     made
 }

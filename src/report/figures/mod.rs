@@ -22,7 +22,7 @@ pub mod robot;
 mod tests;
 
 pub use cop::{cop_over_postures, cop_plane};
-pub use effect::effect;
+pub use effect::{effect, moved};
 pub use errors::errors;
 pub use health::{health, said};
 pub use height::{height_level, height_shape};

@@ -1,6 +1,6 @@
 //! A bar for what is used of a range, with a tick per posture.
 
-use super::super::svg::{BAND, BLUE, Figure, INK, Place};
+use super::super::svg::{BAND, BLUE, Figure, INK};
 
 const SIZE: [f64; 2] = [200.0, 12.0];
 /// Ticks that stay apart.
@@ -22,10 +22,7 @@ pub fn range_bar(limits: [f64; 2], used: [f64; 2], values: &[f64]) -> String {
     let [from, to] = used.map(at);
     figure.fill([[from, 3.0], [to.max(from + 1.0), 9.0]], BLUE, 1.0);
     let step = values.len().div_ceil(MOST).max(1);
-    for value in values.iter().step_by(step) {
-        let x = at(*value);
-        let tick: [Place; 2] = [[x, 1.5], [x, 10.5]];
-        figure.line(tick, INK, 0.75);
-    }
+    let ticks = values.iter().step_by(step).map(|value| at(*value));
+    figure.lines(ticks.map(|x| [[x, 1.5], [x, 10.5]]), INK, 0.75);
     figure.finish()
 }

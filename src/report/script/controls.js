@@ -11,14 +11,15 @@ function slider(name, attributes) {
 
 /** Postures: gives back what shows one. */
 function postures(data, figure, show) {
-  const most = data.slider - 1;
-  const { row, input, output } = slider('Posture', { min: 0, max: most, step: 1 });
+  // Postures that the page left out have no place on it.
+  const kept = [...Array(data.slider).keys()].filter((k) => data.postures[k]);
+  const { row, input, output } = slider('Posture', { min: 0, max: kept.length - 1, step: 1 });
   const list = element('ul', { class: 'joints' });
   const details = element('details', {}, element('summary', {}, 'Joints of this posture'), list);
-  input.addEventListener('input', () => show(Number(input.value)));
+  input.addEventListener('input', () => show(kept[Number(input.value)]));
   figure.append(row, details);
   return (k) => {
-    if (k <= most) input.value = k;
+    if (k < data.slider) input.value = kept.indexOf(k);
     const text = said(data, k).join(' · ');
     output.textContent = text;
     input.setAttribute('aria-valuetext', text);
@@ -71,7 +72,7 @@ function significant(value) {
 /** RMS length of the gap under part s of the correction, m. */
 function gap(data, s) {
   let sum = 0, count = 0;
-  for (const { measured, predicted, outlier } of data.postures) {
+  for (const { measured, predicted, outlier } of data.postures.filter((own) => own)) {
     if (measured && predicted && !outlier) {
       for (const i of [0, 1]) {
         sum += (predicted[0][i] + s * (predicted[1][i] - predicted[0][i]) - measured[i]) ** 2;

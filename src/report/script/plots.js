@@ -111,7 +111,8 @@ function plots(data, tip, show) {
       if (event.key === 'Escape') tip.hide();
       if (!step) return;
       event.preventDefault();
-      const own = [...new Set(all.map((dot) => dot.k))].filter((k) => k >= 0).sort((a, b) => a - b);
+      const own = [...new Set(all.map((dot) => dot.k))].filter((k) => k >= 0).sort((a, b) => a - b)
+        .filter((k) => data.postures[k]);
       if (!own.length) return;
       if (!own.includes(shown)) shown = step > 0 ? own[0] - 1 : own[own.length - 1] + 1;
       const next = step > 0 ? own.find((k) => k > shown) : own.reverse().find((k) => k < shown);
@@ -121,6 +122,7 @@ function plots(data, tip, show) {
   }
   for (const item of document.querySelectorAll('li[data-p]')) {
     const k = Number(item.dataset.p);
+    if (!data.postures[k]) continue;
     item.setAttribute('tabindex', '0');
     item.addEventListener('click', () => select(k));
     item.addEventListener('focus', () => select(k));

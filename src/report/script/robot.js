@@ -84,7 +84,10 @@ function gaps(group, data) {
     left + (1e3 * x - x0) / (x1 - x0) * (right - left),
     bottom - (1e3 * y - y0) / (y1 - y0) * (bottom - top),
   ];
-  const arrows = [...group.querySelectorAll('[data-p]')].map((mark) => {
+  const marks = [...group.querySelectorAll('[data-p]')];
+  const known = marks.filter((mark) => data.postures[Number(mark.dataset.p)]);
+  marks.filter((mark) => !known.includes(mark)).forEach((mark) => mark.remove());
+  const arrows = known.map((mark) => {
     mark.querySelectorAll('polygon').forEach((head) => head.remove());
     const path = mark.querySelector('path');
     path.setAttribute('fill', 'currentColor');

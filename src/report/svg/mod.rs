@@ -130,16 +130,23 @@ impl Figure {
 
     /// A line through places.
     pub fn line(&mut self, places: impl IntoIterator<Item = Place>, color: Color, width: f64) {
+        self.lines([places], color, width);
+    }
+
+    /// Lines through places each, as one element: of hundreds it is a third as long.
+    pub fn lines<P: IntoIterator<Item = Place>>(
+        &mut self,
+        lines: impl IntoIterator<Item = P>,
+        color: Color,
+        width: f64,
+    ) {
         let mut path = String::new();
-        let known = places.into_iter().filter(|[x, y]| (x + y).is_finite());
-        for (k, [x, y]) in known.enumerate() {
-            let _ = write!(
-                path,
-                "{}{} {}",
-                ["L", "M"][usize::from(k == 0)],
-                Px(x),
-                Px(y)
-            );
+        for places in lines {
+            let known = places.into_iter().filter(|[x, y]| (x + y).is_finite());
+            for (k, [x, y]) in known.enumerate() {
+                let step = if k == 0 { "M" } else { "L" };
+                let _ = write!(path, "{step}{} {}", Px(x), Px(y));
+            }
         }
         if !path.is_empty() {
             self.element(

@@ -44,10 +44,11 @@ pub fn joints(rows: &[JointUse]) -> String {
         figure.line([at(0.0), at(1.0)], BAND, 5.0);
         figure.line(row.used.map(|value| at(share(value))), BLUE, 1.75);
         let step = row.values.len().div_ceil(MOST).max(1);
-        for value in row.values.iter().step_by(step) {
+        let ticks = row.values.iter().step_by(step).map(|value| {
             let [x, y] = at(share(*value));
-            figure.line([[x, y - 4.5], [x, y + 4.5]], BLUE, 1.0);
-        }
+            [[x, y - 4.5], [x, y + 4.5]]
+        });
+        figure.lines(ticks, BLUE, 1.0);
     }
     let marks = [
         (Mark::Line(BAND, 5.0), "allowed"),
