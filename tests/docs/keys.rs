@@ -154,7 +154,7 @@ fn kinds_of_values_are_told_apart() {
 }
 
 /// Keys that no answer of this test has, with what it would take.
-const RARE: [(&str, &str, &str); 4] = [
+const RARE: [(&str, &str, &str); 5] = [
     ("diagnose", "implausible", "a log that no robot can have"),
     (
         "diagnose",
@@ -170,6 +170,11 @@ const RARE: [(&str, &str, &str); 4] = [
         "plan",
         "both_feet.offsets[].offset_m",
         "a leg with a prismatic joint",
+    ),
+    (
+        "fleet",
+        "changes[].before.",
+        "an effect that is there before, on four days or more",
     ),
 ];
 

@@ -13,7 +13,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::iter;
 
-use sesc_model::effects::{self, Catalog, EffectContext, Instance, Stage};
+use sesc_model::effects::{self, Catalog, EffectContext, Instance, Stage, Target};
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
@@ -25,6 +25,9 @@ use crate::observations::postures::Postures;
 /// Postures that are looked at, at most; and at least, of robots with hundreds of joints.
 const MOST: usize = 300;
 const LEAST: usize = 40;
+
+/// Wirings that are asked about in one unit of angles, at most: all of a robot of 140 joints.
+const WIRINGS: usize = 10_000;
 
 /// Coordinates of the CoM that are kept from one question to the next, at most: 64 MiB.
 const KEPT: usize = 8 << 20;
@@ -184,12 +187,22 @@ impl<'a> Wirings<'a> {
     }
 }
 
-/// Faults of wiring: those of the unit of angles, or the others.
+/// Faults of wiring: those of the unit of angles, or the others. Of robots with hundreds of
+/// joints, those exchanges are asked about that are nearest in the order of the joints, as plugs
+/// are beside each other.
 fn of_wiring(context: &EffectContext, units: bool) -> Vec<Instance> {
     let all = effects::instances(context).into_iter();
     let own = |i: &Instance| i.effect.is_unit() == units;
-    all.filter(|i| i.effect.stage() == Stage::Wiring && own(i))
-        .collect()
+    let wiring = all.filter(|i| i.effect.stage() == Stage::Wiring && own(i));
+    let mut all: Vec<Instance> = wiring.collect();
+    if all.len() > WIRINGS {
+        all.sort_by_key(|instance| match instance.target {
+            Target::Joints(a, b) => a.abs_diff(b),
+            _ => 0,
+        });
+        all.truncate(WIRINGS);
+    }
+    all
 }
 
 fn column(com: &[f64], k: usize) -> Vec<f64> {

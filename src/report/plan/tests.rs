@@ -93,7 +93,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
         "{said}"
     );
     assert_eq!(html.matches("<small>").count(), 25 + 3);
-    assert!(html.contains("\\u003c/script\\u003e\\u003chip\\u003e\\u2028"));
+    assert!(html.contains("\\u003c/script\\u003e\\u003chip\\u003e\\\\u{2028}"));
     assert!(!html.contains("NaN") && !html.contains("op<2>") && !html.contains("<hip>"));
     still(&html, 2);
     assert_eq!(
