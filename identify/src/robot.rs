@@ -12,7 +12,7 @@ use sesc_model::tree::{feet, on_many_feet, support_rank};
 use sesc_model::urdf::{self, Description};
 use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 
-use crate::{Error, Message, Piece, Setting, message};
+use crate::{Error, Message, Setting, message};
 
 /// Links named in a message.
 const NAMED: usize = 12;
@@ -103,28 +103,25 @@ impl Robot {
     /// is odd about sidecars, which may have meant to name it; and what can be said of a robot
     /// on more feet than two.
     pub(crate) fn no_support(&self, odd: &[Message]) -> Error {
-        self.missing_support(Setting::Support, odd)
+        self.missing_support(
+            message!["no support link given; add ", Setting::Support],
+            odd,
+        )
     }
 
     /// The same of the logs of a fleet.
     pub(crate) fn no_support_of_fleet(&self, odd: &[Message]) -> Error {
-        let places = "--support (support= in Python), `support` in the sidecar of the log, or a \
-                      column `support` of the manifest";
-        self.missing_support(places, odd)
+        let what = "no support link given; name it for all logs, as `support` in the sidecar of \
+                    the log, or in a column `support` of the manifest";
+        self.missing_support(message![what], odd)
     }
 
-    fn missing_support(&self, places: impl Into<Piece>, odd: &[Message]) -> Error {
+    fn missing_support(&self, what: Message, odd: &[Message]) -> Error {
         let mut names: Vec<&str> = self.description.link_names().collect();
         names.sort_by_key(|name| support_rank(name));
         let has = format!(" (the robot has {})", listed(names, NAMED));
         let odd: String = odd.iter().map(|message| format!("; {message}")).collect();
-        Error::request(message![
-            "no support link given; add ",
-            places,
-            has,
-            odd,
-            self.feet_note()
-        ])
+        Error::request(what.and(has).and(odd).and(self.feet_note()))
     }
 
     /// What ends a message about the support of a robot with more than two feet; empty of others.

@@ -145,6 +145,12 @@ impl Message {
         self
     }
 
+    /// The sentence with `text` behind it.
+    pub(crate) fn and(mut self, text: String) -> Message {
+        self.0.push(Piece::from(text));
+        self
+    }
+
     /// What stands before the first setting.
     pub(crate) fn first_words(&self) -> &str {
         match self.0.first() {

@@ -119,7 +119,7 @@ fn what_is_wrong_with_a_log_is_said_before_its_support_is_missed() {
         let error = |at: usize| field(&rows[at], "error");
         for words in [
             "no support link given",
-            "--support",
+            "for all logs",
             "sidecar",
             "column `support`",
         ] {

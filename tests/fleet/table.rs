@@ -126,13 +126,13 @@ fn a_row_for_each_robot_and_day_whatever_is_wrong_with_logs() {
         .map(|entry| entry.unwrap().path())
         .collect();
     assert_eq!(entries.len(), 10);
-    let text = fs::read_to_string(&entries[0]).unwrap();
-    fs::write(
-        &entries[0],
-        text.replace("\"postures\":60", "\"postures\":61"),
-    )
-    .unwrap();
-    fs::write(&entries[1], &text.as_bytes()[..text.len() / 2]).unwrap();
+    let text = |entry: &PathBuf| fs::read_to_string(entry).unwrap();
+    let is_whole = |entry: &&PathBuf| text(entry).contains("\"postures\":60");
+    let whole: Vec<&PathBuf> = entries.iter().filter(is_whole).take(2).collect();
+    let other = text(whole[0]).replace("\"postures\":60", "\"postures\":61");
+    fs::write(whole[0], other).unwrap();
+    let half = text(whole[1]);
+    fs::write(whole[1], &half.as_bytes()[..half.len() / 2]).unwrap();
     let third = at(folder, "third.csv");
     let again = fleet(folder, pattern, &["--store", &store, "--out", &third]);
     assert_eq!(again["from_store"], 8);

@@ -27,7 +27,7 @@ pub(super) fn differ(histories: &[History], shared: &[Shared]) -> Option<String>
             "{own} of {all} robots have effects of their own on most days. So many robots hardly \
              have faults: their bodies differ from the URDF by more than the prior of these \
              diagnoses takes for granted, and an effect stands for a body. Run the fleet once more \
-             with what --prior-out writes as --prior, or with --prior cad (prior= in Python)."
+             with the prior `cad`, or with that of the population, which it can write."
         )
     })
 }
