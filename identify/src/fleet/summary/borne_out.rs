@@ -16,12 +16,12 @@ use super::criteria::changes::BORNE_OUT;
 use crate::fleet::row::{Row, Size, by_number};
 
 /// Whether days from `first` on differ from those before in what is fitted without effects.
-pub(super) fn is_borne_out(rows: &[&Row], first: &str, widening: &[f64]) -> bool {
+/// Deviations are as fits say: how days scatter is not known of a fleet of which most changed.
+pub(super) fn is_borne_out(rows: &[&Row], first: &str) -> bool {
     let is_before = |row: &&&Row| by_number(&row.day, first).is_lt();
     let before: Vec<&Row> = rows.iter().filter(is_before).copied().collect();
     let after: Vec<&Row> = rows.iter().filter(|row| !is_before(row)).copied().collect();
-    let least =
-        chance_of_parameters(&before, &after, widening).min(chance_of_gaps(&before, &after));
+    let least = chance_of_parameters(&before, &after).min(chance_of_gaps(&before, &after));
     // Of two kinds of numbers.
     2.0 * least < BORNE_OUT
 }
@@ -37,14 +37,11 @@ pub(super) fn size(row: &Row, k: usize, widening: &[f64]) -> Option<Size> {
 }
 
 /// The chance that base parameters differ so much where none changed.
-fn chance_of_parameters(before: &[&Row], after: &[&Row], widening: &[f64]) -> f64 {
+fn chance_of_parameters(before: &[&Row], after: &[&Row]) -> f64 {
     let count = before.iter().chain(after).map(|row| row.params.len()).max();
     let count = count.unwrap_or(0);
     let mean = |rows: &[&Row], k: usize| {
-        let sizes: Vec<Size> = rows
-            .iter()
-            .filter_map(|row| size(row, k, widening))
-            .collect();
+        let sizes: Vec<Size> = rows.iter().filter_map(|row| size(row, k, &[])).collect();
         means(sizes.iter()).pop()
     };
     let gap = |k: usize| {

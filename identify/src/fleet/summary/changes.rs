@@ -82,7 +82,7 @@ pub(super) fn changes(
         found.extend(urdfs(history));
         found.extend(findings(history));
         for stretch in history.stretches() {
-            let effects = effects(history, &stretch, &widening, robots);
+            let effects = effects(history, &stretch, robots);
             match effects.is_empty() {
                 true => found.extend(parameters(history, &stretch, &widening, names, robots)),
                 false => found.extend(effects),
@@ -156,7 +156,7 @@ fn findings(history: &History) -> Vec<Change> {
 }
 
 /// Effects whose size changes.
-fn effects(history: &History, rows: &[&Row], widening: &[f64], robots: f64) -> Vec<Change> {
+fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
     let mut found = Vec::new();
     for key in history.keys() {
         let all = rows.iter().filter_map(|row| match said(row, &key) {
@@ -183,7 +183,7 @@ fn effects(history: &History, rows: &[&Row], widening: &[f64], robots: f64) -> V
         };
         let steps = steps(&course, HYPOTHESES * robots).into_iter();
         let first = |step: &Step| course.days[step.days.start];
-        for step in steps.filter(|step| is_borne_out(rows, first(step), widening)) {
+        for step in steps.filter(|step| is_borne_out(rows, first(step))) {
             let (day, last) = (step.days.start - 1, step.days.end - 1);
             let [before, after] = [day, last].map(|at| seen(course.sizes[at]));
             found.push(Change {

@@ -435,6 +435,20 @@ fn an_effect_that_nothing_bears_out_is_no_change() {
     assert!(!bear(false, Some(5.2e-4)));
 }
 
+/// How days scatter is not known of two robots that both changed.
+#[test]
+fn robots_that_all_change_are_told() {
+    let mut fleet = Drawn::fleet(2, 2, 22);
+    fleet.offset(0, "l_knee", 0.05, 2);
+    fleet.offset(1, "l_knee", 0.05, 2);
+    let changes = fleet.summary().changes;
+    let told: Vec<&str> = changes
+        .iter()
+        .map(|change| change.target.as_str())
+        .collect();
+    assert_eq!(told, ["joint_offset:l_knee"; 2]);
+}
+
 /// A factor is 1 where nothing is wrong, and a stiffness infinite.
 #[test]
 fn factors_differ_from_one_and_stiffness_from_none() {
