@@ -226,7 +226,10 @@ DAY = datetime(2031, 5, 1)
 
 def manifest(kind: str) -> Any:
     """Two logs: the second has no robot and no day of its own."""
-    rows = [{"path": "x_9.csv", "robot": "a", "day": DAY}, {"path": "b_2.csv", "robot": None, "day": None}]
+    rows: list[dict[str, Any]] = [
+        {"path": "x_9.csv", "robot": "a", "day": DAY},
+        {"path": "b_2.csv", "robot": None, "day": None},
+    ]
     columns = {name: [row[name] for row in rows] for name in rows[0]}
     if kind == "rows":
         return rows

@@ -47,8 +47,8 @@ def _is_rows(given: Any) -> bool:
 
 def _columns(table: Any) -> dict[str, Sequence[Any]]:
     if _is_rows(table):
-        names = dict.fromkeys(str(name) for row in table for name in row)
-        return {name: [row.get(name) for row in table] for name in names}
+        keys = dict.fromkeys(str(name) for row in table for name in row)
+        return {name: [row.get(name) for row in table] for name in keys}
     if isinstance(table, Mapping):
         return {str(name): _cells(column) for name, column in table.items()}
     if hasattr(table, "collect_schema") and hasattr(table, "collect"):
