@@ -73,8 +73,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
     /// What is known of the next robot: mean and covariance of the parameters between robots, for
-    /// `fit --prior FILE` and `diagnose --prior FILE`. Rows are then kept with their covariances,
-    /// 19 kB each
+    /// `fit --prior FILE` and `diagnose --prior FILE`. Rows of `--only parameters` are then kept
+    /// with their covariances, as those of diagnoses are, 19 kB each
     #[arg(long, value_name = "FILE")]
     prior_out: Option<PathBuf>,
     /// Table to write, a row for each robot and day (.parquet or .csv)

@@ -94,6 +94,8 @@ fn row(robot: usize, day: usize, random: &mut ChaCha8Rng) -> Row {
     row.sentence = "x".repeat(SENTENCE);
     row.params = (0..PARAMS).map(|_| STD * normal()).collect();
     row.std = vec![Some(STD); PARAMS];
+    let line = |i: usize| (0..=i).map(move |j| if i == j { STD * STD } else { 0.0 });
+    row.covariance = (0..PARAMS).flat_map(line).collect();
     row.inputs = vec![format!("{:032x}", robot * 1000 + day)];
     row.version = "0.1.0".to_string();
     let target = match (robot % 10, robot % 100) {

@@ -305,7 +305,8 @@ impl Group<'_> {
         let finite = |x: &f64| x.is_finite();
         let parameters = found.parameters.iter();
         row.std = parameters.map(|p| p.std.filter(finite)).collect();
-        if self.options.information {
+        // What comes and goes in diagnoses is held against it.
+        if self.options.information || self.options.only == Only::All {
             let covariance = &found.estimate.covariance;
             let lower =
                 (0..covariance.nrows()).flat_map(|i| (0..=i).map(move |j| covariance[(i, j)]));

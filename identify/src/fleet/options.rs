@@ -43,8 +43,8 @@ pub struct Options {
     /// What is made of a group.
     #[serde(skip_serializing_if = "Only::is_all")]
     pub only: Only,
-    /// Whether rows keep what they know of all parameters together, for
-    /// [`population`](super::population()).
+    /// Whether rows of parameters alone keep what they know of all of them together, as those of
+    /// diagnoses do, for [`population`](super::population()).
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub information: bool,
 }
@@ -122,7 +122,10 @@ impl Options {
 
     /// Everything that rows depend on, as a text: the contents of a file of tolerances, too.
     pub(super) fn key(&self) -> String {
-        let own = serde_json::to_string(self).unwrap_or_default();
+        let mut own = self.clone();
+        // Rows of diagnoses are the same with it and without.
+        own.information &= own.only == Only::Parameters;
+        let own = serde_json::to_string(&own).unwrap_or_default();
         let file = self.prior.as_deref();
         let text = file.and_then(|file| std::fs::read_to_string(file).ok());
         format!("{own}\n{}", text.unwrap_or_default())

@@ -160,12 +160,10 @@ fn said(days: &[&Row], centre: &DVector<f64>, inverse: &DMatrix<f64>) -> Option<
     let m = inverse.nrows();
     let mut all: Option<Said> = None;
     for row in days {
-        let n = row.params.len();
-        if n != centre.len() || row.covariance.len() != n * (n + 1) / 2 {
+        let of_centre = |covariance: &DMatrix<f64>| covariance.nrows() == centre.len();
+        let Some(covariance) = row.covariance().filter(of_centre) else {
             continue;
-        }
-        let at = |i: usize, j: usize| row.covariance[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
-        let covariance = DMatrix::from_fn(n, n, at);
+        };
         let own = inverse * covariance * inverse.transpose();
         let Some(precision) = own.cholesky().map(|factor| factor.inverse()) else {
             continue;

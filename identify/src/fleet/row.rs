@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
+use nalgebra::DMatrix;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sesc_model::effects::Fitted;
@@ -202,9 +203,9 @@ pub struct Row {
     pub error: Option<String>,
     /// Version of this library.
     pub version: String,
-    /// Covariance of the parameters, m², lower triangle row by row; kept where
-    /// [`Options::information`](super::Options::information) asks for it, and no column of the
-    /// table.
+    /// Covariance of the parameters, m², lower triangle row by row; kept with a diagnosis, and
+    /// where [`Options::information`](super::Options::information) asks for it; no column of
+    /// the table.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub covariance: Vec<f64>,
 }
@@ -225,6 +226,14 @@ impl Row {
     /// Whether the logs could be read and something came of them.
     pub fn has_result(&self) -> bool {
         self.verdict.is_some() || !self.params.is_empty()
+    }
+
+    /// Covariance of the parameters, m²; none where it was not kept.
+    pub(super) fn covariance(&self) -> Option<DMatrix<f64>> {
+        let n = self.params.len();
+        let at = |i: usize, j: usize| self.covariance[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        let is_whole = n > 0 && self.covariance.len() == n * (n + 1) / 2;
+        is_whole.then(|| DMatrix::from_fn(n, n, at))
     }
 
     /// Name of the verdict, as tables have it; empty where there is none.

@@ -24,7 +24,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Grows when rows or parts of the same logs become others without a new version.
-const FORMAT: u32 = 5;
+const FORMAT: u32 = 6;
 /// Largest entry that is read, bytes.
 const ENTRY: u64 = 64 << 20;
 /// Digits of the hash that an entry begins with.

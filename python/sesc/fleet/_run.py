@@ -256,8 +256,9 @@ def run(
         window: put so many days together: a row for each robot and window, named by its first day.
             Windows begin where the calendar says (those of 7 days on Mondays; numbered days from 1
             on), whatever days have logs. Days are dates (``2031-05-01``) or numbers.
-        information: keep the covariance of the parameters with each row (19 kB), for
-            :meth:`Fleet.save_prior`.
+        information: put together what the next robot's parameters are, for
+            :meth:`Fleet.save_prior`; rows of ``only="parameters"`` then keep their covariance, as
+            those of diagnoses do (19 kB).
         storage: what fsspec is given for addresses: ``{"endpoint_url": "https://…"}``.
         threads: of this process, where there is no ``engine``; one a processor unless given.
         progress: print how far it is, or a function of what is done, how much, of how much, and, if

@@ -5,53 +5,137 @@
 //! a gap that they do not follow.
 //!
 //! ```text
-//! parameters   max_k |θ̄_k,after − θ̄_k,before| / √(var + var)  against Student's law, times n
-//! gap          Σν e²/Σν after over before   against Fisher's law, to both sides
+//! parameters   δᵀ (C_before + C_after)⁻¹ δ / (n s²)   against Fisher's law
+//! gap          Σν e²/Σν after over before             against Fisher's law, to both sides
 //! ```
+//!
+//! δ is the difference between the means θ̄ = C Σ C_d⁻¹ θ_d of the n base parameters, C⁻¹ =
+//! Σ C_d⁻¹ over the days d before or after; s widens deviations by what days of the fleet scatter
+//! between which no explanation changes. Together parameters tell more than each alone: an offset
+//! of a joint moves many of them along a direction that is known far better than any of them.
 
-use statrs::distribution::{ContinuousCDF as _, FisherSnedecor, StudentsT};
+use std::collections::BTreeSet;
 
-use super::course::{freedom, means};
-use super::criteria::changes::BORNE_OUT;
-use crate::fleet::row::{Row, Size, by_number};
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF as _, FisherSnedecor};
 
-/// Whether days from `first` on differ from those before in what is fitted without effects.
-/// Deviations are as fits say: how days scatter is not known of a fleet of which most changed.
-pub(super) fn is_borne_out(rows: &[&Row], first: &str) -> bool {
-    let is_before = |row: &&&Row| by_number(&row.day, first).is_lt();
-    let before: Vec<&Row> = rows.iter().filter(is_before).copied().collect();
-    let after: Vec<&Row> = rows.iter().filter(|row| !is_before(row)).copied().collect();
-    let least = chance_of_parameters(&before, &after).min(chance_of_gaps(&before, &after));
+use super::course::freedom;
+use super::criteria::changes::{BORNE_OUT, PAIRS};
+use super::history::History;
+use crate::fleet::row::{Row, Size};
+
+/// Median of the square of a standard normal number.
+pub(super) const MEDIAN_OF_SQUARES: f64 = 0.454_936;
+
+/// Whether what is fitted without effects differs between the days `before` and those `after`,
+/// of deviations that are `widening` times as large as fits say.
+pub(super) fn is_borne_out(before: &[&Row], after: &[&Row], widening: f64) -> bool {
+    let parameters = chance_of_parameters(before, after, widening);
+    let least = parameters.min(chance_of_gaps(before, after));
     // Of two kinds of numbers.
     2.0 * least < BORNE_OUT
 }
 
+/// How many times as much days scatter as their deviations say, of neighbouring days with the
+/// same explanation; 1 at least, and where there are too few of them.
+pub(super) fn scatter(histories: &[History]) -> f64 {
+    let explained = |row: &'_ Row| -> BTreeSet<(String, String)> {
+        let effects = row.effects.iter();
+        effects
+            .map(|found| (found.effect.clone(), found.target.clone()))
+            .collect()
+    };
+    let (mut squares, mut pairs) = (Vec::new(), 0);
+    for stretch in histories.iter().flat_map(History::stretches) {
+        let same = stretch.windows(2).filter(|pair| {
+            pair[0].params.len() == pair[1].params.len() && explained(pair[0]) == explained(pair[1])
+        });
+        for pair in same {
+            pairs += 1;
+            squares.extend(squares_between(pair[0], pair[1]).flatten());
+        }
+    }
+    match pairs < PAIRS {
+        true => 1.0,
+        false => widening_of(squares),
+    }
+}
+
+/// The factor by which deviations are too small of which these are the squared differences over
+/// their variance; 1 at least.
+pub(super) fn widening_of(mut squares: Vec<f64>) -> f64 {
+    squares.sort_by(f64::total_cmp);
+    let median = squares.get(squares.len() / 2);
+    median.map_or(1.0, |median| (median / MEDIAN_OF_SQUARES).max(1.0).sqrt())
+}
+
+/// Squared differences of two days over their variance, parameter by parameter; none where a day
+/// does not know it.
+pub(super) fn squares_between<'r>(
+    one: &'r Row,
+    other: &'r Row,
+) -> impl Iterator<Item = Option<f64>> + 'r {
+    (0..one.params.len()).map(move |k| {
+        let (a, b) = (size(one, k, 1.0)?, size(other, k, 1.0)?);
+        Some((a.value - b.value).powi(2) / (a.std.powi(2) + b.std.powi(2)))
+    })
+}
+
 /// A parameter of a row with its widened deviation.
-pub(super) fn size(row: &Row, k: usize, widening: &[f64]) -> Option<Size> {
+pub(super) fn size(row: &Row, k: usize, widening: f64) -> Option<Size> {
     let (value, std) = (*row.params.get(k)?, (*row.std.get(k)?)?);
-    let wide = widening.get(k).copied().unwrap_or(1.0);
     (std > 0.0).then_some(Size {
         value,
-        std: wide * std,
+        std: widening * std,
     })
 }
 
 /// The chance that base parameters differ so much where none changed.
-fn chance_of_parameters(before: &[&Row], after: &[&Row]) -> f64 {
-    let count = before.iter().chain(after).map(|row| row.params.len()).max();
-    let count = count.unwrap_or(0);
-    let mean = |rows: &[&Row], k: usize| {
-        let sizes: Vec<Size> = rows.iter().filter_map(|row| size(row, k, &[])).collect();
-        means(sizes.iter()).pop()
+fn chance_of_parameters(before: &[&Row], after: &[&Row], widening: f64) -> f64 {
+    let differing = || {
+        let (one, other) = (mean(before)?, mean(after)?);
+        let n = one.value.len();
+        if n == 0 || other.value.len() != n {
+            return None;
+        }
+        let gap = other.value - one.value;
+        let together = (one.covariance + other.covariance).cholesky()?;
+        let ratio = gap.dot(&together.solve(&gap)) / (n as f64 * widening * widening);
+        let law = FisherSnedecor::new(n as f64, freedom(before) + freedom(after)).ok()?;
+        Some(law.sf(ratio))
     };
-    let gap = |k: usize| {
-        let (one, other) = (mean(before, k)?, mean(after, k)?);
-        Some((one.value - other.value).abs() / one.std.hypot(other.std))
-    };
-    let largest = (0..count).filter_map(gap).fold(0.0, f64::max);
-    let free = freedom(before) + freedom(after);
-    let law = StudentsT::new(0.0, 1.0, free);
-    law.map_or(1.0, |law| count as f64 * 2.0 * law.sf(largest))
+    differing().unwrap_or(1.0)
+}
+
+/// Mean of the parameters of several days, and its covariance.
+struct Mean {
+    value: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+/// None where no day knows all parameters.
+fn mean(rows: &[&Row]) -> Option<Mean> {
+    let mut sums: Option<(DMatrix<f64>, DVector<f64>)> = None;
+    for row in rows {
+        let known = row
+            .covariance()
+            .and_then(|covariance| covariance.cholesky());
+        let Some(precision) = known.map(|factor| factor.inverse()) else {
+            continue;
+        };
+        let vector = &precision * DVector::from_column_slice(&row.params);
+        sums = match sums {
+            None => Some((precision, vector)),
+            Some((sum, _)) if sum.nrows() != precision.nrows() => return None,
+            Some((sum, of_vectors)) => Some((sum + precision, of_vectors + vector)),
+        };
+    }
+    let (precision, vector) = sums?;
+    let factor = precision.cholesky()?;
+    Some(Mean {
+        value: factor.solve(&vector),
+        covariance: factor.inverse(),
+    })
 }
 
 /// The chance that held-out gaps differ so much where nothing changed.

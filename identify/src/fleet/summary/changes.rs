@@ -16,16 +16,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::borne_out::{is_borne_out, size};
-use super::course::{Course, Step, freedom, steps};
+use super::borne_out::{is_borne_out, scatter, size, squares_between, widening_of};
+use super::course::{Course, Step, steps};
 use super::criteria::changes::{DIFFERENCES, HYPOTHESES, UNSEEN};
 use super::history::{History, Key, Said, absent, label, principal, said};
 use super::shared::one_in;
 use crate::diagnose::words::{NamedValue, named};
 use crate::fleet::row::{Row, Size, by_number};
-
-/// Median of the square of a standard normal number.
-const MEDIAN_OF_SQUARES: f64 = 0.454_936;
 
 /// What kind of thing changed; its name in JSON is in small letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -76,13 +73,13 @@ pub(super) fn changes(
     names: &BTreeMap<(String, String), Vec<String>>,
 ) -> Vec<Change> {
     let robots = histories.len().max(1) as f64;
-    let widening = widening(histories);
+    let (widening, scatter) = (widening(histories), scatter(histories));
     let mut found = Vec::new();
     for history in histories {
         found.extend(urdfs(history));
         found.extend(findings(history));
         for stretch in history.stretches() {
-            let effects = effects(history, &stretch, robots);
+            let effects = effects(history, &stretch, scatter, robots);
             match effects.is_empty() {
                 true => found.extend(parameters(history, &stretch, &widening, names, robots)),
                 false => found.extend(effects),
@@ -155,8 +152,8 @@ fn findings(history: &History) -> Vec<Change> {
     last.health.iter().filter_map(of).collect()
 }
 
-/// Effects whose size changes.
-fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
+/// Effects whose size changes; days scatter `scatter` times as much as their deviations say.
+fn effects(history: &History, rows: &[&Row], scatter: f64, robots: f64) -> Vec<Change> {
     let mut found = Vec::new();
     for key in history.keys() {
         let all = rows.iter().filter_map(|row| match said(row, &key) {
@@ -181,22 +178,31 @@ fn effects(history: &History, rows: &[&Row], robots: f64) -> Vec<Change> {
                 std: size.std,
             }),
         };
-        let steps = steps(&course, HYPOTHESES * robots).into_iter();
-        let first = |step: &Step| course.days[step.days.start];
-        for step in steps.filter(|step| is_borne_out(rows, first(step))) {
+        let steps = steps(&course, HYPOTHESES * robots);
+        // The days since the step before, and those up to the next one.
+        let stretches = |k: usize| {
+            let since = k.checked_sub(1).map_or(0, |last| steps[last].days.start);
+            let days = &steps[k].days;
+            (since..days.start, days.clone())
+        };
+        for (k, step) in steps.iter().enumerate() {
+            let (before, after) = stretches(k);
+            if !is_borne_out(&course.rows[before], &course.rows[after], scatter) {
+                continue;
+            }
             let (day, last) = (step.days.start - 1, step.days.end - 1);
             let [before, after] = [day, last].map(|at| seen(course.sizes[at]));
             found.push(Change {
                 robot: history.robot.to_string(),
-                day: course.days[step.days.start].to_string(),
-                day_interval: Some(course.days_of(&step)),
+                day: course.day(step.days.start).to_string(),
+                day_interval: Some(course.days_of(step)),
                 what: format!(
                     "{} changes: {} on {}, {} on {}. Chance would make it in {} fleets.",
                     label((&key.0, &key.1)),
                     say(before),
-                    course.days[day],
+                    course.day(day),
                     say(after),
-                    course.days[last],
+                    course.day(last),
                     one_in(step.chance)
                 ),
                 kind: ChangeKind::Effect,
@@ -233,15 +239,10 @@ fn course_of_effect<'r>(rows: &[&'r Row], key: &Key, parameter: &str) -> Course<
         value: 0.0,
         std: UNSEEN * typical,
     };
-    let used: Vec<&Row> = known.iter().map(|(row, _)| *row).collect();
-    Course {
-        days: used.iter().map(|row| row.day.as_str()).collect(),
-        sizes: known
-            .iter()
-            .map(|(_, size)| size.unwrap_or(unseen))
-            .collect(),
-        freedom: freedom(&used),
-    }
+    let known = known
+        .into_iter()
+        .map(|(row, size)| (row, size.unwrap_or(unseen)));
+    Course::of(known)
 }
 
 /// When parameters change, the clearest of them named.
@@ -263,16 +264,11 @@ fn parameters(
     };
     let mut changed: Vec<(usize, Course, Vec<Step>)> = Vec::new();
     for k in 0..count {
-        let known: Vec<(&Row, Size)> = rows
+        let wide = widening.get(k).copied().unwrap_or(1.0);
+        let known = rows
             .iter()
-            .filter_map(|row| Some((*row, size(row, k, widening)?)))
-            .collect();
-        let used: Vec<&Row> = known.iter().map(|(row, _)| *row).collect();
-        let course = Course {
-            days: used.iter().map(|row| row.day.as_str()).collect(),
-            sizes: known.iter().map(|(_, size)| *size).collect(),
-            freedom: freedom(&used),
-        };
+            .filter_map(|row| Some((*row, size(row, k, wide)?)));
+        let course = Course::of(known);
         let steps = steps(&course, count as f64 * robots);
         if !steps.is_empty() {
             changed.push((k, course, steps));
@@ -301,15 +297,15 @@ fn parameters(
         let (before, last) = (step.days.start - 1, step.days.end - 1);
         Change {
             robot: history.robot.to_string(),
-            day: course.days[step.days.start].to_string(),
+            day: course.day(step.days.start).to_string(),
             day_interval: Some(course.days_of(step)),
             what: format!(
                 "{name} changes: {} on {}, {} on {}; no effect is named for it.{others} Chance \
                  would make it in {} fleets.",
                 say(course.sizes[before]),
-                course.days[before],
+                course.day(before),
                 say(course.sizes[last]),
-                course.days[last],
+                course.day(last),
                 one_in(step.chance)
             ),
             kind: ChangeKind::Parameter,
@@ -334,24 +330,17 @@ fn widening(histories: &[History]) -> Vec<f64> {
                 continue;
             }
             squares.resize_with(squares.len().max(count), Vec::new);
-            for (k, squares) in squares.iter_mut().enumerate().take(count) {
-                if let (Some(a), Some(b)) = (size(pair[0], k, &[]), size(pair[1], k, &[])) {
-                    squares.push((a.value - b.value).powi(2) / (a.std.powi(2) + b.std.powi(2)));
-                }
+            for (all, own) in squares.iter_mut().zip(squares_between(pair[0], pair[1])) {
+                all.extend(own);
             }
         }
     }
-    let median = |mut all: Vec<f64>| {
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2)
-            .map_or(1.0, |m| (m / MEDIAN_OF_SQUARES).max(1.0).sqrt())
-    };
-    let together = median(squares.iter().flatten().copied().collect());
+    let together = widening_of(squares.iter().flatten().copied().collect());
     let each = squares
         .into_iter()
         .map(|own| match own.len() < DIFFERENCES {
             true => together,
-            false => median(own),
+            false => widening_of(own),
         });
     each.collect()
 }

@@ -28,21 +28,37 @@ use crate::fleet::row::{Row, Size};
 
 /// A number by day.
 pub(super) struct Course<'r> {
-    pub days: Vec<&'r str>,
+    pub rows: Vec<&'r Row>,
     pub sizes: Vec<Size>,
-    pub freedom: f64,
+    freedom: f64,
 }
 
-impl Course<'_> {
+impl<'r> Course<'r> {
+    /// The sizes of a number on the days of these rows.
+    pub(super) fn of(days: impl Iterator<Item = (&'r Row, Size)>) -> Course<'r> {
+        let (rows, sizes): (Vec<&Row>, Vec<Size>) = days.unzip();
+        let freedom = freedom(&rows);
+        Course {
+            rows,
+            sizes,
+            freedom,
+        }
+    }
+
+    /// The name of a day.
+    pub(super) fn day(&self, place: usize) -> &'r str {
+        &self.rows[place].day
+    }
+
     /// The first and the last day on which a change may have come.
     pub(super) fn days_of(&self, step: &Step) -> [String; 2] {
-        [*step.first.start(), *step.first.end()].map(|day| self.days[day].to_string())
+        [*step.first.start(), *step.first.end()].map(|day| self.day(day).to_string())
     }
 
     /// The days of a range alone.
     fn part(&self, days: &Range<usize>) -> Self {
         Course {
-            days: self.days[days.clone()].to_vec(),
+            rows: self.rows[days.clone()].to_vec(),
             sizes: self.sizes[days.clone()].to_vec(),
             freedom: self.freedom,
         }

@@ -39,6 +39,9 @@ pub mod changes {
     /// more than chance makes of it in this part of cases. Chosen: half of it tells small effects
     /// later; the rate of false alarms has its own threshold.
     pub const BORNE_OUT: f64 = 0.01;
+    /// Fewer pairs of days with one explanation do not tell how days scatter. Chosen: with half of
+    /// it two robots whose masses differ on a day hide what changes in a third.
+    pub const PAIRS: usize = 5;
     /// Fewer differences than these do not tell how days scatter. Chosen: the root of the
     /// median of so many squares is off by a quarter (closed form), of half as many by a third.
     pub const DIFFERENCES: usize = 20;

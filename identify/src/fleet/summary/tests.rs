@@ -1,80 +1,12 @@
-//! Fleets of rows that are drawn, not diagnosed: what is known of them is known exactly.
+//! What is said of fleets of which everything is known.
 
-use std::collections::BTreeMap;
+mod drawn;
 
-use rand::{RngExt as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
+use rand::RngExt as _;
 
 use super::*;
-use crate::diagnose::Verdict;
-use crate::fleet::row::{Absent, EffectFound, Size};
-
-/// Deviation of a drawn offset, rad, and of a drawn parameter, m.
-const STD: f64 = 0.001;
-const PARAMS: usize = 43;
-
-struct Drawn {
-    random: ChaCha8Rng,
-    rows: Vec<Row>,
-}
-
-impl Drawn {
-    /// A row for each robot and day, parameters with noise alone.
-    fn fleet(robots: usize, days: usize, seed: u64) -> Drawn {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut rows = Vec::new();
-        for robot in 0..robots {
-            for day in 1..=days {
-                let mut normal = |_| -> f64 { StandardNormal.sample(&mut random) };
-                rows.push(Row {
-                    robot: format!("r{robot:02}"),
-                    day: day.to_string(),
-                    urdf_hash: "a".into(),
-                    support: "sole".into(),
-                    postures: 60,
-                    independent: 60,
-                    verdict: Some(Verdict::None),
-                    params: (0..PARAMS).map(|k| STD * normal(k)).collect(),
-                    std: vec![Some(STD); PARAMS],
-                    ..Row::default()
-                });
-            }
-        }
-        Drawn { random, rows }
-    }
-
-    fn normal(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.random)
-    }
-
-    /// An offset of a robot's joint on the days from `from` on.
-    fn offset(&mut self, robot: usize, joint: &str, size: f64, from: usize) {
-        for k in 0..self.rows.len() {
-            let value = size + STD * self.normal();
-            let row = &mut self.rows[k];
-            let day: usize = row.day.parse().unwrap();
-            if row.robot != format!("r{robot:02}") || day < from {
-                continue;
-            }
-            row.verdict = Some(Verdict::Named);
-            // What is fitted without effects takes the offset for masses elsewhere.
-            row.params[7] += value;
-            row.effects.push(EffectFound {
-                effect: "joint_offset".into(),
-                target: joint.into(),
-                parameters: [("offset_rad".to_string(), Size { value, std: STD })].into(),
-                absent: BTreeMap::new(),
-                evidence: 100.0,
-                instead: Vec::new(),
-            });
-        }
-    }
-
-    fn summary(&self) -> Summary {
-        summary(&self.rows, &BTreeMap::new(), None)
-    }
-}
+use crate::fleet::row::{Absent, Size};
+use drawn::{Drawn, PARAMS, STD};
 
 #[test]
 fn a_batch_is_found_with_its_size_and_its_robots_alone() {
@@ -377,6 +309,14 @@ fn what_came_and_went_is_two_changes() {
     assert!(told[1].1.contains("not seen on 12"), "{told:?}");
 }
 
+/// Two days of thirty: what is between other changes is held against its neighbours alone.
+#[test]
+fn what_came_for_two_days_is_two_changes() {
+    let told = stepped(23, 30, &[(20, 0.018), (22, 0.0)]);
+    let days: Vec<&str> = told.iter().map(|(day, _)| day.as_str()).collect();
+    assert_eq!(days, ["20", "22"], "{told:?}");
+}
+
 /// A robot that changed once seems to change again no more often than a sound one does.
 #[test]
 fn one_step_is_one_change() {
@@ -433,6 +373,45 @@ fn an_effect_that_nothing_bears_out_is_no_change() {
     // Backlash moves no parameter and leaves a gap.
     assert!(bear(false, Some(1e-3)));
     assert!(!bear(false, Some(5.2e-4)));
+}
+
+/// Each of forty parameters is known ten times less well than the sum of any two that follow each
+/// other: masses that make up for an offset move along what is known.
+#[test]
+fn what_parameters_tell_together_bears_an_effect_out() {
+    let bear = |sign: f64| {
+        let mut fleet = Drawn::fleet(12, 2, 24);
+        for row in &mut fleet.rows {
+            for pair in (0..40).step_by(2) {
+                let apart = 10.0 * row.params[pair];
+                let sum = row.params[pair + 1];
+                (row.params[pair], row.params[pair + 1]) = (apart + sum, sum - apart);
+                let at = |i: usize, j: usize| i * (i + 1) / 2 + j;
+                let own = 101.0 * STD * STD;
+                row.covariance[at(pair, pair)] = own;
+                row.covariance[at(pair + 1, pair + 1)] = own;
+                row.covariance[at(pair + 1, pair)] = -99.0 * STD * STD;
+                row.std[pair] = Some(own.sqrt());
+                row.std[pair + 1] = Some(own.sqrt());
+            }
+        }
+        let before = fleet.rows.clone();
+        fleet.offset(3, "l_knee", 0.05, 2);
+        for (row, old) in fleet.rows.iter_mut().zip(before) {
+            row.params = old.params;
+            if !row.effects.is_empty() {
+                for pair in (0..40).step_by(2) {
+                    row.params[pair] += 4.0 * STD;
+                    row.params[pair + 1] += sign * 4.0 * STD;
+                }
+            }
+        }
+        let told = fleet.summary().changes;
+        told.iter()
+            .any(|change| change.target == "joint_offset:l_knee")
+    };
+    assert!(bear(1.0));
+    assert!(!bear(-1.0));
 }
 
 /// How days scatter is not known of two robots that both changed.

@@ -1,0 +1,84 @@
+//! Fleets of rows that are drawn, not diagnosed: what is known of them is known exactly.
+
+use std::collections::BTreeMap;
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+
+use super::super::{Summary, summary};
+use crate::diagnose::Verdict;
+use crate::fleet::row::{EffectFound, Row, Size};
+
+/// Deviation of a drawn offset, rad, and of a drawn parameter, m.
+pub const STD: f64 = 0.001;
+pub const PARAMS: usize = 43;
+
+/// Parameters that have nothing to do with each other.
+fn independent() -> Vec<f64> {
+    let row = |i: usize| (0..=i).map(move |j| if i == j { STD * STD } else { 0.0 });
+    (0..PARAMS).flat_map(row).collect()
+}
+
+pub struct Drawn {
+    pub random: ChaCha8Rng,
+    pub rows: Vec<Row>,
+}
+
+impl Drawn {
+    /// A row for each robot and day, parameters with noise alone.
+    pub fn fleet(robots: usize, days: usize, seed: u64) -> Drawn {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut rows = Vec::new();
+        for robot in 0..robots {
+            for day in 1..=days {
+                let mut normal = |_| -> f64 { StandardNormal.sample(&mut random) };
+                rows.push(Row {
+                    robot: format!("r{robot:02}"),
+                    day: day.to_string(),
+                    urdf_hash: "a".into(),
+                    support: "sole".into(),
+                    postures: 60,
+                    independent: 60,
+                    verdict: Some(Verdict::None),
+                    params: (0..PARAMS).map(|k| STD * normal(k)).collect(),
+                    std: vec![Some(STD); PARAMS],
+                    covariance: independent(),
+                    ..Row::default()
+                });
+            }
+        }
+        Drawn { random, rows }
+    }
+
+    pub fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.random)
+    }
+
+    /// An offset of a robot's joint on the days from `from` on.
+    pub fn offset(&mut self, robot: usize, joint: &str, size: f64, from: usize) {
+        for k in 0..self.rows.len() {
+            let value = size + STD * self.normal();
+            let row = &mut self.rows[k];
+            let day: usize = row.day.parse().unwrap();
+            if row.robot != format!("r{robot:02}") || day < from {
+                continue;
+            }
+            row.verdict = Some(Verdict::Named);
+            // What is fitted without effects takes the offset for masses elsewhere.
+            row.params[7] += value;
+            row.effects.push(EffectFound {
+                effect: "joint_offset".into(),
+                target: joint.into(),
+                parameters: [("offset_rad".to_string(), Size { value, std: STD })].into(),
+                absent: BTreeMap::new(),
+                evidence: 100.0,
+                instead: Vec::new(),
+            });
+        }
+    }
+
+    pub fn summary(&self) -> Summary {
+        summary(&self.rows, &BTreeMap::new(), None)
+    }
+}
