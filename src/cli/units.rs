@@ -94,10 +94,11 @@ pub(super) fn range_deg(text: &str) -> Result<f64, String> {
     let value: f64 = text
         .parse()
         .map_err(|_| "give a number of degrees".to_string())?;
+    let meant = (value / 1000.0).to_degrees();
     match value.abs() > TURN_DEG {
+        true if meant.abs() > TURN_DEG => Err(format!("give degrees, {TURN_DEG} at most")),
         true => Err(format!(
-            "that is {value}°, more than a turn; give degrees: {:.4} for {value} mrad",
-            (value / 1000.0).to_degrees()
+            "that is {value}°, more than a turn; give degrees: {meant:.4} for {value} mrad"
         )),
         false => Ok(value),
     }
@@ -109,6 +110,7 @@ pub(super) fn rate_hz(text: &str) -> Result<f64, String> {
         .parse()
         .map_err(|_| "give a number of rows per second".to_string())?;
     match value > FASTEST_HZ {
+        true if value > 1e9 => Err(format!("give rows per second, {FASTEST_HZ} at most")),
         true => Err(format!(
             "that is {value} rows a second, more than any robot logs; give Hz: {} for a row every \
              {value} ns",
@@ -137,10 +139,12 @@ fn metres(text: &str, most: f64) -> Result<f64, String> {
     let value: f64 = text
         .parse()
         .map_err(|_| "give a number of metres".to_string())?;
+    let meant = value / 1000.0;
     match value.abs() > most {
+        // Millimetres would be too much, too.
+        true if meant.abs() > most => Err(format!("give metres, {most} at most")),
         true => Err(format!(
-            "that is {value} m; give metres: {} for {value} mm",
-            value / 1000.0
+            "that is {value} m; give metres: {meant} for {value} mm"
         )),
         false => Ok(value),
     }
@@ -156,7 +160,14 @@ mod tests {
         let said = deviation_m("0.5").unwrap_err();
         assert!(said.contains("0.0005 for 0.5 mm"), "{said}");
         assert!(length_m("23").unwrap_err().contains("0.023 for 23 mm"));
-        assert!(length_m("inf").is_err() && length_m("x").is_err());
+        for far in ["inf", "-inf", "1e300", "5000"] {
+            assert_eq!(
+                length_m(far).unwrap_err(),
+                "give metres, 2 at most",
+                "{far}"
+            );
+        }
+        assert!(length_m("x").is_err());
         // What is not a number passes on to the command's own check.
         assert!(length_m("nan").unwrap().is_nan());
         assert!(margin_m("2").unwrap_err().contains("0.002 for 2 mm"));
@@ -168,9 +179,14 @@ mod tests {
                 .contains("171.8873 for 3000 mrad")
         );
         assert_eq!(range_deg("360"), Ok(360.0));
+        assert_eq!(range_deg("1e300").unwrap_err(), "give degrees, 360 at most");
         let said = rate_hz("1000000").unwrap_err();
         assert!(said.contains("1000 for a row every 1000000 ns"), "{said}");
         assert_eq!(rate_hz("1000"), Ok(1000.0));
+        assert_eq!(
+            rate_hz("inf").unwrap_err(),
+            "give rows per second, 50000 at most"
+        );
         let said = check_mass(Some(2930.0), 2.9).unwrap_err().to_string();
         assert!(said.contains("2.93 for 2930 g"), "{said}");
         assert!(check_mass(Some(3.0), 2.9).is_ok() && check_mass(None, 0.0).is_ok());

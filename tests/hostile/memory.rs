@@ -2,10 +2,13 @@
 #![cfg(target_os = "linux")]
 
 use std::fs;
+use std::io::Write as _;
 use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use sesc_test_support::command::{ROOT, folder, op2, program, sesc, stdout, write};
 
 /// What a command takes whatever it reads, bytes: the program itself, robot, threads.
@@ -32,15 +35,18 @@ fn peak(arguments: &[&str]) -> u64 {
 /// A command's memory stays below [`BASE`] and `per_byte` times the input, at both sizes.
 fn in_proportion(what: &str, per_byte: u64, inputs: [String; 2], run: impl Fn(&str) -> u64) {
     for input in inputs {
-        let size = input.len() as u64;
-        let most = run(&input);
-        println!("{what}: {size} bytes, {} MB", most >> 20);
-        assert!(
-            most <= BASE + per_byte * size,
-            "{what}: {size} bytes of input, {} MB of memory",
-            most >> 20
-        );
+        bounded(what, per_byte, input.len() as u64, run(&input));
     }
+}
+
+/// Memory of `most` bytes is below [`BASE`] and `per_byte` times the input.
+fn bounded(what: &str, per_byte: u64, size: u64, most: u64) {
+    println!("{what}: {size} bytes, {} MB", most >> 20);
+    assert!(
+        most <= BASE + per_byte * size,
+        "{what}: {size} bytes of input, {} MB of memory",
+        most >> 20
+    );
 }
 
 /// Two inputs, of so many pieces and four times as many.
@@ -146,6 +152,47 @@ fn logs_take_memory_in_proportion_to_the_file() {
     in_proportion("wide CSV", 100, sizes(2000, wide), fit);
 }
 
+#[test]
+fn packed_logs_take_memory_in_proportion_to_the_file() {
+    let folder = folder();
+    let robot = op2();
+    let fit = |what: &str, log: &str| {
+        let size = fs::metadata(log).unwrap().len();
+        let most = peak(&["fit", &robot, "--support", "r_sole", "--data", log]);
+        bounded(what, 20, size, most);
+    };
+    let simulated = |name: &str, poses: usize| {
+        let log = folder.path().join(name).display().to_string();
+        let poses = poses.to_string();
+        let noise = ["--noise", "0.0005", "--poses", &poses, "--out", &log];
+        let simulate = ["simulate", &robot, "--support", "r_sole"];
+        stdout(&sesc(&[&simulate[..], &noise].concat()));
+        log
+    };
+    for poses in [5_000, 20_000] {
+        fit("CSV by gzip", &simulated("log.csv.gz", poses));
+        fit("Parquet", &simulated("log.parquet", poses));
+    }
+    for poses in [500, 2_000] {
+        let log = simulated("log.csv", poses);
+        let recording = folder.path().join("log.mcap").display().to_string();
+        let diagnose = ["diagnose", &robot, "--support", "r_sole", "--data", &log];
+        stdout(&sesc(&[&diagnose[..], &["--mcap", &recording]].concat()));
+        fit("MCAP", &recording);
+    }
+    // Rows that come again are packed to next to nothing.
+    let text = fs::read_to_string(simulated("log.csv", 400)).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    for times in [50, 200] {
+        let log = folder.path().join("again.csv.gz");
+        let mut packed = GzEncoder::new(fs::File::create(&log).unwrap(), Compression::fast());
+        writeln!(packed, "{header}").unwrap();
+        (0..times).for_each(|_| packed.write_all(rows.as_bytes()).unwrap());
+        packed.finish().unwrap();
+        fit("the same rows by gzip", &log.display().to_string());
+    }
+}
+
 /// Readings that go with no posture are asked about under every exchange of two joints.
 #[test]
 fn broken_logs_of_many_joints_take_memory_in_proportion_to_the_file() {
@@ -180,9 +227,7 @@ fn broken_logs_of_many_joints_take_memory_in_proportion_to_the_file() {
         let urdf = folder.path().join(format!("chain_{joints}.urdf"));
         let urdf = urdf.display().to_string();
         let most = peak(&["fit", &urdf, "--support", "l0", "--data", &log]);
-        let size = text.len() as u64;
-        println!("broken log: {size} bytes, {} MB", most >> 20);
-        assert!(most <= BASE + 20 * size, "{size} bytes, {} MB", most >> 20);
+        bounded("broken log", 20, text.len() as u64, most);
     }
 }
 
