@@ -13,6 +13,7 @@ from ._fit import Fit
 from ._model import Model
 from ._robot import Robot
 from ._run import Progress
+from ._wording import found_in_python, in_python, page_in_python
 
 __all__ = ["Comparison", "Effect", "Verification", "compare", "effects", "verify"]
 
@@ -78,17 +79,16 @@ class _Found:
 
     def __init__(self, state: dict[str, Any]) -> None:
         self._state = state
-        self._found: dict[str, Any] = json.loads(state["json"])
+        self._found = found_in_python(state["json"])
 
     def to_dict(self) -> dict[str, Any]:
-        """What the command prints with ``--json``, key by key.
+        """What the command prints with ``--json``, key by key; next steps are calls.
 
         Example:
             >>> sesc.compare(fit, fit).to_dict()["changed"]
             False
         """
-        found: dict[str, Any] = json.loads(self._state["json"])
-        return found
+        return found_in_python(self._state["json"])
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._state,)
@@ -96,7 +96,7 @@ class _Found:
 
 class Comparison(_Found):
     """Two models of one robot, held against each other. ``str(found)`` is what ``sesc compare``
-    prints.
+    prints, with calls for command lines.
 
     Example:
         >>> found = sesc.compare(sesc.fit(robot, log, noise=1e-5), sesc.fit(robot, log, noise=1e-5))
@@ -253,11 +253,12 @@ class Verification(_Found):
         return f"<sesc.Verification: {said} on {self.samples} postures>"
 
     def _repr_html_(self) -> str:
-        from ._html import table
+        from ._html import steps, table
 
         bound, units = self.bound, self.units
         rows = [(name, f"{x:.2e}", f"{bound[name]:.2e}", units[name]) for name, x in self.worst_error.items()]
-        return table(repr(self)[1:-1], ("function", "worst error", "allowed", "unit"), rows)
+        said = table(repr(self)[1:-1], ("function", "worst error", "allowed", "unit"), rows)
+        return said + steps(self._found["next_steps"])
 
 
 def compare(before: Identified, after: Identified) -> Comparison:
@@ -280,7 +281,7 @@ def compare(before: Identified, after: Identified) -> Comparison:
     found, text, page = _sesc.compare_models(
         _given(before, "before"), _given(after, "after"), next(robots, None)
     )
-    return Comparison({"json": found, "text": text, "page": page})
+    return Comparison({"json": found, "text": in_python(text), "page": page_in_python(page)})
 
 
 def _robot_of(model: Identified) -> Robot | None:
@@ -289,15 +290,18 @@ def _robot_of(model: Identified) -> Robot | None:
     return model.robot if isinstance(model, Model) else None
 
 
-def _given(model: Any, name: str) -> tuple[str | None, str]:
+def _given(model: Any, name: str) -> tuple[str | None, str, str]:
+    """Text or path of a model file, what messages call it, and what next steps call it."""
+    expression = name
     if isinstance(model, (Fit, Diagnosis)):
-        model = model.model
+        model, expression = model.model, f"{name}.model"
     if not isinstance(model, _sesc.Model):
-        return None, os.fspath(model)
+        path = os.fspath(model)
+        return None, path, path
     text = model.model_file
     if text is None:
         raise ModelFileError(f"`{name}` has CAD's parameters; give a fit, a diagnosis or a model file")
-    return text, name
+    return text, name, expression
 
 
 def verify(model: Model, *, samples: int | None = None, seed: int = 1, progress: Progress = False) -> Verification:

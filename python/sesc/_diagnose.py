@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -17,7 +16,7 @@ from ._model import Model, restored
 from ._postures import Postures
 from ._robot import Robot
 from ._run import Progress
-from ._wording import in_python, page_in_python
+from ._wording import found_in_python, in_python, page_in_python
 
 __all__ = ["Diagnosis", "Quantity", "Step", "diagnose"]
 
@@ -100,7 +99,7 @@ class Diagnosis:
 
     def __init__(self, state: dict[str, Any]) -> None:
         self._state = state
-        self._found: dict[str, Any] = json.loads(state["json"])
+        self._found = found_in_python(state["json"])
 
     @property
     def verdict(self) -> str:
@@ -270,14 +269,13 @@ class Diagnosis:
         return CorrectedUrdf(text, [*left_out, *of_the_log])
 
     def to_dict(self) -> dict[str, Any]:
-        """What ``sesc diagnose --json`` prints, key by key.
+        """What ``sesc diagnose --json`` prints, key by key; commands of next steps are calls.
 
         Example:
             >>> found.to_dict()["support"]
             'foot'
         """
-        found: dict[str, Any] = json.loads(self._state["json"])
-        return found
+        return found_in_python(self._state["json"])
 
     def _check_usable(self) -> None:
         if self.verdict == "unusable":

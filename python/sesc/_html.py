@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-__all__ = ["framed", "pictures", "table"]
+__all__ = ["framed", "pictures", "steps", "table"]
+
+_CODE = re.compile("`([^`]*)`")
 
 
 def table(title: str, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
@@ -24,6 +27,16 @@ def pictures(drawn: Iterable[str], width: int) -> str:
     """Figures side by side, each ``width`` pixels wide; they bring their colours along."""
     figures = "".join(f'<div style="width: {width}px">{figure}</div>' for figure in drawn)
     return f'<div style="display: flex; flex-wrap: wrap; gap: 8px">{figures}</div>'
+
+
+def steps(found: Iterable[Mapping[str, str]]) -> str:
+    """What to do next, a line each, with the call that does it."""
+    lines = ""
+    for step in found:
+        call = f" <code>{html.escape(step['command'])}</code>" if "command" in step else ""
+        said = _CODE.sub(r"<code>\1</code>", html.escape(f"{step['what']}: {step['why']}."))
+        lines += f"<li>{said}{call}</li>"
+    return f"<ol>{lines}</ol>"
 
 
 def framed(page: str) -> str:

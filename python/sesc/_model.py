@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 from functools import cached_property
@@ -13,6 +12,7 @@ import numpy as np
 from . import _sesc
 from ._arrays import Float64, floats
 from ._errors import ArgumentError
+from ._wording import found_in_python
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -150,22 +150,22 @@ class Model(_sesc.Model):
 
     def to_dict(self) -> dict[str, Any]:
         """What ``sesc inspect --json`` prints: bodies, parameters, what no data can see,
-        operation counts, proven rounding bounds.
+        operation counts, proven rounding bounds; next steps are calls.
 
         Example:
             >>> model.to_dict()["rank"]
             {'xyz': 5, 'cop': 4}
         """
-        found: dict[str, Any] = json.loads(self.inspection())
-        return found
+        return found_in_python(self.inspection())
 
     def _repr_html_(self) -> str:
-        from ._html import pictures, table
+        from ._html import pictures, steps, table
 
         limits = zip(self.joints, self.limits.tolist(), strict=True)
         rows = [(joint, f"{low:.4g}", f"{high:.4g}") for joint, (low, high) in limits]
         said = table(repr(self)[1:-1], ("joint", "lower, rad or m", "upper"), rows)
-        return pictures(_sesc.draw_robot(self.robot, self), 320) + said
+        next_steps = found_in_python(self.next_steps())["next_steps"]
+        return pictures(_sesc.draw_robot(self.robot, self), 320) + said + steps(next_steps)
 
     def __repr__(self) -> str:
         joints = f"{self.dof} joint{'s' * (self.dof != 1)}"

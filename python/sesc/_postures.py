@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -16,7 +15,7 @@ from ._log import Log
 from ._model import Model
 from ._robot import Robot
 from ._run import Progress
-from ._wording import in_python, page_in_python
+from ._wording import found_in_python, in_python, page_in_python
 
 __all__ = ["Plan", "Postures", "plan", "predict", "simulate"]
 
@@ -154,7 +153,7 @@ class Plan(Postures):
     def __init__(self, model: Model, q: Float64, state: dict[str, Any]) -> None:
         super().__init__(model, q)
         self._state = state
-        self._found: dict[str, Any] = json.loads(state["json"])
+        self._found = found_in_python(state["json"])
 
     def _again(self) -> list[int]:
         again = self._found["revisits"]
@@ -179,14 +178,13 @@ class Plan(Postures):
         _run.written(path, self._state["page"])
 
     def to_dict(self) -> dict[str, Any]:
-        """What ``sesc plan --json`` prints, key by key.
+        """What ``sesc plan --json`` prints, key by key; commands of next steps are calls.
 
         Example:
             >>> plan.to_dict()["poses"]
             5
         """
-        found: dict[str, Any] = json.loads(self._state["json"])
-        return found
+        return found_in_python(self._state["json"])
 
     def __getattr__(self, name: str) -> Any:
         found = self.__dict__.get("_found", {})

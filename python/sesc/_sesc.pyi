@@ -116,6 +116,8 @@ class Model:
         """What is to be known of the robot, a sentence each."""
     def inspection(self) -> str:
         """What `sesc inspect --json` says."""
+    def next_steps(self) -> str:
+        """What it says to do next."""
     def com(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
         """Centre of mass in the support frame, m: ``(dof,)`` gives ``(3,)``, ``(n, dof)`` gives
         ``(n, 3)``."""
@@ -297,7 +299,7 @@ def arrow_columns(capsule: Any) -> list[tuple[str, Any]]: ...
 def c_files(model: Model, folder: str, options: dict[str, Any]) -> list[str]: ...
 def command(words: list[str]) -> int: ...
 def compare_models(
-    before: tuple[str | None, str], after: tuple[str | None, str], robot: Robot | None = None
+    before: tuple[str | None, str, str], after: tuple[str | None, str, str], robot: Robot | None = None
 ) -> tuple[str, str, str]: ...
 def correct_fit(
     robot: Robot,

@@ -7,8 +7,10 @@ import html
 import json
 import re
 import shlex
+from collections.abc import Sequence
+from typing import Any
 
-__all__ = ["in_python", "page_in_python"]
+__all__ = ["found_in_python", "in_python", "page_in_python"]
 
 #: What options of the command line that write files are in Python.
 _WRITTEN = {"--next": "next_postures().save", "--out": "save", "--report": "report", "--urdf": "correct_urdf().save"}
@@ -16,7 +18,12 @@ _WRITTEN = {"--next": "next_postures().save", "--out": "save", "--report": "repo
 _ELSEWHERE = {
     "see --json": "see `.to_dict()`",
     "named by --json, --report": "named by `.to_dict()`, `.report(…)`",
+    "`--lang rust` for Rust": "`model.rust(…)` for Rust",
 }
+#: Options whose values are numbers.
+_NUMBERS = {"--poses"}
+#: Models that a call was given as objects: what next steps call them.
+_OBJECTS = {f"{name}{end}" for name in ("before", "after") for end in ("", ".model")}
 _COMMAND = re.compile(r"^( +)(sesc \w+ .*)$", re.MULTILINE)
 
 
@@ -27,8 +34,21 @@ def in_python(text: str) -> str:
     return _COMMAND.sub(lambda line: line[1] + _call(line[2]), text)
 
 
+def found_in_python(text: str) -> dict[str, Any]:
+    """The JSON of a command as a dict, in which next steps are calls."""
+    found: dict[str, Any] = json.loads(text)
+    for step in found.get("next_steps", []):
+        step["why"] = in_python(step["why"])
+        if "command" in step:
+            step["command"] = _call(step["command"])
+    return found
+
+
 def page_in_python(page: str) -> str:
     """The page of a report, in which next steps are calls."""
+    for theirs, ours in _ELSEWHERE.items():
+        theirs, ours = (re.sub("`([^`]*)`", r"<code>\1</code>", words) for words in (theirs, ours))
+        page = page.replace(theirs, ours)
     first, *further = page.split("<code>sesc ")
     pieces = [first]
     for piece in further:
@@ -41,10 +61,15 @@ def page_in_python(page: str) -> str:
 
 def _call(line: str) -> str:
     """``sesc fit URDF --support foot --data LOG`` as ``sesc.fit(robot, "LOG", support="foot")``."""
-    _, name, _, *words = shlex.split(line)
+    _, name, first, *words = shlex.split(line)
+    if name == "compare":
+        logs = (f"sesc.diagnose(robot, {_said(log)})" for log in (first, words[0]))
+        return f"sesc.compare({', '.join(logs)})"
+    if name in ("generate", "verify"):
+        return _of_a_model(name, words)
     arguments, written = ["robot"], ""
     for option, value in zip(words[::2], words[1::2]):
-        said = json.dumps(value, ensure_ascii=False)
+        said = value if option in _NUMBERS else _said(value)
         if option == "--data":
             arguments.insert(1, said)
         elif option in _WRITTEN:
@@ -52,3 +77,18 @@ def _call(line: str) -> str:
         else:
             arguments.append(f"{option.lstrip('-').replace('-', '_')}={said}")
     return f"sesc.{name}({', '.join(arguments)}){written}"
+
+
+def _of_a_model(name: str, words: Sequence[str]) -> str:
+    """Commands that are methods of a model, or take one."""
+    snapped = "--no-snap" not in words
+    given = dict(zip(words[::2], words[1::2])) if snapped else dict(zip(words[:-1:2], words[1:-1:2]))
+    model = given.get("--model")
+    of = "" if model is None else f", model={model if model in _OBJECTS else _said(model)}"
+    robot = "robot" if snapped else 'sesc.Robot("URDF", snap=False)'
+    on = f"{robot}.on({_said(given['--support'])}{of})"
+    return f"{on}.c99({_said(given['--out'])})" if name == "generate" else f"sesc.verify({on})"
+
+
+def _said(value: str) -> str:
+    return json.dumps(value, ensure_ascii=False)

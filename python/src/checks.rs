@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use sesc::report::compare::{page, text};
+use sesc::report::next_steps;
 use sesc::verify;
 use sesc_identify::compare;
+use sesc_identify::next_steps::CommandLine;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
@@ -13,7 +15,7 @@ use sesc_model::effects::about::about;
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
-use crate::model::{Model, json};
+use crate::model::{Model, WithSteps, json};
 use crate::robot::Robot;
 
 /// What `sesc verify --json` prints of the functions of a model, and the unit of each.
@@ -32,13 +34,20 @@ pub fn verify_model(
         let samples = samples.unwrap_or_else(|| verify::samples(model.dof()));
         let found = verify::verify(&robot, &model, samples, seed, watch);
         let found = found.map_err(|error| Failure::of_command(error, Doing::ModelFile))?;
-        Ok((json(&found)?, found.units.into_iter().collect()))
+        let file = model.file.as_ref().map(|_| "model.toml");
+        let urdf = CommandLine::default().urdf;
+        let step = next_steps::of_verification(&urdf, model.support(), file, found.pass);
+        let printed = json(&WithSteps {
+            found: &found,
+            next_steps: &[step],
+        })?;
+        Ok((printed, found.units.into_iter().collect()))
     })?;
     Ok(found)
 }
 
-/// A model file by its text or its path, and what messages call it.
-type Given = (Option<String>, PathBuf);
+/// A model file by its text or its path, and what messages and next steps call it.
+type Given = (Option<String>, PathBuf, String);
 
 /// What `sesc compare` prints of two model files, as JSON and as text, and its page, with `robot`
 /// drawn where it is known.
@@ -52,14 +61,14 @@ pub fn compare_models(
 ) -> PyResult<(String, String, String)> {
     let robot = robot.as_deref();
     detached(py, || {
-        let read = |(text, path): Given| {
+        let read = |(text, path, _): &Given| {
             let file = match text {
-                Some(text) => ModelFile::parse(&text, &path.display().to_string()),
-                None => ModelFile::read(&path),
+                Some(text) => ModelFile::parse(text, &path.display().to_string()),
+                None => ModelFile::read(path),
             };
             file.map_err(|error| Failure::of_model(error, Doing::ModelFile))
         };
-        let (before, after) = (read(before)?, read(after)?);
+        let (names, [before, after]) = ([&before.2, &after.2], [read(&before)?, read(&after)?]);
         let found = compare::compare(&before, &after);
         let found = found.map_err(|error| Failure::of(&error, Doing::ModelFile))?;
         let drawn = robot.map(|robot| {
@@ -69,15 +78,24 @@ pub fn compare_models(
             Ok(Skeleton::of(&model, description, folder))
         });
         let drawn = drawn.transpose()?;
+        let mut line = CommandLine::default();
+        line.options = vec!["--support".to_string(), found.support.clone()];
+        let steps = next_steps::of_comparison(&found, names.map(String::as_str), &line, false);
         let page = page(
             &found,
             [&before, &after],
-            &[],
+            &steps,
             drawn.as_ref(),
             "sesc.compare(…)",
         );
         let page = page.map_err(|error| Failure::internal(error.to_string()))?;
-        Ok((json(&found)?, text(&found, &before.file, &after.file), page))
+        let printed = json(&WithSteps {
+            found: &found,
+            next_steps: &steps,
+        })?;
+        let text = text(&found, &before.file, &after.file);
+        let text = format!("{text}\n{}", next_steps::text(&steps, &[]));
+        Ok((printed, text, page))
     })
 }
 

@@ -5,7 +5,10 @@ use std::sync::Arc;
 
 use numpy::{PyArray1, PyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use serde::Serialize;
 use sesc::inspect::{inspect, notes};
+use sesc::report::next_steps;
+use sesc_identify::next_steps::{CommandLine, NextStep};
 use sesc_identify::robot;
 use sesc_model::{self as model, Function, ModelFile};
 
@@ -36,6 +39,11 @@ pub struct Model {
 }
 
 impl Model {
+    /// What comes before the first log.
+    fn next_step(&self) -> NextStep {
+        next_steps::of_inspection(&CommandLine::default().urdf, self.inner.support())
+    }
+
     /// A function of arrays of one shape: positions, and velocities and accelerations where
     /// the robot moves.
     fn run<'py, const N: usize>(
@@ -265,7 +273,22 @@ impl Model {
 
     /// What `sesc inspect --json` says.
     fn inspection(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || json(&inspect(&self.robot.description, &self.inner)))
+        detached(py, || {
+            json(&WithSteps {
+                found: &inspect(&self.robot.description, &self.inner),
+                next_steps: &[self.next_step()],
+            })
+        })
+    }
+
+    /// What it says to do next.
+    fn next_steps(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || {
+            json(&WithSteps {
+                found: &(),
+                next_steps: &[self.next_step()],
+            })
+        })
     }
 
     /// Centre of mass in the support frame, m: ``(dof,)`` gives ``(3,)``, ``(n, dof)`` gives
@@ -449,8 +472,16 @@ impl Model {
     }
 }
 
+/// A result of the command line with what to do next.
+#[derive(Serialize)]
+pub struct WithSteps<'a, T> {
+    #[serde(flatten)]
+    pub found: &'a T,
+    pub next_steps: &'a [NextStep],
+}
+
 /// A result as the command line prints it.
-pub fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
+pub fn json(value: &impl Serialize) -> Result<String, Failure> {
     let text = sesc::cli::json(value);
     text.map_err(|error| Failure::internal(error.to_string()))
 }

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 import sesc
+from sesc._wording import in_python
 
 #: A mass of 2 kg, 1 m above an ankle that is 0.1 m in front of the sole's origin.
 POLE = """<robot name='pole'><link name='foot'/><link name='top'><inertial><origin xyz='0 0 1'/>
@@ -63,6 +64,15 @@ def command() -> Any:
 @pytest.fixture(scope="session")
 def command_json(command: Any) -> Any:
     return lambda *words, expect=0: json.loads(command(*words, "--json", expect=expect))
+
+
+def worded(found: dict[str, Any]) -> dict[str, Any]:
+    """Without command lines of next steps, which say what was typed, and with the words of Python."""
+    steps = [
+        {**step, "why": in_python(step["why"]), "command": step.get("command") is not None}
+        for step in found.get("next_steps", [])
+    ]
+    return {**found, "next_steps": steps}
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

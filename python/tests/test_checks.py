@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,9 @@ from typing import Any
 import pytest
 
 import sesc
+from sesc._wording import in_python, page_in_python
+
+from conftest import worded
 
 SMALL = ("two_link/two_link.urdf", "foot")
 
@@ -43,18 +47,17 @@ def test_a_comparison_is_that_of_the_command(robot: sesc.Robot, command: Any, co
     after.save(tmp_path / "b.toml")
     found = sesc.compare(tmp_path / "a.toml", tmp_path / "b.toml")
     want = command_json("compare", tmp_path / "a.toml", tmp_path / "b.toml")
-    # The command says what to do next with its files, a comparison of Python does not.
-    assert want.pop("next_steps")
-    assert json.dumps(found.to_dict()) == json.dumps(want)
-    text, _, steps = command("compare", tmp_path / "a.toml", tmp_path / "b.toml").partition("\nnext")
-    assert str(found).rstrip("\n") == text.rstrip("\n") and steps
-    # Objects have what their files have.
-    assert sesc.compare(before, after.model).to_dict() == want
+    assert json.dumps(worded(found.to_dict())) == json.dumps(worded(want))
+    text = command("compare", tmp_path / "a.toml", tmp_path / "b.toml")
+    assert "\nnext" in text and str(found).rstrip("\n") == in_python(text).rstrip("\n")
+    # Objects have what their files have, under the names of the arguments.
+    objects = sesc.compare(before, after.model).to_dict()
+    assert worded(objects) == {**worded(want), "next_steps": worded(objects)["next_steps"]}
+    assert objects["next_steps"][0]["what"] == "Go on with before.model"
     found.report(tmp_path / "ours.html")
     command("compare", tmp_path / "a.toml", tmp_path / "b.toml", "--report", tmp_path / "theirs.html")
     ours, theirs = (without_command((tmp_path / name).read_text()) for name in ("ours.html", "theirs.html"))
-    start, _, rest = theirs.partition("\n\n<h2>What to do next</h2>")
-    assert found.sentence and ours == start + rest.partition("</ol>")[2]
+    assert found.sentence and "<h2>What to do next</h2>" in ours and ours == page_in_python(theirs)
     drawn = sesc.compare(before, after)._repr_html_()
     assert drawn.startswith("<iframe") and drawn.count("svg") > found._repr_html_().count("svg")
 
@@ -65,6 +68,9 @@ def test_a_robot_that_changed_is_told_from_chance(robot: sesc.Robot) -> None:
     changed = sesc.compare(fitted(robot, 1), sesc.fit(robot, log, prior="free"))
     same = sesc.compare(fitted(robot, 1), fitted(robot, 2))
     assert changed.changed and not same.changed
+    call = 'robot.on("foot", model=after.model).c99("src")'
+    assert changed.to_dict()["next_steps"][-1]["command"] == call and f"      {call}\n" in str(changed)
+    assert f"<code>{html.escape(call)}</code>" in changed._state["page"]
     assert changed.chance is not None and changed.chance < 1e-3 < (same.chance or 0.0)
     with pytest.raises(sesc.ModelFileError, match="`after` has CAD's parameters"):
         sesc.compare(fitted(robot, 1), robot.on(SMALL[1]))
@@ -76,8 +82,10 @@ def test_a_verification_is_that_of_the_command(robot: sesc.Robot, robots: Path, 
     found = sesc.verify(robot.on(SMALL[1]), samples=500, seed=3)
     words = ["--support", SMALL[1], "--samples", 500, "--seed", 3]
     want = command_json("verify", robots / SMALL[0], *words)
-    assert want.pop("next_steps")
-    assert json.dumps(found.to_dict()) == json.dumps(want)
+    assert json.dumps(worded(found.to_dict())) == json.dumps(worded(want))
+    step = found.to_dict()["next_steps"][0]
+    assert step["command"] == 'robot.on("foot").c99("src")' and "`model.rust(…)`" in step["why"]
+    assert "<code>robot.on(&quot;foot&quot;).c99(&quot;src&quot;)</code>" in found._repr_html_()
     assert found and found.passed and found.samples >= 500
     assert set(found.units) == set(found.bound) == set(found.worst_error)
     assert all(error <= found.bound[name] for name, error in found.worst_error.items())

@@ -38,7 +38,7 @@ def documented() -> Iterator[tuple[str, Any]]:
 
 
 #: What the package calls itself, and fields that are said with their class.
-QUIET = {"Model.bounds", "Model.inspection", "Model.model_file", "Model.robot"}
+QUIET = {"Model.bounds", "Model.inspection", "Model.model_file", "Model.next_steps", "Model.robot"}
 THINGS = {name: thing for name, thing in documented() if name not in QUIET}
 
 

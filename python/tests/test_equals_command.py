@@ -12,15 +12,9 @@ import pytest
 import sesc
 from sesc._wording import in_python
 
-from conftest import POLE
+from conftest import POLE, worded
 
 LEGS = ("two_link/two_link.urdf", "foot")
-
-
-def untyped(found: dict[str, Any]) -> dict[str, Any]:
-    """Without command lines of next steps, which say what was typed; nothing was in Python."""
-    steps = [{**step, "command": step.get("command") is not None} for step in found.get("next_steps", [])]
-    return {**found, "next_steps": steps}
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +53,7 @@ def test_fits_are_equal(
 ) -> None:
     found = sesc.fit(small, log, **options)
     want = command_json("fit", robots / LEGS[0], "--data", log, *words)
-    assert json.dumps(untyped(found.to_dict())) == json.dumps(untyped(want))
+    assert json.dumps(worded(found.to_dict())) == json.dumps(worded(want))
     outputs = ["--out", tmp_path / "a.toml", "--urdf", tmp_path / "a.urdf", "--total-mass", "3.5"]
     text = command("fit", robots / LEGS[0], "--data", log, *words, *outputs)
     # A command line of next steps stands last.
@@ -73,7 +67,7 @@ def test_fits_are_equal(
 def test_diagnoses_are_equal(small: sesc.Robot, robots: Path, log: Path, command_json: Any, command: Any, tmp_path: Path) -> None:
     found = sesc.diagnose(small, log)
     want = command_json("diagnose", robots / LEGS[0], "--data", log)
-    assert json.dumps(untyped(found.to_dict())) == json.dumps(untyped(want))
+    assert json.dumps(worded(found.to_dict())) == json.dumps(worded(want))
     outputs = ["--out", tmp_path / "a.toml", "--urdf", tmp_path / "a.urdf", "--total-mass", "3.5"]
     command("diagnose", robots / LEGS[0], "--data", log, *outputs, "--report", tmp_path / "a.html")
     found.save(tmp_path / "b.toml")
@@ -132,7 +126,7 @@ def test_stays_and_motion_are_equal(
     asks: list[tuple[Any, str]] = [(sesc.fit, "fit"), (sesc.diagnose, "diagnose")]
     for ask, name in asks:
         want = command_json(name, robots / LEGS[0], "--data", stays, *words)
-        assert json.dumps(untyped(ask(small, stays, **options).to_dict())) == json.dumps(untyped(want))
+        assert json.dumps(worded(ask(small, stays, **options).to_dict())) == json.dumps(worded(want))
     part = sesc.gather(small, stays, **options)
     assert part.postures == sesc.fit(small, stays, **options).to_dict()["postures"]
 
@@ -166,7 +160,7 @@ def test_plans_are_equal(robots: Path, op2: sesc.Robot, command_json: Any, tmp_p
     found = sesc.plan(op2, "r_sole", poses=6, candidates=60, seed=2)
     words = ["--support", "r_sole", "--poses", 6, "--candidates", 60, "--seed", 2]
     want = command_json("plan", robots / "op2/op2.urdf", *words, "--out", tmp_path / "a.csv")
-    assert json.dumps(untyped(found.to_dict())) == json.dumps(untyped(want))
+    assert json.dumps(worded(found.to_dict())) == json.dumps(worded(want))
     found.save(tmp_path / "b.csv")
     for end in ("csv", "csv.toml"):
         rows = [(tmp_path / f"{name}.{end}").read_text() for name in "ab"]
@@ -225,7 +219,7 @@ def test_plans_with_revisits_a_log_or_both_feet_are_equal(robots: Path, op2: ses
         found = sesc.plan(op2, "r_sole", poses=5, candidates=60, cop_box=0.1, sigmas=0.0, **options)
         common = ["--support", "r_sole", "--poses", 5, "--candidates", 60, "--cop-box", 0.1, "--sigmas", 0]
         want = command_json("plan", robots / "op2/op2.urdf", *common, *words, "--out", tmp_path / "a.csv")
-        assert json.dumps(untyped(found.to_dict())) == json.dumps(untyped(want))
+        assert json.dumps(worded(found.to_dict())) == json.dumps(worded(want))
         found.save(tmp_path / "b.csv")
         for end in ("csv", "csv.toml"):
             assert (tmp_path / f"a.{end}").read_text() == (tmp_path / f"b.{end}").read_text()
@@ -255,9 +249,7 @@ def test_robots_are_equal(name: str, robots: Path, command: Any, command_json: A
     support = dict(ROBOTS)[name]
     model = robot.on(support)
     inspected = command_json("inspect", urdf, "--support", support)
-    # The command says what to do next, a model of Python does not.
-    assert inspected.pop("next_steps")
-    assert json.dumps(model.to_dict()) == json.dumps(inspected)
+    assert json.dumps(worded(model.to_dict())) == json.dumps(worded(inspected))
     words = ["--support", support, "--poses", 60, "--noise", "0.0005", "--seed", 2]
     command("simulate", urdf, *words, "--out", tmp_path / "log.csv")
     sesc.simulate(model, 60, noise=5e-4, seed=2).save(tmp_path / "ours.csv")
@@ -269,7 +261,7 @@ def test_robots_are_equal(name: str, robots: Path, command: Any, command_json: A
     asks: list[tuple[Any, str]] = [(sesc.fit, "fit"), (sesc.diagnose, "diagnose")]
     for ask, word in asks:
         want = command_json(word, urdf, "--data", tmp_path / "log.csv")
-        assert json.dumps(untyped(ask(robot, tmp_path / "log.csv").to_dict())) == json.dumps(untyped(want))
+        assert json.dumps(worded(ask(robot, tmp_path / "log.csv").to_dict())) == json.dumps(worded(want))
 
 
 def test_a_shape_below_the_frame_is_noted_as_by_the_command(command_json: Any, tmp_path: Path) -> None:

@@ -297,3 +297,10 @@ def test_a_table_of_no_numbers_is_refused(counts: str) -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "is no list of positive numbers, such as 10,100,1000" in done.stderr
+
+
+def test_an_engine_that_is_not_known_is_an_argument_error() -> None:
+    from sesc.fleet import _trials
+
+    with pytest.raises(sesc.ArgumentError, match="no engine `x`; there are"), _trials.engine("x"):
+        pass

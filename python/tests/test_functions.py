@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 import subprocess
 import sys
@@ -16,7 +17,7 @@ from hypothesis.extra import numpy as hnp
 
 import sesc
 
-from conftest import POLE
+from conftest import POLE, worded
 
 RNG = np.random.default_rng(1)
 FUNCTIONS = ["com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows", "full_rows"]
@@ -280,6 +281,7 @@ def test_functions_equal_those_of_the_command(model: sesc.Model, robots: Path, c
 
 def test_inspection_equals_the_command(model: sesc.Model, robots: Path, command_json: Any) -> None:
     inspected = command_json("inspect", robots / "op2/op2.urdf", "--support", "r_sole")
-    # The command says what to do next, a model does not.
-    assert inspected.pop("next_steps")
-    assert model.to_dict() == inspected
+    assert worded(model.to_dict()) == worded(inspected)
+    call = 'sesc.plan(robot, support="r_sole", poses=40).save("poses.csv")'
+    assert model.to_dict()["next_steps"][0]["command"] == call
+    assert f"<code>{html.escape(call)}</code>" in model._repr_html_()

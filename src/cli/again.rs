@@ -52,11 +52,8 @@ pub(super) fn next(steps: &[NextStep]) {
 
 /// `generate` for this robot: what computes on it what was looked at here.
 pub(super) fn generating(path: &Path, support: &str, model: Option<&Path>, why: &str) -> NextStep {
-    let (urdf, model) = (urdf(path), model.map(|model| model.display().to_string()));
-    let mut words = vec!["generate", &urdf, "--support", support];
-    words.extend(model.iter().flat_map(|file| ["--model", file]));
-    words.extend(["--lang", "c", "--out", "src"]);
-    NextStep::of_command("Write the functions as source code", why, &words)
+    let model = model.map(|model| model.display().to_string());
+    next_steps::generating(&urdf(path), support, model.as_deref(), why)
 }
 
 /// The first of these options that was typed, as it is typed.

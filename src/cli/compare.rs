@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use serde::Serialize;
-use sesc_identify::compare::{self, Change, Comparison};
+use sesc_identify::compare::{self, Comparison};
 use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
@@ -133,41 +133,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 
 /// What the difference of two models leads to.
 fn after(arguments: &Arguments, found: &Comparison) -> Vec<NextStep> {
-    let path = |path: &Path| path.display().to_string();
-    let name = arguments.urdf.as_deref().map(again::urdf);
-    let urdf = name.as_deref().unwrap_or("URDF");
-    let (before, after) = (path(&arguments.before), path(&arguments.after));
-    if !found.changed {
-        return vec![NextStep::by_hand(
-            format!("Go on with {before}"),
-            "nothing differs from it by more than chance, and what was generated from it holds",
-        )];
-    }
-    let mut steps = Vec::new();
-    let first = found.effects.iter().find(|own| own.change != Change::Same);
-    if let Some(own) = first {
-        let what = own.effect.replace('_', " ");
-        let what = match own.target.as_str() {
-            "-" => format!("Check what became of the {what} on the robot"),
-            target => format!("Check what became of the {what} of `{target}` on the robot"),
-        };
-        steps.push(NextStep::by_hand(what, "it changed by more than chance"));
-    }
-    steps.push(match is_log(&arguments.after) {
-        true => NextStep::of_command(
-            "Diagnose the later log",
-            "a diagnosis says what changes in URDF or controller put it right",
-            &["diagnose", urdf, "--data", &after],
-        ),
-        false => NextStep::of_command(
-            "Write the functions of the later model",
-            "those of the first are of a robot that has changed",
-            &[
-                "generate", urdf, "--model", &after, "--lang", "c", "--out", "src",
-            ],
-        ),
-    });
-    steps
+    let [before, after] =
+        [&arguments.before, &arguments.after].map(|path| path.display().to_string());
+    let line = again::command_line(arguments.urdf.as_deref(), None, |_| false);
+    let of_logs = is_log(&arguments.after);
+    next_steps::of_comparison(found, [&before, &after], &line, of_logs)
 }
 
 fn is_log(path: &Path) -> bool {

@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 use sesc_codegen::emit::header::at_most;
 use sesc_identify::next_steps::NextStep;
-use sesc_model::{Function, Interface, Model};
+use sesc_model::{Function, Interface};
 
 use super::{Outcome, RobotArguments, again, print_json, show};
 use crate::Error;
@@ -49,7 +49,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     for note in &inspection.notes {
         super::message(&format!("note: {note}"));
     }
-    let steps = [planning(arguments, &model)];
+    let urdf = again::urdf(&arguments.robot.urdf);
+    let steps = [next_steps::of_inspection(&urdf, model.support())];
     if arguments.json {
         print_json(&Answer {
             inspection: &inspection,
@@ -75,18 +76,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             Ok(Outcome::Failed)
         }
     }
-}
-
-/// What comes before the first log.
-fn planning(arguments: &Arguments, model: &Model) -> NextStep {
-    let urdf = again::urdf(&arguments.robot.urdf);
-    let words = ["plan", &urdf, "--support", model.support()];
-    let words = [&words[..], &["--poses", "40", "--out", "poses.csv"]].concat();
-    NextStep::of_command(
-        "Choose postures to record",
-        "a log of them tells most about the parameters",
-        &words,
-    )
 }
 
 fn text(i: &Inspection, long: bool) -> String {

@@ -127,22 +127,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 
 /// What a comparison leads to.
 fn after(arguments: &Arguments, model: &Model, pass: bool) -> NextStep {
-    let (path, support, file) = (
-        &arguments.robot.urdf,
-        model.support(),
-        arguments.model.as_deref(),
-    );
-    if pass {
-        let why = "they are what was compared, for C; `--lang rust` for Rust";
-        return again::generating(path, support, file, why);
-    }
-    let (urdf, file) = (
-        again::urdf(path),
-        file.map(|file| file.display().to_string()),
-    );
-    let mut words = vec!["verify", &urdf, "--support", support];
-    words.extend(file.iter().flat_map(|file| ["--model", file]));
-    words.push("--no-snap");
-    let why = "what fails even so is no right angle that the URDF has but nearly";
-    NextStep::of_command("Compare without snapped angles", why, &words)
+    let urdf = again::urdf(&arguments.robot.urdf);
+    let file = arguments
+        .model
+        .as_ref()
+        .map(|file| file.display().to_string());
+    next_steps::of_verification(&urdf, model.support(), file.as_deref(), pass)
 }

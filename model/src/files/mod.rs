@@ -44,7 +44,10 @@ impl Noted {
     }
 }
 
-/// Nobody is interrupted while holding the lock.
+/// Of the whole process, since what it is for is: a signal ends all threads at once, and names
+/// of temporary files are unlike within a process, whose id they have. A list that front ends
+/// hold would have to go through every function that writes a file, and two of them would sweep
+/// and rename between each other. Nobody is interrupted while holding the lock.
 static NOTED: Mutex<Noted> = Mutex::new(Noted {
     temporary: Vec::new(),
     made: 0,

@@ -85,7 +85,7 @@ def engine(name: str, workers: int = 2) -> Iterator[Any]:
         finally:
             session.stop()
     else:
-        raise ValueError(f"no engine `{name}`; there are {', '.join(ENGINES)}")
+        raise sesc.ArgumentError(f"no engine `{name}`; there are {', '.join(ENGINES)}")
 
 
 def rows_in(store: Path) -> int:
