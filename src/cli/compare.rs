@@ -40,7 +40,8 @@ pub(super) struct Arguments {
     /// Model file or log of the same robot on the same support as it is
     #[arg(value_name = "MODEL|LOG")]
     after: PathBuf,
-    /// Robot description: logs are diagnosed with it, and the page shows it
+    /// Robot description: logs are diagnosed with it, the page shows it, and a model file must be
+    /// of it
     #[arg(long, value_name = "URDF")]
     urdf: Option<PathBuf>,
     #[command(flatten)]
@@ -108,6 +109,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             None => return Ok(Outcome::Failed),
         }
     }
+    if let Some(robot) = &robot {
+        check_robot(robot, &models)?;
+    }
     let comparison = compare::compare(&models[0], &models[1])?;
     let steps = after(arguments, &comparison);
     if let Some(path) = &arguments.report {
@@ -129,6 +133,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
     }
     Ok(Outcome::Ok)
+}
+
+/// One of the models at least is of this robot: the other may be of the URDF as it was before.
+fn check_robot(robot: &Robot, models: &[ModelFile]) -> Result<(), Error> {
+    let (hash, file) = (&robot.description.hash, &robot.description.file);
+    let own = models.iter().map(|model| model.check_robot(hash, file));
+    let mut refused = own.filter_map(Result::err);
+    match (refused.next(), refused.next()) {
+        (Some(error), Some(_)) => Err(error.into()),
+        _ => Ok(()),
+    }
 }
 
 /// What the difference of two models leads to.
@@ -156,12 +171,17 @@ fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
              leave it out, or give the logs with --urdf"
         )));
     }
-    if let Some(option) = again::first_typed(OF_ROBOTS).filter(|_| arguments.urdf.is_none()) {
-        return Err(Error::Usage(format!(
-            "{option} is for the URDF, and none is given; leave it out, or add --urdf"
-        )));
+    let lacks = match (&arguments.urdf, &arguments.report) {
+        (Some(_), Some(_)) => return Ok(()),
+        (None, _) => "is for the URDF, and none is given; leave it out, or add --urdf",
+        (Some(_), None) => {
+            "is for the robot on the page, and none is written; leave it out, or add --report"
+        }
+    };
+    match again::first_typed(OF_ROBOTS) {
+        Some(option) => Err(Error::Usage(format!("{option} {lacks}"))),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// The model that a file holds, or that the diagnosis of a log gives; none of a log that cannot

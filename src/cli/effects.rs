@@ -35,37 +35,67 @@ pub(super) struct Arguments {
 struct Listed {
     /// The effects that a diagnosis knows, or the one that was asked for.
     effects: Vec<EffectAbout>,
+    /// What a diagnosis may also name, or the one that was asked for.
+    others: Vec<NoEffect>,
+}
+
+/// What a diagnosis may name that is no effect.
+#[derive(Serialize)]
+struct NoEffect {
+    /// Name in reports: `cop_outliers`.
+    name: &'static str,
+    /// The kind of thing that it is about.
+    about: &'static str,
+    /// What it is, in a sentence.
+    sentence: &'static str,
+    /// Sentence, equation, and what tells it apart; Markdown.
+    page: &'static str,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let mut effects = about(&Catalog::standard());
-    let mut models = MODEL_PAGES.iter().map(|(name, _, page)| (*name, *page));
+    let mut others = Vec::from(MODEL_PAGES.map(other));
     if let Some(name) = &arguments.name {
-        let model = models.find(|(model, _)| model == name);
-        if let Some((name, page)) = model.filter(|_| !arguments.json) {
-            show(&format!("{name}: {}", on_console(page)))?;
-            return Ok(Outcome::Ok);
-        }
         let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
-        if !names.contains(&name.as_str()) {
-            let meant = suggestion(name, names.iter().copied());
+        let known = || {
+            others
+                .iter()
+                .map(|own| own.name)
+                .chain(names.iter().copied())
+        };
+        if !known().any(|known| known == name) {
+            let meant = suggestion(name, known());
             let names = names.join(", ");
             return Err(Error::Usage(format!(
                 "no effect `{name}`; the effects are {names}{meant}"
             )));
         }
         effects.retain(|effect| effect.name == name);
+        others.retain(|other| other.name == name);
     }
-    match (arguments.json, &arguments.name) {
-        (true, _) => print_json(&Listed { effects })?,
-        (false, Some(name)) => {
+    if arguments.json {
+        print_json(&Listed { effects, others })?;
+        return Ok(Outcome::Ok);
+    }
+    match (&arguments.name, others.first()) {
+        (Some(name), Some(other)) => show(&format!("{name}: {}", on_console(other.page)))?,
+        (Some(name), None) => {
             for page in Bench::new()?.pages(Some(name))? {
                 show(&format!("{name}: {}", on_console(&page.text())))?;
             }
         }
-        (false, None) => show(&(table(&effects) + BESIDE))?,
+        (None, _) => show(&(table(&effects) + BESIDE))?,
     }
     Ok(Outcome::Ok)
+}
+
+fn other((name, about, page): (&'static str, &'static str, &'static str)) -> NoEffect {
+    NoEffect {
+        name,
+        about,
+        sentence: page.lines().next().unwrap_or_default(),
+        page,
+    }
 }
 
 /// A page as a terminal shows it: without fences, its tables as those of other commands, which a

@@ -11,8 +11,8 @@ use super::kinds::Kind;
 use super::outputs::Files;
 use super::progress_lines::BarOrLines;
 use super::{
-    DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, print_json, show,
-    streams,
+    DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, again, message, print_json,
+    show, streams,
 };
 use crate::Error;
 use crate::report::fleet::{ROBOTS, answer, page_of_robot, pages, skeleton, text};
@@ -106,7 +106,21 @@ enum Only {
     Parameters,
 }
 
+/// Options of diagnoses alone.
+const OF_DIAGNOSES: &[&str] = &["floor"];
+
+/// Options that nothing would come of are errors.
+fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
+    let unused = arguments.only.and(again::first_typed(OF_DIAGNOSES));
+    unused.map_or(Ok(()), |option| {
+        Err(Error::Usage(format!(
+            "{option} is for diagnoses, and --only parameters makes none; leave one of them out"
+        )))
+    })
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+    refuse_ignored(arguments)?;
     let data = arguments.data.iter().map(String::as_str);
     let others = [&arguments.out]
         .into_iter()

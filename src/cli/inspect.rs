@@ -25,7 +25,7 @@ pub(super) struct Arguments {
     robot: RobotArguments,
     /// Rotations from the support link to each body, and a sentence on each function: lines may be
     /// long
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     long: bool,
     /// Machine-readable output
     #[arg(long)]

@@ -116,7 +116,7 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
                 return failed(&error, None, json);
             }
             if json {
-                print_error("usage", &rendered, None, None);
+                print_error("usage", &of_parser(&rendered), None, None);
             }
             error.exit()
         }
@@ -163,6 +163,18 @@ fn of_file(given: &defaults::Given, rendered: &str) -> Option<Error> {
     let said = said.split("\n\n").next().unwrap_or(said).trim_end();
     let place = given.blamed(said)?;
     Some(Error::Usage(format!("{place}: {said}")))
+}
+
+/// What the parser finds wrong, without what it says of the command besides.
+fn of_parser(rendered: &str) -> String {
+    let besides = ["Usage:", "For more information"];
+    let said = rendered.split("\n\n");
+    let said = said.filter(|own| {
+        !besides
+            .iter()
+            .any(|start| own.trim_start().starts_with(start))
+    });
+    said.collect::<Vec<_>>().join("\n\n")
 }
 
 /// Say what is wrong, and where an option stands that it is about; the exit code.

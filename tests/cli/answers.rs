@@ -48,6 +48,16 @@ fn effects_are_listed_and_explained() {
         let page = std::fs::read_to_string(format!("{ROOT}/docs/effects/{name}.md")).unwrap();
         let page = page.replace("```text\n", "").replace("```\n", "");
         assert!(page.contains(said.strip_prefix(&format!("{name}: ")).unwrap().trim_end()));
+        let said: Value =
+            serde_json::from_str(&stdout(&sesc(&["effects", name, "--json"]))).unwrap();
+        assert_eq!(said["effects"], serde_json::json!([]));
+        assert_eq!(said["others"][0]["name"], name);
+        assert!(
+            said["others"][0]["sentence"]
+                .as_str()
+                .unwrap()
+                .ends_with('.')
+        );
     }
     refused(
         &sesc(&["effects", "backlsh"]),
@@ -150,6 +160,11 @@ fn errors_are_json_where_json_is_asked_for() {
     );
     let found = error(&["inspect", "--json", "--suport", "x"]);
     assert_eq!(found["kind"], "usage");
+    let said = found["message"].as_str().unwrap();
+    assert!(
+        said.contains("similar argument exists") && !said.contains("For more"),
+        "{said}"
+    );
     // Without the flag stdout is empty.
     assert!(sesc(&["inspect", "none.urdf"]).stdout.is_empty());
 }

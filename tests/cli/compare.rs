@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::Value;
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
+use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout};
 
 /// A log of the OP2 with its model by `command`, where `hidden` is or nothing.
 fn model(folder: &Path, name: &str, seed: &str, hidden: &[&str], command: &str) -> String {
@@ -133,6 +133,11 @@ fn two_logs_are_diagnosed_and_compared_on_a_page() {
     assert_eq!(json["effects"], by_models["effects"]);
     let close = |a: &Value, b: &Value| (a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-6;
     assert!(close(&json["chi2"], &by_models["chi2"]), "{json}");
+    // A URDF beside model files is that of one of them, with a page or without.
+    let arm = format!("{ROOT}/robots/arm6/arm6.urdf");
+    let beside = |urdf: &str| sesc(&["compare", &models[0], &models[1], "--urdf", urdf]);
+    stdout(&beside(&urdf));
+    refused(&beside(&arm), &["made for robot hash", "arm6.urdf has"]);
     let html = std::fs::read_to_string(&page).unwrap();
     for words in [
         "friday.csv differs from monday.csv",

@@ -25,6 +25,26 @@ fn options_of_logs_are_refused_beside_two_model_files() {
         &sesc(&[&models[..], &["--no-snap"]].concat()),
         &["--no-snap", "add --urdf"],
     );
+    refused(
+        &sesc(&[&models[..], &["--no-snap", "--urdf", "op2.urdf"]].concat()),
+        &["--no-snap", "add --report"],
+    );
+}
+
+#[test]
+fn options_of_what_is_not_made_are_refused() {
+    let fleet = ["fleet", "op2.urdf", "--data", "logs", "--out", "fleet.csv"];
+    let words = ["--only", "parameters", "--floor", "0.0002"];
+    refused(
+        &sesc(&[&fleet[..], &words].concat()),
+        &["--floor", "--only parameters makes none"],
+    );
+    let urdf = op2();
+    let inspect = ["inspect", &urdf, "--support", "r_sole", "--long", "--json"];
+    refused(
+        &sesc(&inspect),
+        &["--long", "cannot be used with", "--json"],
+    );
 }
 
 #[test]

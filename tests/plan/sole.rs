@@ -27,22 +27,18 @@ fn pole(collision: &str) -> String {
 #[test]
 fn the_sole_of_the_urdf_is_where_the_cop_stays() {
     let folder = folder();
-    let plan = |collision: &str, more: &[&str]| -> serde_json::Value {
-        let urdf = write(folder.path(), "pole.urdf", pole(collision));
-        let out = folder.path().join("poses.csv").display().to_string();
-        let usual = [
-            "plan",
-            &urdf,
-            "--support",
-            "foot",
-            "--poses",
-            "5",
-            "--candidates",
-            "60",
-        ];
-        let rest = ["--sigmas", "0", "--out", &out, "--json"];
-        serde_json::from_str(&stdout(&sesc(&[&usual[..], &rest, more].concat()))).unwrap()
+    let out = folder.path().join("poses.csv").display().to_string();
+    let on_foot = |urdf: String, more: &[&str]| {
+        let urdf = write(folder.path(), "pole.urdf", urdf);
+        let line = ["plan", &urdf, "--support", "foot", "--poses", "5"];
+        let rest = ["--candidates", "60", "--sigmas", "0", "--out", &out];
+        sesc(&[&line[..], &rest, more].concat())
     };
+    let planned = |urdf: String, more: &[&str]| -> serde_json::Value {
+        let output = on_foot(urdf, &[&["--json"], more].concat());
+        serde_json::from_str(&stdout(&output)).unwrap()
+    };
+    let plan = |collision: &str, more: &[&str]| planned(pole(collision), more);
     let shape = "<collision><origin xyz='0.03 0 0.01'/><geometry><box size='0.2 0.1 0.02'/>\
                  </geometry></collision>";
     let of_shape = plan(shape, &[]);
@@ -71,37 +67,13 @@ fn the_sole_of_the_urdf_is_where_the_cop_stays() {
     let solid = |inertia: &str| pole("").replacen("<mass value='1'/>", inertia, 1);
     let urdf = solid(&format!("<mass value='1'/>{inertia}"));
     assert!(urdf.contains(&format!("{foot}{inertia}")), "{urdf}");
-    let urdf = write(folder.path(), "solid.urdf", urdf);
-    let out = folder.path().join("poses.csv").display().to_string();
-    let line = [
-        "plan",
-        &urdf,
-        "--support",
-        "foot",
-        "--poses",
-        "5",
-        "--candidates",
-        "60",
-    ];
-    let found = sesc(&[&line[..], &["--sigmas", "0", "--out", &out, "--json"]].concat());
     assert_eq!(
-        said(&serde_json::from_str(&stdout(&found)).unwrap()),
+        said(&planned(urdf, &[])),
         "|x|, |y| <= 35.0 mm, by the inertia of the support, which has no shape"
     );
     // Without either nothing tells how large the sole is.
-    let urdf = write(folder.path(), "pole.urdf", pole(""));
-    let line = [
-        "plan",
-        &urdf,
-        "--support",
-        "foot",
-        "--poses",
-        "5",
-        "--out",
-        &out,
-    ];
     refused(
-        &sesc(&line),
+        &on_foot(pole(""), &[]),
         &["of `foot`", "--cop-box (such as 0.0", "--sole"],
     );
     assert_eq!(
@@ -134,22 +106,59 @@ fn a_plan_that_fails_says_a_box_that_would_do() {
     stdout(&plan("quadruped", "lf_foot", &["--cop-box", size]));
 }
 
-/// Two feet of four that are said to lie flat: what that can be used for is said.
+/// Two point feet of four have no soles that could lie flat: that is said, with the remedy, and
+/// two that have soles are told what they can do.
 #[test]
-fn both_feet_of_a_robot_with_four_are_told_what_they_can_do() {
+fn both_feet_of_a_robot_with_four_need_soles() {
     let folder = folder();
-    let log = folder.path().join("log.csv").display().to_string();
-    let urdf = format!("{ROOT}/robots/quadruped/quadruped.urdf");
-    let simulate = ["simulate", &urdf, "--support", "lf_foot", "--poses", "60"];
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let log = at("log.csv");
+    let points = format!("{ROOT}/robots/quadruped/quadruped.urdf");
+    let simulate = ["simulate", &points, "--support", "lf_foot", "--poses", "60"];
+    stdout(&sesc(
+        &[&simulate[..], &["--noise", "0.0005", "--out", &log]].concat(),
+    ));
+    let other = |name| ["--both-feet", "--other-foot", name];
+    let why = [
+        "`lf_foot` and `rf_foot`",
+        "2 of the robot's 4 feet",
+        "no roll and no pitch",
+        "`lf_foot_sole`",
+    ];
+    for command in ["fit", "diagnose"] {
+        let line = [command, &points, "--data", &log];
+        refused(&sesc(&[&line[..], &other("rf_foot")].concat()), &why);
+    }
+    let poses = ["--poses", "5", "--out", &at("poses.csv")];
+    let line = ["plan", &points, "--support", "lf_foot", "--cop-box", "0.05"];
+    refused(
+        &sesc(&[&line[..], &other("rf_foot"), &poses].concat()),
+        &why,
+    );
+    // The sidecar's word is no other.
+    let sidecar = std::fs::read_to_string(format!("{log}.toml")).unwrap();
+    let said = format!("both_feet = true\nother_foot = \"rf_foot\"\n{sidecar}");
+    write(folder.path(), "log.csv.toml", said);
+    refused(&sesc(&["diagnose", &points, "--data", &log]), &why);
+    write(folder.path(), "log.csv.toml", sidecar);
+    // Feet whose links say that they are soles.
+    let text = std::fs::read_to_string(&points).unwrap();
+    let flat = write(
+        folder.path(),
+        "flat.urdf",
+        text.replace("_foot\"", "_sole\""),
+    );
+    let simulate = ["simulate", &flat, "--support", "lf_sole", "--poses", "60"];
+    let log = at("flat.csv");
     stdout(&sesc(
         &[&simulate[..], &["--noise", "0.0005", "--out", &log]].concat(),
     ));
     for command in ["fit", "diagnose"] {
-        let feet = ["--both-feet", "--other-foot", "rf_foot"];
-        let output = sesc(&[&[command, &urdf, "--data", &log][..], &feet].concat());
+        let line = [command, &flat, "--data", &log];
+        let output = sesc(&[&line[..], &other("rf_sole")].concat());
         let said = String::from_utf8(output.stderr).unwrap();
         for words in [
-            "`lf_foot` and `rf_foot`",
+            "`lf_sole` and `rf_sole`",
             "the robot has 4 feet",
             "cannot be used",
         ] {

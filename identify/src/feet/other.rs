@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use sesc_model::text::listed;
-use sesc_model::tree::{like_sole, on_many_feet, sole_parts, support_rank};
+use sesc_model::tree::{is_sole, like_sole, on_many_feet, sole_parts, support_rank};
 use sesc_model::urdf::suggestion;
 use sesc_model::{Model, Snapping};
 
@@ -58,7 +58,7 @@ impl Feet {
     ///
     /// # Errors
     /// A link that is none, or that no joint moves; no link that must be it; a height that is
-    /// none.
+    /// none; feet of a robot with more than two that are no soles.
     #[doc(hidden)]
     pub fn of(&self, sidecar: &Sidecar, model: &Model) -> Result<Option<OtherFoot>, Error> {
         let named = self.other.as_deref().or(sidecar.other_foot.as_deref());
@@ -95,11 +95,14 @@ impl Feet {
         match model.chain.places[link].as_ref().map(|place| place.body) {
             None => wrong("hangs on a joint that no log knows"),
             Some(0) => wrong(&format!("does not move against the support `{support}`")),
-            Some(_) => Ok(Some(OtherFoot {
-                link,
-                below_m,
-                name,
-            })),
+            Some(_) => match without_soles(model, &name) {
+                Some(why) => Err(Error::request(why)),
+                None => Ok(Some(OtherFoot {
+                    link,
+                    below_m,
+                    name,
+                })),
+            },
         }
     }
 }
@@ -112,6 +115,23 @@ pub(crate) fn of_many(model: &Model, other: &OtherFoot) -> Option<String> {
         model.support(),
         other.name
     ))
+}
+
+/// Why two feet of a robot with more cannot be taken as flat on one floor: such feet are points
+/// unless a name says that there is a sole.
+fn without_soles(model: &Model, other: &str) -> Option<String> {
+    let (support, count) = (model.support(), model.tree.feet.len());
+    let points = count > 2 && [support, other].iter().any(|name| !is_sole(name));
+    points.then(|| {
+        format!(
+            "`{support}` and `{other}` are 2 of the robot's {count} feet, and their names do not \
+             say that they are soles: both feet are compared by height, roll and pitch of flat \
+             soles on one floor, and a floor gives a point foot no roll and no pitch. Record the \
+             robot on one foot that carries it alone; or, where these feet are flat, give each a \
+             link in its sole behind a fixed joint, called such as `{}_sole`, and name those",
+            carrier(model)
+        )
+    })
 }
 
 fn unknown(model: &Model) -> Error {

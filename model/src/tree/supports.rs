@@ -17,6 +17,12 @@ pub fn support_rank(link: &str) -> usize {
     first.unwrap_or(SUPPORTS.len())
 }
 
+/// Whether a link's name says that it lies in a sole.
+#[doc(hidden)]
+pub fn is_sole(link: &str) -> bool {
+    support_rank(link) == 0
+}
+
 /// The feet of a robot by their names: links with `sole` or `foot` in it that no other such link
 /// carries, so that a sole frame and the foot that it is fixed to are one. `base_footprint`, the
 /// frame of a robot on the ground, is none.
@@ -48,8 +54,8 @@ pub fn on_many_feet(feet: &[String]) -> Option<String> {
     (count > 2).then(|| {
         format!(
             "the robot has {count} feet ({}): its CoM holds however many stand; the CoP is that of \
-             one foot that carries the robot alone, or of two flat feet on one floor \
-             (`both_feet = true` in the sidecar of the log). Point feet that stand together are \
+             one foot that carries the robot alone, or of two flat soles on one floor, links with \
+             `sole` in their names (`both_feet = true` in the sidecar of the log). Point feet that stand together are \
              not described, and a log that was recorded on more than two feet cannot be used",
             text::listed(feet, 12)
         )

@@ -1,0 +1,175 @@
+//! Plans on both feet, and what commands say of the logs that they ask for.
+
+use std::sync::Arc;
+
+use sesc_identify::plan;
+use sesc_identify::plan::balance::Region;
+use sesc_identify::robot::Robot;
+use sesc_model::Snapping;
+use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
+use sesc_virtual::feet::TwoFeet;
+use sesc_virtual::stage::{Platform, Stage};
+
+/// Postures of a plan on both feet: the other sole lies on the floor by the reference's link
+/// poses, the CoP is between the soles, and all is within the limits.
+#[test]
+fn planned_postures_keep_both_soles_on_the_floor() {
+    for platform in [Platform::Op2, Platform::Skew] {
+        let stage = Stage::new(platform);
+        let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
+        let model = Arc::new(robot.model(stage.support, Snapping::Off, None).unwrap());
+        let half = 0.02 * stage.size;
+        let region = Region::square(half, 0.0).unwrap();
+        let mut request = plan::Request::new(robot, model.clone(), 12, region);
+        request.candidates = Some(60);
+        request.feet.both = Some(true);
+        let found = plan::plan(&request, &mut ()).unwrap();
+        let feet = found.both_feet.as_ref().unwrap();
+        // Every joint of the legs but the hips' yaw, which lifts nothing at rest alone.
+        assert!(feet.offsets.len() >= 10, "{feet:?}");
+        assert!(feet.offsets.iter().all(|o| o.std > 0.0), "{feet:?}");
+        let virtual_feet = TwoFeet::new(&stage);
+        let world = stage.world();
+        let mut places = Vec::new();
+        for q in found.postures() {
+            let off = virtual_feet.lies(q).amax();
+            assert!(off < 1e-8, "{off:e}");
+            for (dof, q) in model.tree.dofs.iter().zip(q) {
+                assert!(
+                    (dof.lower - 1e-9..=dof.upper + 1e-9).contains(q),
+                    "{}",
+                    dof.joint
+                );
+            }
+            let at = virtual_feet.place(q);
+            let cop = world.cop(q);
+            // Within the soles' squares, the box about both.
+            for axis in 0..2 {
+                let (low, high) = (at[axis].min(0.0), at[axis].max(0.0));
+                let turned = 1.5 * half;
+                assert!(
+                    (low - turned..=high + turned).contains(&cop[axis]),
+                    "{cop:?} {at:?}"
+                );
+            }
+            places.push((cop[0] * at[0] + cop[1] * at[1]) / (at[0] * at[0] + at[1] * at[1]));
+        }
+        let (low, high) = places
+            .iter()
+            .fold((1.0_f64, 0.0_f64), |(low, high), share| {
+                (low.min(*share), high.max(*share))
+            });
+        assert!(low < 0.3 && high > 0.7, "shares {low:.2} to {high:.2}");
+        let (sidecar, _) = found.log().sidecar().unwrap();
+        assert_eq!(
+            (sidecar.both_feet, sidecar.other_foot.as_deref()),
+            (Some(true), Some(feet.other_foot.as_str()))
+        );
+    }
+}
+
+/// The command line: flags, JSON, text and page of a log that a plan on both feet asked for.
+#[test]
+fn commands_take_both_feet_and_say_what_the_soles_say() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let [poses, log, page] = ["poses.csv", "log.csv", "page.html"].map(at);
+    let planned = sesc(&[
+        "plan",
+        &op2(),
+        "--support",
+        "r_sole",
+        "--both-feet",
+        "--poses",
+        "30",
+        "--candidates",
+        "60",
+        "--out",
+        &poses,
+    ]);
+    let said = stdout(&planned);
+    assert!(
+        said.contains("soles            both soles on the floor, `l_sole` the other"),
+        "{said}"
+    );
+    // The robot's l_knee is 1.5° further than its encoder says: angles of the plan are true.
+    let stage = Stage::new(Platform::Op2);
+    let text = std::fs::read_to_string(&poses).unwrap();
+    let world = stage.world().joint_offset("l_knee", 0.026).unwrap();
+    let mut rows = text.lines();
+    let header = rows.next().unwrap();
+    let mut out = format!("{header},cop_x,cop_y\n");
+    for row in rows {
+        let joints: Vec<f64> = row.split(',').skip(1).map(|x| x.parse().unwrap()).collect();
+        let q = TwoFeet::encoders(&world, &joints);
+        let cop = world.cop(&q);
+        let q: Vec<String> = q.iter().map(|x| format!("{x:.7}")).collect();
+        let pose = row.split(',').next().unwrap();
+        out += &format!("{pose},{},{:.6},{:.6}\n", q.join(","), cop[0], cop[1]);
+    }
+    std::fs::write(&log, out).unwrap();
+    let words = [
+        "diagnose",
+        &op2(),
+        "--data",
+        &log,
+        "--support",
+        "r_sole",
+        "--noise",
+        "0.003",
+    ];
+    let json = sesc(&[&words[..], &["--other-foot", "l_sole", "--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    assert_eq!(json["steps"][0]["target"], "l_knee", "{json}");
+    let closure = &json["closure"];
+    assert_eq!(
+        (&closure["other_foot"], &closure["closes"]),
+        (&"l_sole".into(), &true.into())
+    );
+    let pitch = |when: &str| closure[when]["pitch_rad"].as_f64().unwrap();
+    // A foot that its ankle rolls by ρ is pitched by cos ρ of it.
+    assert!(
+        (0.018..0.027).contains(&pitch("before")) && pitch("after") < 1e-3,
+        "{closure}"
+    );
+    for part in ["noise", "tolerance"] {
+        for key in ["roll_rad", "pitch_rad", "height_m"] {
+            assert!(closure[part][key].as_f64().unwrap() > 0.0, "{closure}");
+        }
+    }
+    let text = stdout(&sesc(
+        &[&words[..], &["--both-feet", "--report", &page]].concat(),
+    ));
+    assert!(
+        text.contains("soles            l_sole off that of r_sole by"),
+        "{text}"
+    );
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(
+        page.contains("<dt>soles</dt><dd>l_sole off that of r_sole by"),
+        "no soles"
+    );
+    let fit = [
+        "fit",
+        &op2(),
+        "--data",
+        &log,
+        "--support",
+        "r_sole",
+        "--noise",
+        "0.003",
+    ];
+    let json = sesc(&[&fit[..], &["--both-feet", "--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    let joints = json["closure"]["explained_by"].as_array().unwrap();
+    assert!(
+        joints.iter().any(|o| o["joint"] == "l_knee"),
+        "{}",
+        json["closure"]
+    );
+    let wrong = sesc(&[&words[..], &["--other-foot", "toe"]].concat());
+    refused(
+        &wrong,
+        &["--other-foot LINK `toe` is no link of the robot", "l_sole"],
+    );
+}
