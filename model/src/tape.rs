@@ -365,4 +365,25 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn threads_that_share_a_tape_do_not_share_values() {
+        let (joints, calls) = (5, 2000);
+        let program = program(7, joints);
+        let tape = Tape::new(&program);
+        let call = |tape: &Tape, k: u32| {
+            let q: Vec<f64> = (0..5).map(|j| f64::from(k * 5 + j) * 1e-3).collect();
+            let mut out = vec![0.0; tape.outputs()];
+            tape.run(&[Values::PerPosture(&q)], 1, &mut out, Kernels::LIBM);
+            out.iter().map(|x| x.to_bits()).collect::<Vec<u64>>()
+        };
+        let alone: Vec<_> = (0..calls).map(|k| call(&Tape::new(&program), k)).collect();
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    (0..calls).for_each(|k| assert_eq!(call(&tape, k), alone[k as usize]))
+                });
+            }
+        });
+    }
 }

@@ -4,6 +4,8 @@
 //! program ─▶ angles ─▶ sines, cosines ─▶ everything else
 //! ```
 
+use std::sync::Mutex;
+
 use super::plan::RegisterFill;
 use super::products::Steps;
 use super::step::{Operation, Step};
@@ -17,8 +19,9 @@ const MOST: usize = 4096;
 /// Steps of one kind, one after the other.
 #[derive(Debug, Clone)]
 enum Run {
-    /// `[to, x, y, w]`: z = x y + w.
-    Products(Vec<[u16; 4]>),
+    /// `to`, x, y and w in 16 bits each, from the lowest: z = x y + w. One word is read for the
+    /// four of them.
+    Products(Vec<u64>),
     /// The same of programs with more values.
     WideProducts(Vec<[u32; 4]>),
     /// `[to, a, b]`
@@ -26,7 +29,7 @@ enum Run {
 }
 
 /// The steps of a program for one posture.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Alone {
     /// Angles that no sine is part of.
     angles: Vec<Run>,
@@ -35,6 +38,9 @@ pub(super) struct Alone {
     rest: Vec<Run>,
     /// Constants in their places, zero elsewhere, and room up to a power of two.
     initial: Vec<f64>,
+    /// What the last call left: constants are in their places, and everything else is written
+    /// before it is read. Calls at the same time have copies of `initial`.
+    used: Mutex<Vec<f64>>,
     /// The values that each argument has to give, and the places that they go to.
     inputs: Vec<Vec<(u32, u32)>>,
     outputs: Vec<u32>,
@@ -58,6 +64,7 @@ impl Alone {
             angles: runs(&angles, is_near),
             sines: sines.iter().filter_map(other).map(|(_, p)| p).collect(),
             rest: runs(&rest, is_near),
+            used: Mutex::new(initial.clone()),
             initial,
             inputs,
             outputs: steps.outputs.iter().map(|k| place(*k)).collect(),
@@ -66,7 +73,13 @@ impl Alone {
 
     /// Evaluate into `out`, with the bits of a block.
     pub fn run(&self, arguments: &[Values], out: &mut [f64], kernels: Kernels) {
-        let mut values = self.initial.clone();
+        match self.used.try_lock() {
+            Ok(mut values) => self.run_in(&mut values, arguments, out, kernels),
+            Err(_) => self.run_in(&mut self.initial.clone(), arguments, out, kernels),
+        }
+    }
+
+    fn run_in(&self, values: &mut [f64], arguments: &[Values], out: &mut [f64], kernels: Kernels) {
         for (places, argument) in self.inputs.iter().zip(arguments) {
             let (Values::PerPosture(given) | Values::Shared(given)) = argument;
             for &(to, index) in places {
@@ -74,16 +87,30 @@ impl Alone {
             }
         }
         for run in &self.angles {
-            run.on(&mut values, kernels);
+            run.on(values, kernels);
         }
         for some in self.sines.chunks(SHORT) {
-            sin_cos(some, &mut values, kernels);
+            sin_cos(some, values, kernels);
         }
         for run in &self.rest {
-            run.on(&mut values, kernels);
+            run.on(values, kernels);
         }
         for (to, place) in out.iter_mut().zip(&self.outputs) {
             *to = values[*place as usize];
+        }
+    }
+}
+
+impl Clone for Alone {
+    fn clone(&self) -> Alone {
+        Alone {
+            angles: self.angles.clone(),
+            sines: self.sines.clone(),
+            rest: self.rest.clone(),
+            initial: self.initial.clone(),
+            used: Mutex::new(self.initial.clone()),
+            inputs: self.inputs.clone(),
+            outputs: self.outputs.clone(),
         }
     }
 }
@@ -119,9 +146,17 @@ fn runs(steps: &[Step], is_near: bool) -> Vec<Run> {
     runs
 }
 
-/// Places in 16 bits: a quarter of what is read beside the numbers.
-fn near(places: [usize; 4]) -> [u16; 4] {
-    places.map(|k| u16::try_from(k).expect("fewer than 2^16 values"))
+/// Places in 16 bits each, the first in the lowest.
+fn near(places: [usize; 4]) -> u64 {
+    let places = places.map(|k| u16::try_from(k).expect("fewer than 2^16 values"));
+    let packed = places.iter().rev();
+    packed.fold(0, |word, &k| word << 16 | u64::from(k))
+}
+
+/// The same four again.
+#[inline(always)]
+fn places(word: u64) -> [usize; 4] {
+    [word, word >> 16, word >> 32, word >> 48].map(|k| usize::from(k as u16))
 }
 
 impl Run {
@@ -134,9 +169,9 @@ impl Run {
                 1024 => products_of::<1024>(all, values),
                 2048 => products_of::<2048>(all, values),
                 4096 => products_of::<4096>(all, values),
-                _ => products(all, values, usize::from),
+                _ => products(all, values, |word| places(*word)),
             },
-            Run::WideProducts(all) => products(all, values, |k: u32| k as usize),
+            Run::WideProducts(all) => products(all, values, |four| four.map(|k| k as usize)),
             Run::Others(Operation::Div, all) => each(all, values, |x, y| x / y),
             Run::Others(Operation::Clamp, all) => each(all, values, |x, _| x.clamp(-1.0, 1.0)),
             Run::Others(Operation::Pow, all) => each(all, values, |x, y| {
@@ -154,20 +189,28 @@ impl Run {
     }
 }
 
+/// Steps that are written out one after the other in a turn of the loop.
+const AT_ONCE: usize = 4;
+
 /// The same where the number of values is known to the compiler: places are below it, so that
 /// their remainder is what they are, and no step has to compare four of them.
-fn products_of<const N: usize>(all: &[[u16; 4]], values: &mut [f64]) {
+fn products_of<const N: usize>(all: &[u64], values: &mut [f64]) {
     let values: &mut [f64; N] = values.try_into().expect("as many values");
-    for places in all {
-        let [to, x, y, w] = places.map(|k| usize::from(k) % N);
+    let mut step = |word: &u64| {
+        let [to, x, y, w] = places(*word).map(|k| k % N);
         values[to] = values[x] * values[y] + values[w];
+    };
+    let (turns, rest) = all.as_chunks::<AT_ONCE>();
+    for turn in turns {
+        turn.iter().for_each(&mut step);
     }
+    rest.iter().for_each(step);
 }
 
 #[inline(always)]
-fn products<I: Copy>(all: &[[I; 4]], values: &mut [f64], at: impl Fn(I) -> usize) {
-    for places in all {
-        let [to, x, y, w] = places.map(&at);
+fn products<P>(all: &[P], values: &mut [f64], places: impl Fn(&P) -> [usize; 4]) {
+    for four in all {
+        let [to, x, y, w] = places(four);
         // Rounded twice: no fused operation, which would have other bits.
         values[to] = values[x] * values[y] + values[w];
     }
