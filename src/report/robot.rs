@@ -14,8 +14,13 @@ use sesc_model::tree::{Coordinate, Motion};
 
 /// Bytes of the data of a page: with its script they stay below 150 kB.
 const DATA_BYTES: usize = 128_000;
+/// Postures without which a slider is none; of a robot so large that fewer fit, the page has
+/// pictures alone.
+const FEWEST: usize = 3;
 /// Bytes of one that is left out, `null,`.
 const NULL: usize = 5;
+/// The rotation of what is not turned, row by row.
+const UNTURNED: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 /// CoPs of a picture that stay apart.
 const MOST: usize = 400;
 
@@ -103,11 +108,22 @@ impl Card<'_> {
                 .collect::<Vec<Json>>(),
         });
         let left = DATA_BYTES.saturating_sub(data.to_string().len());
-        data["postures"] = Json::from(within(all().map(posture).collect(), shown, left));
+        let kept = within(all().map(posture).collect(), shown, left);
+        let on_slider = kept[..self.postures.len()].iter();
+        let on_slider = on_slider.filter(|posture| !posture.is_null()).count();
+        let wanted = self.postures.len();
+        let caption = match left_out(on_slider, wanted, self.skeleton.dofs.len()) {
+            Some(sentence) => format!("{} {sentence}", self.caption),
+            None => self.caption,
+        };
+        match kept.is_empty() || is_large(on_slider, wanted) {
+            true => data = json!({"postures": []}),
+            false => data["postures"] = Json::from(kept),
+        }
         context! {
             views => views.map(Value::from_safe_string).to_vec(),
             beside => self.beside.map(Value::from_safe_string),
-            caption => self.caption,
+            caption,
             postures => self.postures.len(),
             data => Value::from_safe_string(inline_json(&data)),
         }
@@ -132,6 +148,27 @@ fn within(postures: Vec<Json>, shown: usize, most: usize) -> Vec<Json> {
         .collect()
 }
 
+/// Whether so few postures fit that the page does without moving the robot.
+fn is_large(kept: usize, wanted: usize) -> bool {
+    kept < wanted.min(FEWEST)
+}
+
+/// What is said where a page has not all postures of its robot.
+fn left_out(kept: usize, wanted: usize, joints: usize) -> Option<String> {
+    if is_large(kept, wanted) {
+        return Some(format!(
+            "The robot stands still: what moves one of {joints} joints would make the page too \
+             large."
+        ));
+    }
+    (kept < wanted).then(|| {
+        format!(
+            "The slider and pointing at dots show {kept} of the {wanted} postures: all of them \
+             would make the page too large."
+        )
+    })
+}
+
 /// The posture whose joints are nearest to zero.
 fn most_upright(postures: &[Shown]) -> usize {
     let size = |shown: &Shown| shown.q.iter().map(|q| q * q).sum::<f64>();
@@ -151,13 +188,14 @@ fn all<'v>(values: impl IntoIterator<Item = &'v f64>, digits: i32) -> Vec<Json> 
     values.into_iter().map(|x| rounded(*x, digits)).collect()
 }
 
-/// Parent (−1: none), kind (0 fixed, 1 revolute, 2 prismatic), rotation, anchor, axis, joint,
-/// factor, offset, mass and CoM of each body; what lengths are is m.
+/// Parent, kind (0 fixed, 1 revolute, 2 prismatic), rotation, anchor, axis, joint, factor, offset,
+/// mass and CoM of each body; what lengths are is m. Left out are no parent, no rotation, a factor
+/// of one, and the rest where it is zero.
 fn bodies(skeleton: &Skeleton) -> Vec<Json> {
     let of = |body: &sesc_identify::skeleton::Segment| {
         let still = Coordinate {
             dof: 0,
-            factor: 0.0,
+            factor: 1.0,
             offset: 0.0,
         };
         let (kind, axis, by) = match body.motion {
@@ -165,18 +203,26 @@ fn bodies(skeleton: &Skeleton) -> Vec<Json> {
             Motion::Revolute { axis, by } => (1, axis.components(), by),
             Motion::Prismatic { axis, by } => (2, axis.components(), by),
         };
-        json!({
-            "parent": body.parent.map_or(-1, |parent| parent as i64),
-            "kind": kind,
-            "rotation": all(body.rotation.iter().flatten(), 9),
-            "anchor": all(&body.anchor, 7),
-            "axis": all(&axis, 9),
-            "joint": by.dof,
-            "factor": by.factor,
-            "offset": by.offset,
-            "mass": rounded(body.mass, 7),
-            "com": all(&body.com, 7),
-        })
+        let numbers = |values: &[f64], digits: i32| json!(all(values, digits));
+        let rotation: Vec<f64> = body.rotation.iter().flatten().copied().collect();
+        let zero = || json!([0.0, 0.0, 0.0]);
+        let fields = [
+            ("parent", json!(body.parent), Json::Null),
+            ("kind", json!(kind), json!(0)),
+            ("rotation", numbers(&rotation, 9), numbers(&UNTURNED, 9)),
+            ("anchor", numbers(&body.anchor, 7), zero()),
+            ("axis", numbers(&axis, 9), zero()),
+            ("joint", json!(by.dof), json!(0)),
+            ("factor", json!(by.factor), json!(1.0)),
+            ("offset", json!(by.offset), json!(0.0)),
+            ("mass", rounded(body.mass, 7), json!(0.0)),
+            ("com", numbers(&body.com, 7), zero()),
+        ];
+        let said = fields
+            .into_iter()
+            .filter(|(_, value, usual)| value != usual);
+        said.map(|(name, value, _)| (name.to_string(), value))
+            .collect()
     };
     skeleton.bodies.iter().map(of).collect()
 }
@@ -256,6 +302,8 @@ fn inline_json(value: &Json) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sesc_identify::robot::Robot;
+    use sesc_model::Snapping;
 
     /// A page of a long log or of many joints: what its script reads stays small, every posture
     /// keeps its number, and the one that is shown is there.
@@ -286,6 +334,67 @@ mod tests {
         }
         let few = of(20, 100);
         assert_eq!(within(few.clone(), 0, DATA_BYTES), few);
+    }
+
+    /// A chain of so many joints.
+    fn chain(joints: usize) -> Skeleton {
+        let mut text = "<robot name='chain'><link name='link_0'/>".to_string();
+        for k in 1..=joints {
+            let axis = ["1 0 0", "0 1 0"][k % 2];
+            text += &format!(
+                "<link name='link_{k}'><inertial><origin xyz='0.001 0 0.005'/><mass value='0.01'/>\
+                 </inertial></link><joint name='joint_{k}' type='continuous'><parent \
+                 link='link_{}'/><child link='link_{k}'/><origin xyz='0 0 0.01'/><axis \
+                 xyz='{axis}'/></joint>",
+                k - 1
+            );
+        }
+        let robot = Robot::parse(&(text + "</robot>"), "chain.urdf").unwrap();
+        let model = robot.model("link_0", Snapping::default(), None).unwrap();
+        Skeleton::of(&model, &robot.description, None)
+    }
+
+    /// The slider of a robot of hundreds of joints has some of the postures, and the page says so.
+    #[test]
+    fn pages_of_robots_of_hundreds_of_joints_stay_small() {
+        let skeleton = chain(450);
+        let posture = Shown {
+            q: vec![-0.0123; 450],
+            measured: Some([0.012_345, -0.012_345]),
+            ..Shown::default()
+        };
+        let card = Card {
+            skeleton: &skeleton,
+            postures: vec![posture; 60],
+            apart: Vec::new(),
+            beside: None,
+            caption: "A chain.".to_string(),
+            marks: Marks::default(),
+            correction: Correction::default(),
+        };
+        let context = card.context();
+        let said = |key: &str| context.get_attr(key).unwrap().to_string();
+        assert!(said("data").len() < DATA_BYTES, "{}", said("data").len());
+        let data: Json = serde_json::from_str(&said("data")).unwrap();
+        let kept = data["postures"].as_array().unwrap().iter();
+        let kept = kept.filter(|posture| !posture.is_null()).count();
+        assert!((10..60).contains(&kept), "{kept}");
+        let words = format!("A chain. The slider and pointing at dots show {kept} of the 60");
+        assert!(said("caption").starts_with(&words), "{}", said("caption"));
+    }
+
+    #[test]
+    fn what_does_not_fit_on_a_page_is_said() {
+        assert_eq!(left_out(100, 100, 20), None);
+        assert_eq!(left_out(0, 0, 20), None);
+        assert_eq!(left_out(2, 2, 20), None);
+        let some = left_out(15, 60, 450).unwrap();
+        assert!(some.contains("15 of the 60 postures"), "{some}");
+        let none = left_out(1, 60, 2000).unwrap();
+        assert!(
+            none.contains("stands still") && none.contains("2000 joints"),
+            "{none}"
+        );
     }
 
     #[test]

@@ -11,9 +11,12 @@
 import { readdirSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { launch } from './browser.mjs';
-import { beyond, figures, pale } from './looks.mjs';
+import { beyond, figures, pale, scripted } from './looks.mjs';
 import { interact } from './interact.mjs';
 import { Shots } from './shots.mjs';
+
+/** Script and data of a page stay below so many bytes, of a robot of hundreds of joints, too. */
+const INLINE = 150_000;
 
 const [folder, pictures, write] = process.argv.slice(2);
 const files = readdirSync(folder, { recursive: true }).filter((file) => file.endsWith('.html')).sort();
@@ -49,6 +52,8 @@ async function check(file) {
   await page.open(url);
   const count = (await page.ask(figures)).length;
   expect(count > 0 || file.startsWith('fleet'), 'has no figure');
+  const inline = await page.ask(scripted);
+  expect(inline < INLINE, `its script and data are ${inline} bytes`);
 
   await interact(page, expect);
 

@@ -81,3 +81,9 @@ export function figures() {
   const all = [...document.querySelectorAll('svg')].filter((svg) => !svg.closest('.tip'));
   return all.map((svg) => Math.round(svg.getBoundingClientRect().width));
 }
+
+/** Bytes of the script of a page, with the data that it reads. */
+export function scripted() {
+  const scripts = [...document.querySelectorAll('script')];
+  return scripts.reduce((sum, script) => sum + new Blob([script.textContent]).size, 0);
+}

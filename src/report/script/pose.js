@@ -1,6 +1,10 @@
 // Where bodies are in a posture, as sesc_identify::skeleton has it:
 //   T_i = T_parent(i) · (anchor_i + axis θ, R_i Rot(axis, θ))        θ = factor q + offset
-// Rotations are nine numbers, row by row; lengths are metres.
+// Rotations are nine numbers, row by row; lengths are metres. What a body does not say is usual.
+const USUAL = {
+  kind: 0, joint: 0, factor: 1, offset: 0, mass: 0,
+  rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], anchor: [0, 0, 0], axis: [0, 0, 0], com: [0, 0, 0],
+};
 
 /** The product of two rotations. */
 function times(a, b) {
@@ -34,7 +38,8 @@ function about([x, y, z], angle) {
 /** Frames of all bodies in posture q; parents stand before their children. */
 function place(bodies, q) {
   const frames = [];
-  for (const body of bodies) {
+  for (const said of bodies) {
+    const body = { ...USUAL, ...said };
     const theta = body.factor * (q[body.joint] || 0) + body.offset;
     let own = { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], origin: [0, 0, 0] };
     if (body.kind === 1) {
@@ -54,7 +59,8 @@ function place(bodies, q) {
 function centre(bodies, frames) {
   const sum = [0, 0, 0];
   let mass = 0;
-  bodies.forEach((body, k) => {
+  bodies.forEach((said, k) => {
+    const body = { ...USUAL, ...said };
     const at = seen(frames[k], body.com);
     for (let i = 0; i < 3; i++) sum[i] += body.mass * at[i];
     mass += body.mass;
