@@ -24,6 +24,16 @@ pub enum Error {
     /// Options that do not go together, in a sentence with the remedy.
     #[error("{0}")]
     Usage(String),
+    /// A fault of the file of a robot's own settings, with the remedy.
+    #[error("{file}{}: {reason}", .line.map_or(String::new(), |line| format!(":{line}")))]
+    Settings {
+        /// The file.
+        file: String,
+        /// The line, from 1.
+        line: Option<u64>,
+        /// What is wrong.
+        reason: String,
+    },
     /// A page that cannot be made of its template.
     #[error("cannot render the report")]
     Report(#[source] Box<dyn std::error::Error + Send + Sync>),
@@ -43,7 +53,7 @@ impl Error {
             Error::Reference(_) => "model",
             Error::Codegen(error) => error.kind().name(),
             Error::Identify(error) => error.kind().name(),
-            Error::Usage(_) => "usage",
+            Error::Usage(_) | Error::Settings { .. } => "usage",
             Error::Report(_) => "internal",
         }
     }
@@ -52,6 +62,7 @@ impl Error {
     pub fn file(&self) -> Option<&str> {
         match self {
             Error::Identify(error) => error.file(),
+            Error::Settings { file, .. } => Some(file),
             _ => self.model()?.file(),
         }
     }
@@ -60,6 +71,7 @@ impl Error {
     pub fn line(&self) -> Option<u64> {
         match self {
             Error::Identify(error) => error.line(),
+            Error::Settings { line, .. } => *line,
             _ => self.model()?.line(),
         }
     }

@@ -2,6 +2,8 @@
 
 use std::{fmt, io};
 
+use sesc_model::files::TomlFault;
+
 use crate::words::{Message, Setting};
 
 /// Bad input, or a call that makes no sense.
@@ -114,6 +116,11 @@ impl Error {
     /// A fault in a file of tolerances.
     pub(crate) fn prior(file: impl Into<String>, message: impl Into<Message>) -> Error {
         Error::new(ErrorKind::Prior, message).at(file, None)
+    }
+
+    /// A file of tolerances that is no TOML, or does not say what they are.
+    pub(crate) fn prior_toml(file: impl Into<String>, fault: TomlFault) -> Error {
+        Error::new(ErrorKind::Prior, fault.reason).at(file, fault.line)
     }
 
     /// `file` cannot be read.

@@ -46,7 +46,9 @@ pub fn hide<S: AsRef<str>>(model: Model, effects: &[S]) -> Result<Model, Error> 
     // Messages about them begin so.
     file.file = "hidden effects".to_string();
     file.effects.extend(records);
-    Ok(model.clone().with_file(file)?)
+    // No file says them.
+    let hidden = model.clone().with_file(file);
+    hidden.map_err(|error| Error::request(error.to_string()))
 }
 
 /// One effect as a model file has it.

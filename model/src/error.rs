@@ -77,6 +77,9 @@ impl Error {
 
     /// The line of the first fault, from 1.
     pub fn line(&self) -> Option<u64> {
+        if let Problem::ModelFile { line, .. } = &*self.0 {
+            return *line;
+        }
         let faults = self.urdf()?.complaints();
         faults.iter().find_map(|fault| fault.line).map(u64::from)
     }
@@ -85,7 +88,8 @@ impl Error {
     #[doc(hidden)]
     pub fn model_file(file: impl Into<String>, reason: impl Into<String>) -> Error {
         let (file, reason) = (file.into(), reason.into());
-        Problem::ModelFile { file, reason }.into()
+        let line = None;
+        Problem::ModelFile { file, line, reason }.into()
     }
 }
 
@@ -187,5 +191,9 @@ pub(crate) enum Problem {
     },
     /// A model file has faults, or belongs to another robot.
     #[error("{file}: {reason}")]
-    ModelFile { file: String, reason: String },
+    ModelFile {
+        file: String,
+        line: Option<u64>,
+        reason: String,
+    },
 }

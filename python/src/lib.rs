@@ -69,6 +69,8 @@ mod _sesc {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         calls::keep_panics_to_ourselves();
+        // Its functions are looked up once, here: Ctrl-C within that would be a panic.
+        numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
         // Beside what the module exports.
         #[cfg(debug_assertions)]
         module.setattr("_panic", wrap_pyfunction!(calls::_panic, module)?)?;

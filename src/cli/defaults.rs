@@ -95,8 +95,8 @@ impl Given {
         format!("note: {} gives {}", self.file.display(), options.join(" "))
     }
 
-    /// The first of them that a message names: the place of its key, as `sesc.toml:3: `noise``.
-    pub(super) fn blamed(&self, message: &str) -> Option<String> {
+    /// The message as a fault of the first of them that it names, with the place of its key.
+    pub(super) fn blamed(&self, message: &str) -> Option<Error> {
         let names = |option: &str| {
             let name = option.split('=').next().unwrap_or(option);
             let ends = |after: &str| !after.starts_with(|c: char| c.is_alphanumeric() || c == '-');
@@ -104,16 +104,7 @@ impl Given {
             places.any(|(at, _)| ends(&message[at + name.len()..]))
         };
         let (key, _) = self.options.iter().find(|(_, option)| names(option))?;
-        let is_key = |line: &str| {
-            let rest = line.trim_start().trim_start_matches(['"', '\'']);
-            let rest = rest
-                .strip_prefix(key)
-                .map(|rest| rest.trim_start_matches(['"', '\'']));
-            rest.is_some_and(|rest| rest.trim_start().starts_with('='))
-        };
-        let line = self.text.lines().position(is_key);
-        let line = line.map_or(String::new(), |k| format!(":{}", k + 1));
-        Some(format!("{}{line}: `{key}`", self.file.display()))
+        Some(wrong(&self.file, &self.text, key, message))
     }
 }
 
@@ -142,7 +133,7 @@ pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Giv
         let meant = nearest(unknown, "", known.iter().copied());
         let meant = meant.map_or(String::new(), |key| format!("; did you mean `{key}`?"));
         let remedy = format!("no such key; the keys are {}{meant}", known.join(", "));
-        return Err(wrong(&file, &shortened(unknown, 64), &remedy));
+        return Err(wrong(&file, &text, &shortened(unknown, 64), &remedy));
     }
     let folder = file.parent().unwrap_or(Path::new(""));
     let mut given = Vec::new();
@@ -150,7 +141,8 @@ pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Giv
         let Some(value) = table.get(key) else {
             continue;
         };
-        let option = spelled(value, kind, folder).map_err(|remedy| wrong(&file, key, &remedy))?;
+        let option =
+            spelled(value, kind, folder).map_err(|remedy| wrong(&file, &text, key, &remedy))?;
         if let Some(value) = option.filter(|_| wanted(command, matches, key)) {
             given.push((key, format!("--{}{value}", key.replace('_', "-"))));
         }
@@ -192,16 +184,39 @@ fn read(file: &Path) -> Result<Option<(String, toml::Table)>, Error> {
     let text = match files::read_text(file, files::SIDECAR) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(Error::Usage(format!("{}: {error}", file.display()))),
+        Err(error) => {
+            return Err(Error::Settings {
+                file: file.display().to_string(),
+                line: None,
+                reason: error.to_string(),
+            });
+        }
     };
     match files::parse_toml(&text, FORMAT) {
         Ok(table) => Ok(Some((text, table))),
-        Err(error) => Err(Error::Usage(format!("{}: {error}", file.display()))),
+        Err(fault) => Err(Error::Settings {
+            file: file.display().to_string(),
+            line: fault.line,
+            reason: fault.reason,
+        }),
     }
 }
 
-fn wrong(file: &Path, key: &str, remedy: &str) -> Error {
-    Error::Usage(format!("{}: `{key}`: {remedy}", file.display()))
+/// What is wrong with a key of `text`, with its line.
+fn wrong(file: &Path, text: &str, key: &str, remedy: &str) -> Error {
+    let is_key = |line: &str| {
+        let rest = line.trim_start().trim_start_matches(['"', '\'']);
+        let rest = rest
+            .strip_prefix(key)
+            .map(|rest| rest.trim_start_matches(['"', '\'']));
+        rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+    };
+    let line = text.lines().position(is_key);
+    Error::Settings {
+        file: file.display().to_string(),
+        line: line.map(|k| k as u64 + 1),
+        reason: format!("`{key}`: {remedy}"),
+    }
 }
 
 /// A value as it stands behind its option; none of a flag that is off.

@@ -161,8 +161,7 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
 fn of_file(given: &defaults::Given, rendered: &str) -> Option<Error> {
     let said = rendered.trim_start_matches("error: ");
     let said = said.split("\n\n").next().unwrap_or(said).trim_end();
-    let place = given.blamed(said)?;
-    Some(Error::Usage(format!("{place}: {said}")))
+    given.blamed(said)
 }
 
 /// What the parser finds wrong, without what it says of the command besides.
@@ -179,10 +178,7 @@ fn of_parser(rendered: &str) -> String {
 
 /// Say what is wrong, and where an option stands that it is about; the exit code.
 fn failed(error: &Error, given: Option<&defaults::Given>, json: bool) -> u8 {
-    let placed = given.and_then(|given| {
-        let place = given.blamed(&error.to_string())?;
-        Some(Error::Usage(format!("{place}: {error}")))
-    });
+    let placed = given.and_then(|given| given.blamed(&error.to_string()));
     let error = match (&placed, error.kind()) {
         // Other kinds name files of their own.
         (Some(placed), "usage" | "request") => placed,

@@ -1,5 +1,7 @@
 //! What programs read: the list of effects, errors as JSON, exit codes that judge.
 
+use std::fs;
+
 use serde_json::Value;
 use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
 
@@ -165,8 +167,47 @@ fn errors_are_json_where_json_is_asked_for() {
         said.contains("similar argument exists") && !said.contains("For more"),
         "{said}"
     );
+    places_in_toml(&error);
     // Without the flag stdout is empty.
     assert!(sesc(&["inspect", "none.urdf"]).stdout.is_empty());
+}
+
+/// A fault of a model file, of tolerances, of a sidecar and of `sesc.toml` has its file and line.
+fn places_in_toml(error: &impl Fn(&[&str]) -> Value) {
+    let folder = folder();
+    let urdf = write(
+        folder.path(),
+        "op2.urdf",
+        fs::read_to_string(op2()).unwrap(),
+    );
+    let log = folder.path().join("log.csv").display().to_string();
+    let simulate = ["simulate", &urdf, "--support", "r_sole", "--poses", "60"];
+    stdout(&sesc(&[&simulate[..], &["--out", &log]].concat()));
+    let broken = "# a remark\nformat = 1\nx = [1,\n";
+    let file = write(folder.path(), "m.toml", broken);
+    let at = |arguments: &[&str], file: &str, line: u64| {
+        let found = error(&[arguments, &["--json"]].concat());
+        let place = (&found["file"], &found["line"]);
+        assert_eq!(place, (&file.into(), &line.into()), "{found}");
+    };
+    at(&["compare", &file, &file], &file, 3);
+    let fit = ["fit", &urdf, "--support", "r_sole", "--data", &log];
+    at(&[&fit[..], &["--prior", &file]].concat(), &file, 3);
+    let sidecar = write(
+        folder.path(),
+        "log.csv.toml",
+        "support = 'r_sole'\nangles = 5\n",
+    );
+    at(&fit, &sidecar, 2);
+    fs::remove_file(sidecar).unwrap();
+    let settings = write(folder.path(), "sesc.toml", "\n\nnoise = 'much'\n");
+    at(&fit, &settings, 3);
+    write(folder.path(), "sesc.toml", "\nnoise = 5\n");
+    at(&fit, &settings, 2);
+    write(folder.path(), "sesc.toml", "\nnois = 5\n");
+    at(&fit, &settings, 2);
+    write(folder.path(), "sesc.toml", "\n\n\n= 5\n");
+    at(&fit, &settings, 4);
 }
 
 /// `--fail-above` counts noise floors; the answer is printed all the same.

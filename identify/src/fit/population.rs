@@ -56,7 +56,7 @@ impl Population {
     /// When it is no TOML, or of a newer format.
     pub(super) fn is_in(text: &str, file: &str) -> Result<bool, Error> {
         let keys: BTreeMap<String, IgnoredAny> =
-            files::parse_toml(text, FORMAT).map_err(|reason| Error::prior(file, reason))?;
+            files::parse_toml(text, FORMAT).map_err(|fault| Error::prior_toml(file, fault))?;
         Ok(keys.contains_key("population"))
     }
 
@@ -66,7 +66,8 @@ impl Population {
     /// When it is no population, or that of another robot or support than `model`'s.
     pub(super) fn read(text: &str, file: &str, model: &Model) -> Result<Population, Error> {
         let bad = |reason: String| Error::prior(file, reason);
-        let found: File<Population> = files::parse_toml(text, FORMAT).map_err(bad)?;
+        let found: File<Population> =
+            files::parse_toml(text, FORMAT).map_err(|fault| Error::prior_toml(file, fault))?;
         let found = found.population;
         let support = &model.tree.links[model.tree.support].name;
         if (&found.urdf_hash, &found.support) != (&model.tree.hash, support) {

@@ -230,7 +230,8 @@ impl Tolerances {
 
     fn read(text: &str, file: &str, model: &Model) -> Result<Tolerances, Error> {
         let bad = |reason: String| Error::prior(file, reason);
-        let tolerances: Tolerances = files::parse_toml(text, FORMAT).map_err(bad)?;
+        let tolerances: Tolerances =
+            files::parse_toml(text, FORMAT).map_err(|fault| Error::prior_toml(file, fault))?;
         let names = || model.tree.links.iter().map(|link| link.name.as_str());
         if let Some(stray) = tolerances
             .links

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
-use sesc_model::files;
+use sesc_model::files::{self, TomlFault};
 use sesc_model::spelling::nearest;
 
 use super::bounds::check_gravity;
@@ -164,9 +164,8 @@ impl Sidecar {
             )));
         }
         match files::read_text(&path, files::SIDECAR) {
-            Ok(text) => {
-                Sidecar::parse(&text, &file).map_err(|message| Error::log(file, None, message))
-            }
+            Ok(text) => Sidecar::parse(&text, &file)
+                .map_err(|fault| Error::log(file, fault.line, fault.reason)),
             // `/dev/stdin` has no neighbours either.
             Err(error)
                 if matches!(
@@ -188,7 +187,7 @@ impl Sidecar {
         table.is_ok_and(|table| table.keys().all(|key| WRITTEN.contains(&key.as_str())))
     }
 
-    pub(crate) fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), String> {
+    pub(crate) fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), TomlFault> {
         let keys: BTreeMap<String, IgnoredAny> = files::parse_toml(text, FORMAT)?;
         let named = || KEYS.iter().map(|(key, _)| *key);
         let unknown: Vec<&String> = keys
@@ -338,7 +337,7 @@ mod tests {
             ("format = 9\nsupport = 3", "format 9"),
             ("cells = [[1e300, 0.0], [0.0, 0.0]]", "1e300"),
         ] {
-            let message = Sidecar::parse(text, "s.toml").unwrap_err();
+            let message = Sidecar::parse(text, "s.toml").unwrap_err().reason;
             assert!(message.contains(word), "{text}: {message}");
         }
     }

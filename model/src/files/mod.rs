@@ -24,7 +24,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::Error;
 use crate::error::Problem;
 pub use crate::stamp::Stamp;
-pub use parse::{MARKS, parse_toml};
+pub use parse::{MARKS, TomlFault, parse_toml};
 pub use places::Access;
 pub use read::{MODEL, PART, SETTINGS, SIDECAR, read_bytes, read_text};
 
@@ -44,8 +44,8 @@ impl Noted {
     }
 }
 
-/// Of the whole process, since what it is for is: a signal ends all threads at once, and names
-/// of temporary files are unlike within a process, whose id they have. A list that front ends
+/// The temporary files of this process. A signal ends all of its threads at once, and names of
+/// temporary files are unlike within it, since they have its id. A list that front ends
 /// hold would have to go through every function that writes a file, and two of them would sweep
 /// and rename between each other. Nobody is interrupted while holding the lock.
 static NOTED: Mutex<Noted> = Mutex::new(Noted {

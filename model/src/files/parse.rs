@@ -1,6 +1,8 @@
 //! TOML that others wrote: bounded before it is parsed, of a known format, and with messages
 //! that stay short whatever stands in the file.
 
+use std::fmt;
+
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
@@ -16,6 +18,30 @@ const LINE: usize = 160;
 /// What a message says of a fault, characters.
 const FAULT: usize = 400;
 
+/// What is wrong with a TOML text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct TomlFault {
+    /// The line with the fault, from 1; none where it is about the whole text.
+    pub line: Option<u64>,
+    /// The fault in a sentence, which names the line, too.
+    pub reason: String,
+}
+
+impl From<String> for TomlFault {
+    fn from(reason: String) -> TomlFault {
+        TomlFault { line: None, reason }
+    }
+}
+
+impl fmt::Display for TomlFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.reason)
+    }
+}
+
+impl std::error::Error for TomlFault {}
+
 /// What a TOML text says. Its key `format` is a whole number, 1 where it is missing; of a file
 /// with a format above `newest` nothing else is read.
 ///
@@ -30,16 +56,17 @@ const FAULT: usize = 400;
 /// let zeros: BTreeMap<String, i32> = parse_toml("format = 1\nknee = 2048", 1)?;
 /// assert_eq!(zeros["knee"], 2048);
 /// let newer = parse_toml::<BTreeMap<String, i32>>("format = 2\nknee = [0, 1]", 1);
-/// assert!(newer.unwrap_err().contains("reads formats up to 1"));
-/// # Ok::<(), String>(())
+/// assert!(newer.unwrap_err().reason.contains("reads formats up to 1"));
+/// # Ok::<(), sesc_model::files::TomlFault>(())
 /// ```
-pub fn parse_toml<T: DeserializeOwned>(text: &str, newest: u32) -> Result<T, String> {
+pub fn parse_toml<T: DeserializeOwned>(text: &str, newest: u32) -> Result<T, TomlFault> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let marks = text.bytes().filter(|byte| b",.=[{\n".contains(byte));
     if marks.count() > MARKS {
-        return Err(format!(
+        let reason = format!(
             "it has more than {MARKS} values, keys and lines, more than such a file can need"
-        ));
+        );
+        return Err(reason.into());
     }
     let mut root = DeTable::parse(text).map_err(|error| sentence(text, error))?;
     if let Some(format) = root.get_mut().remove("format") {
@@ -65,21 +92,26 @@ fn check_format(format: &DeValue, newest: u32) -> Result<(), String> {
 }
 
 /// What the library says, with the line where that is short enough to be read.
-fn sentence(text: &str, mut error: Error) -> String {
+fn sentence(text: &str, mut error: Error) -> TomlFault {
     let fault = shortened(&visible_lines(error.message()), FAULT);
     let Some(span) = error.span() else {
-        return fault;
+        return fault.into();
     };
     let before = text.get(..span.start).unwrap_or(text);
     let start = before.rfind('\n').map_or(0, |k| k + 1);
     let line = text[start..].lines().next().unwrap_or("");
-    if line.len() <= LINE && error.message().len() <= FAULT {
-        error.set_input(Some(text));
-        return error.to_string().trim_end().to_string();
-    }
     let number = before.matches('\n').count() + 1;
-    let column = before[start..].chars().count() + 1;
-    format!("TOML parse error at line {number}, column {column}: {fault}")
+    let reason = if line.len() <= LINE && error.message().len() <= FAULT {
+        error.set_input(Some(text));
+        error.to_string().trim_end().to_string()
+    } else {
+        let column = before[start..].chars().count() + 1;
+        format!("TOML parse error at line {number}, column {column}: {fault}")
+    };
+    TomlFault {
+        line: Some(number as u64),
+        reason,
+    }
 }
 
 #[cfg(test)]
@@ -91,7 +123,7 @@ mod tests {
     type Numbers = BTreeMap<String, Vec<f64>>;
 
     fn refusal(text: &str) -> String {
-        parse_toml::<Numbers>(text, 1).unwrap_err()
+        parse_toml::<Numbers>(text, 1).unwrap_err().reason
     }
 
     #[test]
@@ -114,6 +146,10 @@ mod tests {
     #[test]
     fn a_short_line_is_shown_and_a_long_one_is_counted_in() {
         assert!(refusal("\nx = true").contains("2 | x = true"));
+        let line = |text: &str| parse_toml::<Numbers>(text, 1).unwrap_err().line;
+        assert_eq!(line("\nx = true"), Some(2));
+        assert_eq!(line("y = [1.0]\n\n= 1"), Some(3));
+        assert_eq!(line("format = 9"), None);
         let long = refusal(&format!("y = [1.0]\nx = [{}true]", "1.0, ".repeat(100_000)));
         assert!(long.contains("line 2, column 500006"), "{long}");
         assert!(long.len() < 600, "{}", long.len());

@@ -159,11 +159,15 @@ impl ModelFile {
 
     /// Parse the text of a model file; `file` names it in messages.
     pub fn parse(text: &str, file: &str) -> Result<ModelFile, Error> {
-        let bad = |reason: String| Error::model_file(file, reason);
+        let bad = |fault: files::TomlFault| Problem::ModelFile {
+            file: file.to_string(),
+            line: fault.line,
+            reason: fault.reason,
+        };
         let mut model: ModelFile = files::parse_toml(text, NEWEST).map_err(bad)?;
         model.file = file.to_string();
         match model.invalid_reason() {
-            Some(reason) => Err(bad(reason)),
+            Some(reason) => Err(Error::model_file(file, reason)),
             None => Ok(model),
         }
     }

@@ -10,7 +10,7 @@ use crate::urdf::{self, JointType};
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinate {
-    /// Index in [`Tree::dofs`].
+    /// Index in [`Tree::dofs`](super::Tree::dofs).
     pub dof: usize,
     /// 1 but for mimic joints and joints walked backwards.
     pub factor: f64,
