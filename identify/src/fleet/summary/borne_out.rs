@@ -39,12 +39,6 @@ pub(super) fn is_borne_out(before: &[&Row], after: &[&Row], widening: f64) -> bo
 /// How many times as much days scatter as their deviations say, of neighbouring days with the
 /// same explanation; 1 at least, and where there are too few of them.
 pub(super) fn scatter(histories: &[History]) -> f64 {
-    let explained = |row: &'_ Row| -> BTreeSet<(String, String)> {
-        let effects = row.effects.iter();
-        effects
-            .map(|found| (found.effect.clone(), found.target.clone()))
-            .collect()
-    };
     let (mut squares, mut pairs) = (Vec::new(), 0);
     for stretch in histories.iter().flat_map(History::stretches) {
         let same = stretch.windows(2).filter(|pair| {
@@ -61,12 +55,23 @@ pub(super) fn scatter(histories: &[History]) -> f64 {
     }
 }
 
+/// The effects of a row's explanation with their targets.
+fn explained(row: &Row) -> BTreeSet<(&str, &str)> {
+    let effects = row.effects.iter();
+    effects
+        .map(|found| (found.effect.as_str(), found.target.as_str()))
+        .collect()
+}
+
 /// The factor by which deviations are too small of which these are the squared differences over
 /// their variance; 1 at least.
 pub(super) fn widening_of(mut squares: Vec<f64>) -> f64 {
-    squares.sort_by(f64::total_cmp);
-    let median = squares.get(squares.len() / 2);
-    median.map_or(1.0, |median| (median / MEDIAN_OF_SQUARES).max(1.0).sqrt())
+    if squares.is_empty() {
+        return 1.0;
+    }
+    let middle = squares.len() / 2;
+    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
+    (*median / MEDIAN_OF_SQUARES).max(1.0).sqrt()
 }
 
 /// Squared differences of two days over their variance, parameter by parameter; none where a day

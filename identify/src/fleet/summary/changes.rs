@@ -12,6 +12,7 @@
 //! Deviations are widened by what the days of the whole fleet scatter: by the median of the
 //! squared differences between neighbouring days, parameter by parameter.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -73,13 +74,16 @@ pub(super) fn changes(
     names: &BTreeMap<(String, String), Vec<String>>,
 ) -> Vec<Change> {
     let robots = histories.len().max(1) as f64;
-    let (widening, scatter) = (widening(histories), scatter(histories));
+    let widening = widening(histories);
+    // Most fleets have no effect that comes or goes.
+    let known = OnceCell::new();
+    let scatter = || *known.get_or_init(|| scatter(histories));
     let mut found = Vec::new();
     for history in histories {
         found.extend(urdfs(history));
         found.extend(findings(history));
         for stretch in history.stretches() {
-            let effects = effects(history, &stretch, scatter, robots);
+            let effects = effects(history, &stretch, &scatter, robots);
             match effects.is_empty() {
                 true => found.extend(parameters(history, &stretch, &widening, names, robots)),
                 false => found.extend(effects),
@@ -153,7 +157,12 @@ fn findings(history: &History) -> Vec<Change> {
 }
 
 /// Effects whose size changes; days scatter `scatter` times as much as their deviations say.
-fn effects(history: &History, rows: &[&Row], scatter: f64, robots: f64) -> Vec<Change> {
+fn effects(
+    history: &History,
+    rows: &[&Row],
+    scatter: &dyn Fn() -> f64,
+    robots: f64,
+) -> Vec<Change> {
     let mut found = Vec::new();
     for key in history.keys() {
         let all = rows.iter().filter_map(|row| match said(row, &key) {
@@ -187,7 +196,7 @@ fn effects(history: &History, rows: &[&Row], scatter: f64, robots: f64) -> Vec<C
         };
         for (k, step) in steps.iter().enumerate() {
             let (before, after) = stretches(k);
-            if !is_borne_out(&course.rows[before], &course.rows[after], scatter) {
+            if !is_borne_out(&course.rows[before], &course.rows[after], scatter()) {
                 continue;
             }
             let (day, last) = (step.days.start - 1, step.days.end - 1);

@@ -69,8 +69,6 @@ impl<'r> Course<'r> {
 struct Split {
     /// Place of the first day on which it is so.
     onset: usize,
-    /// Places of the first and the last day that may be it.
-    days: RangeInclusive<usize>,
     ln_p: f64,
 }
 
@@ -105,11 +103,13 @@ pub(super) fn steps(course: &Course, tests: f64) -> Vec<Step> {
         if again && is_straight(&own.sizes) {
             continue;
         }
-        let Some(Split { onset, days, ln_p }) = split(&own) else {
+        let Some(Split { onset, ln_p }) = split(&own) else {
             continue;
         };
         let chance = (ln_p + looks.ln()).exp().min(1.0);
         if chance < FALSE_ALARM {
+            let days = days_of_95_percent(&own.sizes);
+            let days = onset.min(*days.start())..=onset.max(*days.end());
             let (onset, first) = (part.start + onset, part.start + days.start());
             onsets.push((onset, first..=part.start + days.end(), chance));
             parts.push((part.start..onset, 2.0 * looks));
@@ -166,9 +166,7 @@ fn split(course: &Course) -> Option<Split> {
     let law = StudentsT::new(0.0, 1.0, course.freedom.max(LEAST_FREEDOM)).ok()?;
     let p = 2.0 * law.sf(z(best).abs());
     let ln_p = p.max(f64::MIN_POSITIVE).ln();
-    let days = days_of_95_percent(&course.sizes);
-    let days = onset.min(*days.start())..=onset.max(*days.end());
-    z(best).is_finite().then_some(Split { onset, days, ln_p })
+    z(best).is_finite().then_some(Split { onset, ln_p })
 }
 
 /// The first and the last of the days that have 95 % of the probability of a step.
