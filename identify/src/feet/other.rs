@@ -118,17 +118,19 @@ pub(crate) fn of_many(model: &Model, other: &OtherFoot) -> Option<String> {
 }
 
 /// Why two feet of a robot with more cannot be taken as flat on one floor: such feet are points
-/// unless a name says that there is a sole.
+/// unless a name says that there is a sole, or how far below the link it lies.
 fn without_soles(model: &Model, other: &str) -> Option<String> {
     let (support, count) = (model.support(), model.tree.feet.len());
-    let points = count > 2 && [support, other].iter().any(|name| !is_sole(name));
+    let is_flat = |name: &str| is_sole(name) || name.contains('@');
+    let points = count > 2 && [&support, other].into_iter().any(|name| !is_flat(name));
     points.then(|| {
         format!(
             "`{support}` and `{other}` are 2 of the robot's {count} feet, and their names do not \
              say that they are soles: both feet are compared by height, roll and pitch of flat \
              soles on one floor, and a floor gives a point foot no roll and no pitch. Record the \
-             robot on one foot that carries it alone; or, where these feet are flat, give each a \
-             link in its sole behind a fixed joint, called such as `{}_sole`, and name those",
+             robot on one foot that carries it alone; or, where these feet are flat, say how \
+             far below them their soles lie, `{0}@40mm`, or give each a link in its sole behind a \
+             fixed joint, called such as `{0}_sole`",
             carrier(model)
         )
     })
@@ -242,10 +244,10 @@ mod tests {
         };
         for feet in [
             ["r_sole", "l_sole", "l_soles"],
-            ["left_foot", "right_foot", "third_foot"],
-            ["foot-R", "foot-L", "foot-F"],
+            ["left_foot", "right_foot", "third_toe"],
+            ["foot-R", "foot-L", "hand-F"],
             ["LeftSole", "RightSole", "Sole"],
-            ["lfoot", "rfoot", "foot"],
+            ["lfoot", "rfoot", "toe"],
             ["leg_left_6_link", "leg_right_6_link", "leg_right_7_link"],
             ["sole_one", "sole_two", "head"],
         ] {
@@ -255,6 +257,20 @@ mod tests {
         assert!(
             said.contains("no link is plainly the other sole to `foot_a`")
                 && said.contains("(the robot has foot_b, foot_c, pelvis)"),
+            "{said}"
+        );
+    }
+
+    /// Feet of three or more are points unless something says that they are flat.
+    #[test]
+    fn two_of_many_feet_need_soles() {
+        let both = Feet {
+            both: Some(true),
+            other: None,
+        };
+        let said = other(&["lfoot", "rfoot", "foot"], &both).unwrap_err();
+        assert!(
+            said.contains("2 of the robot's 3 feet") && said.contains("`lfoot@40mm`"),
             "{said}"
         );
     }
