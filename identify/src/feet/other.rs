@@ -122,7 +122,7 @@ pub(crate) fn of_many(model: &Model, other: &OtherFoot) -> Option<String> {
 fn without_soles(model: &Model, other: &str) -> Option<String> {
     let (support, count) = (model.support(), model.tree.feet.len());
     let is_flat = |name: &str| is_sole(name) || name.contains('@');
-    let points = count > 2 && [&support, other].into_iter().any(|name| !is_flat(name));
+    let points = count > 2 && [support, other].into_iter().any(|name| !is_flat(name));
     points.then(|| {
         format!(
             "`{support}` and `{other}` are 2 of the robot's {count} feet, and their names do not \
