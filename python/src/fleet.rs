@@ -221,9 +221,9 @@ impl FleetFound {
             folder,
             options,
         } = asked;
-        let known = fleet::population(&fleet.rows, &robot, &options);
+        let known = || fleet::population(&fleet.rows, &robot, &options).ok();
         // Why there is none is said to those who ask for it.
-        let population = known.ok().filter(|_| options.information);
+        let population = options.information.then(known).flatten();
         let summary = summary(&fleet.rows, &fleet.names, population);
         FleetFound {
             fleet,
@@ -329,9 +329,16 @@ impl FleetFound {
         })
     }
 
-    /// The rows as JSON, a list of objects.
+    /// The rows as JSON, a list of objects with the columns of the table.
     fn rows(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || text(&self.fleet.rows))
+        detached(py, || {
+            let of_table = |row: &Row| {
+                let mut row = row.clone();
+                row.covariance = Vec::new();
+                row
+            };
+            text(&self.fleet.rows.iter().map(of_table).collect::<Vec<Row>>())
+        })
     }
 
     /// What `sesc fleet --json` prints.
