@@ -345,7 +345,7 @@ class FleetFound:
     def packed(self) -> str:
         """Everything that was found, for `unpacked`."""
     def rows(self) -> str:
-        """The rows as JSON, a list of objects."""
+        """The rows as JSON, a list of objects with the columns of the table."""
     def json(self) -> str:
         """What `sesc fleet --json` prints."""
     def write(self, path: str) -> None:
