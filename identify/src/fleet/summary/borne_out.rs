@@ -26,6 +26,8 @@ use crate::fleet::row::{Row, Size};
 
 /// Median of the square of a standard normal number.
 pub(super) const MEDIAN_OF_SQUARES: f64 = 0.454_936;
+/// A parameter of which a fit claims a smaller deviation is known exactly, m.
+const EXACT: f64 = 1e-9;
 
 /// Whether what is fitted without effects differs between the days `before` and those `after`,
 /// of deviations that are `widening` times as large as fits say.
@@ -98,40 +100,53 @@ pub(super) fn size(row: &Row, k: usize, widening: f64) -> Option<Size> {
 /// The chance that base parameters differ so much where none changed.
 fn chance_of_parameters(before: &[&Row], after: &[&Row], widening: f64) -> f64 {
     let differing = || {
-        let (one, other) = (mean(before)?, mean(after)?);
-        let n = one.value.len();
-        if n == 0 || other.value.len() != n {
-            return None;
-        }
+        let uncertain = uncertain(before.iter().chain(after).copied())?;
+        let (one, other) = (mean(before, &uncertain)?, mean(after, &uncertain)?);
+        let n = uncertain.len() as f64;
         let gap = other.value - one.value;
         let together = (one.covariance + other.covariance).cholesky()?;
-        let ratio = gap.dot(&together.solve(&gap)) / (n as f64 * widening * widening);
-        let law = FisherSnedecor::new(n as f64, freedom(before) + freedom(after)).ok()?;
+        let ratio = gap.dot(&together.solve(&gap)) / (n * widening * widening);
+        let law = FisherSnedecor::new(n, freedom(before) + freedom(after)).ok()?;
         Some(law.sf(ratio))
     };
     differing().unwrap_or(1.0)
 }
 
-/// Mean of the parameters of several days, and its covariance.
+/// The parameters that days differ by, of those rows that have covariances: a parameter of links
+/// without mass is known exactly, and would make every covariance singular.
+///
+/// None where no row has a covariance or rows have other parameters, and where all are exact.
+fn uncertain<'r>(rows: impl Iterator<Item = &'r Row>) -> Option<Vec<usize>> {
+    let known: Vec<DMatrix<f64>> = rows.filter_map(Row::covariance).collect();
+    let n = known.first()?.nrows();
+    if known.iter().any(|covariance| covariance.nrows() != n) {
+        return None;
+    }
+    let is_uncertain = |&k: &usize| known.iter().all(|c| c[(k, k)] > EXACT * EXACT);
+    let uncertain: Vec<usize> = (0..n).filter(is_uncertain).collect();
+    (!uncertain.is_empty()).then_some(uncertain)
+}
+
+/// Mean of some parameters of several days, and its covariance.
 struct Mean {
     value: DVector<f64>,
     covariance: DMatrix<f64>,
 }
 
-/// None where no day knows all parameters.
-fn mean(rows: &[&Row]) -> Option<Mean> {
+/// The mean of the parameters `of` these rows; none where no day has a covariance of them.
+fn mean(rows: &[&Row], of: &[usize]) -> Option<Mean> {
     let mut sums: Option<(DMatrix<f64>, DVector<f64>)> = None;
     for row in rows {
-        let known = row
-            .covariance()
-            .and_then(|covariance| covariance.cholesky());
-        let Some(precision) = known.map(|factor| factor.inverse()) else {
+        let own = row.covariance();
+        let own = own.map(|covariance| covariance.select_rows(of).select_columns(of));
+        let Some(factor) = own.and_then(|covariance| covariance.cholesky()) else {
             continue;
         };
-        let vector = &precision * DVector::from_column_slice(&row.params);
+        let precision = factor.inverse();
+        let values = DVector::from_iterator(of.len(), of.iter().map(|&k| row.params[k]));
+        let vector = &precision * values;
         sums = match sums {
             None => Some((precision, vector)),
-            Some((sum, _)) if sum.nrows() != precision.nrows() => return None,
             Some((sum, of_vectors)) => Some((sum + precision, of_vectors + vector)),
         };
     }

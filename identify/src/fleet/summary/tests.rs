@@ -395,6 +395,12 @@ fn what_parameters_tell_together_bears_an_effect_out() {
                 row.std[pair + 1] = Some(own.sqrt());
             }
         }
+        // Links without mass have parameters that are known exactly.
+        for row in &mut fleet.rows {
+            row.params.push(0.1);
+            row.std.push(Some(0.0));
+            row.covariance.extend(vec![0.0; PARAMS + 1]);
+        }
         let before = fleet.rows.clone();
         fleet.offset(3, "l_knee", 0.05, 2);
         for (row, old) in fleet.rows.iter_mut().zip(before) {
