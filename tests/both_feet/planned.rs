@@ -108,17 +108,12 @@ fn commands_take_both_feet_and_say_what_the_soles_say() {
         out += &format!("{pose},{},{:.6},{:.6}\n", q.join(","), cop[0], cop[1]);
     }
     std::fs::write(&log, out).unwrap();
-    let words = [
-        "diagnose",
-        &op2(),
-        "--data",
-        &log,
-        "--support",
-        "r_sole",
-        "--noise",
-        "0.003",
-    ];
-    let json = sesc(&[&words[..], &["--other-foot", "l_sole", "--json"]].concat());
+    let op2 = op2();
+    let run = |command: &str, options: &[&str]| {
+        let stands = ["--support", "r_sole", "--noise", "0.003"];
+        sesc(&[&[command, &op2, "--data", &log], &stands[..], options].concat())
+    };
+    let json = run("diagnose", &["--other-foot", "l_sole", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
     assert_eq!(json["steps"][0]["target"], "l_knee", "{json}");
     let closure = &json["closure"];
@@ -137,9 +132,7 @@ fn commands_take_both_feet_and_say_what_the_soles_say() {
             assert!(closure[part][key].as_f64().unwrap() > 0.0, "{closure}");
         }
     }
-    let text = stdout(&sesc(
-        &[&words[..], &["--both-feet", "--report", &page]].concat(),
-    ));
+    let text = stdout(&run("diagnose", &["--both-feet", "--report", &page]));
     assert!(
         text.contains("soles            l_sole off that of r_sole by"),
         "{text}"
@@ -149,17 +142,7 @@ fn commands_take_both_feet_and_say_what_the_soles_say() {
         page.contains("<dt>soles</dt><dd>l_sole off that of r_sole by"),
         "no soles"
     );
-    let fit = [
-        "fit",
-        &op2(),
-        "--data",
-        &log,
-        "--support",
-        "r_sole",
-        "--noise",
-        "0.003",
-    ];
-    let json = sesc(&[&fit[..], &["--both-feet", "--json"]].concat());
+    let json = run("fit", &["--both-feet", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
     let joints = json["closure"]["explained_by"].as_array().unwrap();
     assert!(
@@ -167,7 +150,7 @@ fn commands_take_both_feet_and_say_what_the_soles_say() {
         "{}",
         json["closure"]
     );
-    let wrong = sesc(&[&words[..], &["--other-foot", "toe"]].concat());
+    let wrong = run("diagnose", &["--other-foot", "toe"]);
     refused(
         &wrong,
         &["--other-foot LINK `toe` is no link of the robot", "l_sole"],

@@ -203,7 +203,7 @@ impl Gathered {
     /// A log begins whose noise is like `timing` says; without, its rows are independent.
     pub fn begin_log(&mut self, timing: &Timing) {
         self.stream = Stream::new(timing);
-        self.plans.push(timing.plan);
+        self.plans.push(timing.plan.clone());
         self.correlated |= self.stream.whitens();
         if self.stream.differs() {
             for fold in &mut self.folds {

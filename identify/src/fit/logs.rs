@@ -222,9 +222,14 @@ impl<'r> Logs<'r> {
     }
 
     /// Open one of the logs, whose motion is known by `plan`.
-    pub(super) fn moving(&self, file: &LogSource, plan: Option<Plan>) -> Result<Moving, Error> {
+    pub(super) fn moving(&self, file: &LogSource, plan: Option<&Plan>) -> Result<Moving, Error> {
         let dof = self.robot.description.dofs().len();
-        Ok(Moving::new(self.open(file)?, dof, plan, Wanted::Smooth))
+        Ok(Moving::new(
+            self.open(file)?,
+            dof,
+            plan.cloned(),
+            Wanted::Smooth,
+        ))
     }
 
     /// One pass over all logs.
@@ -240,7 +245,7 @@ impl<'r> Logs<'r> {
         let mut gathered = Gathered::new(params, self.folds);
         for (file, timing) in self.files.iter().zip(timings) {
             let name = file.name();
-            let mut reader = self.moving(file, timing.plan)?;
+            let mut reader = self.moving(file, timing.plan.as_ref())?;
             gathered.begin_log(timing);
             loop {
                 let (block, motion) = reader.known_rows(BLOCK)?;
@@ -289,7 +294,7 @@ impl<'r> Logs<'r> {
     ) -> Result<f64, Error> {
         let mut lengths: Vec<f64> = Vec::new();
         for (file, timing) in self.files.iter().zip(timings) {
-            let mut reader = self.moving(file, timing.plan)?;
+            let mut reader = self.moving(file, timing.plan.as_ref())?;
             while lengths.len() < SAMPLE {
                 let (block, motion) = reader.known_rows(BLOCK)?;
                 if block.is_empty() {

@@ -74,7 +74,7 @@ pub(crate) fn sample(
     let dof = measurement.model().dof();
     let mut used = vec![[f64::INFINITY, f64::NEG_INFINITY]; dof];
     for (k, file) in logs.files.iter().enumerate() {
-        let mut reader = logs.moving(file, plans.get(k).copied().flatten())?;
+        let mut reader = logs.moving(file, plans.get(k).and_then(Option::as_ref))?;
         loop {
             let (block, motion) = reader.known_rows(BLOCK)?;
             if block.is_empty() {

@@ -100,7 +100,11 @@ impl Timing {
             MotionModel::Off => None,
         };
         let timing = |head: Head| head.timing(folds, own_axes && !head.stated, !ended);
-        let moving = Head::of(&blocks, measurement, plan.map(|plan| (plan, &joints)))?;
+        let moving = Head::of(
+            &blocks,
+            measurement,
+            plan.as_ref().map(|plan| (plan, &joints)),
+        )?;
         let seen = moving.seen();
         let cad = DVector::from_vec(measurement.model().cad_params());
         let column = moving.moves.then(|| moving.column(&cad));
@@ -175,7 +179,7 @@ impl Head {
     fn of(
         blocks: &[Block],
         measurement: &mut Measurement<'_>,
-        plan: Option<(Plan, &Joints)>,
+        plan: Option<(&Plan, &Joints)>,
     ) -> Result<Head, Error> {
         let mut head = Head::default();
         let dof = measurement.model().dof();

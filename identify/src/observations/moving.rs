@@ -48,9 +48,9 @@ impl Moving {
         Moving {
             reader: Ahead::new(reader),
             dof,
+            step_s: plan.as_ref().map(|plan| plan.step_s),
             plan,
             wanted,
-            step_s: plan.map(|plan| plan.step_s),
             ahead: None,
             before: (Vec::new(), Vec::new()),
             left_out: 0,
@@ -83,8 +83,8 @@ impl Moving {
     }
 
     /// How rows are differentiated; none where their motion is not known.
-    pub fn plan(&self) -> Option<Plan> {
-        self.plan
+    pub fn plan(&self) -> Option<&Plan> {
+        self.plan.as_ref()
     }
 
     /// The next rows, at most `rows`; empty at the end. With their motion, where joints move.
@@ -96,15 +96,15 @@ impl Moving {
             Some(block) => block,
             None => self.reader.block(rows)?,
         };
-        let Some(plan) = self.plan.filter(|_| block.t.is_some()) else {
+        if self.plan.is_none() || block.t.is_none() {
             return Ok((block, None));
-        };
+        }
         if block.is_empty() {
             self.ahead = Some(Block::default());
             return Ok((block, None));
         }
         let next = self.reader.block(rows)?;
-        let motion = self.motion(plan, &block, &next);
+        let motion = self.motion(&block, &next);
         self.ahead = Some(next);
         Ok((block, motion))
     }
@@ -126,7 +126,8 @@ impl Moving {
         }
     }
 
-    fn motion(&mut self, plan: Plan, block: &Block, next: &Block) -> Option<Motion> {
+    fn motion(&mut self, block: &Block, next: &Block) -> Option<Motion> {
+        let plan = self.plan.as_ref()?;
         let (dof, reach) = (self.dof, plan.reach_s());
         let times = |block: &Block| block.t.clone().unwrap_or_default();
         let (mut t, mut q) = std::mem::take(&mut self.before);

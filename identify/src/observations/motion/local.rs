@@ -66,8 +66,14 @@ pub(super) enum Local {
 
 impl Local {
     /// The row `after` seconds from the node, which is the mean of so many `rows`; joints that are
-    /// not `moving` stand.
-    pub fn push(&self, after: f64, rows: f64, moving: &[Option<f64>], motion: &mut Motion) {
+    /// not `moving` stand, and accelerations of the others are multiplied by `unbend`.
+    pub fn push(
+        &self,
+        after: f64,
+        rows: f64,
+        (moving, unbend): (&[Option<f64>], &[f64]),
+        motion: &mut Motion,
+    ) {
         let (first, all) = (motion.rates.len(), motion.rates.len() + moving.len());
         for column in [
             &mut motion.rates,
@@ -83,7 +89,9 @@ impl Local {
             fit.gains(after, &mut motion.gains[own.clone()]);
             fit.gains_std(moving, &mut motion.gains_std[own.clone()]);
             motion.with_positions[own].fill(fit.with_own / rows.sqrt());
-            for (joint, variance) in moving.iter().enumerate() {
+            for (joint, (variance, unbend)) in moving.iter().zip(unbend).enumerate() {
+                motion.gains[first + joint] *= unbend;
+                motion.gains_std[first + joint] *= unbend;
                 if variance.is_none() {
                     motion.rates[first + joint] = 0.0;
                     motion.gains[first + joint] = 0.0;

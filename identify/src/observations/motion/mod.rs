@@ -18,7 +18,8 @@
 //!
 //! with s² what order 4 leaves of q and w² the square sum of the rows' weights. The log takes
 //! the order and the window whose E is least: what is bent counts ten times, since it is the
-//! same in every swing while noise averages out. Dense rows are averaged over a twentieth of h
+//! same in every swing while noise averages out. Accelerations by order 4 are then divided by
+//! 1 − β²/4 of their own joint. Dense rows are averaged over a twentieth of h
 //! first. A window ends where the log pauses; a row with too little of it on either side does
 //! not know its motion, unless nothing moves in what there is. What rows of whole windows leave of
 //! the polynomials is the noise of positions: encoders that turn in ticks have some. How
@@ -58,14 +59,18 @@ const PART: usize = 512;
 const LOOKED_AT: usize = 400;
 /// What order 4 bends where order 3 bends β, over β²: 0.00126 (ω h)⁴ over ((ω h)²/14)².
 const OF_HIGH: f64 = 0.25;
+/// β² beyond which the next powers of ω h count as much: windows know little of the motion.
+const MOST_BENT: f64 = 0.2;
 
 /// How the joints of a log are differentiated.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Between rows, s.
     pub step_s: f64,
     half: f64,
     terms: usize,
+    /// What accelerations of each joint are multiplied by, since windows bend them.
+    unbend: Vec<f64>,
 }
 
 /// What windows of one length show of a log.
@@ -80,6 +85,8 @@ struct Survey {
     apart: f64,
     of_high: f64,
     of_low: f64,
+    /// The first two and the last two of each joint.
+    joints: Vec<[f64; 4]>,
 }
 
 /// What is to be known of a motion beside its velocities and accelerations.
@@ -155,6 +162,7 @@ impl Plan {
                         step_s,
                         half,
                         terms,
+                        unbend: survey.unbend(terms),
                     };
                     best = Some((error, plan));
                 }
@@ -218,7 +226,8 @@ impl Plan {
                 }
                 let (_, local) = at.as_ref().expect("set above");
                 let after = t[row] - nodes.t[node];
-                local.push(after, nodes.rows as f64, &moving, &mut motion);
+                let joints = (&moving[..], &self.unbend[..]);
+                local.push(after, nodes.rows as f64, joints, &mut motion);
                 if let Local::Moving(fit, true) = local {
                     let own = &q[row * dof..(row + 1) * dof];
                     positions.add(fit, after, own, |joint| nodes.position(node, joint));
@@ -289,6 +298,7 @@ impl Survey {
         let span = nodes.t[nodes.len() - 1] - nodes.t[0];
         let mut survey = Survey {
             stride: span * stride as f64 / nodes.len() as f64,
+            joints: vec![[0.0; 4]; dof],
             ..Survey::default()
         };
         for node in (0..nodes.len()).step_by(stride) {
@@ -303,12 +313,18 @@ impl Survey {
             survey.count += dof as f64;
             for joint in 0..dof {
                 let variance = high.variance(joint);
-                survey.gains += high.gain(joint).powi(2);
-                survey.apart += (high.gain(joint) - low.gain(joint)).powi(2);
-                survey.of_high += variance * high.weight * high.weight;
-                survey.of_low += variance * low.weight * low.weight;
+                let own = [
+                    high.gain(joint).powi(2),
+                    (high.gain(joint) - low.gain(joint)).powi(2),
+                    variance * high.weight * high.weight,
+                    variance * low.weight * low.weight,
+                ];
+                let sums = survey.joints[joint].iter_mut();
+                sums.zip(own).for_each(|(sum, own)| *sum += own);
             }
         }
+        let sum = |k: usize| survey.joints.iter().map(|own| own[k]).sum();
+        [survey.gains, survey.apart, survey.of_high, survey.of_low] = [0, 1, 2, 3].map(sum);
         survey
     }
 
@@ -319,9 +335,20 @@ impl Survey {
 
     /// Σ q̈² of what moves, and β².
     fn bent(&self) -> (f64, f64) {
-        let moves = (self.gains - self.of_high).max(0.0);
-        let bent = (self.apart - (self.of_high - self.of_low)).max(0.0);
-        (moves, if moves > 0.0 { bent / moves } else { 0.0 })
+        bent([self.gains, self.apart, self.of_high, self.of_low])
+    }
+
+    /// What accelerations of each joint are to be multiplied by. Those by order 3 are taken where
+    /// it bends next to nothing, and β itself is known less well than β².
+    fn unbend(&self, terms: usize) -> Vec<f64> {
+        let of = |own: &[f64; 4]| {
+            let moves = own[0] > MOVES * MOVES * own[2];
+            match terms == HIGH && moves {
+                true => 1.0 / (1.0 - OF_HIGH * bent(*own).1.min(MOST_BENT)),
+                false => 1.0,
+            }
+        };
+        self.joints.iter().map(of).collect()
     }
 
     fn error_of_low(&self) -> f64 {
@@ -433,6 +460,13 @@ impl Motion {
     fn dof(&self) -> usize {
         (self.rates.len() / self.known.len().max(1)).max(1)
     }
+}
+
+/// Σ q̈² of what moves, and β², of the sums of a [`Survey`].
+fn bent([gains, apart, of_high, of_low]: [f64; 4]) -> (f64, f64) {
+    let moves = (gains - of_high).max(0.0);
+    let bent = (apart - (of_high - of_low)).max(0.0);
+    (moves, if moves > 0.0 { bent / moves } else { 0.0 })
 }
 
 /// Whether all rows are the same.

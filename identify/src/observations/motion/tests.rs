@@ -146,6 +146,42 @@ fn ticks_leave_accelerations_as_large_as_they_are() {
     }
 }
 
+/// Where rows are far apart, windows bend fast joints by a percent; how much is seen, and taken
+/// back of each joint. Without noise, and with that of ticks.
+#[test]
+fn what_windows_bend_is_taken_back() {
+    let (step, hertz) = (0.2, [0.4, 0.13]);
+    for tick in [1e-9, std::f64::consts::TAU / 4096.0] {
+        let swings = hertz.map(|hertz| swing(step, 120.0, hertz));
+        let t = &swings[0].0;
+        let read = |q: &f64| (q / tick).round() * tick;
+        let q: Vec<f64> = (0..t.len())
+            .flat_map(|k| [0, 1].map(|joint| read(&swings[joint].1[k])))
+            .collect();
+        let plan = Plan::of(t, &q, 2).unwrap();
+        let motion = plan.motion((t, &q, 2), 0..t.len(), Wanted::Alone);
+        let motion = motion.unwrap();
+        for (joint, hertz) in hertz.into_iter().enumerate() {
+            let w = std::f64::consts::TAU * hertz;
+            let (mut product, mut square, mut bent) = (0.0, 0.0, 0.0);
+            for (k, t) in t.iter().enumerate().filter(|(k, _)| motion.known[*k]) {
+                let truth = -0.3 * w * w * (w * t).sin();
+                product += motion.gains[2 * k + joint] * truth;
+                bent += motion.gains[2 * k + joint] / plan.unbend[joint] * truth;
+                square += truth * truth;
+            }
+            let (share, bent) = (product / square, bent / square);
+            assert!((share - 1.0).abs() < 0.002, "{hertz} Hz: {share}");
+            let expected = if joint == 0 {
+                0.004..0.01
+            } else {
+                -0.001..0.001
+            };
+            assert!(expected.contains(&(1.0 - bent)), "{hertz} Hz: {bent}");
+        }
+    }
+}
+
 /// What positions are said to be known to is the noise that was added to them, whether ticks
 /// or white, dense or not.
 #[test]
