@@ -57,13 +57,40 @@ fn convert<'py>(
     positions.bind(py).call1((given, names.to_vec(), name))
 }
 
-/// Numbers that are given (joint positions, velocities, readings), checked: the last axis is
-/// `axis`.
+/// Numbers that are given (joint positions, velocities, readings).
+pub enum Numbers<'py> {
+    /// Of one posture: a copy costs less than the books that are kept of who reads an array.
+    Copied(Bound<'py, PyArrayDyn<f64>>, Vec<f64>),
+    /// Where they are.
+    Borrowed(PyReadonlyArrayDyn<'py, f64>),
+}
+
+impl Numbers<'_> {
+    /// As numpy has it.
+    pub fn shape(&self) -> &[usize] {
+        match self {
+            Numbers::Copied(array, _) => array.shape(),
+            Numbers::Borrowed(array) => array.shape(),
+        }
+    }
+
+    /// The numbers, row by row.
+    pub fn values(&self) -> PyResult<&[f64]> {
+        match self {
+            Numbers::Copied(_, values) => Ok(values),
+            Numbers::Borrowed(array) => Ok(array.as_slice()?),
+        }
+    }
+}
+
+/// What is given, checked: the last axis is `axis`. Beside a result in an array of the caller's,
+/// nothing `is_new`, and even one posture is borrowed: the two may share memory.
 pub fn numbers<'py>(
     given: &Bound<'py, PyAny>,
     axis: Axis<'_>,
     name: &str,
-) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+    is_new: bool,
+) -> PyResult<Numbers<'py>> {
     // A kind of array of its own may have a mask.
     let array = match given.cast_exact::<PyArrayDyn<f64>>() {
         Ok(array) if array.is_c_contiguous() && array.is_aligned() => array.clone(),
@@ -74,7 +101,11 @@ pub fn numbers<'py>(
         let message = format!("{name} has the shape {shape:?}; its last axis must hold {axis}");
         return Err(refused(given.py(), message));
     }
-    array.try_readonly().map_err(|_| {
+    if is_new && array.ndim() == 1 {
+        let values = array.to_vec()?;
+        return Ok(Numbers::Copied(array, values));
+    }
+    array.try_readonly().map(Numbers::Borrowed).map_err(|_| {
         let message = format!("{name} is being written to; give a copy of it");
         refused(given.py(), message)
     })

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::{PyArray1, PyArrayDyn, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
 use serde::Serialize;
 use sesc::inspect::{inspect, notes};
@@ -60,7 +60,8 @@ impl Model {
                 Function::CorrectCop => Axis::Reading(&self.reading),
                 _ => Axis::Joints(&self.joints),
             };
-            let arrays = each(inputs.map(|(name, input)| numbers(input, axis, name)))?;
+            let arrays =
+                each(inputs.map(|(name, input)| numbers(input, axis, name, out.is_none())))?;
             let shape = arrays[0].shape();
             if arrays.iter().any(|array| array.shape() != shape) {
                 let shapes: Vec<String> = inputs
@@ -80,7 +81,7 @@ impl Model {
             let values = target.values()?;
             let mut q: [&[f64]; N] = [&[]; N];
             for (q, array) in q.iter_mut().zip(&arrays) {
-                *q = array.as_slice()?;
+                *q = array.values()?;
             }
             match &prepared.evaluator {
                 // Without effects of the sensor a reading is the CoP itself.
