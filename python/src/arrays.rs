@@ -59,14 +59,15 @@ fn convert<'py>(
 
 /// Numbers that are given (joint positions, velocities, readings).
 pub enum Numbers<'py> {
-    /// Of one posture: a copy costs less than the books that are kept of who reads an array.
+    /// The numbers of one posture, copied: that costs less than the books that are kept of who
+    /// reads an array.
     Copied(Bound<'py, PyArrayDyn<f64>>, Vec<f64>),
     /// Where they are.
     Borrowed(PyReadonlyArrayDyn<'py, f64>),
 }
 
 impl Numbers<'_> {
-    /// As numpy has it.
+    /// The shape that numpy says.
     pub fn shape(&self) -> &[usize] {
         match self {
             Numbers::Copied(array, _) => array.shape(),
