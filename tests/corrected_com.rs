@@ -18,6 +18,7 @@ fn corrected(effect: Effect, target: &str, values: &[f64]) -> Corrected {
         only: None,
         body: true,
         long: false,
+        held: 0.0,
     };
     let hidden = Hidden {
         effect,

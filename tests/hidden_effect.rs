@@ -19,6 +19,7 @@ fn small() -> Choice {
         only: None,
         body: false,
         long: false,
+        held: 0.0,
     }
 }
 

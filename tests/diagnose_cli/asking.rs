@@ -15,6 +15,7 @@ pub fn only(effect: Option<Effect>) -> Choice {
         only: effect,
         body: false,
         long: false,
+        held: 0.0,
     }
 }
 

@@ -55,6 +55,7 @@ fn draw(i: usize, seed: u64) -> Trial {
         only,
         body: true,
         long: false,
+        held: 0.0,
     };
     let (question, choice) = match i % 3 {
         2 => (Question::Library(2), of(i / 3, None)),

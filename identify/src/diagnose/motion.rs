@@ -28,37 +28,59 @@ use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
 use crate::observations::zmp::{Moved, Zmp};
 
-/// Compare the readings of a log with the ZMP where it knows accelerations.
+/// Compare the readings of a log with the ZMP where it knows accelerations, and they show it.
 pub(super) fn account(data: &mut Postures, model: &Model, prior: &Prior, asked: MotionModel) {
-    if let (Some(_), MotionModel::Auto) = (&data.motion, asked) {
-        let all = data.clone();
-        data.leave_out_unknown();
-        let mut moved = moved(data, model);
-        let rms_m = rms(moved.shift.iter().flatten().copied());
-        if rms_m > 0.0 && data.len() > 2 {
-            tell_slopes(&mut moved, data, model);
-            let share = share_of_readings(data, model, prior, &moved);
-            let left_out = (all.len() - data.len()) as u64;
-            let used = !share.is_some_and(|share| share.is_missing())
-                && !explains_more_than_motion(data, model, prior, &moved);
-            if !used {
-                *data = all;
-            }
-            data.motion_use = MotionUse {
-                used,
-                share,
-                rms_m,
-                rows_left_out: if used { left_out } else { 0 },
-                ..data.motion_use.clone()
-            };
-            if used {
-                data.move_by(moved);
-            }
-        } else {
-            *data = all;
+    let mut moving = data.clone();
+    if let (MotionModel::Auto, Some(moved)) = (asked, known(&mut moving, model)) {
+        let share = share_of_readings(&moving, model, prior, &moved);
+        let is_used = !share.is_some_and(|share| share.is_missing())
+            && !explains_more_than_motion(&moving, model, prior, &moved);
+        data.motion_use = MotionUse {
+            used: false,
+            share,
+            rows_left_out: 0,
+            rms_m: rms(moved.shift.iter().flatten().copied()),
+            ..data.motion_use.clone()
+        };
+        if is_used {
+            *data = used(data, moving, moved);
         }
     }
     data.motion_use = std::mem::take(&mut data.motion_use).told();
+}
+
+/// Postures compared with the ZMP though their readings do not show it by the encoders: the joint
+/// of one that is stuck may hide it. None where motion is not known, or is used.
+pub(super) fn anyway(data: &Postures, model: &Model) -> Option<Postures> {
+    let mut moving = data.clone();
+    let moved = known(&mut moving, model).filter(|_| data.moved.is_none())?;
+    let mut moving = used(data, moving, moved);
+    moving.motion_use = std::mem::take(&mut moving.motion_use).told();
+    Some(moving)
+}
+
+/// What motion adds to the readings of those postures whose motion is known, the others left out;
+/// none where it adds nothing.
+fn known(data: &mut Postures, model: &Model) -> Option<Moved> {
+    data.motion.as_ref()?;
+    data.leave_out_unknown();
+    let mut moved = moved(data, model);
+    let adds = moved.shift.iter().flatten().any(|by| *by != 0.0);
+    (adds && data.len() > 2).then(|| {
+        tell_slopes(&mut moved, data, model);
+        moved
+    })
+}
+
+/// Those of `all` postures whose motion is known, compared with the ZMP.
+fn used(all: &Postures, mut known: Postures, moved: Moved) -> Postures {
+    known.motion_use = MotionUse {
+        used: true,
+        rows_left_out: (all.len() - known.len()) as u64,
+        ..all.motion_use.clone()
+    };
+    known.move_by(moved);
+    known
 }
 
 /// What motion adds, where joints stand elsewhere than it was taken for.

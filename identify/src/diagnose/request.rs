@@ -29,7 +29,7 @@ use super::{closure, experiment, model_check, motion, next_steps, noise, samples
 use crate::feet::Feet;
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
-use crate::health::{self, Finding};
+use crate::health::{self, Finding, Health};
 use crate::logs::{Angles, LogSource, Options, Readings, Sidecar, Stays};
 use crate::next_steps::CommandLine;
 use crate::observations::motion_use::{MotionModel, MotionUse};
@@ -209,8 +209,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let names = names.map(LogSource::file_name).collect::<Vec<_>>();
     let names = names.join(" + ");
     let explain = |data: &Postures, watch: &mut dyn Watch| {
-        let mut data = data.clone();
-        let health = health::examine(robot, &model, request.snapping, &data);
+        let (mut data, health) = examined(request, &model, data);
         let health = health.after(rows.clone());
         for stuck in &health.stuck {
             data.put_joint(stuck.joint, &stuck.positions, &health.less_known);
@@ -325,8 +324,24 @@ pub fn look(request: &Request, watch: &mut dyn Watch) -> Result<Vec<Finding>, Er
     let model = request.robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let (_, rows, data) = screened(request, &model, &prior, watch)?;
-    let health = health::examine(&request.robot, &model, request.snapping, &data);
+    let (_, health) = examined(request, &model, &data);
     Ok(health.after(rows).findings)
+}
+
+/// What is wrong with postures, and these compared with the ZMP where that alone shows a stuck
+/// encoder.
+fn examined(request: &Request, model: &Model, data: &Postures) -> (Postures, Health) {
+    let examine = |data: &Postures| health::examine(&request.robot, model, request.snapping, data);
+    let health = examine(data);
+    if health.findings.is_empty()
+        && let Some(moving) = motion::anyway(data, model)
+    {
+        let health = examine(&moving);
+        if !health.stuck.is_empty() {
+            return (moving, health);
+        }
+    }
+    (data.clone(), health)
 }
 
 /// The log without rows that cannot be used, what is wrong with these, and its postures.

@@ -8,6 +8,9 @@ pub(super) const UNKNOWN_NOISE_M: f64 = 1e-3;
 /// Motion is looked at if the gap to the CoP by CAD is larger than so many deviations. Chosen:
 /// half of it looks at motion in logs that stand.
 pub(super) const MOVED: f64 = 3.0;
+/// The same where the noise is not known, m. Chosen: [`MOVED`] times the noise of a good force
+/// plate; half of it looks at motion in nearly every log.
+pub(super) const MOVED_M: f64 = 1e-3;
 
 /// An axis is dead if under every wiring CAD moves it by so many times what it moves, and it
 /// goes with no posture in [`SILENT_ROWS`]. Chosen: half of it calls an axis of a soft sole
@@ -54,31 +57,44 @@ pub(super) const CHANCE: f64 = 1000.0;
 /// Largest change of an encoder that does not move, rad or m. Chosen: far below a tick of any
 /// encoder.
 pub(super) const STILL: f64 = 1e-9;
-/// χ² a reading from which a stuck encoder is looked for. Chosen: half of it looks in logs that
-/// fit, which costs time.
-pub(super) const STUCK_CHI2: f64 = 9.0;
-/// Share of postures in which the joint is within its limits then. Chosen: less allows
-/// positions that the joint cannot have.
+/// χ² a reading from which a stuck encoder is looked for, the noise taken for
+/// [`UNKNOWN_NOISE_M`] where it is not known. Chosen: twice as much overlooks what quiet sensors
+/// show; half of it looks in logs that fit, which costs time.
+pub(super) const STUCK_LOOKS: f64 = 1.5;
+/// χ² a reading from which a stuck encoder is found; where the noise is not known, of the noise
+/// that motion of the joint leaves. Chosen: motion of two deviations on each axis has 5 (closed
+/// form); half as much takes an encoder's own errors for it.
+pub(super) const STUCK_CHI2: f64 = 6.0;
+/// Share of postures in which the joint is within its limits then, or beyond them by no more than
+/// [`BEYOND_LIMITS`]. Chosen: less allows positions that the joint cannot have.
 pub(super) const STUCK_SHARE: f64 = 0.9;
+/// Part of the range of a joint by which it may be beyond its limits. Chosen: limits in URDFs are
+/// often those of commands; half of it misses knees that are straight.
+pub(super) const BEYOND_LIMITS: f64 = 0.2;
 /// A joint that its encoder does not follow moves by this, RMS, rad; m for a prismatic one.
-/// Chosen: twice a common offset of an encoder; half of it takes offsets for motion.
-pub(super) const LEAST_MOTION: (f64, f64) = (0.04, 0.008);
+/// Chosen: a common offset of an encoder; half of it takes compliance for motion.
+pub(super) const LEAST_MOTION: (f64, f64) = (0.025, 0.005);
 /// Part of χ² that may be left then, for masses are not known exactly; or this a posture.
 /// Chosen: half of it misses stuck encoders where masses are off; see `docs/study-health.md`
 /// for what is found.
 pub(super) const STUCK_LEFT: f64 = 0.02;
 /// Chosen: as [`STUCK_LEFT`], for small logs.
 pub(super) const STUCK_NOISE: f64 = 4.0;
-/// One offset of the joint itself explains the readings as well as its motion does if it leaves
-/// no more than so many times as much. Chosen: half of it takes offsets of encoders that stay
-/// for stuck ones.
+/// One number for all postures, such as an offset of the joint itself, explains the readings as
+/// well as its motion does if it leaves no more than so many times as much. Chosen: half of it
+/// takes offsets of encoders that stay for stuck ones.
 pub(super) const ONE_AS_WELL: f64 = 8.0;
-/// Part of χ² from which one offset or one scale of another joint is the simpler explanation.
-/// Chosen: less leaves stuck encoders unnamed.
-pub(super) const SIMPLE_SHARE: f64 = 0.95;
+/// Part of χ² from which one offset or one scale of another joint is worth a closer look.
+/// Chosen: less looks at more of them, which costs time.
+pub(super) const SIMPLE_SHARE: f64 = 0.9;
 /// A wiring explains the readings as well if it leaves no more than so many times as much, the
-/// sensor's zero and gain free. Chosen: half of it names faults that a swap of joints explains.
-pub(super) const AS_WELL: f64 = 2.0;
+/// sensor's zero and gain free, m over m. Chosen: the true wiring leaves as much as motion of a
+/// joint or less; half as much above 1 names faults that a swap of joints explains.
+pub(super) const AS_WELL: f64 = 1.5;
+/// Masses within the usual tolerances of CAD explain the readings as well if they leave no more
+/// than so many times as much a reading. Chosen: stuck encoders of the study leave six times as
+/// much and more; half of it takes masses that are off for motion.
+pub(super) const BY_MASSES: f64 = 3.0;
 /// How far a joint with a stuck encoder may be from where it says, rad; m if prismatic. Chosen:
 /// 29° and 10 cm; less misses joints that hang.
 pub(super) const ANYWHERE: (f64, f64) = (0.5, 0.1);
@@ -124,6 +140,10 @@ pub(super) const MARGIN_OF_CLOUD: f64 = 1.0;
 /// With more rows outside than this none is left out. Chosen: then the model is wrong, not the
 /// rows.
 pub(super) const MOST_OUTSIDE: f64 = 0.2;
+/// None is left out, either, where a wiring has CAD's CoP in these rows at less than this part of
+/// its distance from the readings. Chosen: a wiring that is the cause leaves a tenth and less;
+/// twice as much takes faults of a sensor for one.
+pub(super) const WIRED_NEARER: f64 = 0.5;
 /// Readings in another unit (cm, mm) scatter so many times as much as CAD says. Chosen: the
 /// root of 100 between cm and m; a factor of two is far from 100 and 1000 alike.
 pub(super) const OTHER_UNIT: f64 = 10.0;

@@ -5,17 +5,18 @@
 //! ```
 //!
 //! A joint that really stands still is no finding: the readings must be explained by its
-//! motion, within its limits, and by no wiring, offset or scale.
+//! motion, within its limits, and by no wiring, offset or scale, nor by masses within the usual
+//! tolerances of CAD.
 
 use sesc_model::Function;
 
 use super::criteria::{
-    ANYWHERE, AS_WELL, LEAST_MOTION, ONE_AS_WELL, SIMPLE_SHARE, STILL, STUCK_CHI2, STUCK_LEFT,
-    STUCK_NOISE, STUCK_SHARE,
+    ANYWHERE, AS_WELL, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, ONE_AS_WELL, SIMPLE_SHARE, STILL,
+    STUCK_CHI2, STUCK_LEFT, STUCK_LOOKS, STUCK_NOISE, STUCK_SHARE,
 };
 use super::statistics::scatter;
 use super::wirings::Wirings;
-use super::{Finding, Kind, Look, Picture, Row};
+use super::{Finding, Kind, Look, Picture, Row, masses};
 use crate::evaluate::Evaluator;
 use crate::observations::postures::rms;
 
@@ -33,125 +34,147 @@ pub(super) struct Stuck {
     pub positions: Vec<f64>,
 }
 
-/// A joint that does not move in the log though the CoP says that it does.
-pub(super) fn stuck(look: &Look, wirings: &Wirings) -> Option<Stuck> {
-    let (model, data, predicted) = (look.model, look.data, &look.predicted);
-    let (n, dof) = (data.len(), model.dof());
-    let whitened = |row: usize| (data.reading[row] - predicted[row]) / look.std[row];
-    let total: f64 = (0..2 * n).map(|row| whitened(row).powi(2)).sum();
-    if total < STUCK_CHI2 * (2 * n) as f64 || n < 3 {
+/// A joint that does not move in the log though the CoP says that it does. `gap`: χ² a reading of
+/// the view of the log that is nearest to CAD.
+pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<Stuck> {
+    let n = look.data.len();
+    let gap = gap.min(look.chi2());
+    if gap < STUCK_LOOKS || n < 3 {
         return None;
     }
-    let still = |joint: &usize| {
-        let column = (0..n).map(|k| data.q[k * dof + joint]);
-        let (low, high) = column.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-            (a.min(x), b.max(x))
-        });
-        high - low < STILL
-    };
-    // Where another effect is the cause, the joint would hardly have to move, or too far.
-    let believable = |moved: &Moved| {
-        let dof_of = &model.tree.dofs[moved.joint];
-        let range = (dof_of.upper - dof_of.lower).max(1e-6);
-        let within = |k: &usize| {
-            let at = data.q[k * dof + moved.joint] + moved.far[*k];
-            (dof_of.lower - 0.1 * range..=dof_of.upper + 0.1 * range).contains(&at)
-        };
-        let inside = (0..n).filter(within).count();
-        let least = if dof_of.prismatic {
-            LEAST_MOTION.1
-        } else {
-            LEAST_MOTION.0
-        };
-        scatter(&moved.far) > least && inside as f64 >= STUCK_SHARE * n as f64
-    };
-    let joints = (0..dof).filter(still);
+    let joints = (0..look.model.dof()).filter(|&joint| is_still(look, joint));
     let moved = joints.map(|joint| Moved::of(look, joint));
     let best = moved
-        .filter(believable)
+        .filter(|moved| moved.is_believable(look))
         .min_by(|a, b| a.left.total_cmp(&b.left))?;
-    let least_left = (STUCK_LEFT * total).max(STUCK_NOISE * n as f64);
-    if best.left > least_left {
-        return None;
-    }
-    if is_wired_otherwise(look, wirings, best.left) {
-        return None;
-    }
-    let (joint, most) = (best.joint, total - best.left);
-    let by = Evaluator::new(model, Function::ComJacobian);
-    let slopes = by.run(&data.q, n);
-    let slope = |k: usize, axis: usize, joint: usize| slopes[(3 * k + axis) * dof + joint];
-    // One offset or scale for all postures is simpler than one unknown for each. What is true of
-    // the joint itself is told by how far it would be off: where it moves, an offset leaves that.
-    let one = Moved::together(look, joint).left;
-    if one < ONE_AS_WELL * best.left.max(n as f64) {
-        return None;
-    }
-    let by_one = |joint: usize, scale: bool| {
-        let column = |row: usize| {
-            let by = if scale {
-                data.q[row / 2 * dof + joint]
-            } else {
-                1.0
-            };
-            by * slope(row / 2, row % 2, joint) / look.std[row]
-        };
-        let along: f64 = (0..2 * n).map(|row| column(row) * whitened(row)).sum();
-        let size: f64 = (0..2 * n).map(|row| column(row).powi(2)).sum();
-        along * along / size.max(1e-30)
+    // One unknown a posture leaves one of two readings to the noise, which is no larger.
+    let noise = match look.noise_is_known {
+        true => 1.0,
+        false => best.left.min(1.0),
     };
-    let others = (0..dof).filter(|other| *other != joint);
-    let simple = others.flat_map(|joint| [by_one(joint, false), by_one(joint, true)]);
-    if simple.fold(0.0, f64::max) > SIMPLE_SHARE * total {
+    let total = 2.0 * look.chi2();
+    if gap < STUCK_CHI2 * noise || best.left > (STUCK_LEFT * total).max(STUCK_NOISE * noise) {
         return None;
     }
-    let dof_of = &model.tree.dofs[joint];
-    let anywhere = if dof_of.prismatic {
-        ANYWHERE.1
-    } else {
-        ANYWHERE.0
-    };
-    let position = |k: usize| data.q[k * dof + joint] + best.far[k];
-    let positions: Vec<f64> = (0..n).map(position).collect();
-    let mut moved = data.q.clone();
-    let own = moved.iter_mut().skip(joint).step_by(dof);
-    own.zip(&positions).for_each(|(q, at)| *q = *at);
-    let slopes = by.run(&moved, n);
-    let slope = |row: usize| slopes[(3 * (row / 2) + row % 2) * dof + joint];
-    let less_known = (0..2 * n).map(|row| anywhere * slope(row).abs());
-    let less_known = less_known.collect();
-    let finding = Finding::new(
-        Kind::EncoderStuck,
-        &dof_of.joint,
-        format!(
-            "The encoder of {} does not move and the CoP does as if the joint did ({:.0} % of \
-             the gap): check its cable; readings count only for what its joint cannot move.",
-            dof_of.joint,
-            100.0 * most / total
-        ),
-    );
-    let unit = if dof_of.prismatic {
-        ("mm", 1e3)
-    } else {
-        ("°", 1f64.to_degrees())
-    };
-    let title = format!("{} as the CoP has it, {}", dof_of.joint, unit.0);
-    let row = |k: usize| Row::among(data, k);
-    let picture = Picture::of(&title, n, row, |k| unit.1 * positions[k], |_| true);
-    Some(Stuck {
-        finding: finding.showing(picture),
-        less_known,
-        joint,
-        positions,
-    })
+    let least = best.left.max(noise);
+    if is_wired_otherwise(look, wirings, least)
+        || one_number_explains(look, &best, least)
+        || masses::left(look, noise).is_some_and(|left| left < BY_MASSES * least)
+    {
+        return None;
+    }
+    Some(Stuck::of(look, best, total))
 }
 
-/// Whether a wiring explains the readings as well as motion of the joint does, which leaves
-/// χ² of `left`, or all but noise.
-fn is_wired_otherwise(look: &Look, wirings: &Wirings, left: f64) -> bool {
+fn is_still(look: &Look, joint: usize) -> bool {
+    let column = look.data.q.iter().skip(joint).step_by(look.model.dof());
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = column.fold(ends, |(low, high), x| (x.min(low), x.max(high)));
+    high - low < STILL
+}
+
+impl Stuck {
+    /// The finding where `moved` explains what it leaves of a χ² of `total` a posture.
+    fn of(look: &Look, moved: Moved, total: f64) -> Stuck {
+        let (model, data) = (look.model, look.data);
+        let (n, dof, joint) = (data.len(), model.dof(), moved.joint);
+        let dof_of = &model.tree.dofs[joint];
+        let anywhere = match dof_of.prismatic {
+            true => ANYWHERE.1,
+            false => ANYWHERE.0,
+        };
+        let position = |k: usize| data.q[k * dof + joint] + moved.far[k];
+        let positions: Vec<f64> = (0..n).map(position).collect();
+        let mut q = data.q.clone();
+        let own = q.iter_mut().skip(joint).step_by(dof);
+        own.zip(&positions).for_each(|(q, at)| *q = *at);
+        let slopes = Evaluator::new(model, Function::ComJacobian).run(&q, n);
+        let slope = |row: usize| slopes[(3 * (row / 2) + row % 2) * dof + joint];
+        let less_known = (0..2 * n).map(|row| anywhere * slope(row).abs());
+        let less_known = less_known.collect();
+        let finding = Finding::new(
+            Kind::EncoderStuck,
+            &dof_of.joint,
+            format!(
+                "The encoder of {} does not move and the CoP does as if the joint did ({:.0} % \
+                 of the gap): check its cable; readings count only for what its joint cannot \
+                 move.",
+                dof_of.joint,
+                100.0 * (1.0 - moved.left / total)
+            ),
+        );
+        let unit = match dof_of.prismatic {
+            true => ("mm", 1e3),
+            false => ("°", 1f64.to_degrees()),
+        };
+        let title = format!("{} as the CoP has it, {}", dof_of.joint, unit.0);
+        let row = |k: usize| Row::among(data, k);
+        let picture = Picture::of(&title, n, row, |k| unit.1 * positions[k], |_| true);
+        Stuck {
+            finding: finding.showing(picture),
+            less_known,
+            joint,
+            positions,
+        }
+    }
+}
+
+/// Whether a wiring explains the readings as well as motion of a joint does, which leaves
+/// `least` a posture or noise.
+fn is_wired_otherwise(look: &Look, wirings: &Wirings, least: f64) -> bool {
     let noise = rms(look.std.iter().copied());
-    let beside = (left / look.data.len() as f64).max(1.0).sqrt();
-    wirings.left([0, 1]) < AS_WELL * noise * beside
+    wirings.left([0, 1]) < AS_WELL * noise * least.sqrt()
+}
+
+/// Whether one number for all postures explains the readings about as well as motion of a joint
+/// does, which leaves `least` a posture or noise: an offset of it, or an offset or scale of
+/// another joint. What is true of the joint itself is told by how far it would be off: where it
+/// moves, an offset leaves that.
+fn one_number_explains(look: &Look, best: &Moved, least: f64) -> bool {
+    let enough = |moved: &Moved| moved.left < ONE_AS_WELL * least;
+    if enough(&Moved::together(look, best.joint, Together::Offset)) {
+        return true;
+    }
+    let others = (0..look.model.dof()).filter(|other| *other != best.joint);
+    let simple = others.flat_map(|joint| [(joint, Together::Offset), (joint, Together::Scale)]);
+    let n = look.data.len();
+    let slopes = Evaluator::new(look.model, Function::ComJacobian).run(&look.data.q, n);
+    // One step tells which are worth more.
+    let mut near = simple.filter(|(joint, how)| {
+        let steps = steps(look, *joint, &look.predicted, &slopes);
+        let (along, size) = how.sums(look, *joint, &steps);
+        along * along / size.max(1e-30) > SIMPLE_SHARE * 2.0 * look.chi2() * n as f64
+    });
+    near.any(|(joint, how)| enough(&Moved::together(look, joint, how)))
+}
+
+/// One number for all postures.
+#[derive(Clone, Copy)]
+enum Together {
+    Offset,
+    Scale,
+}
+
+impl Together {
+    /// How far a posture's joint goes by one unit.
+    fn weight(self, look: &Look, joint: usize, k: usize) -> f64 {
+        match self {
+            Together::Offset => 1.0,
+            Together::Scale => look.data.q[k * look.model.dof() + joint],
+        }
+    }
+
+    /// Gradient along the number, and its square.
+    fn sums(self, look: &Look, joint: usize, steps: &[Step]) -> (f64, f64) {
+        let own = steps.iter().enumerate();
+        own.fold((0.0, 0.0), |(along, size), (k, step)| {
+            let weight = self.weight(look, joint, k);
+            (
+                along + weight * step.along,
+                size + weight * weight * step.size,
+            )
+        })
+    }
 }
 
 /// The postures with one joint moved to where the readings are explained best.
@@ -159,32 +182,41 @@ struct Moved {
     joint: usize,
     /// Posture by posture, rad or m.
     far: Vec<f64>,
-    /// χ² that is left.
+    /// χ² a posture that is left.
     left: f64,
+}
+
+/// One posture's gradient along a joint, and its square, whitened.
+struct Step {
+    along: f64,
+    size: f64,
 }
 
 impl Moved {
     /// One unknown a posture, by Gauss and Newton.
     fn of(look: &Look, joint: usize) -> Moved {
-        Moved::by(look, joint, |along, size, far| {
-            for ((along, size), far) in along.iter().zip(size).zip(far) {
-                *far += (along / size.max(1e-30)).clamp(-LARGEST_STEP, LARGEST_STEP);
+        Moved::by(look, joint, |steps, far| {
+            for (step, far) in steps.iter().zip(far) {
+                let by = step.along / step.size.max(1e-30);
+                *far += by.clamp(-LARGEST_STEP, LARGEST_STEP);
             }
         })
     }
 
     /// One unknown for all postures.
-    fn together(look: &Look, joint: usize) -> Moved {
-        Moved::by(look, joint, |along, size, far| {
-            let step = along.iter().sum::<f64>() / size.iter().sum::<f64>().max(1e-30);
-            let step = step.clamp(-LARGEST_STEP, LARGEST_STEP);
-            far.iter_mut().for_each(|far| *far += step);
+    fn together(look: &Look, joint: usize, how: Together) -> Moved {
+        Moved::by(look, joint, |steps, far| {
+            let (along, size) = how.sums(look, joint, steps);
+            let by = (along / size.max(1e-30)).clamp(-LARGEST_STEP, LARGEST_STEP);
+            for (k, far) in far.iter_mut().enumerate() {
+                *far += how.weight(look, joint, k) * by;
+            }
         })
     }
 
     /// Steps of Gauss and Newton: `step` adds to where the joint is in each posture what
-    /// gradients along it over their squares say.
-    fn by(look: &Look, joint: usize, step: impl Fn(&[f64], &[f64], &mut [f64])) -> Moved {
+    /// gradients along it say.
+    fn by(look: &Look, joint: usize, step: impl Fn(&[Step], &mut [f64])) -> Moved {
         let (model, data) = (look.model, look.data);
         let (n, dof) = (data.len(), model.dof());
         let (cop, slopes) = (
@@ -193,25 +225,52 @@ impl Moved {
         );
         let mut q = data.q.clone();
         let mut far = vec![0.0; n];
-        let mut left = f64::INFINITY;
-        for round in 0..=ROUNDS {
-            let (at, by) = (cop.run(&q, n), slopes.run(&q, n));
-            let gap = |row: usize| (data.reading[row] - at[row]) / look.std[row];
-            left = (0..2 * n).map(|row| gap(row).powi(2)).sum();
-            if round == ROUNDS {
-                break;
-            }
-            let slope = |row: usize| by[(3 * (row / 2) + row % 2) * dof + joint] / look.std[row];
-            let pair = |of: &dyn Fn(usize) -> f64, k: usize| of(2 * k) + of(2 * k + 1);
-            let along = |k| pair(&|row| slope(row) * gap(row), k);
-            let size = |k| pair(&|row| slope(row) * slope(row), k);
-            let along: Vec<f64> = (0..n).map(along).collect();
-            let size: Vec<f64> = (0..n).map(size).collect();
-            step(&along, &size, &mut far);
+        for _ in 0..ROUNDS {
+            let steps = steps(look, joint, &cop.run(&q, n), &slopes.run(&q, n));
+            step(&steps, &mut far);
             for k in 0..n {
                 q[k * dof + joint] = data.q[k * dof + joint] + far[k];
             }
         }
+        let at = cop.run(&q, n);
+        let gap = |row: usize| (data.reading[row] - at[row]) / look.std[row];
+        let left = (0..2 * n).map(|row| gap(row).powi(2)).sum::<f64>() / n as f64;
         Moved { joint, far, left }
     }
+
+    /// Whether the joint moves, and can: where another effect is the cause, it would hardly have
+    /// to move, or too far.
+    fn is_believable(&self, look: &Look) -> bool {
+        let (model, data) = (look.model, look.data);
+        let dof_of = &model.tree.dofs[self.joint];
+        let beyond = BEYOND_LIMITS * (dof_of.upper - dof_of.lower).max(1e-6);
+        let within = |(k, far): (usize, &f64)| {
+            let at = data.q[k * model.dof() + self.joint] + far;
+            (dof_of.lower - beyond..=dof_of.upper + beyond).contains(&at)
+        };
+        let inside = self
+            .far
+            .iter()
+            .enumerate()
+            .filter(|own| within(*own))
+            .count();
+        let least = match dof_of.prismatic {
+            true => LEAST_MOTION.1,
+            false => LEAST_MOTION.0,
+        };
+        scatter(&self.far) > least && inside as f64 >= STUCK_SHARE * self.far.len() as f64
+    }
+}
+
+/// Gradients along a joint, posture by posture, where CAD has the CoP `at` with such `slopes`.
+fn steps(look: &Look, joint: usize, at: &[f64], slopes: &[f64]) -> Vec<Step> {
+    let dof = look.model.dof();
+    let slope = |row: usize| slopes[(3 * (row / 2) + row % 2) * dof + joint] / look.std[row];
+    let gap = |row: usize| (look.data.reading[row] - at[row]) / look.std[row];
+    let pair = |of: &dyn Fn(usize) -> f64, k: usize| of(2 * k) + of(2 * k + 1);
+    let step = |k| Step {
+        along: pair(&|row| slope(row) * gap(row), k),
+        size: pair(&|row| slope(row).powi(2), k),
+    };
+    (0..look.data.len()).map(step).collect()
 }

@@ -22,6 +22,7 @@ mod finding;
 mod frames;
 mod leftover;
 mod look;
+mod masses;
 mod order;
 mod parked;
 mod picture;
@@ -100,6 +101,7 @@ struct Look<'a> {
     data: &'a Postures,
     /// Deviation of each reading, m; a guess where it is not known yet.
     std: Vec<f64>,
+    noise_is_known: bool,
     /// CoM by CAD, three per posture, m.
     com: Vec<f64>,
     /// Its x and y, m.
@@ -270,12 +272,11 @@ fn examine_views(
 }
 
 /// An encoder that does not move in any posture, though its joint does: in the nearer view, or in
-/// the farther one.
+/// the farther one, which must explain what the nearer one leaves.
 fn stuck(robot: &Robot, model: &Model, snapping: Snapping, views: &Views) -> Option<Stuck> {
-    let of = |data| {
-        let look = Look::of(robot, model, snapping, data);
-        encoders::stuck(&look, &Wirings::new(model, data))
-    };
+    let look = |data| Look::of(robot, model, snapping, data);
+    let gap = look(views.nearer).chi2();
+    let of = |data| encoders::stuck(&look(data), &Wirings::new(model, data), gap);
     of(views.nearer).or_else(|| of(views.farther?))
 }
 
@@ -283,6 +284,14 @@ impl<'a> Look<'a> {
     /// Between readings and CAD, m RMS.
     fn gap(&self) -> f64 {
         statistics::gap(self.data, self.predicted.iter().copied())
+    }
+
+    /// The same, variances of the noise a reading.
+    fn chi2(&self) -> f64 {
+        let readings = self.data.reading.iter().zip(&self.predicted);
+        let whitened = readings.zip(&self.std).map(|((y, p), std)| (y - p) / std);
+        let squares: f64 = whitened.map(|x| x * x).sum();
+        squares / self.predicted.len().max(1) as f64
     }
 
     /// One axis of the readings beside what CAD says.
@@ -327,6 +336,7 @@ impl<'a> Look<'a> {
             snapping,
             data,
             std: data.std.iter().map(known).collect(),
+            noise_is_known: data.std.iter().all(|std| !std.is_nan()),
             com,
             predicted,
         }

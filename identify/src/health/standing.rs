@@ -6,7 +6,7 @@
 
 use sesc_model::Model;
 
-use super::criteria::{MOVED, UNKNOWN_NOISE_M};
+use super::criteria::{MOVED, MOVED_M};
 use super::rows::LogRows;
 use super::statistics::rms_of_gaps;
 use crate::observations::motion::{Motion, Plan, Wanted};
@@ -20,16 +20,9 @@ pub(super) fn postures(
     chosen: &[usize],
     model: &Model,
 ) -> (Postures, Option<Postures>) {
-    let read: Vec<(usize, [f64; 2])> = chosen.iter().map(|&k| (k, rows.reading[k])).collect();
     let still = still(rows, chosen, model);
-    let of = |rows_read: &[(usize, [f64; 2])]| {
-        let q = rows_read.iter().flat_map(|(k, _)| rows.q(*k));
-        let q: Vec<f64> = q.copied().collect();
-        let pose: Vec<i64> = rows_read.iter().map(|(k, _)| rows.pose[*k]).collect();
-        let cop: Vec<f64> = rows_read.iter().flat_map(|(_, y)| *y).collect();
-        Postures::of_rows(rows.dof, (&pose, &q, &cop), rows.noise, 0.0)
-    };
-    (of(&read), still.map(|still| of(&still)))
+    let still = still.map(|still| rows.postures_of(&still));
+    (rows.postures(chosen), still)
 }
 
 /// Rows whose motion is known, and their readings without it; none where they are near enough
@@ -37,7 +30,8 @@ pub(super) fn postures(
 fn still(rows: &LogRows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
     let gap = |k: usize, y: [f64; 2]| [0, 1].map(|axis| y[axis] - rows.cad[k][axis]);
     let as_read = rms_of_gaps(chosen.iter().map(|&k| gap(k, rows.reading[k])));
-    if rows.t.is_empty() || as_read < MOVED * rows.noise.unwrap_or(UNKNOWN_NOISE_M) {
+    let least = rows.noise.map_or(MOVED_M, |noise| MOVED * noise);
+    if rows.t.is_empty() || as_read < least {
         return None;
     }
     let plan = Plan::of(&rows.t, &rows.q, rows.dof)?;

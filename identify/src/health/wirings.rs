@@ -18,7 +18,7 @@ use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
 use super::criteria::CHANCE;
-use super::statistics::{axis, left_by_gain, left_by_plane, scatter};
+use super::statistics::{axis, left_by_gain, left_by_plane, rms_of_gaps, scatter};
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::observations::postures::Postures;
 
@@ -147,6 +147,18 @@ impl<'a> Wirings<'a> {
             f64::hypot(left(0), left(1)) / f64::sqrt(2.0)
         };
         com.map(both).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance of the readings from CAD's CoP under the best wiring, as a part of that under the
+    /// log's own.
+    pub fn nearer(&self) -> f64 {
+        let gap = |com: Cow<'_, [f64]>| {
+            let gaps = self.reading.chunks_exact(2).zip(com.chunks_exact(3));
+            rms_of_gaps(gaps.map(|(y, c)| [y[0] - c[0], y[1] - c[1]]))
+        };
+        let mut gaps = self.com().map(gap);
+        let own = gaps.next().unwrap_or(0.0);
+        gaps.fold(own, f64::min) / own.max(f64::MIN_POSITIVE)
     }
 
     /// Whether `holds` of what some wiring leaves, m RMS, in the axes of the support: the sensor's

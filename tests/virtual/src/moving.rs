@@ -55,11 +55,11 @@ impl Swing {
                 })
             })
             .collect();
-        let amplitude = self.amplitude;
+        let (amplitude, stage) = (self.amplitude, stage.clone());
         move |t| {
             let joints = waves.iter();
             let of = |[w, p]: &[f64; 2]| amplitude * (w * t + p).sin();
-            joints.map(|waves| waves.iter().map(of).sum()).collect()
+            stage.held(joints.map(|waves| waves.iter().map(of).sum()).collect())
         }
     }
 

@@ -66,6 +66,8 @@ pub struct Stage {
     pub size: f64,
     /// Ranges of balanced postures, rad.
     ranges: Vec<(f64, f64)>,
+    /// Where joints are that stand still in all postures, rad.
+    held: Vec<Option<f64>>,
 }
 
 /// The OP2's ranges on the bench, rad: of the right leg, which carries, of the
@@ -111,14 +113,34 @@ impl Stage {
                 _ => (joint.range().0.max(-WIDE), joint.range().1.min(WIDE)),
             }
         });
+        let ranges: Vec<(f64, f64)> = ranges.collect();
         Stage {
             platform,
             support,
             size,
-            ranges: ranges.collect(),
+            held: vec![None; ranges.len()],
+            ranges,
             urdf,
             robot,
         }
+    }
+
+    /// The same robot, each of whose joints stands still with probability `share`: where it is in
+    /// some balanced posture.
+    pub fn holding(mut self, share: f64, random: &mut ChaCha8Rng) -> Stage {
+        let balanced = self.balanced(1, random).concat();
+        for (held, at) in self.held.iter_mut().zip(balanced) {
+            *held = random.random_bool(share).then_some(at);
+        }
+        self
+    }
+
+    /// Positions with the joints that stand still where they are held.
+    pub fn held(&self, mut q: Vec<f64>) -> Vec<f64> {
+        for (q, held) in q.iter_mut().zip(&self.held) {
+            *q = held.unwrap_or(*q);
+        }
+        q
     }
 
     /// The middle of a joint's balanced positions, rad.
@@ -169,7 +191,7 @@ impl Stage {
         let within = BOX_M * self.size;
         let mut postures = Vec::with_capacity(count);
         while postures.len() < count {
-            let q = draw(&self.ranges, random);
+            let q = self.held(draw(&self.ranges, random));
             if world.cop(&q).iter().all(|x| x.abs() < within) {
                 postures.push(q);
             }
@@ -184,7 +206,8 @@ impl Stage {
             (low.max(-WIDE), high.min(WIDE))
         });
         let ranges: Vec<_> = ranges.collect();
-        (0..count).map(|_| draw(&ranges, random)).collect()
+        let one = |_| self.held(draw(&ranges, random));
+        (0..count).map(one).collect()
     }
 
     /// Two slow sines a joint, at most 0.1 Hz.
@@ -201,11 +224,12 @@ impl Stage {
                 })
             })
             .collect();
+        let held = self.held.clone();
         move |t| {
-            let joints = waves.iter();
-            joints
-                .map(|waves| waves.iter().map(|[a, w, p]| a * (w * t + p).sin()).sum())
-                .collect()
+            let of = |[a, w, p]: &[f64; 3]| a * (w * t + p).sin();
+            let joints = waves.iter().zip(&held);
+            let at = joints.map(|(waves, at)| at.unwrap_or_else(|| waves.iter().map(of).sum()));
+            at.collect()
         }
     }
 }

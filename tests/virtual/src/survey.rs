@@ -143,5 +143,6 @@ pub fn everything() -> Choice {
         only: None,
         body: false,
         long: true,
+        held: 0.0,
     }
 }

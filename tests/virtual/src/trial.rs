@@ -61,6 +61,8 @@ pub struct Choice {
     pub body: bool,
     /// Logs of 1000 postures, too.
     pub long: bool,
+    /// Share of the joints that stand still in a log.
+    pub held: f64,
 }
 
 impl Trial {
@@ -69,7 +71,10 @@ impl Trial {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         loop {
             let platform = choice.platforms.choose(&mut random).copied();
-            let stage = Stage::new(platform.unwrap_or(Platform::Op2));
+            let mut stage = Stage::new(platform.unwrap_or(Platform::Op2));
+            if choice.held > 0.0 {
+                stage = stage.holding(choice.held, &mut random);
+            }
             let effects = effects(question, choice, &mut random);
             // Many targets of some effects cannot be seen: look for one that can.
             for _ in 0..50 {

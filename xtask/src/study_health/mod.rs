@@ -25,7 +25,7 @@ use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
 use sesc_virtual::stage::Platform;
 use sesc_virtual::survey;
-use sesc_virtual::trial::Trial;
+use sesc_virtual::trial::{Choice, Trial};
 
 use devices::{Broken, DEVICES, Device};
 use sheet::{RecordingKind, Sheet};
@@ -39,6 +39,10 @@ pub struct StudyHealth {
     /// Healthy recordings
     #[arg(long, default_value_t = 300)]
     moving: usize,
+    /// Healthy logs with hidden effects in which a third of the joints stand still, and as many
+    /// such recordings
+    #[arg(long, default_value_t = 300)]
+    held: usize,
     /// Logs of each broken device on each robot, standing and moving each
     #[arg(long, default_value_t = 100)]
     broken: usize,
@@ -95,6 +99,9 @@ impl Count {
         self.named += other.named;
     }
 }
+
+/// Share of the joints that stand still in some logs.
+const HELD: f64 = 1.0 / 3.0;
 
 /// Logs that are drawn for one in which a device has something to break.
 const TRIES: usize = 60;
@@ -171,27 +178,40 @@ impl StudyHealth {
 
     /// False findings by kind.
     fn count_healthy(&self, folder: &Path) -> Result<String, Box<dyn Error>> {
+        let with_effects = |count: usize, held: f64| {
+            let choice = Choice {
+                held,
+                ..survey::everything()
+            };
+            let questions = survey::questions(count, &choice);
+            questions.into_iter().enumerate().map(move |(k, question)| {
+                let trial = Trial::draw(question, &choice, self.seed + k as u64);
+                let hidden: Vec<String> = trial.hidden.iter().map(|h| h.label()).collect();
+                let mut sheet = Sheet::of_trial(&trial, folder)?;
+                sheet.about += &format!(" where {} is hidden", hidden.join(" + "));
+                Ok(sheet)
+            })
+        };
+        let recordings = |count: usize, held: f64| {
+            (0..count).map(move |k| {
+                let platform = ROBOTS[k % ROBOTS.len()].0;
+                Ok(Sheet::moving(platform, held, self.seed + k as u64))
+            })
+        };
         let mut told = String::new();
-        let choice = survey::everything();
-        let questions = survey::questions(self.healthy, &choice);
-        let with_effects = questions.into_iter().enumerate().map(|(k, question)| {
-            let trial = Trial::draw(question, &choice, self.seed + k as u64);
-            let hidden: Vec<String> = trial.hidden.iter().map(|h| h.label()).collect();
-            let mut sheet = Sheet::of_trial(&trial, folder)?;
-            sheet.about += &format!(" where {} is hidden", hidden.join(" + "));
-            Ok(sheet)
-        });
-        told += &tally("healthy logs with hidden effects", with_effects)?;
-        let recordings = (0..self.moving).map(|k| {
-            let platform = ROBOTS[k % ROBOTS.len()].0;
-            Sheet::draw(
-                RecordingKind::Moving,
-                platform,
-                self.seed + k as u64,
-                folder,
-            )
-        });
-        told += &tally("healthy recordings", recordings)?;
+        told += &tally(
+            "healthy logs with hidden effects",
+            with_effects(self.healthy, 0.0),
+        )?;
+        told += &tally("healthy recordings", recordings(self.moving, 0.0))?;
+        told += &tally(
+            "healthy logs with hidden effects in which a third of the joints stand still",
+            with_effects(self.held, HELD),
+        )?;
+        told += &tally(
+            "healthy recordings in which a third of the joints stand still",
+            recordings(self.held, HELD),
+        )?;
         Ok(told)
     }
 

@@ -100,15 +100,18 @@ impl Sheet {
                 };
                 Sheet::of_trial(&Trial::draw(Question::Nothing, &choice, seed), folder)
             }
-            RecordingKind::Moving => Ok(Sheet::moving(platform, seed)),
+            RecordingKind::Moving => Ok(Sheet::moving(platform, 0.0, seed)),
         }
     }
 
     /// A minute or so of slow sines at some rate, with white or lasting noise, angles as they
-    /// are or in ticks.
-    fn moving(platform: Platform, seed: u64) -> Sheet {
+    /// are or in ticks; a share of the joints is `held`.
+    pub fn moving(platform: Platform, held: f64, seed: u64) -> Sheet {
         let random = &mut ChaCha8Rng::seed_from_u64(seed);
-        let stage = Stage::new(platform);
+        let mut stage = Stage::new(platform);
+        if held > 0.0 {
+            stage = stage.holding(held, random);
+        }
         let rate = *RATES.choose(random).unwrap_or(&10.0);
         let seconds = 30.0 + 60.0 * random.random::<f64>();
         let seconds = seconds.min(6000.0 / rate);

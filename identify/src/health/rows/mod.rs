@@ -38,6 +38,7 @@ use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader};
 use crate::observations::correlation;
+use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
@@ -112,6 +113,21 @@ impl LogRows {
             pose: self.pose[row],
             q: self.q(row).to_vec(),
         }
+    }
+
+    /// Some of the rows as postures, with their readings as they are.
+    pub fn postures(&self, chosen: &[usize]) -> Postures {
+        let read: Vec<(usize, [f64; 2])> = chosen.iter().map(|&k| (k, self.reading[k])).collect();
+        self.postures_of(&read)
+    }
+
+    /// Some of the rows as postures, with the readings that are given.
+    pub fn postures_of(&self, read: &[(usize, [f64; 2])]) -> Postures {
+        let q = read.iter().flat_map(|(k, _)| self.q(*k));
+        let q: Vec<f64> = q.copied().collect();
+        let pose: Vec<i64> = read.iter().map(|(k, _)| self.pose[*k]).collect();
+        let cop: Vec<f64> = read.iter().flat_map(|(_, y)| *y).collect();
+        Postures::of_rows(self.dof, (&pose, &q, &cop), self.noise, 0.0)
     }
 
     /// Forces of the cells of a row, N; none where the log has a CoP.
@@ -303,7 +319,7 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     findings.extend(stamps::shuffled(rows));
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
-    findings.extend(outside::sole(rows, &mut left_out));
+    findings.extend(outside::sole(rows, model, &mut left_out));
     findings.extend(frozen::stretches(rows, &mut left_out));
     findings.extend(channels::saturated(rows, Some(model), &mut left_out));
     findings.extend(copies::of(rows, &mut left_out));

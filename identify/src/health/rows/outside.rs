@@ -7,17 +7,20 @@
 //!
 //! A few such rows are left out. Where most readings are beyond cells and CAD, the log is of
 //! another frame; readings that scatter many times as much are in another unit, which is an
-//! effect and no finding.
+//! effect and no finding, as is a wiring that brings CAD to the rows that are outside.
+
+use sesc_model::Model;
 
 use super::LogRows;
 use super::screen::LeftOut;
 use crate::health::criteria::{
-    MARGIN_M, MARGIN_OF_CLOUD, MARGIN_OF_SOLE, MOST_OUTSIDE, OTHER_UNIT, SPREAD,
+    MARGIN_M, MARGIN_OF_CLOUD, MARGIN_OF_SOLE, MOST_OUTSIDE, OTHER_UNIT, SPREAD, WIRED_NEARER,
 };
 use crate::health::statistics::scatter;
+use crate::health::wirings::Wirings;
 use crate::health::{Finding, Kind, Picture};
 
-pub(super) fn sole(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
+pub(super) fn sole(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> Option<Finding> {
     let everywhere = rows.cad.iter().chain(&rows.cad_of_degrees);
     let mut all: Vec<[f64; 2]> = everywhere.chain(&rows.places).copied().collect();
     let middle = [0, 1].map(|k| quantile(&rows.reading, k, 0.5));
@@ -37,6 +40,10 @@ pub(super) fn sole(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let count = (0..rows.len()).filter(|k| beyond(*k)).count();
     let total = rows.len();
     if count == 0 || count as f64 > MOST_OUTSIDE * total as f64 {
+        return None;
+    }
+    let chosen: Vec<usize> = (0..total).filter(|k| beyond(*k)).collect();
+    if Wirings::new(model, &rows.postures(&chosen)).nearer() < WIRED_NEARER {
         return None;
     }
     let length = |k: usize| rows.reading[k][0].hypot(rows.reading[k][1]);
