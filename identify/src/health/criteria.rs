@@ -87,10 +87,15 @@ pub(super) const ONE_AS_WELL: f64 = 8.0;
 /// Part of χ² from which one offset or one scale of another joint is worth a closer look.
 /// Chosen: less looks at more of them, which costs time.
 pub(super) const SIMPLE_SHARE: f64 = 0.9;
-/// A wiring explains the readings as well if it leaves no more than so many times as much, the
-/// sensor's zero and gain free, m over m. Chosen: the true wiring leaves as much as motion of a
-/// joint or less; half as much above 1 names faults that a swap of joints explains.
-pub(super) const AS_WELL: f64 = 1.5;
+/// A wiring explains the readings if it leaves no more than this of the noise, variance over
+/// variance, the sensor's zero and gain free. Chosen: of 38 postures the noise itself is known to
+/// 16 % (closed form); twice as much above 1 lets a swap of joints explain what a stuck one does
+/// in a slow motion.
+pub(super) const WIRED_NOISE: f64 = 1.2;
+/// And so many times what motion of the joint leaves beyond the noise. Chosen: masses that are
+/// off leave twice as much beside a wiring as beside one unknown a posture (closed form); half of
+/// it names faults that a wiring explains.
+pub(super) const WIRED_BESIDE: f64 = 2.5;
 /// Masses within the usual tolerances of CAD explain the readings as well if they leave no more
 /// than so many times as much a reading. Chosen: stuck encoders of the study leave six times as
 /// much and more; half of it takes masses that are off for motion.

@@ -11,8 +11,8 @@
 use sesc_model::Function;
 
 use super::criteria::{
-    ANYWHERE, AS_WELL, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, ONE_AS_WELL, SIMPLE_SHARE, STILL,
-    STUCK_CHI2, STUCK_LEFT, STUCK_LOOKS, STUCK_NOISE, STUCK_SHARE,
+    ANYWHERE, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, ONE_AS_WELL, SIMPLE_SHARE, STILL, STUCK_CHI2,
+    STUCK_LEFT, STUCK_LOOKS, STUCK_NOISE, STUCK_SHARE, WIRED_BESIDE, WIRED_NOISE,
 };
 use super::statistics::scatter;
 use super::wirings::Wirings;
@@ -57,7 +57,7 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<Stuck> {
         return None;
     }
     let least = best.left.max(noise);
-    if is_wired_otherwise(look, wirings, least)
+    if is_wired_otherwise(look, wirings, noise, best.left)
         || one_number_explains(look, &best, least)
         || masses::left(look, noise).is_some_and(|left| left < BY_MASSES * least)
     {
@@ -120,10 +120,11 @@ impl Stuck {
 }
 
 /// Whether a wiring explains the readings as well as motion of a joint does, which leaves
-/// `least` a posture or noise.
-fn is_wired_otherwise(look: &Look, wirings: &Wirings, least: f64) -> bool {
-    let noise = rms(look.std.iter().copied());
-    wirings.left([0, 1]) < AS_WELL * noise * least.sqrt()
+/// `left` a posture where the noise leaves `noise`.
+fn is_wired_otherwise(look: &Look, wirings: &Wirings, noise: f64, left: f64) -> bool {
+    let deviation = rms(look.std.iter().copied());
+    let beside = WIRED_BESIDE * (left - noise).max(0.0);
+    (wirings.left([0, 1]) / deviation).powi(2) < WIRED_NOISE * noise + beside
 }
 
 /// Whether one number for all postures explains the readings about as well as motion of a joint
