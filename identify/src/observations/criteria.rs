@@ -70,6 +70,10 @@ pub mod accelerations {
     /// What order 4 may bend of an acceleration at most where rows are further apart than
     /// [`LONGEST_S`]. Chosen: twice as much lets recordings in whose accelerations are 2 % off.
     pub const BENT: f64 = 0.01;
+    /// What order 3 may bend of an acceleration, squared, that order 4 is freed of what it bends
+    /// itself; of more, so much. Chosen: 45 %; with more, the next powers of the swing's rate
+    /// count as much, half of it leaves accelerations of 0.4 Hz at 5 Hz 0.3 % off.
+    pub const MOST_BENT: f64 = 0.2;
     /// How often an acceleration that is bent counts against one that is noisy. Chosen: half of
     /// it takes longer windows; see `docs/study-motion.md` for what comes of it.
     pub const COHERENT: f64 = 10.0;

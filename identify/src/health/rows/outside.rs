@@ -7,7 +7,7 @@
 //!
 //! A few such rows are left out. Where most readings are beyond cells and CAD, the log is of
 //! another frame; readings that scatter many times as much are in another unit, which is an
-//! effect and no finding, as is a wiring that brings CAD to the rows that are outside.
+//! effect and no finding, as is a wiring that brings CAD near those readings.
 
 use sesc_model::Model;
 
@@ -30,7 +30,7 @@ pub(super) fn sole(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> Opt
         for part in [SPREAD.0, SPREAD.1] {
             all.push([0, 1].map(|k| quantile(&rows.reading, k, part)));
         }
-    } else if elsewhere(rows) {
+    } else if elsewhere(rows) && !is_wired_otherwise(rows, model, |_| true) {
         return Some(frame(rows, middle));
     } else {
         return None;
@@ -42,8 +42,7 @@ pub(super) fn sole(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> Opt
     if count == 0 || count as f64 > MOST_OUTSIDE * total as f64 {
         return None;
     }
-    let chosen: Vec<usize> = (0..total).filter(|k| beyond(*k)).collect();
-    if Wirings::new(model, &rows.postures(&chosen)).nearer() < WIRED_NEARER {
+    if is_wired_otherwise(rows, model, beyond) {
         return None;
     }
     let length = |k: usize| rows.reading[k][0].hypot(rows.reading[k][1]);
@@ -56,6 +55,12 @@ pub(super) fn sole(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> Opt
         (0..total).map(length).fold(0.0, f64::max)
     );
     Some(Finding::new(Kind::CopOutsideSole, "-", sentence).showing(picture(rows, beyond)))
+}
+
+/// Whether a wiring brings CAD's CoP near the readings of some of the rows.
+fn is_wired_otherwise(rows: &LogRows, model: &Model, which: impl Fn(usize) -> bool) -> bool {
+    let chosen: Vec<usize> = (0..rows.len()).filter(|k| which(*k)).collect();
+    Wirings::new(model, &rows.postures(&chosen)).nearer() < WIRED_NEARER
 }
 
 /// The box around places and the sole, wider by the margin.

@@ -38,7 +38,7 @@ mod tests;
 mod windows;
 
 use super::criteria::accelerations::{
-    BENT, COHERENT, COVERED, LONGEST_OF_SLOW_S, LONGEST_S, MOVES,
+    BENT, COHERENT, COVERED, LONGEST_OF_SLOW_S, LONGEST_S, MOST_BENT, MOVES,
 };
 use std::ops::Range;
 
@@ -59,8 +59,6 @@ const PART: usize = 512;
 const LOOKED_AT: usize = 400;
 /// What order 4 bends where order 3 bends β, over β²: 0.00126 (ω h)⁴ over ((ω h)²/14)².
 const OF_HIGH: f64 = 0.25;
-/// β² beyond which the next powers of ω h count as much: windows know little of the motion.
-const MOST_BENT: f64 = 0.2;
 
 /// How the joints of a log are differentiated.
 #[derive(Debug, Clone, PartialEq)]
