@@ -3,6 +3,7 @@
 mod axes;
 mod command;
 mod effects;
+mod encoders;
 mod log;
 mod rows;
 mod stamps;

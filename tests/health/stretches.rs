@@ -49,9 +49,13 @@ fn a_sensor_that_died_early_leaves_nothing() {
     assert_eq!(found.health[0].kind.name(), "cop_constant");
 }
 
+fn op2() -> Stage {
+    Stage::new(Platform::Op2)
+}
+
 /// An OP2 that swings at up to 0.4 Hz, read at 50 Hz with noise of 0.5 mm.
 fn swing(seed: u64) -> Recording {
-    let stage = Stage::new(Platform::Op2);
+    let stage = op2();
     let noise = Noise {
         kind: Kind::White,
         std: [5e-4; 2],
@@ -61,20 +65,21 @@ fn swing(seed: u64) -> Recording {
     Swing::new(0.4, 0.15, 30.0).record(&stage, stage.world(), noise, 50.0, random)
 }
 
-fn request(recording: &Recording) -> Request {
-    let stage = Stage::new(Platform::Op2);
+/// A question about a recording of the robot of `stage`.
+pub fn request(stage: &Stage, recording: &Recording) -> Request {
     let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
     let columns = recording.columns(true).into_iter();
     let log = columns.fold(Table::new("log"), |table, (name, values)| {
         table.numbers(&name, values)
     });
     let mut request = Request::new(robot, log);
-    request.support = Some("r_sole".into());
+    request.support = Some(stage.support.into());
     request
 }
 
-fn looked(recording: &Recording) -> Vec<(String, String)> {
-    let found = diagnose::look(&request(recording), &mut ()).unwrap();
+/// What a diagnosis finds wrong with the data of a recording.
+pub fn looked(stage: &Stage, recording: &Recording) -> Vec<(String, String)> {
+    let found = diagnose::look(&request(stage, recording), &mut ()).unwrap();
     let named = |f: Finding| (f.kind.name().to_string(), f.target);
     found.into_iter().map(named).collect()
 }
@@ -84,14 +89,14 @@ fn looked(recording: &Recording) -> Vec<(String, String)> {
 #[test]
 fn a_slow_sensor_is_not_frozen() {
     let mut recording = swing(93);
-    assert_eq!(looked(&recording), []);
+    assert_eq!(looked(&op2(), &recording), []);
     for k in 0..recording.cop.len() {
         recording.cop[k] = recording.cop[k - k % 10];
     }
-    assert_eq!(looked(&recording), []);
+    assert_eq!(looked(&op2(), &recording), []);
     let last = recording.cop[700];
     recording.cop[700..800].fill(last);
-    assert_eq!(looked(&recording), only("cop_frozen", "-"));
+    assert_eq!(looked(&op2(), &recording), only("cop_frozen", "-"));
 }
 
 /// The encoder of a knee that stops after 20 of 30 s: those rows are left out and the rest is
@@ -104,8 +109,8 @@ fn an_encoder_that_stops_in_the_middle_is_named_and_its_rows_are_left_out() {
     let knee = joints.iter().position(|joint| joint == "r_knee").unwrap();
     let at = recording.q[1000][knee];
     recording.q[1000..].iter_mut().for_each(|q| q[knee] = at);
-    assert_eq!(looked(&recording), only("encoder_stuck", "r_knee"));
-    let request = request(&recording);
+    assert_eq!(looked(&op2(), &recording), only("encoder_stuck", "r_knee"));
+    let request = request(&op2(), &recording);
     let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
     println!("{} {}", found.health[0].sentence, found.sentence);
     assert!(

@@ -65,6 +65,10 @@ pub(super) const STUCK_LOOKS: f64 = 1.5;
 /// that motion of the joint leaves. Chosen: motion of two deviations on each axis has 5 (closed
 /// form); half as much takes an encoder's own errors for it.
 pub(super) const STUCK_CHI2: f64 = 6.0;
+/// And so many times what motion of the joint leaves of one reading, for readings may go with the
+/// other joints' motion. Chosen: half of it takes noise that is larger than it is thought to be
+/// for what a joint hides.
+pub(super) const STUCK_LESS: f64 = 3.0;
 /// Share of postures in which the joint is within its limits then, or beyond them by no more than
 /// [`BEYOND_LIMITS`]. Chosen: less allows positions that the joint cannot have.
 pub(super) const STUCK_SHARE: f64 = 0.9;

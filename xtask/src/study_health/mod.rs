@@ -117,7 +117,7 @@ impl StudyHealth {
             "# Broken data\n\n\
              How often each broken device is recognised, by both `fit` and `diagnose` and by its \
              name and target, how often another finding stands beside it, and how often healthy \
-             logs have a finding, those of a whole `fit` included. `cargo xtask study-health --healthy {} --moving {} --broken {} \
+             logs have a finding, those of a whole `fit` included. `cargo xtask study-health --healthy {} --moving {} --held {} --broken {} \
              --diagnosed {} --seed {}` counts the same logs again.\n\n\
              Standing: 38 to 1000 postures of the study of hidden effects, each averaged over 100 \
              readings or repeated 20 times, noise of a reading 5 mm (OP2) or 11 mm; stated in 7 of \
@@ -126,7 +126,7 @@ impl StudyHealth {
              of 0.3 to 1.5 mm (OP2) or 0.7 to 3.3 mm, white or AR(1) of 0.1 to 1 s, stated in one \
              of two; angles in all digits or in ticks of 2π/4096. A stuck encoder hides 12 \
              deviations of a reading or more of CoP motion.\n\n",
-            self.healthy, self.moving, self.broken, self.diagnosed, self.seed
+            self.healthy, self.moving, self.held, self.broken, self.diagnosed, self.seed
         );
         let _ = writeln!(page, "{}\n", self.count_healthy(folder.path())?);
         let _ = write!(page, "| broken device |");
