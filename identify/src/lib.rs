@@ -60,6 +60,7 @@ pub mod stance;
 mod svd;
 #[doc(hidden)]
 pub mod threads;
+mod tolerances;
 mod watch;
 mod words;
 

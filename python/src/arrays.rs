@@ -102,6 +102,8 @@ pub fn numbers<'py>(
         let message = format!("{name} has the shape {shape:?}; its last axis must hold {axis}");
         return Err(refused(given.py(), message));
     }
+    // Books of borrows cost a tenth of such a call. What another thread writes to the array
+    // meanwhile is copied half written, as by numpy's own functions.
     if is_new && array.ndim() == 1 {
         let values = array.to_vec()?;
         return Ok(Numbers::Copied(array, values));

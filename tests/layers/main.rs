@@ -76,6 +76,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "poses",
             "hide",
             "evaluate",
+            "tolerances",
             "observations",
             "feet",
             "simulate",

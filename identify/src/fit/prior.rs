@@ -1,54 +1,19 @@
 //! CAD as knowledge with stated uncertainty.
 //!
-//! ```text
-//! m_k ~ m_CAD (1 ± mass)      c_k ~ c_CAD ± com on each axis      every link by itself
-//! θ = (m_k / M, m_k c_k / M)  r = W θ       C = W D C_θ Dᵀ Wᵀ      D = I − θ 1ᵀ
-//! ```
-//!
-//! `D` keeps mass fractions summing to one: the total mass is no part of a CoP.
-//! The covariance C may be singular (massless links); it is kept as a factor S
-//! with C = S Sᵀ.
+//! Tolerances of CAD are those of [`Tolerances`]; a fleet's are those of its [`Population`].
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use nalgebra::{DMatrix, DVector, Matrix4};
-use serde::{Deserialize, Serialize};
+use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
 use sesc_model::files;
-use sesc_model::standard::PER_LINK;
 use sesc_model::text::listed;
 use sesc_model::urdf::suggestion;
 
 use super::population::{FORMAT, Population};
 use crate::logs::names::short;
-use crate::svd::svd;
+pub use crate::tolerances::{Tolerance, Tolerances};
 use crate::{Error, Setting, message};
-
-/// How well CAD knows a link.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tolerance {
-    /// Standard deviation of its mass, relative.
-    pub mass: Option<f64>,
-    /// Standard deviation of its CoM on each axis, m.
-    pub com: Option<f64>,
-    /// Standard deviation of its mass, kg, on top: cables, screws, a link without `<inertial>`.
-    pub mass_kg: Option<f64>,
-}
-
-/// Tolerances of all links.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[non_exhaustive]
-pub struct Tolerances {
-    /// Tolerance of links that are not listed.
-    #[serde(default)]
-    pub default: Tolerance,
-    /// Tolerances of links by name.
-    #[serde(default)]
-    pub links: BTreeMap<String, Tolerance>,
-}
 
 /// What is known before the data.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,11 +26,6 @@ pub enum Prior {
     /// What a fleet of such robots is like.
     Population(Box<Population>),
 }
-
-/// CAD taken nearly for granted: parts on a scale, masses to 0.2 %, CoMs to 0.1 mm.
-const TIGHT: (f64, f64) = (0.002, 0.0001);
-/// CAD as it usually is: masses to 10 %, CoMs to 5 mm.
-const USUAL: (f64, f64) = (0.10, 0.005);
 
 /// Which prior, before the robot is known that it is of.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,8 +50,8 @@ impl PriorChoice {
     /// When a file cannot be read, names unknown links or holds no tolerances.
     pub fn of(&self, model: &Model) -> Result<Prior, Error> {
         Ok(match self {
-            PriorChoice::Tight => Prior::Cad(Tolerances::of(TIGHT)),
-            PriorChoice::Cad => Prior::Cad(Tolerances::of(USUAL)),
+            PriorChoice::Tight => Prior::Cad(Tolerances::tight()),
+            PriorChoice::Cad => Prior::Cad(Tolerances::usual()),
             PriorChoice::Free => Prior::Free,
             PriorChoice::File(file) => Prior::read(file, model)?,
             PriorChoice::Given(prior) => prior.clone(),
@@ -150,7 +110,7 @@ impl Prior {
         match Population::is_in(&text, &file)? {
             true => Population::read(&text, &file, model)
                 .map(|found| Prior::Population(Box::new(found))),
-            false => Tolerances::read(&text, &file, model).map(Prior::Cad),
+            false => read_tolerances(&text, &file, model).map(Prior::Cad),
         }
     }
 
@@ -211,129 +171,33 @@ impl Prior {
     }
 }
 
-impl Tolerances {
-    fn of((mass, com): (f64, f64)) -> Tolerances {
-        Tolerances {
-            default: Tolerance {
-                mass: Some(mass),
-                com: Some(com),
-                mass_kg: None,
-            },
-            links: BTreeMap::new(),
-        }
+/// Tolerances of a TOML file.
+fn read_tolerances(text: &str, file: &str, model: &Model) -> Result<Tolerances, Error> {
+    let bad = |reason: String| Error::prior(file, reason);
+    let tolerances: Tolerances =
+        files::parse_toml(text, FORMAT).map_err(|fault| Error::prior_toml(file, fault))?;
+    let names = || model.tree.links.iter().map(|link| link.name.as_str());
+    if let Some(stray) = tolerances
+        .links
+        .keys()
+        .find(|k| names().all(|name| name != *k))
+    {
+        let meant = suggestion(stray, names());
+        return Err(bad(format!(
+            "no link `{}`; the robot has {}{meant}",
+            short(stray),
+            listed(names().map(short), 12)
+        )));
     }
-
-    /// The usual tolerances of CAD.
-    pub fn usual() -> Tolerances {
-        Tolerances::of(USUAL)
-    }
-
-    fn read(text: &str, file: &str, model: &Model) -> Result<Tolerances, Error> {
-        let bad = |reason: String| Error::prior(file, reason);
-        let tolerances: Tolerances =
-            files::parse_toml(text, FORMAT).map_err(|fault| Error::prior_toml(file, fault))?;
-        let names = || model.tree.links.iter().map(|link| link.name.as_str());
-        if let Some(stray) = tolerances
-            .links
-            .keys()
-            .find(|k| names().all(|name| name != *k))
-        {
-            let meant = suggestion(stray, names());
-            return Err(bad(format!(
-                "no link `{}`; the robot has {}{meant}",
-                short(stray),
-                listed(names().map(short), 12)
-            )));
-        }
-        let all = tolerances.links.iter().map(|(name, t)| (name.as_str(), t));
-        for (name, t) in all.chain([("default", &tolerances.default)]) {
-            for value in [t.mass, t.com, t.mass_kg].into_iter().flatten() {
-                if !(value.is_finite() && value >= 0.0) {
-                    return Err(bad(format!(
-                        "`{name}`: a tolerance of {value:?}; zero or more"
-                    )));
-                }
+    let all = tolerances.links.iter().map(|(name, t)| (name.as_str(), t));
+    for (name, t) in all.chain([("default", &tolerances.default)]) {
+        for value in [t.mass, t.com, t.mass_kg].into_iter().flatten() {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(bad(format!(
+                    "`{name}`: a tolerance of {value:?}; zero or more"
+                )));
             }
         }
-        Ok(tolerances)
     }
-
-    /// Relative mass and CoM (m) of a link.
-    pub fn of_link(&self, link: &str) -> (f64, f64) {
-        let own = self.links.get(link);
-        let mass = own.and_then(|t| t.mass).or(self.default.mass);
-        let com = own.and_then(|t| t.com).or(self.default.com);
-        (mass.unwrap_or(USUAL.0), com.unwrap_or(USUAL.1))
-    }
-
-    /// Mass on top of a link's own tolerance, kg.
-    pub fn extra_mass(&self, link: &str) -> f64 {
-        let own = self.links.get(link).and_then(|t| t.mass_kg);
-        own.or(self.default.mass_kg).unwrap_or(0.0)
-    }
-
-    /// Factor of the covariance of θ, 4 per link, before `D`.
-    pub(crate) fn of_standard(&self, model: &Model) -> DMatrix<f64> {
-        let links = &model.tree.links;
-        let mut factor = DMatrix::zeros(PER_LINK * links.len(), PER_LINK * links.len());
-        for (k, link) in links.iter().enumerate() {
-            if model.chain.places[k].is_none() {
-                continue;
-            }
-            let (relative, com) = self.of_link(&link.name);
-            let share = link.mass / model.tree.mass;
-            let extra = self.extra_mass(&link.name) / model.tree.mass;
-            let mass = (relative * share).hypot(extra);
-            // A heavier link is heavier where it is: δ(m c) = c δm + m δc.
-            let block = Matrix4::new(
-                mass,
-                0.0,
-                0.0,
-                0.0,
-                mass * link.com()[0],
-                share * com,
-                0.0,
-                0.0,
-                mass * link.com()[1],
-                0.0,
-                share * com,
-                0.0,
-                mass * link.com()[2],
-                0.0,
-                0.0,
-                share * com,
-            );
-            factor
-                .fixed_view_mut::<4, 4>(PER_LINK * k, PER_LINK * k)
-                .copy_from(&block);
-        }
-        factor
-    }
-
-    fn factor(&self, model: &Model) -> DMatrix<f64> {
-        let map = model.standard_map();
-        let theta = model.standard_cad();
-        let mut of_standard = self.of_standard(model);
-        // D: a heavier link makes every other one a smaller part of the whole.
-        for mut column in of_standard.column_iter_mut() {
-            let heavier: f64 = column.iter().step_by(PER_LINK).sum();
-            column.axpy(-heavier, &theta, 1.0);
-        }
-        compact(&(map * of_standard))
-    }
-}
-
-/// A factor with as many columns as C has directions.
-fn compact(factor: &DMatrix<f64>) -> DMatrix<f64> {
-    let svd = svd(factor.clone(), true, false);
-    let largest = svd.singular_values.max();
-    let kept: Vec<usize> = (0..svd.singular_values.len())
-        .filter(|&k| svd.singular_values[k] > 1e-12 * largest)
-        .collect();
-    let u = svd.u.unwrap_or_else(|| DMatrix::zeros(factor.nrows(), 0));
-    let mut compact = DMatrix::zeros(factor.nrows(), kept.len());
-    for (to, &from) in kept.iter().enumerate() {
-        compact.set_column(to, &(u.column(from) * svd.singular_values[from]));
-    }
-    compact
+    Ok(tolerances)
 }

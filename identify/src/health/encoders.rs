@@ -47,14 +47,6 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<Stuck> {
     let best = moved
         .filter(|moved| moved.is_believable(look))
         .min_by(|a, b| a.left.total_cmp(&b.left))?;
-    eprintln!(
-        "DBG0 {} gap {gap:.2} own {:.2} left {:.2} share {:.3} {}",
-        look.model.tree.dofs[best.joint].joint,
-        look.chi2(),
-        best.left,
-        best.left / look.chi2() / 2.0,
-        look.noise_is_known
-    );
     // One unknown a posture leaves one of two readings to the noise, which is no larger.
     let noise = match look.noise_is_known {
         true => 1.0,
@@ -66,16 +58,6 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<Stuck> {
         return None;
     }
     let least = best.left.max(noise);
-    eprintln!(
-        "DBG {} gap {gap:.2} own {:.2} noise {noise:.2} left {:.2} wired2 {:.2} own {:.2} num {} masses {:?}",
-        look.model.tree.dofs[best.joint].joint,
-        look.chi2(),
-        best.left,
-        (wirings.left([0, 1]) / (rms(look.std.iter().copied()))).powi(2),
-        Moved::together(look, best.joint, Together::Offset).left / least,
-        one_number_explains(look, &best, least),
-        masses::left(look, noise).map(|l| l / least)
-    );
     if is_wired_otherwise(look, wirings, noise, best.left)
         || one_number_explains(look, &best, least)
         || masses::left(look, noise).is_some_and(|left| left < BY_MASSES * least)

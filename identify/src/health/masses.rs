@@ -1,14 +1,14 @@
 //! What masses explain of the readings within the usual tolerances of CAD.
 //!
 //! ```text
-//! min over r   ‖(y − X r) / σ‖² + ‖S⁻¹ (r − r_CAD)‖²        S Sᵀ: covariance of `fit::prior`
+//! min over r   ‖(y − X r) / σ‖² + ‖S⁻¹ (r − r_CAD)‖²        S Sᵀ: covariance of `tolerances`
 //! ```
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Look;
-use crate::fit::prior::{Prior, Tolerances};
 use crate::observations::rows::CopRows;
+use crate::tolerances::Tolerances;
 
 /// Postures that masses are fitted to, at most.
 const FITTED: usize = 500;
@@ -24,7 +24,7 @@ pub(super) fn left(look: &Look, noise: f64) -> Option<f64> {
     let q = chosen.iter().flat_map(|&k| &data.q[k * dof..(k + 1) * dof]);
     let q: Vec<f64> = q.copied().collect();
     let rows = CopRows::new(model).fastest().of(&q, chosen.len(), None);
-    let tolerances = Prior::Cad(Tolerances::usual()).covariance_factor(model)?;
+    let tolerances = Tolerances::usual().factor(model);
     let reading = |row: usize| 2 * chosen[row / 2] + row % 2;
     let weight = |row: usize| 1.0 / (noise.sqrt() * look.std[reading(row)]);
     let gap = DVector::from_fn(rows.nrows(), |row, _| {

@@ -1,0 +1,152 @@
+//! How well CAD knows the masses of links.
+//!
+//! ```text
+//! m_k ~ m_CAD (1 ± mass)      c_k ~ c_CAD ± com on each axis      every link by itself
+//! θ = (m_k / M, m_k c_k / M)  r = W θ       C = W D C_θ Dᵀ Wᵀ      D = I − θ 1ᵀ
+//! ```
+//!
+//! `D` keeps mass fractions summing to one: the total mass is no part of a CoP.
+//! The covariance C may be singular (massless links); it is kept as a factor S
+//! with C = S Sᵀ.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, Matrix4};
+use serde::{Deserialize, Serialize};
+use sesc_model::Model;
+use sesc_model::standard::PER_LINK;
+
+use crate::svd::svd;
+
+/// How well CAD knows a link.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tolerance {
+    /// Standard deviation of its mass, relative.
+    pub mass: Option<f64>,
+    /// Standard deviation of its CoM on each axis, m.
+    pub com: Option<f64>,
+    /// Standard deviation of its mass, kg, on top: cables, screws, a link without `<inertial>`.
+    pub mass_kg: Option<f64>,
+}
+
+/// Tolerances of all links.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[non_exhaustive]
+pub struct Tolerances {
+    /// Tolerance of links that are not listed.
+    #[serde(default)]
+    pub default: Tolerance,
+    /// Tolerances of links by name.
+    #[serde(default)]
+    pub links: BTreeMap<String, Tolerance>,
+}
+
+/// CAD taken nearly for granted: parts on a scale, masses to 0.2 %, CoMs to 0.1 mm.
+const TIGHT: (f64, f64) = (0.002, 0.0001);
+/// CAD as it usually is: masses to 10 %, CoMs to 5 mm.
+const USUAL: (f64, f64) = (0.10, 0.005);
+
+impl Tolerances {
+    fn of((mass, com): (f64, f64)) -> Tolerances {
+        Tolerances {
+            default: Tolerance {
+                mass: Some(mass),
+                com: Some(com),
+                mass_kg: None,
+            },
+            links: BTreeMap::new(),
+        }
+    }
+
+    /// CAD taken nearly for granted.
+    pub(crate) fn tight() -> Tolerances {
+        Tolerances::of(TIGHT)
+    }
+
+    /// The usual tolerances of CAD.
+    pub fn usual() -> Tolerances {
+        Tolerances::of(USUAL)
+    }
+
+    /// Relative mass and CoM (m) of a link.
+    pub fn of_link(&self, link: &str) -> (f64, f64) {
+        let own = self.links.get(link);
+        let mass = own.and_then(|t| t.mass).or(self.default.mass);
+        let com = own.and_then(|t| t.com).or(self.default.com);
+        (mass.unwrap_or(USUAL.0), com.unwrap_or(USUAL.1))
+    }
+
+    /// Mass on top of a link's own tolerance, kg.
+    pub fn extra_mass(&self, link: &str) -> f64 {
+        let own = self.links.get(link).and_then(|t| t.mass_kg);
+        own.or(self.default.mass_kg).unwrap_or(0.0)
+    }
+
+    /// Factor of the covariance of θ, 4 per link, before `D`.
+    pub(crate) fn of_standard(&self, model: &Model) -> DMatrix<f64> {
+        let links = &model.tree.links;
+        let mut factor = DMatrix::zeros(PER_LINK * links.len(), PER_LINK * links.len());
+        for (k, link) in links.iter().enumerate() {
+            if model.chain.places[k].is_none() {
+                continue;
+            }
+            let (relative, com) = self.of_link(&link.name);
+            let share = link.mass / model.tree.mass;
+            let extra = self.extra_mass(&link.name) / model.tree.mass;
+            let mass = (relative * share).hypot(extra);
+            // A heavier link is heavier where it is: δ(m c) = c δm + m δc.
+            let block = Matrix4::new(
+                mass,
+                0.0,
+                0.0,
+                0.0,
+                mass * link.com()[0],
+                share * com,
+                0.0,
+                0.0,
+                mass * link.com()[1],
+                0.0,
+                share * com,
+                0.0,
+                mass * link.com()[2],
+                0.0,
+                0.0,
+                share * com,
+            );
+            factor
+                .fixed_view_mut::<4, 4>(PER_LINK * k, PER_LINK * k)
+                .copy_from(&block);
+        }
+        factor
+    }
+
+    /// S with S Sᵀ the covariance of the base parameters of `model` about CAD's.
+    pub(crate) fn factor(&self, model: &Model) -> DMatrix<f64> {
+        let map = model.standard_map();
+        let theta = model.standard_cad();
+        let mut of_standard = self.of_standard(model);
+        // D: a heavier link makes every other one a smaller part of the whole.
+        for mut column in of_standard.column_iter_mut() {
+            let heavier: f64 = column.iter().step_by(PER_LINK).sum();
+            column.axpy(-heavier, &theta, 1.0);
+        }
+        compact(&(map * of_standard))
+    }
+}
+
+/// A factor with as many columns as C has directions.
+fn compact(factor: &DMatrix<f64>) -> DMatrix<f64> {
+    let svd = svd(factor.clone(), true, false);
+    let largest = svd.singular_values.max();
+    let kept: Vec<usize> = (0..svd.singular_values.len())
+        .filter(|&k| svd.singular_values[k] > 1e-12 * largest)
+        .collect();
+    let u = svd.u.unwrap_or_else(|| DMatrix::zeros(factor.nrows(), 0));
+    let mut compact = DMatrix::zeros(factor.nrows(), kept.len());
+    for (to, &from) in kept.iter().enumerate() {
+        compact.set_column(to, &(u.column(from) * svd.singular_values[from]));
+    }
+    compact
+}
