@@ -2,7 +2,8 @@
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_identify::fit;
+use sesc_identify::diagnose;
+use sesc_identify::fit::{self, MotionModel};
 use sesc_virtual::moving::Swing;
 use sesc_virtual::recording::{Kind, Noise, Recording};
 use sesc_virtual::stage::{Platform, Stage};
@@ -63,6 +64,10 @@ fn a_stuck_encoder_that_hides_that_the_robot_moves_is_named() {
         recording.q.iter_mut().for_each(|q| q[column] = at);
         assert_eq!(looked(&stage, &recording), only("encoder_stuck", joint));
         assert_eq!(fitted(&stage, &recording), only("encoder_stuck", joint));
+        // Who says that readings are static is not contradicted.
+        let mut static_ones = request(&stage, &recording);
+        static_ones.motion = MotionModel::Off;
+        assert_eq!(diagnose::look(&static_ones, &mut ()).unwrap(), []);
     }
 }
 

@@ -208,8 +208,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let names = [&request.log].into_iter().chain(&request.then);
     let names = names.map(LogSource::file_name).collect::<Vec<_>>();
     let names = names.join(" + ");
-    let explain = |data: &Postures, watch: &mut dyn Watch| {
-        let (mut data, health) = examined(request, &model, data);
+    let explain = |data: &Postures, motion: MotionModel, watch: &mut dyn Watch| {
+        let (mut data, health) = examined(request, &model, (data, motion));
         let health = health.after(rows.clone());
         for stuck in &health.stuck {
             data.put_joint(stuck.joint, &stuck.positions, &health.less_known);
@@ -227,7 +227,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         let problem = Problem::new(&model, data, &prior, &request.effects)?;
         samples::explained(problem.on_both_feet(closure), &further, &about, watch)
     };
-    let (mut problem, mut found, mut correlation) = explain(&data, watch)?;
+    let (mut problem, mut found, mut correlation) = explain(&data, request.motion, watch)?;
     let share = motion::said(&problem, &found.best);
     if share.used && share.share.is_some_and(|share| share.is_missing()) {
         let standing = (&log, MotionModel::Off);
@@ -238,7 +238,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             ..share
         }
         .told();
-        (problem, found, correlation) = explain(&data, watch)?;
+        (problem, found, correlation) = explain(&data, MotionModel::Off, watch)?;
     }
     found.diagnosis.samples = samples::said(&problem, &further, &correlation);
     found.diagnosis.motion = motion::said(&problem, &found.best);
@@ -324,16 +324,21 @@ pub fn look(request: &Request, watch: &mut dyn Watch) -> Result<Vec<Finding>, Er
     let model = request.robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let (_, rows, data) = screened(request, &model, &prior, watch)?;
-    let (_, health) = examined(request, &model, &data);
+    let (_, health) = examined(request, &model, (&data, request.motion));
     Ok(health.after(rows).findings)
 }
 
 /// What is wrong with postures, and these compared with the ZMP where that alone shows a stuck
 /// encoder.
-fn examined(request: &Request, model: &Model, data: &Postures) -> (Postures, Health) {
+fn examined(
+    request: &Request,
+    model: &Model,
+    (data, motion): (&Postures, MotionModel),
+) -> (Postures, Health) {
     let examine = |data: &Postures| health::examine(&request.robot, model, request.snapping, data);
     let health = examine(data);
     if health.findings.is_empty()
+        && motion == MotionModel::Auto
         && let Some(moving) = motion::anyway(data, model)
     {
         let health = examine(&moving);
