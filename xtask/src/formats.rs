@@ -17,7 +17,7 @@ const JSON: &str = "docs/json.md";
 /// Files of TOML: the table's name, and the type that reads it.
 const FILES: [(&str, Place); 4] = [
     ("model file", ("model/src/model/file.rs", "ModelFile")),
-    ("prior", ("identify/src/fit/prior.rs", "Tolerances")),
+    ("prior", ("identify/src/tolerances.rs", "Tolerances")),
     (
         "population",
         ("identify/src/fit/population.rs", "Population"),
