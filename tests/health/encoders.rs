@@ -1,9 +1,13 @@
 //! Encoders that do not move, of robots that do.
 
-use rand::SeedableRng as _;
+use std::sync::Arc;
+
+use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose;
 use sesc_identify::fit::{self, MotionModel};
+use sesc_identify::logs::Table;
+use sesc_identify::robot::Robot;
 use sesc_virtual::moving::Swing;
 use sesc_virtual::recording::{Kind, Noise, Recording};
 use sesc_virtual::stage::{Platform, Stage};
@@ -20,6 +24,14 @@ fn swing(stage: &Stage, swing: Swing, std: f64, rate: f64, seed: u64) -> Recordi
     };
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     swing.record(stage, stage.world(), noise, rate, random)
+}
+
+/// The encoder of a joint says all the time what it says first.
+fn stick(recording: &mut Recording, joint: &str) {
+    let column = recording.joints.iter().position(|name| name == joint);
+    let column = column.unwrap();
+    let at = recording.q[0][column];
+    recording.q.iter_mut().for_each(|q| q[column] = at);
 }
 
 /// What a fit finds.
@@ -41,10 +53,7 @@ fn small_motion_of_a_joint_is_seen_by_a_quiet_sensor() {
     let stage = Stage::new(Platform::Op2);
     for (seed, joint) in [(1, "l_hip_pitch"), (2, "r_hip_yaw"), (3, "r_knee")] {
         let mut recording = swing(&stage, Swing::new(0.25, 0.1, 40.0), 2e-4, 50.0, seed);
-        let column = recording.joints.iter().position(|name| name == joint);
-        let column = column.unwrap();
-        let at = recording.q[0][column];
-        recording.q.iter_mut().for_each(|q| q[column] = at);
+        stick(&mut recording, joint);
         assert_eq!(looked(&stage, &recording), only("encoder_stuck", joint));
         assert_eq!(fitted(&stage, &recording), only("encoder_stuck", joint));
     }
@@ -58,10 +67,7 @@ fn a_stuck_encoder_that_hides_that_the_robot_moves_is_named() {
     let joint = "right_hip_roll";
     for seed in [11, 12] {
         let mut recording = swing(&stage, Swing::new(0.29, 0.2, 37.0), 1.1e-3, 100.0, seed);
-        let column = recording.joints.iter().position(|name| name == joint);
-        let column = column.unwrap();
-        let at = recording.q[0][column];
-        recording.q.iter_mut().for_each(|q| q[column] = at);
+        stick(&mut recording, joint);
         assert_eq!(looked(&stage, &recording), only("encoder_stuck", joint));
         assert_eq!(fitted(&stage, &recording), only("encoder_stuck", joint));
         // Who says that readings are static is not contradicted.
@@ -80,4 +86,81 @@ fn joints_that_stand_still_while_others_move_are_not_stuck() {
         let recording = swing(&stage, Swing::new(0.36, 0.19, 50.0), 2.8e-3, 20.0, seed);
         assert_eq!(looked(&stage, &recording), [], "{seed}");
     }
+}
+
+/// A pole that leans and bends forward, with a small arm; masses of shank and trunk, kg.
+fn pole(shank: f64, trunk: f64) -> String {
+    let link = |name: &str, mass: f64, at: &str| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='{at}'/><mass value='{mass}'/></inertial></link>"
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str, at: &str| {
+        format!(
+            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/>\
+             <origin xyz='{at}'/><axis xyz='0 1 0'/>\
+             <limit lower='-3' upper='3' effort='1' velocity='1'/></joint>"
+        )
+    };
+    [
+        "<robot name='pole'>".to_string(),
+        link("foot", 0.5, "0 0 0"),
+        link("shank", shank, "0 0 0.2"),
+        link("trunk", trunk, "0.05 0 0.2"),
+        link("arm", 0.4, "0 0 0.25"),
+        joint("ankle", "foot", "shank", "0 0 0"),
+        joint("hip", "shank", "trunk", "0 0 0.4"),
+        joint("elbow", "trunk", "arm", "0 0 0.3"),
+        "</robot>".to_string(),
+    ]
+    .concat()
+}
+
+/// Readings of a pole while its ankle, hip and elbow are within these bounds, with noise of
+/// 0.2 mm, as a question about one whose masses are CAD's.
+fn of_pole(world: &sesc_reference::World, bounds: [[f64; 2]; 3], seed: u64) -> diagnose::Request {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut columns = vec![Vec::new(); 5];
+    for _ in 0..200 {
+        let q = bounds.map(|[low, high]| low + (high - low) * random.random::<f64>());
+        let cop = world.cop(&q).map(|y| {
+            let noise: f64 = (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
+            y + 2e-4 * noise
+        });
+        for (column, value) in columns.iter_mut().zip(q.into_iter().chain(cop)) {
+            column.push(value);
+        }
+    }
+    let names = ["ankle", "hip", "elbow", "cop_x", "cop_y"].into_iter();
+    let log = names.zip(columns);
+    let log = log.fold(Table::new("log"), |table, (name, values)| {
+        table.numbers(name, values)
+    });
+    let robot = Arc::new(Robot::parse(&pole(2.0, 3.0), "pole.urdf").unwrap());
+    let mut request = diagnose::Request::new(robot, log);
+    request.support = Some("foot".into());
+    request
+}
+
+fn world(shank: f64, trunk: f64) -> sesc_reference::World {
+    let described = sesc_reference::Robot::from_urdf(&pole(shank, trunk)).unwrap();
+    sesc_reference::World::new(&described, "foot").unwrap()
+}
+
+/// Motion of the arm would explain what masses that are a tenth off do, posture by posture: both
+/// move the CoP forward alone. Nothing states the noise.
+#[test]
+fn masses_that_are_off_are_no_stuck_encoder_of_a_joint_that_stands_still() {
+    let bounds = [[-0.8, 0.8], [-0.8, 0.8], [0.5, 0.5]];
+    let request = of_pole(&world(2.2, 2.7), bounds, 31);
+    assert_eq!(diagnose::look(&request, &mut ()).unwrap(), []);
+}
+
+/// The ankle leans as far back as its encoder says that it leans forward: the CoP is two thirds
+/// of a metre from CAD's, and the sign of the joint is what a diagnosis is for.
+#[test]
+fn a_joint_that_is_wired_backwards_puts_no_reading_outside_the_sole() {
+    let backwards = world(2.0, 3.0).joint_sign("ankle").unwrap();
+    let request = of_pole(&backwards, [[0.9, 0.9], [-0.4, 0.4], [-0.4, 0.4]], 32);
+    assert_eq!(diagnose::look(&request, &mut ()).unwrap(), []);
 }

@@ -11,8 +11,9 @@
 use sesc_model::Function;
 
 use super::criteria::{
-    ANYWHERE, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, ONE_AS_WELL, SIMPLE_SHARE, STILL, STUCK_CHI2,
-    STUCK_LEFT, STUCK_LESS, STUCK_LOOKS, STUCK_NOISE, STUCK_SHARE, WIRED_BESIDE, WIRED_NOISE,
+    ANYWHERE, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, ONE_AS_WELL, QUIETEST, SIMPLE_SHARE, STILL,
+    STUCK_CHI2, STUCK_LEFT, STUCK_LESS, STUCK_LOOKS, STUCK_NOISE, STUCK_SHARE, WIRED_BESIDE,
+    WIRED_NOISE,
 };
 use super::statistics::scatter;
 use super::wirings::Wirings;
@@ -50,7 +51,7 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<Stuck> {
     // One unknown a posture leaves one of two readings to the noise, which is no larger.
     let noise = match look.noise_is_known {
         true => 1.0,
-        false => best.left.min(1.0),
+        false => best.left.clamp(QUIETEST, 1.0),
     };
     let total = 2.0 * look.chi2();
     let shows = (STUCK_CHI2 * noise).max(STUCK_LESS * best.left);

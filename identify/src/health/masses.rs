@@ -13,8 +13,8 @@ use crate::tolerances::Tolerances;
 /// Postures that masses are fitted to, at most.
 const FITTED: usize = 500;
 
-/// What such masses leave, variances of the noise a reading, the penalty of the tolerances
-/// included; `noise`: variance of the noise in units of the look's.
+/// What such masses leave of a reading, squared, in units of the look's deviations, the penalty
+/// of the tolerances included; `noise`: variance of the noise in the same units.
 pub(super) fn left(look: &Look, noise: f64) -> Option<f64> {
     let (model, data) = (look.model, look.data);
     let dof = model.dof();
@@ -37,5 +37,5 @@ pub(super) fn left(look: &Look, noise: f64) -> Option<f64> {
     let inner = free.tr_mul(&free) + DMatrix::identity(free.ncols(), free.ncols());
     let along = free.tr_mul(&gap);
     let explained = along.dot(&inner.cholesky()?.solve(&along));
-    Some((gap.norm_squared() - explained) / gap.len() as f64)
+    Some(noise * (gap.norm_squared() - explained) / gap.len() as f64)
 }
