@@ -34,13 +34,13 @@ fn stick(recording: &mut Recording, joint: &str) {
     recording.q.iter_mut().for_each(|q| q[column] = at);
 }
 
-/// What a fit finds.
-fn fitted(stage: &Stage, recording: &Recording) -> Vec<(String, String)> {
-    let of_diagnosis = request(stage, recording);
+/// What a fit of the log of a diagnosis finds.
+pub fn fitted(of_diagnosis: diagnose::Request) -> Vec<(String, String)> {
     let mut request = fit::Request::default();
     request.robot = Some(of_diagnosis.robot);
     request.logs = vec![of_diagnosis.log];
     request.support = of_diagnosis.support;
+    request.noise = of_diagnosis.noise;
     let found = fit::fit(&request, &mut ()).unwrap().identification.health;
     let named =
         |finding: sesc_identify::health::Finding| (finding.kind.name().to_string(), finding.target);
@@ -55,7 +55,10 @@ fn small_motion_of_a_joint_is_seen_by_a_quiet_sensor() {
         let mut recording = swing(&stage, Swing::new(0.25, 0.1, 40.0), 2e-4, 50.0, seed);
         stick(&mut recording, joint);
         assert_eq!(looked(&stage, &recording), only("encoder_stuck", joint));
-        assert_eq!(fitted(&stage, &recording), only("encoder_stuck", joint));
+        assert_eq!(
+            fitted(request(&stage, &recording)),
+            only("encoder_stuck", joint)
+        );
     }
 }
 
@@ -69,7 +72,10 @@ fn a_stuck_encoder_that_hides_that_the_robot_moves_is_named() {
         let mut recording = swing(&stage, Swing::new(0.29, 0.2, 37.0), 1.1e-3, 100.0, seed);
         stick(&mut recording, joint);
         assert_eq!(looked(&stage, &recording), only("encoder_stuck", joint));
-        assert_eq!(fitted(&stage, &recording), only("encoder_stuck", joint));
+        assert_eq!(
+            fitted(request(&stage, &recording)),
+            only("encoder_stuck", joint)
+        );
         // Who says that readings are static is not contradicted.
         let mut static_ones = request(&stage, &recording);
         static_ones.motion = MotionModel::Off;

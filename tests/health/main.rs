@@ -5,6 +5,7 @@ mod command;
 mod effects;
 mod encoders;
 mod log;
+mod noise;
 mod rows;
 mod stamps;
 mod stretches;

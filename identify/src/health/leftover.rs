@@ -31,29 +31,17 @@ pub struct FitResiduals {
 
 impl FitResiduals {
     /// A finding where the noise is stated and several times what is left, and nothing that was
-    /// found `before` explains it: beside an encoder that is stuck, rows are told deviations that
-    /// the log does not state, and data that cannot be used leave anything.
+    /// found `before` says or explains it: beside an encoder that is stuck, rows are told
+    /// deviations that the log does not state, and data that cannot be used leave anything.
     pub fn overstated_noise(&self, before: &[Finding]) -> Option<Finding> {
-        let explains = |kind: Kind| kind == Kind::EncoderStuck || kind.makes_unusable();
+        let explains = |kind: Kind| {
+            matches!(kind, Kind::EncoderStuck | Kind::NoiseOverstated) || kind.makes_unusable()
+        };
         if before.iter().any(|finding| explains(finding.kind)) {
             return None;
         }
-        let told = matches!(self.source, NoiseSource::Given | NoiseSource::Stated);
         let left = self.floor_m * (self.chi2 / self.expected.max(1.0)).sqrt();
-        (told && self.is_known() && OVERSTATED * left < self.noise_m).then(|| {
-            Finding::new(
-                Kind::NoiseOverstated,
-                "-",
-                format!(
-                    "The noise is {:.2} mm {} and readings scatter by {:.2} mm: widths and \
-                     thresholds are larger than they need be. State the deviation of a single \
-                     reading, or leave it out.",
-                    1e3 * self.noise_m,
-                    self.source.phrase(),
-                    1e3 * left
-                ),
-            )
-        })
+        overstated(self.noise_m, self.source, left).filter(|_| self.is_known())
     }
 
     /// Whether as little as is left says that noise is less than it should be, and not that
@@ -65,9 +53,32 @@ impl FitResiduals {
         // How many samples correlated rows are worth is an estimate; too many, and what the
         // fit took of them is counted too low.
         let independent = self.samples >= 0.99 * (self.expected + self.taken);
-        let law = ChiSquared::new(self.expected).ok();
-        independent && law.is_some_and(|law| law.cdf(self.chi2) < OVERSTATED_BY_CHANCE)
+        independent && is_no_chance(self.chi2, self.expected)
     }
+}
+
+/// A finding where noise is told and several times what is `left_m` of the readings.
+pub(super) fn overstated(noise_m: f64, source: NoiseSource, left_m: f64) -> Option<Finding> {
+    let told = matches!(source, NoiseSource::Given | NoiseSource::Stated);
+    (told && OVERSTATED * left_m < noise_m).then(|| {
+        Finding::new(
+            Kind::NoiseOverstated,
+            "-",
+            format!(
+                "The noise is {:.2} mm {} and readings scatter by {:.2} mm: widths and thresholds \
+                 are larger than they need be. State the deviation of a single reading, or leave \
+                 it out.",
+                1e3 * noise_m,
+                source.phrase(),
+                1e3 * left_m
+            ),
+        )
+    })
+}
+
+/// Whether chance leaves no χ² as small as this of so many degrees of freedom.
+pub(super) fn is_no_chance(chi2: f64, freedom: f64) -> bool {
+    ChiSquared::new(freedom).is_ok_and(|law| law.cdf(chi2) < OVERSTATED_BY_CHANCE)
 }
 
 #[cfg(test)]
@@ -108,6 +119,7 @@ mod tests {
         let beside = |kind| left.overstated_noise(&[Finding::new(kind, "-", String::new())]);
         assert!(beside(Kind::EncoderStuck).is_none());
         assert!(beside(Kind::FrameTurned).is_none());
+        assert!(beside(Kind::NoiseOverstated).is_none());
         assert!(beside(Kind::RowsCopied).is_some());
     }
 }

@@ -20,18 +20,26 @@ pub(super) fn postures(
     chosen: &[usize],
     model: &Model,
 ) -> (Postures, Option<Postures>) {
-    let still = still(rows, chosen, model);
+    let gap = |k: usize, y: [f64; 2]| [0, 1].map(|axis| y[axis] - rows.cad[k][axis]);
+    let as_read = rms_of_gaps(chosen.iter().map(|&k| gap(k, rows.reading[k])));
+    let least = rows.noise.map_or(MOVED_M, |noise| MOVED * noise);
+    let still = match as_read < least {
+        // Near enough to CAD.
+        true => None,
+        false => still(rows, chosen, model),
+    };
     let still = still.map(|still| rows.postures_of(&still));
     (rows.postures(chosen), still)
 }
 
-/// Rows whose motion is known, and their readings without it; none where they are near enough
-/// to CAD as they were read.
-fn still(rows: &LogRows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
-    let gap = |k: usize, y: [f64; 2]| [0, 1].map(|axis| y[axis] - rows.cad[k][axis]);
-    let as_read = rms_of_gaps(chosen.iter().map(|&k| gap(k, rows.reading[k])));
-    let least = rows.noise.map_or(MOVED_M, |noise| MOVED * noise);
-    if rows.t.is_empty() || as_read < least {
+/// Those of the `chosen` rows whose motion is known, and their readings without it; none where the
+/// robot stands, or the log is not dense enough in time.
+pub(super) fn still(
+    rows: &LogRows,
+    chosen: &[usize],
+    model: &Model,
+) -> Option<Vec<(usize, [f64; 2])>> {
+    if rows.t.is_empty() {
         return None;
     }
     let plan = Plan::of(&rows.t, &rows.q, rows.dof)?;

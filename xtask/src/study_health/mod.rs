@@ -122,10 +122,11 @@ impl StudyHealth {
              Standing: 38 to 1000 postures of the study of hidden effects, each averaged over 100 \
              readings or repeated 20 times, noise of a reading 5 mm (OP2) or 11 mm; stated in 7 of \
              10. Moving: half a minute to a minute and a half at 10 to 100 Hz (6000 rows at most), \
-             two sines a joint up to 0.4 Hz of 5 to 11° each, read as ZMP or as if standing, noise \
-             of 0.3 to 1.5 mm (OP2) or 0.7 to 3.3 mm, white or AR(1) of 0.1 to 1 s, stated in one \
-             of two; angles in all digits or in ticks of 2π/4096. A stuck encoder hides 12 \
-             deviations of a reading or more of CoP motion.\n\n",
+             two sines a joint of 5 to 11° each and up to 0.4 Hz, or of up to 11° and 0.1 Hz, of \
+             robots whose masses are those of CAD; readings are ZMPs with noise of 0.3 to 1.5 mm \
+             (OP2) or 0.7 to 3.3 mm, white or AR(1) of 0.1 to 1 s, stated in one of two; angles in \
+             all digits or in ticks of 2π/4096. A stuck encoder hides 12 deviations of a reading \
+             or more of CoP motion where its joint is beside the middle of its range.\n\n",
             self.healthy, self.moving, self.held, self.broken, self.diagnosed, self.seed
         );
         let _ = writeln!(page, "{}\n", self.count_healthy(folder.path())?);

@@ -151,7 +151,7 @@ impl Sheet {
                 for q in own.q.iter_mut().flatten().filter(|_| tick > 0.0) {
                     *q = (*q / tick).round() * tick;
                 }
-                (own, "as if standing".to_string())
+                (own, "slow sines".to_string())
             }
         };
         let mut columns = recording.columns(true);

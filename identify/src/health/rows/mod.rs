@@ -6,6 +6,7 @@
 //! frozen     a reading that stays the same to the last digit while the joints move
 //! channels   a CoP or a cell that ends at one value, or moves in coarse steps
 //! copies     the same joints and the same reading, to the last digit, once more
+//! noise      stated noise that is several times what CAD leaves
 //! stamps     joints jump from stamp to stamp and not from row to row, or time runs backwards
 //! ```
 //!
@@ -18,6 +19,7 @@ mod contact;
 mod copies;
 mod frozen;
 mod key;
+mod noise;
 mod outside;
 mod sample;
 mod screen;
@@ -38,7 +40,8 @@ use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader};
 use crate::observations::correlation;
-use crate::observations::postures::Postures;
+use crate::observations::noise::NoiseSource;
+use crate::observations::postures::{Postures, rms};
 use crate::observations::rows::CopRows;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
@@ -71,8 +74,12 @@ pub(super) struct LogRows {
     pub pose: Vec<i64>,
     /// s; empty of logs without.
     pub t: Vec<f64>,
-    /// Noise of a row, m, where it is known.
+    /// Noise of a row, m, where it is known: RMS where rows have their own.
     pub noise: Option<f64>,
+    /// Where it is known from.
+    noise_source: NoiseSource,
+    /// What rows state of it themselves, m; empty where they do not, or the user says it.
+    std: Vec<[f64; 2]>,
     /// CoP by CAD, m.
     pub cad: Vec<[f64; 2]>,
     /// The same if angles are in degrees.
@@ -150,7 +157,11 @@ impl LogRows {
         let (mut rows, averaged) =
             LogRows::gather(log, dofs, Some(model.support()), options, watch)?;
         let single = (1.0 - averaged).sqrt();
-        rows.noise = noise.map(|noise| noise * single).or(rows.noise);
+        if let Some(noise) = noise {
+            rows.noise = Some(noise * single);
+            rows.noise_source = NoiseSource::Given;
+            rows.std = Vec::new();
+        }
         copies::check_distinct(&rows, log.name())?;
         rows.sole = sole::corners(robot, model);
         rows.predict(model);
@@ -181,11 +192,12 @@ impl LogRows {
             pose: Vec::new(),
             t: Vec::new(),
             noise: None,
+            noise_source: NoiseSource::Unknown,
+            std: Vec::new(),
             cad: Vec::new(),
             cad_of_degrees: Vec::new(),
             sole: None,
         };
-        let mut variance = Vec::new();
         let mut sample = Sample::default();
         while let Some(mut block) = sample.next(&mut reader)? {
             if let (Some(all), Some(support)) = (&block.support, support) {
@@ -193,13 +205,13 @@ impl LogRows {
                 let here: Vec<bool> = all.iter().map(here).collect();
                 block.retain(&here);
             }
-            rows.take(block, &mut variance);
+            rows.take(block);
             let (done, total) = reader.progress();
             tell(watch, "looking", done, total)?;
         }
-        if !variance.is_empty() {
-            let mean = variance.iter().sum::<f64>() / variance.len() as f64;
-            rows.noise = Some(mean.sqrt());
+        if !rows.std.is_empty() {
+            rows.noise = Some(rms(rows.std.iter().flatten().copied()));
+            rows.noise_source = NoiseSource::Stated;
         }
         rows.is_part = sample.is_part();
         if !rows.is_part {
@@ -208,7 +220,7 @@ impl LogRows {
         Ok((rows, reader.averaged()))
     }
 
-    fn take(&mut self, block: Block, variance: &mut Vec<f64>) {
+    fn take(&mut self, block: Block) {
         let first = block.line.first().copied().unwrap_or(0);
         let first = *self.first_line.get_or_insert(first);
         let number = |line: &u64| usize::try_from(line.saturating_sub(first)).unwrap_or(0) + 1;
@@ -217,8 +229,7 @@ impl LogRows {
         self.pose.extend(block.pose);
         self.t.extend(block.t.unwrap_or_default());
         self.reading.extend(block.reading.unwrap_or_default());
-        let std = block.std.unwrap_or_default().into_iter().flatten();
-        variance.extend(std.map(|s| s * s));
+        self.std.extend(block.std.unwrap_or_default());
         if let Some(cells) = block.cells {
             self.cells = cells.count;
             self.force.extend(cells.force);
@@ -323,5 +334,6 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     findings.extend(frozen::stretches(rows, &mut left_out));
     findings.extend(channels::saturated(rows, Some(model), &mut left_out));
     findings.extend(copies::of(rows, &mut left_out));
+    findings.extend(noise::beside_cad(rows, model, &left_out));
     (left_out, findings)
 }

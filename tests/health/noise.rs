@@ -1,0 +1,60 @@
+//! Noise that is told wrongly, of recordings whose noise lasts.
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use sesc_identify::diagnose;
+use sesc_virtual::moving::Swing;
+use sesc_virtual::recording::{Kind, Noise};
+use sesc_virtual::stage::{Platform, Stage};
+
+use super::encoders::fitted;
+use super::rows::only;
+use super::stretches::request;
+
+const STD_M: f64 = 2e-3;
+
+/// Half a minute of a robot that swings, read with noise of 2 mm that lasts for `lasts_s`; the
+/// noise is said to be `told_m`.
+fn recorded(lasts_s: f64, told_m: f64, seed: u64) -> diagnose::Request {
+    let stage = Stage::new(Platform::Plain);
+    let noise = Noise {
+        kind: Kind::Ar1(lasts_s),
+        std: [STD_M; 2],
+        visit_std: 0.0,
+    };
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    let swing = Swing::new(0.25, 0.15, 30.0);
+    let recording = swing.record(&stage, stage.world(), noise, 20.0, random);
+    let mut request = request(&stage, &recording);
+    request.noise = Some(told_m);
+    request
+}
+
+fn looked(request: &diagnose::Request) -> Vec<(String, String)> {
+    let found = diagnose::look(request, &mut ()).unwrap();
+    let named = |f: sesc_identify::health::Finding| (f.kind.name().to_string(), f.target);
+    found.into_iter().map(named).collect()
+}
+
+/// The recording is worth fifteen independent samples an axis, fewer than a fit has unknowns: how
+/// large the noise is shows in what CAD leaves.
+#[test]
+fn noise_that_lasts_and_is_overstated_is_said() {
+    for seed in 1..5 {
+        let told = recorded(1.0, 4.0 * STD_M, seed);
+        assert_eq!(looked(&told), only("noise_overstated", "-"), "{seed}");
+        assert_eq!(fitted(told), only("noise_overstated", "-"), "{seed}");
+        let right = recorded(1.0, STD_M, seed);
+        assert_eq!(looked(&right), [], "{seed}");
+        assert_eq!(fitted(right), [], "{seed}");
+    }
+}
+
+/// Noise that lasts as long as the recording is by chance less than half of itself in about one of
+/// five (χ² of one sample an axis).
+#[test]
+fn a_log_of_few_independent_samples_says_nothing_of_its_noise() {
+    for seed in 11..41 {
+        assert_eq!(looked(&recorded(30.0, STD_M, seed)), [], "{seed}");
+    }
+}
