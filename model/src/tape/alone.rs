@@ -12,9 +12,9 @@ use super::step::{Operation, Step};
 use super::{Kernels, SHORT, Values};
 use crate::program::Program;
 
-/// Rooms for values are powers of two between these, or as large as need be.
-const LEAST: usize = 128;
-const MOST: usize = 4096;
+/// Every place that 16 bits can name: an array of as many values is read at any of them without
+/// a look at its length. Pages of memory that no place is on are never touched.
+const PLACES: usize = 1 << 16;
 
 /// Steps of one kind, one after the other.
 #[derive(Debug, Clone)]
@@ -36,10 +36,11 @@ pub(super) struct Alone {
     /// Sines and cosines of those.
     sines: Vec<[u32; 3]>,
     rest: Vec<Run>,
-    /// Constants in their places, zero elsewhere, and room up to a power of two.
+    /// Constants in their places, zero elsewhere.
     initial: Vec<f64>,
-    /// What the last call left: constants are in their places, and everything else is written
-    /// before it is read. Calls at the same time have copies of `initial`.
+    /// What the last call left, with room for all [`PLACES`]: constants are in theirs, and
+    /// everything else is written before it is read. Calls at the same time have copies of
+    /// `initial`.
     used: Mutex<Vec<f64>>,
     /// The values that each argument has to give, and the places that they go to.
     inputs: Vec<Vec<(u32, u32)>>,
@@ -56,16 +57,13 @@ impl Alone {
             }
         }
         let [angles, sines, rest] = steps.parts;
-        let is_near = steps.initial.len() <= usize::from(u16::MAX);
-        let mut initial = steps.initial;
-        let room = initial.len().next_power_of_two().clamp(LEAST, MOST);
-        initial.resize(room.max(initial.len()), 0.0);
+        let is_near = steps.initial.len() <= PLACES;
         Alone {
             angles: runs(&angles, is_near),
             sines: sines.iter().filter_map(other).map(|(_, p)| p).collect(),
             rest: runs(&rest, is_near),
-            used: Mutex::new(initial.clone()),
-            initial,
+            used: Mutex::new(roomy(&steps.initial)),
+            initial: steps.initial,
             inputs,
             outputs: steps.outputs.iter().map(|k| place(*k)).collect(),
         }
@@ -108,11 +106,18 @@ impl Clone for Alone {
             sines: self.sines.clone(),
             rest: self.rest.clone(),
             initial: self.initial.clone(),
-            used: Mutex::new(self.initial.clone()),
+            used: Mutex::new(roomy(&self.initial)),
             inputs: self.inputs.clone(),
             outputs: self.outputs.clone(),
         }
     }
+}
+
+/// The same values with room for every place that 16 bits can name.
+fn roomy(initial: &[f64]) -> Vec<f64> {
+    let mut values = vec![0.0; PLACES.max(initial.len())];
+    values[..initial.len()].copy_from_slice(initial);
+    values
 }
 
 /// A place in 32 bits: half the memory of steps that are walked once a call.
@@ -162,14 +167,9 @@ fn places(word: u64) -> [usize; 4] {
 impl Run {
     fn on(&self, values: &mut [f64], kernels: Kernels) {
         match self {
-            Run::Products(all) => match values.len() {
-                128 => products_of::<128>(all, values),
-                256 => products_of::<256>(all, values),
-                512 => products_of::<512>(all, values),
-                1024 => products_of::<1024>(all, values),
-                2048 => products_of::<2048>(all, values),
-                4096 => products_of::<4096>(all, values),
-                _ => products(all, values, |word| places(*word)),
+            Run::Products(all) => match <&mut [f64; PLACES]>::try_from(&mut *values) {
+                Ok(values) => products_anywhere(all, values),
+                Err(_) => products(all, values, |word| places(*word)),
             },
             Run::WideProducts(all) => products(all, values, |four| four.map(|k| k as usize)),
             Run::Others(Operation::Div, all) => each(all, values, |x, y| x / y),
@@ -192,12 +192,11 @@ impl Run {
 /// Steps that are written out one after the other in a turn of the loop.
 const AT_ONCE: usize = 4;
 
-/// The same where the number of values is known to the compiler: places are below it, so that
-/// their remainder is what they are, and no step has to compare four of them.
-fn products_of<const N: usize>(all: &[u64], values: &mut [f64]) {
-    let values: &mut [f64; N] = values.try_into().expect("as many values");
+/// The same where any 16 bits are a place: no step has to compare four of them with the number of
+/// values.
+fn products_anywhere(all: &[u64], values: &mut [f64; PLACES]) {
     let mut step = |word: &u64| {
-        let [to, x, y, w] = places(*word).map(|k| k % N);
+        let [to, x, y, w] = places(*word);
         values[to] = values[x] * values[y] + values[w];
     };
     let (turns, rest) = all.as_chunks::<AT_ONCE>();
