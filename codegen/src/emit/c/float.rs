@@ -1,6 +1,7 @@
 //! Function bodies in floating point: the listing as C expressions.
 
 use super::helpers::{Calls, Helper};
+use super::sines::{self, SinCos, Statement};
 use super::{Scalar, pair, spelled};
 use crate::emit::header::printable;
 use crate::emit::listing::{Line, Listing, Results, Strength};
@@ -90,7 +91,18 @@ impl Spelling<'_, '_> {
                 lines.push(format!("(void){};", spelled(array.argument)));
             }
         }
-        for line in &listing.lines {
+        let statements = match self.shared {
+            Some(_) => sines::in_pairs(listing, |id| self.is_lanes(id)),
+            None => listing.lines.iter().map(Statement::Line).collect(),
+        };
+        for statement in statements {
+            let line = match statement {
+                Statement::Line(line) => line,
+                Statement::Both(both) => {
+                    lines.extend(self.both(both));
+                    continue;
+                }
+            };
             match *line {
                 Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
                 Line::SinCos { angle, sin, cos } => {
@@ -122,6 +134,19 @@ impl Spelling<'_, '_> {
                 }
             }
         }
+        lines
+    }
+
+    /// Sines and cosines of two angles of a block of postures.
+    fn both(&self, both: [SinCos; 2]) -> Vec<String> {
+        let lanes = self.calls.named("lanes");
+        let pairs = both.map(|of| pair(self.listing, of.sin, of.cos));
+        let names = || pairs.iter().flatten();
+        let mut lines: Vec<String> = names().map(|name| format!("{lanes} {name};")).collect();
+        let angles = both.map(|of| self.operand(of.angle).0);
+        let results: Vec<String> = names().map(|name| format!("&{name}")).collect();
+        let arguments = format!("{}, {}", angles.join(", "), results.join(", "));
+        lines.push(self.calls.call(Helper::SincosBothLanes, &arguments) + ";");
         lines
     }
 

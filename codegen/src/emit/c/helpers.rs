@@ -32,6 +32,8 @@ pub(super) enum Helper {
     Scatter,
     /// The same in every lane.
     SincosLanes,
+    /// Of two angles.
+    SincosBothLanes,
     ClampLanes,
     PowerLanes,
 }
@@ -52,6 +54,7 @@ impl Helper {
             Helper::Gather => "gather",
             Helper::Scatter => "scatter",
             Helper::SincosLanes => "sincos_lanes",
+            Helper::SincosBothLanes => "sincos_both_lanes",
             Helper::ClampLanes => "clamp_lanes",
             Helper::PowerLanes => "power_lanes",
         }
@@ -124,6 +127,7 @@ impl<'n> Calls<'n> {
             has_gather => has(Helper::Gather),
             has_scatter => has(Helper::Scatter),
             has_sincos_lanes => has(Helper::SincosLanes),
+            has_sincos_both_lanes => has(Helper::SincosBothLanes),
             has_clamp_lanes => has(Helper::ClampLanes),
             has_power_lanes => has(Helper::PowerLanes),
             kernel,

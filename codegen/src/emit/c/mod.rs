@@ -21,6 +21,7 @@ mod prefix;
 mod routines;
 mod selftest;
 mod servos;
+mod sines;
 mod spelling;
 mod ticks;
 
@@ -226,6 +227,7 @@ fn listed<T: Serialize + Send + Sync + 'static>(list: Vec<T>) -> Value {
 
 fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
+    environment.add_filter("taking_turns", sines::taking_turns);
     for (name, text) in [
         ("package.h", include_str!("templates/package.h")),
         ("package.c", include_str!("templates/package.c")),
