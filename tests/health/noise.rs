@@ -9,7 +9,7 @@ use sesc_virtual::stage::{Platform, Stage};
 
 use super::encoders::fitted;
 use super::rows::only;
-use super::stretches::request;
+use super::stretches::{looked_at, request};
 
 const STD_M: f64 = 2e-3;
 
@@ -30,22 +30,16 @@ fn recorded(lasts_s: f64, told_m: f64, seed: u64) -> diagnose::Request {
     request
 }
 
-fn looked(request: &diagnose::Request) -> Vec<(String, String)> {
-    let found = diagnose::look(request, &mut ()).unwrap();
-    let named = |f: sesc_identify::health::Finding| (f.kind.name().to_string(), f.target);
-    found.into_iter().map(named).collect()
-}
-
 /// The recording is worth fifteen independent samples an axis, fewer than a fit has unknowns: how
 /// large the noise is shows in what CAD leaves.
 #[test]
 fn noise_that_lasts_and_is_overstated_is_said() {
     for seed in 1..5 {
         let told = recorded(1.0, 4.0 * STD_M, seed);
-        assert_eq!(looked(&told), only("noise_overstated", "-"), "{seed}");
+        assert_eq!(looked_at(&told), only("noise_overstated", "-"), "{seed}");
         assert_eq!(fitted(told), only("noise_overstated", "-"), "{seed}");
         let right = recorded(1.0, STD_M, seed);
-        assert_eq!(looked(&right), [], "{seed}");
+        assert_eq!(looked_at(&right), [], "{seed}");
         assert_eq!(fitted(right), [], "{seed}");
     }
 }
@@ -55,6 +49,6 @@ fn noise_that_lasts_and_is_overstated_is_said() {
 #[test]
 fn a_log_of_few_independent_samples_says_nothing_of_its_noise() {
     for seed in 11..41 {
-        assert_eq!(looked(&recorded(30.0, STD_M, seed)), [], "{seed}");
+        assert_eq!(looked_at(&recorded(30.0, STD_M, seed)), [], "{seed}");
     }
 }

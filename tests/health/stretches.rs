@@ -79,7 +79,12 @@ pub fn request(stage: &Stage, recording: &Recording) -> Request {
 
 /// What a diagnosis finds wrong with the data of a recording.
 pub fn looked(stage: &Stage, recording: &Recording) -> Vec<(String, String)> {
-    let found = diagnose::look(&request(stage, recording), &mut ()).unwrap();
+    looked_at(&request(stage, recording))
+}
+
+/// What a diagnosis finds wrong with the data that it is asked about.
+pub fn looked_at(request: &diagnose::Request) -> Vec<(String, String)> {
+    let found = diagnose::look(request, &mut ()).unwrap();
     let named = |f: Finding| (f.kind.name().to_string(), f.target);
     found.into_iter().map(named).collect()
 }

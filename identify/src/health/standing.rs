@@ -39,7 +39,7 @@ pub(super) fn still(
     chosen: &[usize],
     model: &Model,
 ) -> Option<Vec<(usize, [f64; 2])>> {
-    if rows.t.is_empty() {
+    if rows.t.is_empty() || rows.t.len() != rows.len() {
         return None;
     }
     let plan = Plan::of(&rows.t, &rows.q, rows.dof)?;

@@ -70,9 +70,10 @@ impl Gaps<'_> {
 
     /// How many independent samples the gaps of one axis are worth by themselves.
     fn samples(&self, gaps: &DVector<f64>) -> f64 {
-        let correlation = match self.rows.t.is_empty() {
-            true => Correlation::NONE,
-            false => {
+        // Without times of all rows nothing tells which follow each other.
+        let correlation = match self.rows.t.len() == self.rows.len() {
+            false => Correlation::NONE,
+            true => {
                 let t: Vec<f64> = self.all.iter().map(|(k, _)| self.rows.t[*k]).collect();
                 let nothing_fitted = DMatrix::zeros(gaps.len(), 0);
                 Correlation::of(&t, gaps, &nothing_fitted)
