@@ -17,6 +17,8 @@ use crate::errors::{Doing, Failure};
 const LONG: usize = 4_000;
 /// Additions of a chunk: a fraction of a millisecond.
 const CHUNK: usize = 1_000_000;
+/// Chunks for each of several threads: at the end, one waits for the other's last.
+const TURNS: usize = 8;
 
 /// How many threads share a batch out.
 pub struct Count(pub i64);
@@ -73,7 +75,8 @@ impl Batch {
         let blocks = self.postures.div_ceil(BLOCK);
         let threads = threads.min(blocks.max(1));
         let most = CHUNK / (BLOCK * self.operations.max(1));
-        let chunk = BLOCK * blocks.div_ceil(threads).min(most).max(1);
+        let turns = if threads > 1 { TURNS } else { 1 };
+        let chunk = BLOCK * blocks.div_ceil(threads * turns).min(most).max(1);
         let chunks = out.chunks_mut(chunk * self.width.max(1)).enumerate();
         let (chunks, stop) = (Mutex::new(chunks), AtomicBool::new(false));
         let next = || {
