@@ -4,10 +4,11 @@
 //! program ─▶ angles ─▶ sines, cosines ─▶ everything else
 //! ```
 
+use std::ops::Range;
 use std::sync::Mutex;
 
 use super::plan::RegisterFill;
-use super::products::Steps;
+use super::products::{Steps, inputs};
 use super::step::{Operation, Step};
 use super::{Kernels, SHORT, Values};
 use crate::program::Program;
@@ -42,20 +43,14 @@ pub(super) struct Alone {
     /// everything else is written before it is read. Calls at the same time have copies of
     /// `initial`.
     used: Mutex<Vec<f64>>,
-    /// The values that each argument has to give, and the places that they go to.
-    inputs: Vec<Vec<(u32, u32)>>,
+    /// The places that the values of each argument go to.
+    inputs: Vec<Range<usize>>,
     outputs: Vec<u32>,
 }
 
 impl Alone {
     pub fn new(program: &Program, sources: &[RegisterFill]) -> Alone {
         let steps = Steps::new(program, sources);
-        let mut inputs = vec![Vec::new(); program.inputs.len()];
-        for (k, source) in sources.iter().enumerate() {
-            if let RegisterFill::Input { array, index } = *source {
-                inputs[array].push((place(k), place(index)));
-            }
-        }
         let [angles, sines, rest] = steps.parts;
         let is_near = steps.initial.len() <= PLACES;
         Alone {
@@ -64,7 +59,7 @@ impl Alone {
             rest: runs(&rest, is_near),
             used: Mutex::new(roomy(&steps.initial)),
             initial: steps.initial,
-            inputs,
+            inputs: inputs(program),
             outputs: steps.outputs.iter().map(|k| place(*k)).collect(),
         }
     }
@@ -80,9 +75,7 @@ impl Alone {
     fn run_in(&self, values: &mut [f64], arguments: &[Values], out: &mut [f64], kernels: Kernels) {
         for (places, argument) in self.inputs.iter().zip(arguments) {
             let (Values::PerPosture(given) | Values::Shared(given)) = argument;
-            for &(to, index) in places {
-                values[to as usize] = given[index as usize];
-            }
+            values[places.clone()].copy_from_slice(&given[..places.len()]);
         }
         for run in &self.angles {
             run.on(values, kernels);

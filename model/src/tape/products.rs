@@ -11,6 +11,7 @@
 //! steps are made of goes first, so that many are under way that do not wait for each other.
 
 use std::cmp::Reverse;
+use std::ops::Range;
 
 use super::lowering::{About, Lowering, PARTS};
 use super::plan::RegisterFill;
@@ -27,7 +28,7 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// `sources` stand in the first places.
+    /// Inputs stand in the first places, constants among the `sources` behind them.
     pub fn new(program: &Program, sources: &[RegisterFill]) -> Steps {
         let mut lowering = Lowering::new(program);
         for (id, node) in program.iter() {
@@ -35,6 +36,16 @@ impl Steps {
         }
         lowering.placed(sources)
     }
+}
+
+/// The places of input arrays: the first, each array in one piece.
+pub(super) fn inputs(program: &Program) -> Vec<Range<usize>> {
+    let lens = program.inputs.iter().map(|array| array.len);
+    let range = |end: &mut usize, len: usize| {
+        *end += len;
+        Some(*end - len..*end)
+    };
+    lens.scan(0, range).collect()
 }
 
 impl Lowering<'_> {
@@ -73,14 +84,17 @@ impl Lowering<'_> {
             left[value] += 1;
         }
         let mut places: Vec<Option<usize>> = vec![None; self.about.len()];
-        let mut initial = Vec::new();
+        let inputs = inputs(self.program);
+        let mut initial = vec![0.0; inputs.last().map_or(0, |last| last.end)];
         let computed = |expr| !matches!(expr, Expr::Const(_) | Expr::Input { .. });
         let nodes = self.program.iter().filter(|(_, node)| !computed(node.expr));
         for ((id, _), source) in nodes.zip(sources) {
-            places[id.index()] = Some(initial.len());
-            initial.push(match *source {
-                RegisterFill::Const(x) => x,
-                RegisterFill::Input { .. } => 0.0,
+            places[id.index()] = Some(match *source {
+                RegisterFill::Const(x) => {
+                    initial.push(x);
+                    initial.len() - 1
+                }
+                RegisterFill::Input { array, index } => inputs[array].start + index,
             });
             // Never free: one use more than there are.
             left[id.index()] += 1;
