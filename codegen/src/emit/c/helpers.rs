@@ -32,7 +32,7 @@ pub(super) enum Helper {
     Scatter,
     /// The same in every lane.
     SincosLanes,
-    /// Of two angles.
+    /// Sines and cosines of two angles in every lane.
     SincosBothLanes,
     ClampLanes,
     PowerLanes,
