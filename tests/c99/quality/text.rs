@@ -180,7 +180,11 @@ fn no_recursion(case: &str, code: &str) {
             above += 1;
             continue;
         }
-        for name in &order[above.max(1) - 1..] {
+        // Itself, and what first stands below: of two definitions the preprocessor takes one.
+        let (before, from) = order.split_at(above.max(1) - 1);
+        let (own, below) = from.split_at(1);
+        let below = below.iter().filter(|name| !before.contains(name));
+        for name in own.iter().chain(below) {
             let called = line.contains(&format!(" {name}(")) || line.contains(&format!("-{name}("));
             assert!(!called, "{case}: {line}");
         }
