@@ -1,6 +1,8 @@
 //! What generated code costs before it runs: the generator's time for a whole module, the
 //! compiler's for the functions that a crate calls, and the size of their machine code.
 //!
+//! Each robot twice: its whole module, and one of the three functions alone that are called.
+//!
 //! `cargo bench --bench compile` takes minutes, most of them at 1000 joints; `-- 100 500` draws
 //! trees of other sizes, and `-- --test` stops after the OP2.
 
@@ -12,12 +14,12 @@ use std::time::Instant;
 use sesc_codegen::emit::rust;
 use sesc_codegen::facts::Facts;
 use sesc_identify::robot::Robot;
-use sesc_model::{Model, Snapping};
+use sesc_model::{Function, Model, Snapping};
 use sesc_test_support::trees::{Kind, tree};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
-/// Functions whose size is told, as symbols of a library.
-const FUNCTIONS: [&str; 3] = ["com", "com_jacobian", "regressor_cop"];
+/// Functions that are called, and whose size is told.
+const CALLED: [Function; 3] = [Function::Com, Function::ComJacobian, Function::RegressorCop];
 
 fn main() {
     let robots = [("op2", "r_sole"), ("plain_humanoid", "right_sole")];
@@ -52,23 +54,29 @@ fn main() {
         )
     });
     let few = std::env::args().any(|argument| argument == "--test");
-    println!("robot           joints  generated    lines  compiled  com, kB  jacobian  CoP rows");
+    println!(
+        "robot           joints  functions  generated    lines  compiled  com, kB  jacobian  CoP rows"
+    );
     for (model, name) in known.chain(drawn).take(if few { 1 } else { usize::MAX }) {
         let model = model.expect("supports are links of their robots");
-        let start = Instant::now();
-        let text = rust::module(&Facts::of(&model), "robot").expect("the robot can be generated");
-        let generated = start.elapsed();
-        let (compiled, sizes) = compile(&model, &text);
-        println!(
-            "{name:<14} {:>7} {:>7.0} ms {:>8} {:>7.1} s {:>8.1} {:>9.1} {:>9.1}",
-            model.dof(),
-            1e3 * generated.as_secs_f64(),
-            text.lines().count(),
-            compiled,
-            sizes[0],
-            sizes[1],
-            sizes[2],
-        );
+        for functions in [&Function::ALL[..], &CALLED] {
+            let start = Instant::now();
+            let facts = Facts::with(&model, functions);
+            let text = rust::module(&facts, "robot").expect("the robot can be generated");
+            let generated = start.elapsed();
+            let (compiled, sizes) = compile(&model, &text);
+            println!(
+                "{name:<14} {:>7} {:>10} {:>7.0} ms {:>8} {:>7.1} s {:>8.1} {:>9.1} {:>9.1}",
+                model.dof(),
+                functions.len(),
+                1e3 * generated.as_secs_f64(),
+                text.lines().count(),
+                compiled,
+                sizes[0],
+                sizes[1],
+                sizes[2],
+            );
+        }
     }
 }
 
@@ -117,14 +125,14 @@ fn compile(model: &Model, module: &str) -> (f64, [f64; 3]) {
         .output();
     let listed = nm.map(|out| String::from_utf8_lossy(&out.stdout).into_owned());
     let listed = listed.expect("nm, of binutils, lists symbols");
-    let size = |function: &str| {
-        let symbol = format!("counted_{function}");
+    let size = |function: Function| {
+        let symbol = format!("counted_{}", function.name());
         let line = listed.lines().find(|line| line.ends_with(&symbol));
         let size = line.and_then(|line| line.split_whitespace().nth(1));
         let size = size.and_then(|size| u64::from_str_radix(size, 16).ok());
         size.map_or(f64::NAN, |bytes| bytes as f64 / 1e3)
     };
-    (seconds, FUNCTIONS.map(size))
+    (seconds, CALLED.map(size))
 }
 
 fn build(folder: &Path) {

@@ -32,6 +32,7 @@ pub struct Builder {
     support: Option<String>,
     name: Option<String>,
     model: Option<PathBuf>,
+    functions: Option<Vec<String>>,
     snapping: Snapping,
     out_dir: Option<PathBuf>,
     reruns: bool,
@@ -60,6 +61,7 @@ impl Builder {
             support: None,
             name: None,
             model: None,
+            functions: None,
             snapping: Snapping::default(),
             out_dir: None,
             reruns: true,
@@ -111,6 +113,29 @@ impl Builder {
     /// ```
     pub fn model(mut self, file: impl AsRef<Path>) -> Builder {
         self.model = Some(file.as_ref().to_path_buf());
+        self
+    }
+
+    /// Only these functions, and `com`, which is always there; all of them unless given. What a
+    /// controller does not call need not be compiled: of robots with a hundred joints and more
+    /// that is most of the compiler's time. `correct_cop` comes along where the model has
+    /// effects of the sensor.
+    ///
+    /// ```
+    /// # let folder = std::env::temp_dir().join("sesc_builder_functions");
+    /// let builder = sesc_codegen::Builder::new("../robots/two_link/two_link.urdf")
+    ///     .support("foot")
+    ///     .functions(["com", "com_jacobian"])
+    ///     .out_dir(&folder);
+    /// let module = std::fs::read_to_string(builder.emit()?).unwrap();
+    /// assert!(module.contains("fn com_jacobian") && !module.contains("fn zmp"));
+    ///
+    /// let error = builder.functions(["zpm"]).emit().unwrap_err();
+    /// assert!(error.to_string().starts_with("there is no function `zpm`; known are com, "));
+    /// # Ok::<(), sesc_codegen::Error>(())
+    /// ```
+    pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Builder {
+        self.functions = Some(names.into_iter().map(Into::into).collect());
         self
     }
 
@@ -175,7 +200,7 @@ impl Builder {
     ///
     /// # Errors
     /// Everything wrong with the URDF or the model file, an unknown support
-    /// link, or a folder that cannot be written.
+    /// link or function, or a folder that cannot be written.
     pub fn emit(&self) -> Result<PathBuf, Error> {
         for read in [Some(&self.urdf), self.model.as_ref()]
             .into_iter()
@@ -186,6 +211,7 @@ impl Builder {
             }
         }
         let support = self.support.as_deref().ok_or(Problem::NoSupport)?;
+        let functions = sources::functions(self.functions.as_deref())?;
         let variable = "OUT_DIR";
         let out_dir = (self.out_dir.clone())
             .or_else(|| std::env::var_os(variable).map(PathBuf::from))
@@ -198,7 +224,7 @@ impl Builder {
         for note in model.left_out() {
             println!("cargo::warning={note}");
         }
-        let facts = Facts::of(&model);
+        let facts = Facts::with(&model, &functions);
         let mut written = Vec::new();
         let mut take = |sources: Sources, dir: &Path| {
             for note in sources.notes {

@@ -35,6 +35,8 @@ pub enum ErrorKind {
     FixedPoint,
     /// A number of lanes that there is not.
     Lanes,
+    /// A function that there is not, or that another needs.
+    Functions,
     /// A function whose rounding error has no proven bound.
     Unbounded,
     /// A file that cannot be read.
@@ -72,6 +74,7 @@ impl Error {
             | Problem::EstimatorInFixed
             | Problem::LanesInFixed => ErrorKind::FixedPoint,
             Problem::Lanes { .. } => ErrorKind::Lanes,
+            Problem::NoFunction { .. } | Problem::EstimatorWithoutRows => ErrorKind::Functions,
             Problem::UnboundedEffect { .. }
             | Problem::Unbounded { .. }
             | Problem::NotFinite { .. } => ErrorKind::Unbounded,
@@ -96,7 +99,7 @@ impl ErrorKind {
             ErrorKind::Name => "name",
             ErrorKind::Servos => "servos",
             ErrorKind::FixedPoint => "fixed_point",
-            ErrorKind::Lanes => "request",
+            ErrorKind::Lanes | ErrorKind::Functions => "request",
             ErrorKind::Unbounded => "unbounded",
             ErrorKind::Read => "read",
             ErrorKind::Write => "write",
@@ -206,6 +209,15 @@ pub(crate) enum Problem {
     NotFinite { function: &'static str },
     #[error("fixed32: the estimator needs the range of floats; use f32 or f64, or leave it out")]
     EstimatorInFixed,
+    #[error(
+        "there is no function `{name}`; known are {known}, and correct_cop comes along where the \
+         model has effects of the sensor"
+    )]
+    NoFunction { name: String, known: String },
+    #[error(
+        "the estimator calls regressor_cop; name it among the functions, or leave the estimator out"
+    )]
+    EstimatorWithoutRows,
     #[error("functions of many postures have 4, 8 or 16 lanes at most, not {lanes}")]
     Lanes { lanes: u32 },
     #[error("fixed32: functions of many postures are of floats; use f32 or f64, or no lanes")]

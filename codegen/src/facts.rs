@@ -45,7 +45,9 @@ pub struct Facts<'m> {
     /// Whether functions of joint positions are those of sines and cosines, where these can
     /// be had.
     pub begins_with_sines: bool,
-    /// The functions.
+    /// Functions that were not asked for.
+    pub left_out: Vec<Function>,
+    /// The others.
     pub routines: Vec<Routine>,
 }
 
@@ -111,8 +113,15 @@ pub struct SelfTest<'m> {
 const DIFFERENCES: f64 = 1e-9;
 
 impl Facts<'_> {
-    /// The description of `model` and its functions.
+    /// The description of `model` and all its functions.
     pub fn of(model: &Model) -> Facts<'_> {
+        Facts::with(model, &Function::ALL)
+    }
+
+    /// The description of `model` with these of its functions; [`Function::Com`] is always there.
+    pub fn with<'m>(model: &'m Model, functions: &[Function]) -> Facts<'m> {
+        let wanted = |f: &Function| *f == Function::Com || functions.contains(f);
+        let (functions, left_out): (Vec<_>, Vec<_>) = Function::ALL.into_iter().partition(wanted);
         let tree = &model.tree;
         let params = model.base.params.iter().zip(&model.param_limits);
         Facts {
@@ -144,7 +153,8 @@ impl Facts<'_> {
             self_test: SelfTest::of(model),
             affected: affected(model),
             begins_with_sines: model.begins_with_sines(),
-            routines: routines(model),
+            routines: routines(model, &functions),
+            left_out,
         }
     }
 

@@ -46,8 +46,10 @@ pub(crate) fn beyond<'r>(
     })
 }
 
-/// Every function that can be had of `model`, those with constant parameters last.
-pub fn routines(model: &Model) -> Vec<Routine> {
+/// Every variant of `functions` that can be had of `model`, those with constant parameters last.
+/// [`Function::CorrectCop`] comes along: without it a fit would take readings for what they are
+/// made of.
+pub fn routines(model: &Model, functions: &[Function]) -> Vec<Routine> {
     let routine = |function, given, baked, program: Option<Program>| {
         program.map(|program| Routine {
             function,
@@ -59,7 +61,7 @@ pub fn routines(model: &Model) -> Vec<Routine> {
     };
     let mut all = Vec::new();
     for given in [Given::Positions, Given::SinesCosines, Given::Direction] {
-        for function in Function::ALL.into_iter().chain([Function::CorrectCop]) {
+        for &function in functions.iter().chain([&Function::CorrectCop]) {
             all.extend(routine(
                 function,
                 given,
@@ -70,7 +72,8 @@ pub fn routines(model: &Model) -> Vec<Routine> {
     }
     if model.file.is_some() {
         for given in [Given::Positions, Given::SinesCosines] {
-            for function in [Function::Com, Function::Cop] {
+            let of_static = [Function::Com, Function::Cop].into_iter();
+            for function in of_static.filter(|function| functions.contains(function)) {
                 let program = model.baked_program(function, given);
                 all.extend(routine(function, given, true, program));
             }

@@ -9,7 +9,9 @@ use crate::emit::c::{
     layout::{self, Layout},
 };
 use crate::emit::{names, rust};
+use crate::error::Problem;
 use crate::facts::Facts;
+use sesc_model::Function;
 
 /// Source files of a robot.
 #[derive(Debug, Clone)]
@@ -47,6 +49,25 @@ impl Default for C99 {
             layout: Layout::Bare,
         }
     }
+}
+
+/// The functions of these names; all of them where no choice is made.
+///
+/// # Errors
+/// When there is no function of a name.
+pub fn functions<S: AsRef<str>>(choice: Option<&[S]>) -> Result<Vec<Function>, Error> {
+    let Some(names) = choice else {
+        return Ok(Function::ALL.to_vec());
+    };
+    let function = |name: &S| {
+        let name = name.as_ref();
+        Function::named(name).ok_or_else(|| {
+            let known = Function::ALL.map(Function::name).join(", ");
+            let name = name.to_string();
+            Problem::NoFunction { name, known }.into()
+        })
+    };
+    names.iter().map(function).collect()
 }
 
 fn usual(facts: &Facts) -> String {

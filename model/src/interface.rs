@@ -220,6 +220,11 @@ impl Function {
         self.interface().name
     }
 
+    /// The function of a posture that has this name.
+    pub fn named(name: &str) -> Option<Function> {
+        Function::ALL.into_iter().find(|f| f.name() == name)
+    }
+
     /// Its sentence, and that in ASCII, where the model has effects or none.
     pub const fn sentences(self, with_effects: bool) -> [&'static str; 2] {
         match (self, with_effects) {

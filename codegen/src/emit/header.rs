@@ -35,11 +35,14 @@ pub const BOUNDS_HOLD: [&str; 3] = [
     "against exact evaluation with the same parameters.",
 ];
 
-/// Where that of the ZMP holds, and why fixed point has none.
-pub fn zmp_bound_holds(has_zmp: bool) -> Vec<String> {
+/// Where that of the ZMP holds, and why fixed point has none; nothing where it was not asked for.
+pub fn zmp_bound_holds(facts: &Facts, in_floats: bool) -> Vec<String> {
+    if facts.left_out.contains(&Function::Zmp) {
+        return Vec::new();
+    }
     let [revolute, prismatic] = MODERATE_SPEED;
     let [revolute_acc, prismatic_acc] = MODERATE_ACCELERATION;
-    let text = match has_zmp {
+    let text = match in_floats {
         true => format!(
             "That of zmp holds for joint velocities up to {revolute} rad/s ({prismatic} m/s) or the \
              URDF's limit, accelerations up to {revolute_acc} rad/s2 ({prismatic_acc} m/s2), and while the ground \
@@ -80,7 +83,22 @@ pub fn about(facts: &Facts) -> Vec<String> {
         ));
     }
     lines.extend(facts.effects.iter().map(effect));
+    lines.extend(left_out(facts));
     lines
+}
+
+/// Functions that were not asked for.
+fn left_out(facts: &Facts) -> Vec<String> {
+    let names: Vec<&str> = facts.left_out.iter().map(|f| f.name()).collect();
+    if names.is_empty() {
+        return Vec::new();
+    }
+    let text = format!("{}: not asked for", names.join(", "));
+    let titles = ["without"].into_iter().chain(std::iter::repeat(""));
+    let lines = titles.zip(wrapped(&text));
+    lines
+        .map(|(title, line)| format!("{title:<14} {line}"))
+        .collect()
 }
 
 /// What the robot does that its URDF does not say: of the body, and so in every function;
@@ -181,7 +199,7 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
         ));
     }
     lines.extend(BOUNDS_HOLD.map(str::to_string));
-    lines.extend(zmp_bound_holds(true));
+    lines.extend(zmp_bound_holds(facts, true));
     lines.extend(cautions(facts, correction_is_proven));
     lines
 }

@@ -111,7 +111,7 @@ fn unit_struct(facts: &Facts, unit: &Ident) -> TokenStream {
 struct Robot {
     unit: Ident,
     methods: Vec<Method>,
-    /// All functions can be had from sines and cosines.
+    /// All functions of the module can be had from sines and cosines.
     from_sines: bool,
     /// The function that those of positions begin with, where each body stands once: in that
     /// of sines and cosines.
@@ -130,7 +130,8 @@ struct Method {
 impl Robot {
     fn new(facts: &Facts, unit: Ident, routines: &[&Routine], notes: &mut Notes) -> Robot {
         let of_sines = |routine: &&&Routine| routine.given == Given::SinesCosines;
-        let from_sines = routines.iter().filter(of_sines).count() == Function::ALL.len();
+        let asked_for = Function::ALL.len() - facts.left_out.len();
+        let from_sines = routines.iter().filter(of_sines).count() == asked_for;
         let once = from_sines && facts.begins_with_sines;
         let method = |routine: &&Routine| {
             let (function, given) = (routine.function, routine.given);

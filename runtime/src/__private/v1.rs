@@ -14,9 +14,23 @@ pub use crate::real::Real;
 /// An array of `T`.
 pub type Array<D, T> = <D as Dim>::Array<T>;
 
+/// Fails to compile where a function is used that the module was generated without.
+macro_rules! left_out {
+    ($function:literal) => {
+        const {
+            panic!(concat!(
+                "this robot's module was generated without `",
+                $function,
+                "`: name it in Builder::functions, or in `sesc generate --functions`"
+            ))
+        }
+    };
+}
+
 /// A robot on one support link; constants and functions are those of
-/// [`Sesc`](crate::Sesc), matrices written to where the caller wants them.
-#[allow(missing_docs)]
+/// [`Sesc`](crate::Sesc), matrices written to where the caller wants them. All but `com` may be
+/// left out of a module.
+#[allow(missing_docs, unused_variables)]
 pub trait Robot {
     type Dof: Dim;
     type Base: Dim;
@@ -31,37 +45,61 @@ pub trait Robot {
 
     fn com<T: Real>(q: &Array<Self::Dof, T>, r: &Array<Self::Base, T>) -> [T; 3];
 
+    #[inline(always)]
     fn com_jacobian_into<T: Real>(
         q: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
         jacobian: &mut [Array<Self::Dof, T>; 3],
-    );
+    ) {
+        left_out!("com_jacobian")
+    }
 
+    #[inline(always)]
     fn com_velocity<T: Real>(
         q: &Array<Self::Dof, T>,
         qd: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
-    ) -> [T; 3];
+    ) -> [T; 3] {
+        left_out!("com_velocity")
+    }
 
+    #[inline(always)]
     fn gravity_moments<T: Real>(
         q: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
-    ) -> Array<Self::Dof, T>;
+    ) -> Array<Self::Dof, T> {
+        left_out!("gravity_moments")
+    }
 
-    fn regressor_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Base, T>; 3]);
+    #[inline(always)]
+    fn regressor_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Base, T>; 3]) {
+        left_out!("regressor")
+    }
 
-    fn regressor_cop_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Base, T>; 2]);
+    #[inline(always)]
+    fn regressor_cop_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Base, T>; 2]) {
+        left_out!("regressor_cop")
+    }
 
-    fn regressor_full_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Full, T>; 3]);
+    #[inline(always)]
+    fn regressor_full_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Full, T>; 3]) {
+        left_out!("regressor_full")
+    }
 
-    fn cop<T: Real>(q: &Array<Self::Dof, T>, r: &Array<Self::Base, T>) -> [T; 2];
+    #[inline(always)]
+    fn cop<T: Real>(q: &Array<Self::Dof, T>, r: &Array<Self::Base, T>) -> [T; 2] {
+        left_out!("cop")
+    }
 
+    #[inline(always)]
     fn zmp<T: Real>(
         q: &Array<Self::Dof, T>,
         qd: &Array<Self::Dof, T>,
         qdd: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
-    ) -> [T; 2];
+    ) -> [T; 2] {
+        left_out!("zmp")
+    }
 
     /// The CoP behind a reading: the reading itself where the model has no sensor effects.
     #[inline(always)]
@@ -73,7 +111,7 @@ pub trait Robot {
 /// The functions of [`SescFromSinCos`](crate::SescFromSinCos), and rows combined by a
 /// direction d (`along`) of the support frame, ‖d‖ ≤ 1: `dᵀ J` and `dᵀ Y`. Three
 /// directions side by side in `T` give the three rows of one posture.
-#[allow(missing_docs)]
+#[allow(missing_docs, unused_variables)]
 pub trait SinCosRobot: Robot {
     fn com_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
@@ -81,53 +119,77 @@ pub trait SinCosRobot: Robot {
         r: &Array<Self::Base, T>,
     ) -> [T; 3];
 
+    #[inline(always)]
     fn com_jacobian_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
-    ) -> [Array<Self::Dof, T>; 3];
+    ) -> [Array<Self::Dof, T>; 3] {
+        left_out!("com_jacobian")
+    }
 
+    #[inline(always)]
     fn com_velocity_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
         qd: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
-    ) -> [T; 3];
+    ) -> [T; 3] {
+        left_out!("com_velocity")
+    }
 
+    #[inline(always)]
     fn gravity_moments_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
-    ) -> Array<Self::Dof, T>;
+    ) -> Array<Self::Dof, T> {
+        left_out!("gravity_moments")
+    }
 
+    #[inline(always)]
     fn regressor_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
-    ) -> [Array<Self::Base, T>; 3];
+    ) -> [Array<Self::Base, T>; 3] {
+        left_out!("regressor")
+    }
 
+    #[inline(always)]
     fn regressor_cop_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
-    ) -> [Array<Self::Base, T>; 2];
+    ) -> [Array<Self::Base, T>; 2] {
+        left_out!("regressor_cop")
+    }
 
+    #[inline(always)]
     fn regressor_full_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
-    ) -> [Array<Self::Full, T>; 3];
+    ) -> [Array<Self::Full, T>; 3] {
+        left_out!("regressor_full")
+    }
 
+    #[inline(always)]
     fn cop_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
-    ) -> [T; 2];
+    ) -> [T; 2] {
+        left_out!("cop")
+    }
 
+    #[inline(always)]
     fn zmp_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
         qd: &Array<Self::Dof, T>,
         qdd: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
-    ) -> [T; 2];
+    ) -> [T; 2] {
+        left_out!("zmp")
+    }
 
     #[inline(always)]
     fn com_jacobian_along<T: Real>(

@@ -47,7 +47,7 @@ pub(super) fn about(facts: &Facts, routines: &[Exported], scalar: Scalar) -> Vec
         ));
     }
     lines.extend(header::BOUNDS_HOLD.map(str::to_string));
-    lines.extend(header::zmp_bound_holds(scalar != Scalar::Fixed32));
+    lines.extend(header::zmp_bound_holds(facts, scalar != Scalar::Fixed32));
     let proven = |r: &Exported| r.function != Function::CorrectCop || r.bound.is_finite();
     let proven = routines.iter().all(proven);
     lines.extend(header::cautions(facts, proven));

@@ -119,8 +119,8 @@ pub struct Package {
 ///
 /// # Errors
 /// When `name` is no prefix of C names or too long for a file, a servo setting makes no sense, a quantity does not
-/// fit 32-bit fixed point, the estimator or lanes are wanted there, or there are not 4, 8 or 16
-/// lanes.
+/// fit 32-bit fixed point, the estimator or lanes are wanted there, there are not 4, 8 or 16
+/// lanes, or the estimator is wanted without the rows that it calls.
 pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, Error> {
     names::check_length(name, suggest(name))?;
     if !is_prefix(name) {
@@ -144,9 +144,11 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
         .map(|ticks| ticks.text(facts.dofs, name, &routines, &calls));
     let (selftest, results) =
         selftest::checks(facts, options.scalar, &routines, name, ticks.as_ref());
-    let corrects = routines
-        .iter()
-        .any(|routine| routine.function == Function::CorrectCop);
+    let has = |function| routines.iter().any(|routine| routine.function == function);
+    if options.estimator && !has(Function::RegressorCop) {
+        return Err(Problem::EstimatorWithoutRows.into());
+    }
+    let corrects = has(Function::CorrectCop);
     let estimator = (options.estimator)
         .then(|| estimator::texts(facts, options.scalar, corrects))
         .transpose()?;
