@@ -62,7 +62,7 @@ impl Case {
         self.model.dof() <= 12 || self.model.begins_with_sines()
     }
 
-    /// What is compiled.
+    /// What is generated and compiled.
     fn functions(&self) -> impl Iterator<Item = Function> {
         let moves = self.moves();
         let all = Function::ALL.into_iter();
@@ -131,7 +131,9 @@ fn write_crate(folder: &Path, cases: &[Case], level: u32) {
     let mut main = String::from(include_str!("common/compiled_main.rs"));
     main.push_str("\nfn main() {\n");
     for case in cases {
-        let text = rust::module(&Facts::of(&case.model), &case.module).unwrap();
+        let functions: Vec<Function> = case.functions().collect();
+        let facts = Facts::with(&case.model, &functions);
+        let text = rust::module(&facts, &case.module).unwrap();
         write(&format!("src/{}.rs", case.module), text);
         let _ = writeln!(lib, "pub mod {};", case.module);
         let sc = case
@@ -153,6 +155,11 @@ fn write_crate(folder: &Path, cases: &[Case], level: u32) {
 }
 
 fn cargo(folder: &Path, arguments: &[&str]) {
+    ran(folder, arguments).unwrap_or_else(|error| panic!("{error}"));
+}
+
+/// What cargo says where it fails.
+fn ran(folder: &Path, arguments: &[&str]) -> Result<(), String> {
     let output = Command::new(env!("CARGO"))
         .arg(arguments[0])
         .args(["--release", "--offline", "--quiet", "--target-dir"])
@@ -161,11 +168,8 @@ fn cargo(folder: &Path, arguments: &[&str]) {
         .current_dir(folder)
         .output()
         .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    output.status.success().then_some(()).ok_or(said)
 }
 
 fn floats(path: &Path) -> Vec<f64> {
@@ -208,6 +212,38 @@ fn code_of_many_joints_is_the_tape_to_the_bit_and_the_reference_within_its_bound
         "sines stand in a loop"
     );
     compiled_is_tape_and_reference("compiled_many", &[case], 1);
+}
+
+/// Whoever calls a function that its module was generated without is told so by the compiler.
+#[test]
+fn a_function_that_was_left_out_is_named_when_it_is_compiled() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("left_out");
+    let path = Path::new(ROOT).join("robots/two_link/two_link.urdf");
+    let robot = Robot::read(&path).unwrap();
+    let model = robot.model("foot", Snapping::default(), None).unwrap();
+    let facts = Facts::with(&model, &[Function::ComJacobian]);
+    write_crate(&folder, &[], 1);
+    let module = rust::module(&facts, "leg").unwrap();
+    fs::write(folder.join("src/leg.rs"), module).unwrap();
+    fs::write(folder.join("src/lib.rs"), "pub mod leg;\n").unwrap();
+    // Through the trait, as code for any robot calls: the module has no function `zmp` anyway.
+    let main = |call: &str| {
+        format!(
+            "use compiled::leg::{{CAD_PARAMS as R, Leg}};\nuse sesc_runtime::Sesc;\n\
+             fn main() {{\n    let (q, x) = ([0.1, 0.2], [0.0; 2]);\n    \
+             println!(\"{{x:?}} {{:?}}\", {call});\n}}\n"
+        )
+    };
+    fs::write(
+        folder.join("src/main.rs"),
+        main("Leg::com_jacobian(&q, &R)"),
+    )
+    .unwrap();
+    cargo(&folder, &["run"]);
+    fs::write(folder.join("src/main.rs"), main("Leg::zmp(&q, &x, &x, &R)")).unwrap();
+    let error = ran(&folder, &["build"]).unwrap_err();
+    let sentence = "this robot's module was generated without `zmp`: name it in Builder::functions";
+    assert!(error.contains(sentence), "{error}");
 }
 
 /// Compile the cases with optimisations of `level`, run them and compare.

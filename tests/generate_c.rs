@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output};
 
 use sesc_model::Function;
 use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
@@ -88,10 +88,62 @@ fn the_checked_in_c_is_what_the_command_writes() {
     }
 }
 
+/// Only what is asked for, and `com`: every such package compiles without a warning and passes
+/// its self-test.
+#[test]
+fn functions_that_are_not_asked_for_are_left_out() {
+    let folder = folder();
+    let out = folder.path().join("fw");
+    for function in Function::ALL {
+        let name = function.name();
+        stdout(&generate(
+            &out,
+            &["--functions", name, "--name", name, "--lanes", "4"],
+        ));
+        let header = fs::read_to_string(out.join(format!("{name}.h"))).unwrap();
+        for other in Function::ALL {
+            let declared = header.contains(&format!("{name}_{}(", other.name()));
+            let many = header.contains(&format!("{name}_{}_batch(", other.name()));
+            let asked = other == function || other == Function::Com;
+            assert_eq!([declared, many], [asked; 2], "{} of {name}", other.name());
+        }
+        let (main, program) = (out.join("main.c"), out.join("program"));
+        let call =
+            format!("#include \"{name}.h\"\nint main(void) {{ return {name}_selftest(); }}\n");
+        fs::write(&main, call).unwrap();
+        let mut gcc = Command::new("gcc");
+        gcc.args(["-Wall", "-Wextra", "-Werror", "-Wno-psabi", "-O0"]);
+        gcc.arg(&main).arg(out.join(format!("{name}.c")));
+        let built = gcc.arg("-o").arg(&program).output();
+        stdout(&built.expect("gcc starts; run `tests/setup` where it is missing"));
+        stdout(&Command::new(&program).output().unwrap());
+    }
+    let refused = |more: &[&str], words: &[&str]| {
+        let nowhere = folder.path().join("nowhere");
+        refused(&generate(&nowhere, more), words);
+        assert!(!nowhere.exists());
+    };
+    let known = [
+        "there is no function `zpm`",
+        "com_jacobian",
+        "zmp",
+        "correct_cop",
+    ];
+    refused(&["--functions", "com,zpm"], &known);
+    let rows = ["the estimator calls regressor_cop", "name it"];
+    refused(&["--functions", "com", "--estimator"], &rows);
+}
+
 #[test]
 fn help_shows_how_c_is_made() {
     let text = stdout(&sesc(&["generate", "--help"]));
-    for words in ["--lang c --scalar f32", "fixed32", "--servos", "--ticks"] {
+    for words in [
+        "--lang c --scalar f32",
+        "fixed32",
+        "--servos",
+        "--ticks",
+        "--functions com,com_jacobian",
+    ] {
         assert!(text.contains(words), "`{words}` is not in: {text}");
     }
 }

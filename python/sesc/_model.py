@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -103,6 +103,7 @@ class Model(_sesc.Model):
         servos: str | os.PathLike[str] | None = None,
         estimator: bool = False,
         lanes: int | None = None,
+        functions: str | Iterable[str] | None = None,
     ) -> list[Path]:
         """Write the functions as C99 to ``folder``; gives the files.
 
@@ -116,6 +117,7 @@ class Model(_sesc.Model):
             estimator: the parameters by recursive least squares, one posture a call.
             lanes: 4, 8 or 16: functions of many postures besides, for gcc and clang on
                 computers, at most so many side by side; in f64 and f32.
+            functions: only these and ``com``, which is always there; all unless given.
 
         Raises:
             SescError: options that do not go together, or a robot that 32-bit fixed point cannot
@@ -133,20 +135,32 @@ class Model(_sesc.Model):
             "servos": None if servos is None else os.fspath(servos),
             "estimator": estimator,
             "lanes": lanes,
+            "functions": _names(functions),
         }
         return _paths(_sesc.c_files(self, os.fspath(folder), options))
 
-    def rust(self, folder: str | os.PathLike[str], *, name: str | None = None) -> list[Path]:
+    def rust(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        name: str | None = None,
+        functions: str | Iterable[str] | None = None,
+    ) -> list[Path]:
         """Write the functions as a Rust module to ``folder``; gives the file.
 
+        Args:
+            folder: made if need be; a file that would not change is left alone.
+            name: the module's; robot and support unless given.
+            functions: only these and ``com``, which is always there; all unless given.
+
         Raises:
-            SescError: a name that Rust does not take, or a file that cannot be written (an ``OSError``, too).
+            SescError: a name that Rust does not take, a function that there is not, or a file that cannot be written (an ``OSError``, too).
 
         Example:
             >>> [file.name for file in model.rust(folder, name="Pole")]
             ['Pole.rs']
         """
-        return _paths(_sesc.rust_files(self, os.fspath(folder), name))
+        return _paths(_sesc.rust_files(self, os.fspath(folder), name, _names(functions)))
 
     def to_dict(self) -> dict[str, Any]:
         """What ``sesc inspect --json`` prints: bodies, parameters, what no data can see,
@@ -183,6 +197,12 @@ def restored(robot: Robot, support: str, text: str | None) -> Model:
     model = _sesc.Model.__new__(Model, robot, support, text and "model", text)
     model.robot = robot
     return model
+
+
+def _names(functions: str | Iterable[str] | None) -> list[str] | None:
+    if functions is None:
+        return None
+    return [functions] if isinstance(functions, str) else [str(one) for one in functions]
 
 
 def _paths(files: list[str]) -> list[Path]:

@@ -24,6 +24,7 @@ pub struct COptions {
     servos: Option<PathBuf>,
     estimator: bool,
     lanes: Option<u32>,
+    functions: Option<Vec<String>>,
 }
 
 /// Write C99 to a folder; gives the files.
@@ -69,7 +70,11 @@ pub fn c_files(
             lanes: options.lanes,
             layout,
         };
-        let written = sources::c99(&Facts::of(&model), options.name.as_deref(), &wanted);
+        let functions = sources::functions(options.functions.as_deref());
+        let written = functions.and_then(|functions| {
+            let facts = Facts::with(&model, &functions);
+            sources::c99(&facts, options.name.as_deref(), &wanted)
+        });
         written.map_err(|error| Failure::of_code(&error))
     })?;
     detached(py, || write(&folder, sources))
@@ -82,10 +87,13 @@ pub fn rust_files(
     model: PyRef<'_, Model>,
     folder: PathBuf,
     name: Option<String>,
+    functions: Option<Vec<String>>,
 ) -> PyResult<Vec<PathBuf>> {
     let model = model.inner.clone();
     let (sources, _) = watched(py, None, Stopped::Abandoned, move |_| {
-        let written = sources::rust(&Facts::of(&model), name.as_deref());
+        let functions = sources::functions(functions.as_deref());
+        let written = functions
+            .and_then(|functions| sources::rust(&Facts::with(&model, &functions), name.as_deref()));
         written.map_err(|error| Failure::of_code(&error))
     })?;
     detached(py, || write(&folder, sources))

@@ -183,6 +183,22 @@ def test_rust_is_equal(robots: Path, model: sesc.Model, command: Any, tmp_path: 
     assert file.read_bytes() == (tmp_path / "a" / file.name).read_bytes()
 
 
+@pytest.mark.parametrize("language", ["c99", "rust"])
+def test_chosen_functions_are_equal(
+    robots: Path, model: sesc.Model, command: Any, language: str, tmp_path: Path
+) -> None:
+    words = ["--support", "r_sole", "--lang", language.removesuffix("99"), "--functions", "cop,com_jacobian"]
+    command("generate", robots / "op2/op2.urdf", *words, "--out", tmp_path / "a")
+    for given in (["cop", "com_jacobian"], iter(("com_jacobian", "cop"))):
+        for file in getattr(model, language)(tmp_path / "b", functions=given):
+            assert file.read_bytes() == (tmp_path / "a" / file.name).read_bytes()
+    (*_, alone) = getattr(model, language)(tmp_path / "c", functions="com")
+    assert "com_jacobian(" not in alone.read_text()
+    with pytest.raises(sesc.SescError, match="there is no function `zpm`; known are com, "):
+        getattr(model, language)(tmp_path / "d", functions=["zpm"])
+    assert not (tmp_path / "d").exists()
+
+
 def test_parts_are_equal(small: sesc.Robot, robots: Path, log: Path, command: Any, tmp_path: Path) -> None:
     command("fit", robots / LEGS[0], "--data", log, "--unit", "r07", "--partial", tmp_path / "log.part")
     part = sesc.gather(small, log, unit="r07")

@@ -13,7 +13,6 @@ use sesc_model::{
 };
 
 use sesc_test_support::exact::{Double, Number as _};
-use sesc_test_support::source::without;
 use sesc_test_support::trees::{Kind, tree};
 
 use crate::draw::Draw;
@@ -54,7 +53,7 @@ pub struct Case {
     pub name: String,
     pub model: Model,
     pub servos: Servos,
-    /// What is to be called.
+    /// What is generated and called.
     pub functions: Vec<Function>,
     /// Whether the estimator is wanted, in floats.
     pub estimator: bool,
@@ -270,14 +269,10 @@ impl Case {
         options.servos = Some(self.servos.clone());
         options.estimator = scalar != Scalar::Fixed32 && self.estimator;
         options.lanes = self.lanes.filter(|_| scalar != Scalar::Fixed32);
-        let mut package = c::package(&Facts::of(&self.model), &self.name, &options)
-            .unwrap_or_else(|error| panic!("{}: {error}", self.name));
         // What is not called need not be optimised or read by linters.
-        if !self.functions.contains(&Function::Zmp) {
-            package.source = without(&package.source, &["_zmp"]);
-            assert!(self.lanes.is_none(), "blocks of the ZMP would stay");
-        }
-        package
+        let facts = Facts::with(&self.model, &self.functions);
+        let package = c::package(&facts, &self.name, &options);
+        package.unwrap_or_else(|error| panic!("{}: {error}", self.name))
     }
 
     /// Every C function there must be: the load on the ground divides the ZMP, which fixed

@@ -14,7 +14,6 @@ use crate::case::{Case, ROOT};
 use crate::compiled::{Compiled, folder, parallel, tool, write};
 use crate::draw::draw;
 use crate::entry::Entry;
-use sesc_test_support::source::without;
 
 /// An overflowing sum, a shift of too many bits or an index beyond an array traps.
 const TRAPS: [&str; 3] = [
@@ -247,8 +246,7 @@ fn a_chain_of_five_hundred_joints_stays_inside() {
         functions: kept.to_vec(),
         ..case
     };
-    let change = |source: String| checked(&case, without(&source, &["jacobian", "regressor"]));
-    let compiled = Compiled::build(&folder, &case, Scalar::Fixed32, "clang", &TRAPS, change);
+    let compiled = trapping(&folder, &case);
     let entries = case.entries(Scalar::Fixed32);
     let entries: Vec<&Entry> = entries.iter().collect();
     let drawn = draw(&case, 60, 41, &*compiled.hold());

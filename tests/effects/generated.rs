@@ -11,7 +11,6 @@ use sesc_model::{Function, ModelFile, Snapping};
 
 use crate::robots::{Stand, urdf};
 use sesc_test_support::command::ROOT;
-use sesc_test_support::source::without;
 
 /// What generated code says of one posture.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,9 +52,17 @@ pub struct Case {
 impl Case {
     /// The functions of [`BODY`] that are called.
     pub fn body(&self) -> impl Iterator<Item = Function> {
+        self.generated(BODY)
+    }
+
+    /// Those of `functions` that are generated.
+    fn generated(
+        &self,
+        functions: impl IntoIterator<Item = Function>,
+    ) -> impl Iterator<Item = Function> {
         let moves = self.moves;
-        BODY.into_iter()
-            .filter(move |f| moves || *f != Function::Zmp)
+        let functions = functions.into_iter();
+        functions.filter(move |f| moves || *f != Function::Zmp)
     }
 }
 
@@ -91,6 +98,7 @@ pub fn write(folder: &Path, stand: &Stand, case: &Case) {
         .snapping(Snapping::Off)
         .model(&model)
         .name(&case.module)
+        .functions(case.generated(Function::ALL).map(Function::name))
         .out_dir(folder.join("src"))
         .c99(folder)
         .emit()
@@ -209,10 +217,6 @@ pub fn c(folder: &Path, case: &Case, postures: &Path, count: usize) -> Vec<Said>
          return fclose(input);\n}}\n"
     );
     let source = folder.join(format!("{name}.c"));
-    if !case.moves {
-        let text = fs::read_to_string(&source).unwrap();
-        fs::write(&source, without(&text, &["_zmp"])).unwrap();
-    }
     let main_file = folder.join(format!("{name}_main.c"));
     fs::write(&main_file, main).unwrap();
     let program = folder.join(format!("{name}.program"));

@@ -6,5 +6,4 @@ pub mod exact;
 pub mod kills;
 pub mod machine;
 pub mod memo;
-pub mod source;
 pub mod trees;

@@ -213,22 +213,15 @@ pub(super) fn checks(
     for (k, check) in checks.iter_mut().enumerate() {
         check.weight = 1 << k;
     }
-    let mut results = vec![
-        ResultArray {
-            name: "com",
-            length: "3".into(),
-        },
-        ResultArray {
-            name: "cop",
-            length: "2".into(),
-        },
-    ];
-    if checks.iter().any(|check| check.got == "moments") {
-        results.push(ResultArray {
-            name: "moments",
-            length: format!("{name}_DOF"),
-        });
-    }
+    let dof = format!("{name}_DOF");
+    let arrays = [("com", "3"), ("cop", "2"), ("moments", &dof)];
+    let is_written = |array: &str| checks.iter().any(|check| check.got == array);
+    let written = arrays.into_iter().filter(|(array, _)| is_written(array));
+    let results = written.map(|(name, length)| ResultArray {
+        name,
+        length: length.to_string(),
+    });
+    let results = results.collect();
     (checks, results)
 }
 
