@@ -30,7 +30,7 @@ const SIGN: u64 = 1 << 63;
 const NAN: u64 = 0x7FF8_0000_0000_0000;
 
 /// 1.5 · 2^52: a sum with it is rounded to an integer, which its low bits show.
-const MAGIC: f64 = 6_755_399_441_055_744.0;
+pub(crate) const MAGIC: f64 = 6_755_399_441_055_744.0;
 
 /// π/2 in four pieces, each the truncated remainder of those before (the last rounded).
 const P1: f64 = f64::from_bits(0x3FF9_21FB_5440_0000);
@@ -40,7 +40,7 @@ const P4: f64 = f64::from_bits(0x397B_839A_2520_49C1);
 
 /// `(sin r - r) / r^3` as a polynomial in `r^2`: minimax on |r| <= π/4 + 2^-30 for the
 /// relative error of the sine, which is 2^-57.9 with these rounded coefficients.
-const S: [f64; 6] = [
+pub(crate) const SIN: [f64; 6] = [
     f64::from_bits(0xBFC5_5555_5555_5548), // -1.6666666666666630e-1
     f64::from_bits(0x3F81_1111_1110_F730), //  8.3333333333218400e-3
     f64::from_bits(0xBF2A_01A0_19BE_9215), // -1.9841269829358522e-4
@@ -50,7 +50,7 @@ const S: [f64; 6] = [
 ];
 
 /// `(cos r - 1 + r^2/2) / r^4` likewise; the relative error of the cosine is 2^-63.9.
-const C: [f64; 6] = [
+pub(crate) const COS: [f64; 6] = [
     f64::from_bits(0x3FA5_5555_5555_554B), //  4.1666666666666595e-2
     f64::from_bits(0xBF56_C16C_16C1_5015), // -1.3888888888873342e-3
     f64::from_bits(0x3EFA_01A0_19C8_F25A), //  2.4801587289002100e-5
@@ -119,8 +119,8 @@ fn kernel(r: f64, tail: f64) -> (f64, f64) {
     let z2 = z * z;
     let half_z = 0.5 * z;
     let w = 1.0 - half_z;
-    let sin = r + (z * r * polynomial(&S, z, z2) + tail * w);
-    let cos = w + (((1.0 - w) - half_z) + (z2 * polynomial(&C, z, z2) - r * tail));
+    let sin = r + (z * r * polynomial(&SIN, z, z2) + tail * w);
+    let cos = w + (((1.0 - w) - half_z) + (z2 * polynomial(&COS, z, z2) - r * tail));
     (sin, cos)
 }
 

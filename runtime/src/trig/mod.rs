@@ -37,5 +37,9 @@ mod double;
 pub(crate) mod exact;
 mod single;
 
+#[cfg(target_arch = "x86_64")]
+pub(crate) use double::{COS, MAGIC, SIN};
 pub use double::{LIMIT_RAD, sin_cos};
+#[cfg(target_arch = "x86_64")]
+pub(crate) use single::{COS_F32, MAGIC_F32, SIN_F32};
 pub use single::{LIMIT_RAD_F32, sin_cos_f32};

@@ -25,7 +25,7 @@ const SIGN: u32 = 1 << 31;
 const NAN: u32 = 0x7FC0_0000;
 
 /// 1.5 · 2^23: a sum with it is rounded to an integer, which its low bits show.
-const MAGIC: f32 = 12_582_912.0;
+pub(crate) const MAGIC_F32: f32 = 12_582_912.0;
 
 /// π/2 in four pieces, each the truncated remainder of those before (the last rounded).
 const P1: f32 = f32::from_bits(0x3FC9_0C00);
@@ -35,14 +35,14 @@ const P4: f32 = f32::from_bits(0x298C_234C);
 
 /// `(sin r - r) / r^3` as a polynomial in `r^2`: minimax on |r| <= π/4 + 2^-12 for the
 /// relative error of the sine, which is 2^-27.9 with these rounded coefficients.
-const S: [f32; 3] = [
+pub(crate) const SIN_F32: [f32; 3] = [
     f32::from_bits(0xBE2A_AAA3), // -1.666665524e-1
     f32::from_bits(0x3C08_83BB), //  8.332188241e-3
     f32::from_bits(0xB94C_A97D), // -1.951809536e-4
 ];
 
 /// `(cos r - 1 + r^2/2) / r^4` likewise; the relative error of the cosine is 2^-33.0.
-const C: [f32; 3] = [
+pub(crate) const COS_F32: [f32; 3] = [
     f32::from_bits(0x3D2A_AAA5), //  4.166664556e-2
     f32::from_bits(0xBAB6_0614), // -1.388730947e-3
     f32::from_bits(0x37CC_F406), //  2.443232734e-5
@@ -72,9 +72,9 @@ pub fn sin_cos_f32(x: f32) -> (f32, f32) {
     let outside = ((LIMIT_RAD_F32.to_bits().wrapping_sub(magnitude) as i32) >> 31) as u32 & NAN;
 
     let x = f32::from_bits(magnitude);
-    let shifted = x * FRAC_2_PI + MAGIC;
+    let shifted = x * FRAC_2_PI + MAGIC_F32;
     let quadrant = shifted.to_bits();
-    let k = shifted - MAGIC;
+    let k = shifted - MAGIC_F32;
 
     let a = x - k * P1;
     let b = k * P2;
@@ -107,8 +107,8 @@ fn kernel(r: f32, tail: f32) -> (f32, f32) {
     let z2 = z * z;
     let half_z = 0.5 * z;
     let w = 1.0 - half_z;
-    let sin = r + (z * r * polynomial(&S, z, z2) + tail * w);
-    let cos = w + (((1.0 - w) - half_z) + (z2 * polynomial(&C, z, z2) - r * tail));
+    let sin = r + (z * r * polynomial(&SIN_F32, z, z2) + tail * w);
+    let cos = w + (((1.0 - w) - half_z) + (z2 * polynomial(&COS_F32, z, z2) - r * tail));
     (sin, cos)
 }
 

@@ -3,9 +3,9 @@
 use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
-use super::{align_stack, machine, register};
+use super::{align_stack, machine, register, sines};
 use crate::scalar::sealed::{Machine, ROWS, Task};
-use crate::{pack, power, trig};
+use crate::{pack, power};
 
 /// The set.
 pub struct Avx2;
@@ -37,11 +37,7 @@ register! {
     _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_fmadd_pd
     _mm256_max_pd _mm256_min_pd
     negate |x| _mm256_xor_pd(x, _mm256_set1_pd(-0.0));
-    sin_cos |x: F64x4| {
-        let (mut sin, mut cos) = ([0.0; 4], [0.0; 4]);
-        sin_cos_f64(&x.array(), &mut sin, &mut cos);
-        (F64x4::of(&sin), F64x4::of(&cos))
-    };
+    sin_cos lanes_f64x4;
     power power::power;
 }
 
@@ -52,11 +48,7 @@ register! {
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_fmadd_ps
     _mm256_max_ps _mm256_min_ps
     negate |x| _mm256_xor_ps(x, _mm256_set1_ps(-0.0));
-    sin_cos |x: F32x8| {
-        let (mut sin, mut cos) = ([0.0; 8], [0.0; 8]);
-        sin_cos_f32(&x.array(), &mut sin, &mut cos);
-        (F32x8::of(&sin), F32x8::of(&cos))
-    };
+    sin_cos lanes_f32x8;
     power power::power_f32;
 }
 
@@ -67,27 +59,38 @@ register! {
     _mm_add_ps _mm_sub_ps _mm_mul_ps _mm_div_ps _mm_fmadd_ps
     _mm_max_ps _mm_min_ps
     negate |x| _mm_xor_ps(x, _mm_set1_ps(-0.0));
-    sin_cos |x: F32x4| {
-        let (mut sin, mut cos) = ([0.0; 4], [0.0; 4]);
-        sin_cos_f32(&x.array(), &mut sin, &mut cos);
-        (F32x4::of(&sin), F32x4::of(&cos))
-    };
+    sin_cos lanes_f32x4;
     power power::power_f32;
 }
 
-/// The kernel of [`trig`], as the compiler vectorises it inside the entries above.
+/// Sines and cosines of the lanes of a register.
+macro_rules! lanes {
+    ($name:ident, $register:ident, $sin_cos:ident, $lanes:literal) => {
+        #[inline(always)]
+        fn $name(x: $register) -> ($register, $register) {
+            let (mut sin, mut cos) = ([0.0; $lanes], [0.0; $lanes]);
+            $sin_cos(&x.array(), &mut sin, &mut cos);
+            ($register::of(&sin), $register::of(&cos))
+        }
+    };
+}
+lanes!(lanes_f64x4, F64x4, sin_cos_f64, 4);
+lanes!(lanes_f32x8, F32x8, sin_cos_f32, 8);
+lanes!(lanes_f32x4, F32x4, sin_cos_f32, 4);
+
+/// The kernel of [`sines`], as the compiler vectorises it inside the entries above.
 #[inline(always)]
 fn sin_cos_f64<const N: usize>(angles: &[f64; N], sin: &mut [f64; N], cos: &mut [f64; N]) {
     for ((x, sin), cos) in angles.iter().zip(sin).zip(cos) {
-        (*sin, *cos) = trig::sin_cos(*x);
+        (*sin, *cos) = sines::sin_cos_f64(*x);
     }
 }
 
-/// The kernel of [`trig`], likewise.
+/// The kernel of [`sines`], likewise.
 #[inline(always)]
 fn sin_cos_f32<const N: usize>(angles: &[f32; N], sin: &mut [f32; N], cos: &mut [f32; N]) {
     for ((x, sin), cos) in angles.iter().zip(sin).zip(cos) {
-        (*sin, *cos) = trig::sin_cos_f32(*x);
+        (*sin, *cos) = sines::sin_cos_f32(*x);
     }
 }
 

@@ -3,14 +3,27 @@
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::sines;
 use crate::real::Real;
 
 macro_rules! fused {
-    ($name:ident, $scalar:ty, $set:ident, $fmadd:ident, $get:ident) => {
+    ($name:ident, $scalar:ty, $set:ident, $fmadd:ident, $get:ident, $sin_cos:ident) => {
         /// A scalar of which only the fused operation is special.
         #[derive(Debug, Clone, Copy)]
         #[repr(transparent)]
         pub struct $name($scalar);
+
+        impl $name {
+            #[inline(always)]
+            pub(super) fn of(x: $scalar) -> Self {
+                Self(x)
+            }
+
+            #[inline(always)]
+            pub(super) fn number(self) -> $scalar {
+                self.0
+            }
+        }
 
         fused!(@operator $name Add add +);
         fused!(@operator $name Sub sub -);
@@ -40,7 +53,7 @@ macro_rules! fused {
 
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
-                let (sin, cos) = Real::sin_cos(self.0);
+                let (sin, cos) = sines::$sin_cos(self.0);
                 (Self(sin), Self(cos))
             }
 
@@ -67,5 +80,19 @@ macro_rules! fused {
     };
 }
 
-fused!(FusedF64, f64, _mm_set_sd, _mm_fmadd_sd, _mm_cvtsd_f64);
-fused!(FusedF32, f32, _mm_set_ss, _mm_fmadd_ss, _mm_cvtss_f32);
+fused!(
+    FusedF64,
+    f64,
+    _mm_set_sd,
+    _mm_fmadd_sd,
+    _mm_cvtsd_f64,
+    sin_cos_f64
+);
+fused!(
+    FusedF32,
+    f32,
+    _mm_set_ss,
+    _mm_fmadd_ss,
+    _mm_cvtss_f32,
+    sin_cos_f32
+);
