@@ -202,6 +202,11 @@ pub(crate) mod sealed {
         fn run(set: Simd, task: impl Task<Self>)
         where
             Self: Scalar;
+
+        /// Run one of [`Machine::Rows`], whose width may be chosen by the processor.
+        fn run_rows(set: Simd, task: impl Task<Self>)
+        where
+            Self: Scalar;
     }
 }
 
@@ -223,6 +228,9 @@ pub(crate) enum Set {
     Avx2,
     #[cfg(target_arch = "x86_64")]
     Avx512,
+    /// With the rows of one posture in registers of 256 bits.
+    #[cfg(target_arch = "x86_64")]
+    Avx512Short,
 }
 
 macro_rules! scalar {

@@ -75,7 +75,9 @@ impl Simd {
             #[cfg(target_arch = "x86_64")]
             (Set::Avx2, x86::has_avx2()),
             #[cfg(target_arch = "x86_64")]
-            (Set::Avx512, x86::has_avx512()),
+            (Set::Avx512, x86::has_avx512() && !x86::prefers_short()),
+            #[cfg(target_arch = "x86_64")]
+            (Set::Avx512Short, x86::has_avx512() && x86::prefers_short()),
         ];
         sets.into_iter()
             .filter_map(|(set, there)| there.then_some(Simd(set)))
@@ -113,7 +115,7 @@ impl Simd {
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => "AVX2",
             #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => "AVX-512",
+            Set::Avx512 | Set::Avx512Short => "AVX-512",
         }
     }
 }
@@ -136,7 +138,7 @@ impl<S: Scalar, const N: usize> sealed::Task<S> for Sines<'_, S, N> {
 struct Portable;
 
 macro_rules! portable {
-    ($scalar:ty, $block:ty, $sin_cos:path, $avx2:path, $avx512:path) => {
+    ($scalar:ty, $block:ty, $sin_cos:path, $avx2:path, $avx512:path, $short:path) => {
         impl Block for $block {
             type Scalar = $scalar;
 
@@ -238,7 +240,18 @@ macro_rules! portable {
                     Set::Avx2 => unsafe { $avx2(task) },
                     #[cfg(target_arch = "x86_64")]
                     // SAFETY: likewise.
-                    Set::Avx512 => unsafe { $avx512(task) },
+                    Set::Avx512 | Set::Avx512Short => unsafe { $avx512(task) },
+                }
+            }
+
+            #[inline]
+            #[allow(unsafe_code)]
+            fn run_rows(set: Simd, task: impl sealed::Task<Self>) {
+                match set.0 {
+                    #[cfg(target_arch = "x86_64")]
+                    // SAFETY: likewise.
+                    Set::Avx512Short => unsafe { $short(task) },
+                    _ => Self::run(set, task),
                 }
             }
         }
@@ -250,12 +263,14 @@ portable!(
     F64x8,
     trig::sin_cos,
     x86::avx2::double,
-    x86::avx512::double
+    x86::avx512::double,
+    x86::avx512::double_short
 );
 portable!(
     f32,
     F32x16,
     trig::sin_cos_f32,
     x86::avx2::single,
-    x86::avx512::single
+    x86::avx512::single,
+    x86::avx512::single_short
 );

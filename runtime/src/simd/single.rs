@@ -94,7 +94,7 @@ pub trait Single: SescFromSinCos {
         jacobian: &mut [Posture<Self, S>; 3],
     ) {
         let (out, model) = (jacobian, PhantomData::<Self::GeneratedSinCos>);
-        S::run(simd, ComJacobian { q, r, out, model });
+        S::run_rows(simd, ComJacobian { q, r, out, model });
     }
 
     /// [`Sesc::com_velocity`](crate::Sesc::com_velocity), m/s.
@@ -193,7 +193,7 @@ pub trait Single: SescFromSinCos {
         rows: &mut [Params<Self, S>; 3],
     ) {
         let (out, model) = (rows, PhantomData::<Self::GeneratedSinCos>);
-        S::run(simd, Regressor { q, out, model });
+        S::run_rows(simd, Regressor { q, out, model });
     }
 
     /// [`Sesc::regressor_cop`](crate::Sesc::regressor_cop).
@@ -229,7 +229,7 @@ pub trait Single: SescFromSinCos {
         rows: &mut [Params<Self, S>; 2],
     ) {
         let (out, model) = (rows, PhantomData::<Self::GeneratedSinCos>);
-        S::run(simd, RegressorCop { q, out, model });
+        S::run_rows(simd, RegressorCop { q, out, model });
     }
 
     /// [`Sesc::regressor_full`](crate::Sesc::regressor_full).
@@ -268,7 +268,7 @@ pub trait Single: SescFromSinCos {
         rows: &mut [FullParams<Self, S>; 3],
     ) {
         let (out, model) = (rows, PhantomData::<Self::GeneratedSinCos>);
-        S::run(simd, RegressorFull { q, out, model });
+        S::run_rows(simd, RegressorFull { q, out, model });
     }
 
     /// [`Sesc::cop`](crate::Sesc::cop), metres.

@@ -316,3 +316,29 @@ fn the_best_is_the_last_and_the_portable_is_always_there() {
     assert_eq!(sets[0], Simd::PORTABLE);
     assert_eq!(sets.last(), Some(&Simd::best()));
 }
+
+/// Lanes do not meet: rows of one posture have their bits in registers of any width.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn rows_of_one_posture_are_the_same_in_short_registers() {
+    let (Set::Avx512 | Set::Avx512Short) = Simd::best().0 else {
+        return;
+    };
+    let mut random = Random::new(17);
+    for _ in 0..200 {
+        let q = [random.within(6.0), random.within(2.0)];
+        let r = [random.within(1.0), random.within(9.0)];
+        let single = |set: Set| {
+            let jacobian = Bench::com_jacobian_single(Simd(set), &q, &r);
+            let rows = Bench::regressor_single(Simd(set), &q);
+            [jacobian, rows].map(|rows| rows.map(|row| row.map(f64::to_bits)))
+        };
+        assert_eq!(single(Set::Avx512), single(Set::Avx512Short));
+        let (q, r) = (q.map(|x| x as f32), r.map(|x| x as f32));
+        let single = |set: Set| {
+            let jacobian = Bench::com_jacobian_single(Simd(set), &q, &r);
+            jacobian.map(|row| row.map(f32::to_bits))
+        };
+        assert_eq!(single(Set::Avx512), single(Set::Avx512Short));
+    }
+}

@@ -14,6 +14,7 @@
 
 use core::arch::x86_64::*;
 
+use super::avx2::{F32x4, F64x4};
 use super::fused::{FusedF32, FusedF64};
 use super::{align_stack, machine, register};
 use crate::scalar::sealed::{Machine, ROWS, Task};
@@ -42,6 +43,29 @@ pub unsafe fn double(task: impl Task<f64>) {
 pub unsafe fn single(task: impl Task<f32>) {
     align_stack();
     task.run::<Avx512>();
+}
+
+/// The set, with the rows of one posture in registers of 256 bits (f32: 128).
+pub struct Avx512Short;
+
+/// Run a task on doubles, rows in short registers.
+///
+/// # Safety
+/// As for [`double`].
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+pub unsafe fn double_short(task: impl Task<f64>) {
+    align_stack();
+    task.run::<Avx512Short>();
+}
+
+/// Run a task on singles, rows in short registers.
+///
+/// # Safety
+/// As for [`single`].
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+pub unsafe fn single_short(task: impl Task<f32>) {
+    align_stack();
+    task.run::<Avx512Short>();
 }
 
 register! {
@@ -180,6 +204,17 @@ machine! {
 }
 machine! {
     Avx512: F32x16, 16 of f32, 16 a block, FusedF32, F32x16;
+    columns columns_f32;
+    sin_cos each_f32;
+}
+
+machine! {
+    Avx512Short: F64x8, 8 of f64, 8 a block, FusedF64, F64x4;
+    columns columns_f64;
+    sin_cos each_f64;
+}
+machine! {
+    Avx512Short: F32x16, 16 of f32, 16 a block, FusedF32, F32x4;
     columns columns_f32;
     sin_cos each_f32;
 }

@@ -42,6 +42,19 @@ pub(super) fn has_avx512() -> bool {
         && std::arch::is_x86_feature_detected!("avx512vl")
 }
 
+/// True on processors of AMD, which alone have SSE4a: Zen 4 executes 512 bits in two halves, and
+/// the three rows of one posture fill no more than one. Those of Intel close a port while 512 bits
+/// are under way, so that there sines and rows have to be of one width.
+#[cfg(feature = "std")]
+pub(super) fn prefers_short() -> bool {
+    std::arch::is_x86_feature_detected!("sse4a")
+}
+
+#[cfg(not(feature = "std"))]
+pub(super) fn prefers_short() -> bool {
+    cfg!(target_feature = "sse4a")
+}
+
 #[cfg(not(feature = "std"))]
 pub(super) fn has_avx2() -> bool {
     cfg!(all(target_feature = "avx2", target_feature = "fma"))
