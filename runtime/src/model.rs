@@ -73,6 +73,9 @@ pub type FullParams<R, T = f64> = <<R as Sesc>::Full as Dim>::Array<T>;
 /// Only generated code implements this trait, by way of a hidden one, so that adding a
 /// function here breaks no caller.
 ///
+/// A module may have been generated without some of the functions (`Builder::functions` of
+/// `sesc-codegen`): where one of them is called, the build fails with its name.
+///
 /// ```
 /// use sesc_generated::two_link_foot::TwoLinkFoot;
 /// use sesc_runtime::{Posture, Sesc};
