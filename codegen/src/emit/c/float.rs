@@ -98,6 +98,10 @@ impl Spelling<'_, '_> {
         for statement in statements {
             let line = match statement {
                 Statement::Line(line) => line,
+                Statement::Reduced(both) => {
+                    lines.extend(self.reduced(both));
+                    continue;
+                }
                 Statement::Both(both) => {
                     lines.extend(self.both(both));
                     continue;
@@ -137,17 +141,40 @@ impl Spelling<'_, '_> {
         lines
     }
 
-    /// Sines and cosines of two angles of a block of postures.
+    /// Two angles of a block of postures less quarter turns.
+    fn reduced(&self, both: [SinCos; 2]) -> Vec<String> {
+        let names = both.map(|of| self.name_of_reduced(of));
+        let reduced = self.calls.named("reduced");
+        let mut lines: Vec<String> = (names.iter())
+            .map(|name| format!("{reduced} {name};"))
+            .collect();
+        let [first, second] = both.map(|of| self.operand(of.angle).0);
+        let arguments = format!("{first}, {second}, &{}, &{}", names[0], names[1]);
+        lines.push(self.calls.call(Helper::ReduceBoth, &arguments) + ";");
+        lines
+    }
+
+    /// Sines and cosines of two angles that are reduced.
     fn both(&self, both: [SinCos; 2]) -> Vec<String> {
         let lanes = self.calls.named("lanes");
-        let pairs = both.map(|of| pair(self.listing, of.sin, of.cos));
-        let names = || pairs.iter().flatten();
-        let mut lines: Vec<String> = names().map(|name| format!("{lanes} {name};")).collect();
-        let angles = both.map(|of| self.operand(of.angle).0);
-        let results: Vec<String> = names().map(|name| format!("&{name}")).collect();
-        let arguments = format!("{}, {}", angles.join(", "), results.join(", "));
-        lines.push(self.calls.call(Helper::SincosBothLanes, &arguments) + ";");
+        let results = both.map(|of| pair(self.listing, of.sin, of.cos));
+        let results = results.as_flattened();
+        let mut lines: Vec<String> = (results.iter())
+            .map(|name| format!("{lanes} {name};"))
+            .collect();
+        let reduced = both.map(|of| self.name_of_reduced(of));
+        let arguments: Vec<String> = (reduced.iter().chain(results))
+            .map(|name| format!("&{name}"))
+            .collect();
+        lines.push(self.calls.call(Helper::SincosBoth, &arguments.join(", ")) + ";");
         lines
+    }
+
+    /// `reduced_knee` beside `s_knee` and `c_knee`.
+    fn name_of_reduced(&self, of: SinCos) -> String {
+        let [sine, _] = pair(self.listing, of.sin, of.cos);
+        let sine = sine.strip_prefix("no_").unwrap_or(&sine);
+        format!("reduced_{}", sine.strip_prefix("s_").unwrap_or(sine))
     }
 
     /// An operand: its name, or its expression written out.

@@ -32,8 +32,9 @@ pub(super) enum Helper {
     Scatter,
     /// The same in every lane.
     SincosLanes,
-    /// Sines and cosines of two angles in every lane.
-    SincosBothLanes,
+    /// Two angles less quarter turns in every lane, and the sines and cosines of those.
+    ReduceBoth,
+    SincosBoth,
     ClampLanes,
     PowerLanes,
 }
@@ -54,7 +55,8 @@ impl Helper {
             Helper::Gather => "gather",
             Helper::Scatter => "scatter",
             Helper::SincosLanes => "sincos_lanes",
-            Helper::SincosBothLanes => "sincos_both_lanes",
+            Helper::ReduceBoth => "reduce_both",
+            Helper::SincosBoth => "sincos_both",
             Helper::ClampLanes => "clamp_lanes",
             Helper::PowerLanes => "power_lanes",
         }
@@ -103,17 +105,12 @@ impl<'n> Calls<'n> {
         let more = called.iter().flat_map(|helper| helper.calls(scalar));
         let all: BTreeSet<Helper> = called.iter().chain(more).copied().collect();
         let has = |helper| all.contains(&helper);
-        let (kernel, steps, power, bits, suffix) = match scalar {
-            Scalar::F64 => ("kernel_f64.c", "steps_f64.c", "power_f64.c", "uint64_t", ""),
-            Scalar::F32 => (
-                "kernel_f32.c",
-                "steps_f32.c",
-                "power_f32.c",
-                "uint32_t",
-                "f",
-            ),
-            Scalar::Fixed32 => ("kernel_fixed.c", "", "", "", ""),
+        let (of, bits, suffix) = match scalar {
+            Scalar::F64 => ("f64", "uint64_t", ""),
+            Scalar::F32 => ("f32", "uint32_t", "f"),
+            Scalar::Fixed32 => ("fixed", "", ""),
         };
+        let template = |of_what: &str| format!("{of_what}_{of}.c");
         context! {
             has_kernel => has(Helper::Sincos),
             has_table => has(Helper::Lookup),
@@ -127,19 +124,21 @@ impl<'n> Calls<'n> {
             has_gather => has(Helper::Gather),
             has_scatter => has(Helper::Scatter),
             has_sincos_lanes => has(Helper::SincosLanes),
-            has_sincos_both_lanes => has(Helper::SincosBothLanes),
+            has_both_lanes => has(Helper::SincosBoth),
             has_clamp_lanes => has(Helper::ClampLanes),
             has_power_lanes => has(Helper::PowerLanes),
-            kernel,
+            kernel => template("kernel"),
+            steps => template("steps"),
+            reduction => template("reduction"),
+            series => template("series"),
             // The type that sines are computed in, and what ends the names for it.
-            steps,
             of => scalar.c_type(),
             lanes => "",
             clamp => match scalar {
                 Scalar::Fixed32 => "clamp_fixed.c",
                 Scalar::F64 | Scalar::F32 => "clamp.c",
             },
-            power,
+            power => template("power"),
             bits,
             suffix,
         }

@@ -10,12 +10,22 @@ static void {{ name }}_sincos_lanes({{ name }}_lanes x, {{ name }}_lanes *sine, 
         (*cosine)[k] = c;
     }
 }
-{%- if has_sincos_both_lanes %}
+{%- if has_both_lanes %}
 
-static void {{ name }}_sincos_both_lanes({{ name }}_lanes x_1, {{ name }}_lanes x_2, {{ name }}_lanes *sine_1, {{ name }}_lanes *cosine_1, {{ name }}_lanes *sine_2, {{ name }}_lanes *cosine_2)
+typedef struct {
+    {{ name }}_lanes x;
+} {{ name }}_reduced;
+
+static void {{ name }}_reduce_both({{ name }}_lanes x_1, {{ name }}_lanes x_2, {{ name }}_reduced *of_1, {{ name }}_reduced *of_2)
 {
-    {{ name }}_sincos_lanes(x_1, sine_1, cosine_1);
-    {{ name }}_sincos_lanes(x_2, sine_2, cosine_2);
+    of_1->x = x_1;
+    of_2->x = x_2;
+}
+
+static void {{ name }}_sincos_both(const {{ name }}_reduced *of_1, const {{ name }}_reduced *of_2, {{ name }}_lanes *sine_1, {{ name }}_lanes *cosine_1, {{ name }}_lanes *sine_2, {{ name }}_lanes *cosine_2)
+{
+    {{ name }}_sincos_lanes(of_1->x, sine_1, cosine_1);
+    {{ name }}_sincos_lanes(of_2->x, sine_2, cosine_2);
 }
 {%- endif %}
 
@@ -32,28 +42,54 @@ static {{ name }}_lanes {{ name }}_from_bits_lanes({{ name }}_lane_bits bits)
 }
 
 {% with of = name ~ "_lanes", bits = name ~ "_lane_bits", lanes = "_lanes" -%}
-{%- set one -%}
-{% include steps %}
-{%- endset -%}
 {% if has_sincos_lanes -%}
 /* Constants stay in registers where it is not called. */
 static inline void {{ name }}_sincos_lanes({{ name }}_lanes x, {{ name }}_lanes *sine, {{ name }}_lanes *cosine)
     __attribute__((always_inline));
 
-{{ one }}
+{% include steps %}
 {%- endif %}
-{%- if has_sincos_lanes and has_sincos_both_lanes %}
+{%- if has_sincos_lanes and has_both_lanes %}
 
 {% endif %}
-{%- if has_sincos_both_lanes -%}
-/* Constants stay in registers where it is not called. */
-static inline void {{ name }}_sincos_both_lanes({{ name }}_lanes x_1, {{ name }}_lanes x_2, {{ name }}_lanes *sine_1, {{ name }}_lanes *cosine_1, {{ name }}_lanes *sine_2, {{ name }}_lanes *cosine_2)
+{%- if has_both_lanes -%}
+{%- set reduction_of_one -%}
+{% include reduction %}
+    of->r = r;
+    of->excess = excess;
+    of->quadrant = quadrant;
+{% endset -%}
+{%- set series_of_one %}
+    const {{ name }}_lanes r = of->r;
+    const {{ name }}_lanes excess = of->excess;
+    const {{ name }}_lane_bits quadrant = of->quadrant;
+{% include series %}
+{% endset -%}
+/* What quarter turns leave of an angle, r - excess, and in the last two bits how many they were. */
+typedef struct {
+    {{ name }}_lanes r;
+    {{ name }}_lanes excess;
+    {{ name }}_lane_bits quadrant;
+} {{ name }}_reduced;
+
+/* Constants stay in registers where these are not called. */
+static inline void {{ name }}_reduce_both({{ name }}_lanes x_1, {{ name }}_lanes x_2, {{ name }}_reduced *of_1, {{ name }}_reduced *of_2)
+    __attribute__((always_inline));
+static inline void {{ name }}_sincos_both(const {{ name }}_reduced *of_1, const {{ name }}_reduced *of_2, {{ name }}_lanes *sine_1, {{ name }}_lanes *cosine_1, {{ name }}_lanes *sine_2, {{ name }}_lanes *cosine_2)
     __attribute__((always_inline));
 
-/* Sines and cosines of two angles, by the steps of one in turns: one's are done while the other's are waited for. */
-static inline void {{ name }}_sincos_both_lanes({{ name }}_lanes x_1, {{ name }}_lanes x_2, {{ name }}_lanes *sine_1, {{ name }}_lanes *cosine_1, {{ name }}_lanes *sine_2, {{ name }}_lanes *cosine_2)
+/*
+ * Two angles less quarter turns, by the steps of one in turns: one's are done while the other's
+ * are waited for.
+ */
+static inline void {{ name }}_reduce_both({{ name }}_lanes x_1, {{ name }}_lanes x_2, {{ name }}_reduced *of_1, {{ name }}_reduced *of_2)
 {
-{{ one | taking_turns }}}
+{{ reduction_of_one | taking_turns }}}
+
+/* Sines and cosines of two angles, likewise. */
+static inline void {{ name }}_sincos_both(const {{ name }}_reduced *of_1, const {{ name }}_reduced *of_2, {{ name }}_lanes *sine_1, {{ name }}_lanes *cosine_1, {{ name }}_lanes *sine_2, {{ name }}_lanes *cosine_2)
+{
+{{ series_of_one | taking_turns }}}
 {%- endif %}
 {%- endwith %}
 

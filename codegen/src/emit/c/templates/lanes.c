@@ -63,7 +63,7 @@ static void {{ name }}_scatter(const {{ real }} from[], size_t count, size_t n, 
     }
 }
 {%- endif %}
-{%- if has_sincos_lanes or has_sincos_both_lanes %}
+{%- if has_sincos_lanes or has_both_lanes %}
 
 {% include "kernel_lanes.c" %}
 {%- endif %}
