@@ -2,22 +2,27 @@
 //!
 //! Each node works on [`BLOCK`] postures at once, so that the cost of looking
 //! up what to do is shared and the loops vectorise: in the widest registers that the
-//! processor has, with the same bits in all. A few postures go in blocks of [`SHORT`], which do
+//! processor has, with the same bits in all. Loads and stores bind, not arithmetic: sums take in
+//! the products that they are made of, and rows are written as soon as a line of them is known,
+//! while the first cache holds it. A few postures go in blocks of [`SHORT`], which do
 //! not pay for 64; one posture goes number by number, products and sums as one step. Registers
 //! of results are reused as soon as their value is dead; inputs keep theirs, and what all
 //! postures share is loaded once.
 
 mod alone;
+mod blocks;
 mod lowering;
 mod plan;
 mod products;
+mod rows;
 mod step;
+mod sums;
 
 use crate::program::Program;
-use crate::wide::{Loops, widest};
 
 use alone::Alone;
-use plan::{Instruction, Plan, RegisterFill, Step, as_written, sources};
+use blocks::Blocks;
+use plan::{Plan, sources};
 
 /// Postures evaluated together.
 pub const BLOCK: usize = 64;
@@ -27,12 +32,6 @@ pub const SHORT: usize = 8;
 
 /// Up to so many postures are a few.
 const FEW: usize = 2 * SHORT;
-
-/// The value of a node for every posture of a block, of N = [`BLOCK`] or [`SHORT`]: no load of
-/// eight numbers straddles two lines of the cache.
-#[derive(Clone, Copy)]
-#[repr(C, align(64))]
-struct Register<const N: usize>([f64; N]);
 
 /// Sines and cosines of a block of angles: [`BLOCK`] or [`SHORT`] of each.
 pub type SinCos = fn(&[f64], &mut [f64], &mut [f64]);
@@ -79,8 +78,6 @@ pub enum Values<'a> {
 /// A program made ready to run.
 #[derive(Debug, Clone)]
 pub struct Tape {
-    /// What the first registers are loaded from, in their order.
-    sources: Vec<RegisterFill>,
     blocks: Plan,
     alone: Alone,
     lens: Vec<usize>,
@@ -89,11 +86,9 @@ pub struct Tape {
 impl Tape {
     /// Make `program` ready: for blocks in its own order, for one posture with angles first.
     pub fn new(program: &Program) -> Tape {
-        let sources = sources(program);
         Tape {
-            blocks: Plan::new(program, &as_written(program)),
-            alone: Alone::new(program, &sources),
-            sources,
+            blocks: Plan::new(program),
+            alone: Alone::new(program, &sources(program)),
             lens: program.inputs.iter().map(|array| array.len).collect(),
         }
     }
@@ -140,146 +135,14 @@ impl Tape {
         out: &mut [f64],
         kernels: Kernels,
     ) {
-        let uniform = |source: &RegisterFill| match *source {
-            RegisterFill::Const(x) => Some(x),
-            RegisterFill::Input { array, index } => match arguments[array] {
-                Values::Shared(values) => Some(values[index]),
-                Values::PerPosture(_) => None,
-            },
+        let blocks = Blocks::<N> {
+            plan: &self.blocks,
+            arguments,
+            postures,
+            out,
+            kernels,
         };
-        let uniform: Vec<Option<f64>> = self.sources.iter().map(uniform).collect();
-        let mut registers = vec![Register([0.0; N]); self.blocks.registers];
-        for (register, value) in registers.iter_mut().zip(&uniform) {
-            register.0.fill(value.unwrap_or(0.0));
-        }
-        // To look up what is shared costs more than to load it for a few postures.
-        let shared: &[Option<f64>] = if N == SHORT { &[] } else { &uniform };
-        for start in (0..postures).step_by(N) {
-            let n = N.min(postures - start);
-            for (register, source) in registers.iter_mut().zip(&self.sources) {
-                if let RegisterFill::Input { array, index } = *source
-                    && let Values::PerPosture(values) = arguments[array]
-                {
-                    let len = self.lens[array];
-                    let rows = values[start * len..].chunks_exact(len);
-                    for (lane, row) in register.0[..n].iter_mut().zip(rows) {
-                        *lane = row[index];
-                    }
-                }
-            }
-            widest(Steps {
-                steps: &self.blocks.steps,
-                registers: &mut registers,
-                uniform: shared,
-                kernels,
-            });
-            let out = &mut out[start * self.outputs()..];
-            // A line of the cache at a time.
-            let (lines, rest) = self.blocks.outputs.as_chunks::<SHORT>();
-            let width = self.outputs();
-            for (k, line) in lines.iter().enumerate() {
-                let columns = line.map(|register| &registers[register]);
-                let rows = out[k * SHORT..].chunks_mut(width);
-                for (lane, row) in rows.take(n).enumerate() {
-                    if let Some(row) = row.first_chunk_mut::<SHORT>() {
-                        *row = columns.map(|column| column.0[lane % N]);
-                    }
-                }
-            }
-            for (k, register) in (lines.len() * SHORT..).zip(rest) {
-                let column = out[k..].iter_mut().step_by(width);
-                for (to, value) in column.zip(&registers[*register].0[..n]) {
-                    *to = *value;
-                }
-            }
-        }
-    }
-}
-
-/// All steps on one block.
-struct Steps<'a, const N: usize> {
-    steps: &'a [Instruction],
-    registers: &'a mut [Register<N>],
-    uniform: &'a [Option<f64>],
-    kernels: Kernels,
-}
-
-impl<const N: usize> Loops for Steps<'_, N> {
-    #[inline(always)]
-    fn run(self) {
-        run(self.steps, self.registers, self.uniform, self.kernels);
-    }
-}
-
-#[inline(always)]
-fn run<const N: usize>(
-    steps: &[Instruction],
-    registers: &mut [Register<N>],
-    uniform: &[Option<f64>],
-    kernels: Kernels,
-) {
-    for instruction in steps {
-        let to = instruction.to;
-        match instruction.step {
-            Step::Add(a, b) => binary(registers, uniform, to, a, b, |x, y| x + y),
-            Step::Sub(a, b) => binary(registers, uniform, to, a, b, |x, y| x - y),
-            Step::Mul(a, b) => binary(registers, uniform, to, a, b, |x, y| x * y),
-            Step::Div(a, b) => binary(registers, uniform, to, a, b, |x, y| x / y),
-            Step::Neg(a) => binary(registers, uniform, to, a, a, |x, _| -x),
-            Step::Clamp(a) => {
-                binary(registers, uniform, to, a, a, |x, _| x.clamp(-1.0, 1.0));
-            }
-            Step::Pow(a, b) => {
-                let (base, exponent) = (registers[a], registers[b]);
-                (kernels.power)(&base.0, &exponent.0, &mut registers[to].0);
-            }
-            Step::SinCos(a) => {
-                let registers = registers.get_disjoint_mut([a, to, instruction.also]);
-                let [angle, sin, cos] = registers.expect("destinations of their own");
-                (kernels.sin_cos)(&angle.0, &mut sin.0, &mut cos.0);
-            }
-        }
-    }
-}
-
-/// What all postures share stays in a register of the processor.
-#[inline(always)]
-fn binary<const N: usize>(
-    registers: &mut [Register<N>],
-    uniform: &[Option<f64>],
-    to: usize,
-    a: usize,
-    b: usize,
-    f: impl Fn(f64, f64) -> f64,
-) {
-    const APART: &str = "a destination of its own";
-    let shared = |k: usize| uniform.get(k).copied().flatten();
-    match (shared(a), shared(b)) {
-        (Some(x), Some(y)) => registers[to].0.fill(f(x, y)),
-        (Some(x), None) => {
-            let [to, y] = registers.get_disjoint_mut([to, b]).expect(APART);
-            for (z, y) in to.0.iter_mut().zip(&y.0) {
-                *z = f(x, *y);
-            }
-        }
-        (None, Some(y)) => {
-            let [to, x] = registers.get_disjoint_mut([to, a]).expect(APART);
-            for (z, x) in to.0.iter_mut().zip(&x.0) {
-                *z = f(*x, y);
-            }
-        }
-        (None, None) if a == b => {
-            let [to, x] = registers.get_disjoint_mut([to, a]).expect(APART);
-            for (z, x) in to.0.iter_mut().zip(&x.0) {
-                *z = f(*x, *x);
-            }
-        }
-        (None, None) => {
-            let [to, x, y] = registers.get_disjoint_mut([to, a, b]).expect(APART);
-            for ((z, x), y) in to.0.iter_mut().zip(&x.0).zip(&y.0) {
-                *z = f(*x, *y);
-            }
-        }
+        blocks.run();
     }
 }
 

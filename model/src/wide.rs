@@ -3,6 +3,8 @@
 //! A loop that is compiled for every set of instructions and chosen at run time: none of them
 //! fuses a product with a sum, so that all give the same bits.
 
+pub(crate) mod tiles;
+
 /// Loops over plain numbers. What `run` calls is compiled with it where it is
 /// `#[inline(always)]`.
 pub trait Loops {
