@@ -15,6 +15,7 @@ mod lowering;
 mod plan;
 mod products;
 mod rows;
+mod sources;
 mod step;
 mod sums;
 
@@ -22,7 +23,8 @@ use crate::program::Program;
 
 use alone::Alone;
 use blocks::Blocks;
-use plan::{Plan, sources};
+use plan::Plan;
+use sources::sources;
 
 /// Postures evaluated together.
 pub const BLOCK: usize = 64;

@@ -7,8 +7,8 @@
 use std::ops::Range;
 use std::sync::Mutex;
 
-use super::plan::RegisterFill;
-use super::products::{Steps, inputs};
+use super::products::Steps;
+use super::sources::{RegisterFill, inputs};
 use super::step::{Operation, Step};
 use super::{Kernels, SHORT, Values};
 use crate::program::Program;

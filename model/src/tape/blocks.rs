@@ -1,22 +1,16 @@
 //! A plan over blocks of postures: inputs from rows to registers, steps, registers to rows.
 
 use super::plan::{Binary, Plan, Step};
-use super::rows::{Load, Write};
+use super::rows::{Load, Register, Write};
 use super::sums::Sum;
 use super::{Kernels, SHORT, Values};
 use crate::wide::tiles::tiled;
 use crate::wide::{Loops, widest};
 
-/// The value of a node for every posture of a block, of N = [`BLOCK`](super::BLOCK) or [`SHORT`]:
-/// no load of eight numbers straddles two lines of the cache.
-#[derive(Clone, Copy)]
-#[repr(C, align(64))]
-pub(super) struct Register<const N: usize>(pub [f64; N]);
-
 /// All blocks of a call.
 pub(super) struct Blocks<'a, const N: usize> {
     pub plan: &'a Plan,
-    /// As many as the plan has inputs, each with enough values.
+    /// An array for each input of the plan, with enough values.
     pub arguments: &'a [Values<'a>],
     pub postures: usize,
     pub out: &'a mut [f64],

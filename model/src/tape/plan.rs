@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::SHORT;
-use super::products::inputs;
+use super::sources::inputs;
 use super::sums::{Sum, Way, ways};
 use crate::expr::{Expr, Id};
 use crate::program::{Node, Program, operands};
@@ -36,13 +36,6 @@ pub(super) enum Step {
     Write(usize),
 }
 
-/// What fills a register before any step.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum RegisterFill {
-    Const(f64),
-    Input { array: usize, index: usize },
-}
-
 /// Steps, and where their values stand.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
@@ -58,19 +51,6 @@ pub(super) struct Plan {
     pub outputs: Vec<usize>,
     /// What each output is multiplied by: −1 where it is the negative of its register.
     pub signs: Vec<f64>,
-}
-
-/// What fills the first places of a posture alone, in their order.
-pub(super) fn sources(program: &Program) -> Vec<RegisterFill> {
-    let source = |(_, node): (Id, &Node)| match node.expr {
-        Expr::Const(x) => Some(RegisterFill::Const(x)),
-        Expr::Input { argument, index } => Some(RegisterFill::Input {
-            array: program.slot(argument),
-            index: index as usize,
-        }),
-        _ => None,
-    };
-    program.iter().filter_map(source).collect()
 }
 
 /// Which nodes are negatives that only outputs use: they are made where rows are written.
@@ -96,7 +76,7 @@ struct Groups {
 }
 
 impl Groups {
-    /// Of outputs that stand in the registers of these nodes.
+    /// Groups of outputs that stand in the registers of these nodes.
     fn new(outputs: &[Id], nodes: usize) -> Groups {
         let columns = outputs.len().min(SHORT);
         let last = outputs.len() - columns;

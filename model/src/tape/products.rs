@@ -11,10 +11,9 @@
 //! steps are made of goes first, so that many are under way that do not wait for each other.
 
 use std::cmp::Reverse;
-use std::ops::Range;
 
 use super::lowering::{About, Lowering, PARTS};
-use super::plan::RegisterFill;
+use super::sources::{RegisterFill, inputs};
 use super::step::Step;
 use crate::expr::Expr;
 use crate::program::Program;
@@ -36,16 +35,6 @@ impl Steps {
         }
         lowering.placed(sources)
     }
-}
-
-/// The places of input arrays: the first, each array in one piece.
-pub(super) fn inputs(program: &Program) -> Vec<Range<usize>> {
-    let lens = program.inputs.iter().map(|array| array.len);
-    let range = |end: &mut usize, len: usize| {
-        *end += len;
-        Some(*end - len..*end)
-    };
-    lens.scan(0, range).collect()
 }
 
 impl Lowering<'_> {

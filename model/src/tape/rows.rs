@@ -6,8 +6,13 @@
 use std::array::from_fn;
 
 use super::SHORT;
-use super::blocks::Register;
 use crate::wide::tiles::{Factors, Lines, LinesMut, SIDE, Tiles};
+
+/// The value of a node for every posture of a block, of N = [`BLOCK`](super::BLOCK) or [`SHORT`]:
+/// no load of eight numbers straddles two lines of the cache.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Register<const N: usize>(pub [f64; N]);
 
 /// Rows of n postures to a register for each column.
 pub(super) struct Load<'a, const N: usize> {

@@ -28,9 +28,9 @@ pub(super) enum Sum {
 /// How the value of a node comes about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Way {
-    /// By its own operation.
+    /// Its own operation makes it.
     Alone,
-    /// Within the step of another.
+    /// The step of another node makes it on the way.
     Inside,
     /// `x y` and `w`
     Product(Sum, [Id; 3]),

@@ -21,7 +21,7 @@ macro_rules! left_out {
             panic!(concat!(
                 "this robot's module was generated without `",
                 $function,
-                "`: name it in Builder::functions, or in `sesc generate --functions`"
+                "`: name it in Builder::functions, or where else the module was generated"
             ))
         }
     };

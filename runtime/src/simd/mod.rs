@@ -8,7 +8,7 @@
 //! | set      | lanes (f64, f32) | a·b + c | sine and cosine                      |
 //! |----------|------------------|---------|--------------------------------------|
 //! | portable | as compiled for  | 2 roundings | [`trig`](crate::trig)            |
-//! | AVX2     | 4, 8             | fused   | polynomials of [`trig`](crate::trig), fused: see `sines` |
+//! | AVX2     | 4, 8             | fused   | polynomials of [`trig`](crate::trig), fused: see `fused` |
 //! | AVX-512  | 8, 16            | fused   | table of 16 (32) angles, see `avx512` |
 //!
 //! The sets differ in the last bits: each result is within the bound that the head of

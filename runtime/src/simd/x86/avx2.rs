@@ -3,7 +3,7 @@
 use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
-use super::{align_stack, machine, register, sines};
+use super::{align_stack, fused, machine, register};
 use crate::scalar::sealed::{Machine, ROWS, Task};
 use crate::{pack, power};
 
@@ -78,19 +78,19 @@ lanes!(lanes_f64x4, F64x4, sin_cos_f64, 4);
 lanes!(lanes_f32x8, F32x8, sin_cos_f32, 8);
 lanes!(lanes_f32x4, F32x4, sin_cos_f32, 4);
 
-/// The kernel of [`sines`], as the compiler vectorises it inside the entries above.
+/// The kernel of [`fused`], as the compiler vectorises it inside the entries above.
 #[inline(always)]
 fn sin_cos_f64<const N: usize>(angles: &[f64; N], sin: &mut [f64; N], cos: &mut [f64; N]) {
     for ((x, sin), cos) in angles.iter().zip(sin).zip(cos) {
-        (*sin, *cos) = sines::sin_cos_f64(*x);
+        (*sin, *cos) = fused::sin_cos_f64(*x);
     }
 }
 
-/// The kernel of [`sines`], likewise.
+/// The kernel of [`fused`], likewise.
 #[inline(always)]
 fn sin_cos_f32<const N: usize>(angles: &[f32; N], sin: &mut [f32; N], cos: &mut [f32; N]) {
     for ((x, sin), cos) in angles.iter().zip(sin).zip(cos) {
-        (*sin, *cos) = sines::sin_cos_f32(*x);
+        (*sin, *cos) = fused::sin_cos_f32(*x);
     }
 }
 

@@ -1,10 +1,25 @@
-//! One number, whose products are fused with sums.
+//! One number, whose products are fused with sums, and its sine and cosine.
+//!
+//! ```text
+//! x = k π/2 + r,    r = (x − k P1) − k P2,    |r| ≤ π/4
+//! ```
+//!
+//! `P1` and `P2` are π/2 to twice the digits of the scalar. Both `x` and `k P1` are multiples of
+//! half the last digit of `P1`, and their difference is below one: the first step is exact, so
+//! that `r` is off by half a unit of 2⁻⁵³ (f32: 2⁻²⁴). Polynomials are those of
+//! [`trig`](crate::trig), and quadrants are chosen as there; angles beyond its limits give NaN.
+//! The rounding of `r`, of the last sum and of what goes into it adds up to less than 1.4 units.
+//!
+//! Half the operations of [`trig`](crate::trig), which carries along what is rounded off, so
+//! that it is accurate relative to sines near zero.
 
 use core::arch::x86_64::*;
+use core::f32::consts::FRAC_2_PI as FRAC_2_PI_F32;
+use core::f64::consts::FRAC_2_PI;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::sines;
 use crate::real::Real;
+use crate::trig::{COS, COS_F32, LIMIT_RAD, LIMIT_RAD_F32, MAGIC, MAGIC_F32, SIN, SIN_F32};
 
 macro_rules! fused {
     ($name:ident, $scalar:ty, $set:ident, $fmadd:ident, $get:ident, $sin_cos:ident) => {
@@ -15,12 +30,12 @@ macro_rules! fused {
 
         impl $name {
             #[inline(always)]
-            pub(super) fn of(x: $scalar) -> Self {
+            fn of(x: $scalar) -> Self {
                 Self(x)
             }
 
             #[inline(always)]
-            pub(super) fn number(self) -> $scalar {
+            fn number(self) -> $scalar {
                 self.0
             }
         }
@@ -53,7 +68,7 @@ macro_rules! fused {
 
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
-                let (sin, cos) = sines::$sin_cos(self.0);
+                let (sin, cos) = $sin_cos(self.0);
                 (Self(sin), Self(cos))
             }
 
@@ -96,3 +111,75 @@ fused!(
     _mm_cvtss_f32,
     sin_cos_f32
 );
+
+/// π/2 in two pieces.
+const QUARTER: [f64; 2] = [core::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17];
+
+/// π/2 in two pieces.
+const QUARTER_F32: [f32; 2] = [core::f32::consts::FRAC_PI_2, -4.371_139e-8];
+
+/// Kernels of a scalar and its bits.
+macro_rules! sines {
+    (
+        $name:ident, $scalar:ty, $bits:ty, $fused:ident, $turns:ident, $magic:ident,
+        $quarter:ident, $limit:ident, $polynomial:ident of $sin:ident, $cos:ident
+    ) => {
+        /// Sine and cosine of `x` radians; for code that is compiled for FMA.
+        #[inline(always)]
+        pub(super) fn $name(x: $scalar) -> ($scalar, $scalar) {
+            const SIGN: $bits = 1 << (<$bits>::BITS - 1);
+            let shifted = $fused::of(x).mul_plus($fused::of($turns), $fused::of($magic));
+            let quadrant = shifted.number().to_bits();
+            let k = -(shifted - $fused::of($magic));
+            let r = k.mul_plus($fused::of($quarter[0]), $fused::of(x));
+            let r = k.mul_plus($fused::of($quarter[1]), r);
+            // From here a NaN spreads to both results.
+            let known = x.abs() <= $limit;
+            let outside = <$bits>::from(known).wrapping_sub(1);
+            let z = $fused::of(<$scalar>::from_bits((r * r).number().to_bits() | outside));
+
+            let sin = (z * r).mul_plus($polynomial(&$sin, z), r);
+            let cos = z.mul_plus($polynomial(&$cos, z), $fused::of(-0.5));
+            let cos = z.mul_plus(cos, $fused::of(1.0));
+
+            // Odd quadrants swap the two; sin < 0 in 2 and 3, cos < 0 in 1 and 2.
+            let (sin, cos) = (sin.number().to_bits(), cos.number().to_bits());
+            let odd = (0 as $bits).wrapping_sub(quadrant & 1);
+            let swap = (sin ^ cos) & odd;
+            let sin_sign = (quadrant << (<$bits>::BITS - 2)) & SIGN;
+            let cos_sign = (quadrant.wrapping_add(1) << (<$bits>::BITS - 2)) & SIGN;
+            (
+                <$scalar>::from_bits(sin ^ swap ^ sin_sign),
+                <$scalar>::from_bits(cos ^ swap ^ cos_sign),
+            )
+        }
+    };
+}
+
+sines! {
+    sin_cos_f64, f64, u64, FusedF64, FRAC_2_PI, MAGIC,
+    QUARTER, LIMIT_RAD, by_pairs of SIN, COS
+}
+sines! {
+    sin_cos_f32, f32, u32, FusedF32, FRAC_2_PI_F32, MAGIC_F32,
+    QUARTER_F32, LIMIT_RAD_F32, in_turn of SIN_F32, COS_F32
+}
+
+/// `Σ c_i z^i` by pairs: as many operations as one after the other, half the latency.
+#[inline(always)]
+fn by_pairs(c: &[f64; 6], z: FusedF64) -> FusedF64 {
+    let [low, middle, high] = [
+        z.mul_plus(FusedF64::of(c[1]), FusedF64::of(c[0])),
+        z.mul_plus(FusedF64::of(c[3]), FusedF64::of(c[2])),
+        z.mul_plus(FusedF64::of(c[5]), FusedF64::of(c[4])),
+    ];
+    let z2 = z * z;
+    z2.mul_plus(z2.mul_plus(high, middle), low)
+}
+
+/// `Σ c_i z^i`, one term after the other.
+#[inline(always)]
+fn in_turn(c: &[f32; 3], z: FusedF32) -> FusedF32 {
+    let high = z.mul_plus(FusedF32::of(c[2]), FusedF32::of(c[1]));
+    z.mul_plus(high, FusedF32::of(c[0]))
+}

@@ -23,7 +23,6 @@
 pub(super) mod avx2;
 pub(super) mod avx512;
 mod fused;
-mod sines;
 
 /// True where the processor, and the system, have all that the entry of AVX2 is compiled for.
 #[cfg(feature = "std")]
