@@ -1,10 +1,9 @@
 //! A plan over blocks of postures: inputs from rows to registers, steps, registers to rows.
 
 use super::plan::{Binary, Plan, Step};
-use super::rows::{Load, Register, Write};
+use super::rows::{Register, read, write};
 use super::sums::Sum;
 use super::{Kernels, SHORT, Values};
-use crate::wide::tiles::tiled;
 use crate::wide::{Loops, widest};
 
 /// All blocks of a call.
@@ -36,11 +35,7 @@ impl<const N: usize> Blocks<'_, N> {
                 if let Values::PerPosture(values) = argument {
                     let values = &values[start * places.len()..];
                     let registers = &mut registers[places.clone()];
-                    tiled(Load {
-                        values,
-                        n,
-                        registers,
-                    });
+                    read(values, n, registers);
                 }
             }
             widest(Steps {
@@ -113,14 +108,7 @@ fn steps<const N: usize>(block: Steps<N>) {
             Step::Clamp(to, a) => {
                 binary(registers, uniform, to, [a, a], |x, _| x.clamp(-1.0, 1.0));
             }
-            Step::Write(start) => tiled(Write {
-                places: &plan.outputs[start..][..plan.columns],
-                signs: &plan.signs[start..][..plan.columns],
-                registers,
-                n,
-                out: &mut out[start..],
-                width: plan.outputs.len(),
-            }),
+            Step::Write(start) => write(plan, start, registers, n, out),
             Step::SinCos([sin, cos], a) => {
                 let [angle, sin, cos] = apart(registers, [a, sin, cos]);
                 (kernels.sin_cos)(angle, sin, cos);

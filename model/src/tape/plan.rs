@@ -130,6 +130,14 @@ impl Registers {
         for (left, groups) in left.iter_mut().zip(&groups.of) {
             *left += groups.len();
         }
+        // Negatives that are made where rows are written have no step that lets go.
+        for ((_, node), late) in program.iter().zip(late(program)) {
+            if let Expr::Neg(of) = node.expr
+                && late
+            {
+                left[of.index()] -= 1;
+            }
+        }
         let mut count = inputs.last().map_or(0, |last| last.end);
         let mut constants = Vec::new();
         for (id, node) in program.iter() {
