@@ -1,5 +1,6 @@
 //! `sesc generate`
 
+use std::convert::Infallible;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -48,7 +49,7 @@ pub(super) struct Arguments {
     /// The compiler is quicker by what is left out: three quarters of a robot's code for CoM,
     /// Jacobian and CoP rows alone. correct_cop comes along where the model has effects of the
     /// sensor
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = trimmed)]
     functions: Option<Vec<String>>,
     /// C: what to put around the two files; bare unless given
     #[arg(long, value_enum)]
@@ -95,6 +96,11 @@ struct WrittenFile {
     file: String,
     /// Whether it was written; it was up to date otherwise.
     changed: bool,
+}
+
+/// A name as written, less the blanks around it.
+fn trimmed(text: &str) -> Result<String, Infallible> {
+    Ok(text.trim().to_string())
 }
 
 /// 4, 8 or 16.

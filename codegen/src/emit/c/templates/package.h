@@ -71,7 +71,9 @@ extern {{ constant.declaration }};
  *     com[k * n + i]    entry k of posture i's result; rows of a matrix follow each other
  *
  * n may be any number of postures, also none. Arrays need no alignment beyond that of their
- * numbers; beyond their n columns nothing is read or written. Parameters r are one set for all
+ * numbers; beyond their n columns nothing is read or written. Functions are quickest where
+ * arrays begin at multiples of 64 bytes and n numbers fill no multiple of 4096 bytes: columns
+ * would then all meet in the same lines of the first cache. Parameters r are one set for all
  * postures. Units, domains and bounds are those of the function of one posture, and so is
  * every bit of a result where products and sums are rounded each by itself
  * (-ffp-contract=off); a posture out of the domain leaves the others alone.
