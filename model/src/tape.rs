@@ -4,10 +4,10 @@
 //! up what to do is shared and the loops vectorise: in the widest registers that the
 //! processor has, with the same bits in all. Loads and stores bind, not arithmetic: sums take in
 //! the products that they are made of, and rows are written as soon as a line of them is known,
-//! while the first cache holds it. A few postures go in blocks of [`SHORT`], which do
-//! not pay for 64; one posture goes number by number, products and sums as one step. Registers
-//! of results are reused as soon as their value is dead; inputs keep theirs, and what all
-//! postures share is loaded once.
+//! while the first cache holds it. A few postures, and the last few of many, go in blocks of
+//! [`SHORT`], which do not pay for 64; one posture goes number by number, products and sums as
+//! one step. Registers of results are reused as soon as their value is dead; inputs keep theirs,
+//! and what all postures share is loaded once.
 
 mod alone;
 mod blocks;
@@ -18,6 +18,8 @@ mod rows;
 mod sources;
 mod step;
 mod sums;
+
+use std::ops::Range;
 
 use crate::program::Program;
 
@@ -32,8 +34,8 @@ pub const BLOCK: usize = 64;
 /// Postures evaluated together where there are only a few: numbers in a line of the cache.
 pub const SHORT: usize = 8;
 
-/// Up to so many postures are a few.
-const FEW: usize = 2 * SHORT;
+/// Up to so many postures, of all or beyond whole blocks, are a few.
+const FEW: usize = 3 * SHORT;
 
 /// Sines and cosines of a block of angles: [`BLOCK`] or [`SHORT`] of each.
 pub type SinCos = fn(&[f64], &mut [f64], &mut [f64]);
@@ -122,21 +124,26 @@ impl Tape {
             out.len() >= postures * self.outputs(),
             "room for every output"
         );
-        match postures {
-            1 => self.alone.run(arguments, out, kernels),
-            0..=FEW => self.in_blocks::<SHORT>(arguments, postures, out, kernels),
-            _ => self.in_blocks::<BLOCK>(arguments, postures, out, kernels),
+        if postures == 1 {
+            return self.alone.run(arguments, out, kernels);
         }
+        let rest = postures % BLOCK;
+        let few = if rest <= FEW { rest } else { 0 };
+        self.in_blocks::<BLOCK>(arguments, 0..postures - few, out, kernels);
+        self.in_blocks::<SHORT>(arguments, postures - few..postures, out, kernels);
     }
 
     /// Evaluate N postures at a time.
     fn in_blocks<const N: usize>(
         &self,
         arguments: &[Values],
-        postures: usize,
+        postures: Range<usize>,
         out: &mut [f64],
         kernels: Kernels,
     ) {
+        if postures.is_empty() {
+            return;
+        }
         let blocks = Blocks::<N> {
             plan: &self.blocks,
             arguments,
@@ -206,9 +213,11 @@ mod tests {
 
     #[test]
     fn a_posture_alone_has_the_bits_of_a_block_in_any_program() {
-        let (joints, postures) = (5, 20);
+        let joints = 5;
         let values = [0.0, -0.0, 1.0, -0.7, 0.1, 3.0, -2.0, 1e-300, 1e18, f64::NAN];
-        for seed in 0..500 {
+        // A few; a block that is not full; whole blocks and the last few; and one not full.
+        let counts = [7, FEW + 1, 2 * BLOCK + FEW, BLOCK + FEW + 1];
+        for (seed, postures) in (0..500).zip(counts.into_iter().cycle()) {
             let program = program(seed, joints);
             let tape = Tape::new(&program);
             let mut any = Sequence(seed + 1);

@@ -1,5 +1,7 @@
 //! A plan over blocks of postures: inputs from rows to registers, steps, registers to rows.
 
+use std::ops::Range;
+
 use super::plan::{Binary, Plan, Step};
 use super::rows::{Register, read, write};
 use super::sums::Sum;
@@ -11,7 +13,7 @@ pub(super) struct Blocks<'a, const N: usize> {
     pub plan: &'a Plan,
     /// An array for each input of the plan, with enough values.
     pub arguments: &'a [Values<'a>],
-    pub postures: usize,
+    pub postures: Range<usize>,
     pub out: &'a mut [f64],
     pub kernels: Kernels,
 }
@@ -29,8 +31,8 @@ impl<const N: usize> Blocks<'_, N> {
         // To look up what is shared costs more than to load it for a few postures.
         let shared: &[Option<f64>] = if N == SHORT { &[] } else { &uniform };
         let width = plan.outputs.len();
-        for start in (0..self.postures).step_by(N) {
-            let n = N.min(self.postures - start);
+        for start in self.postures.clone().step_by(N) {
+            let n = N.min(self.postures.end - start);
             for (places, argument) in plan.inputs.iter().zip(self.arguments) {
                 if let Values::PerPosture(values) = argument {
                     let values = &values[start * places.len()..];
