@@ -113,8 +113,9 @@ fn the_text_keeps_to_the_rules() {
             for bad in [
                 "[static", "alloc", "goto", "union", "//", "volatile", "register", "inline",
             ] {
-                // Compilers would call the sines of a block, which costs a third.
-                if bad == "inline" && of_many {
+                // Of many postures: compilers would call the sines of a block, which costs a third,
+                // and clang aligns a stack for what lies there alone.
+                if of_many && ["inline", "volatile"].contains(&bad) {
                     continue;
                 }
                 assert!(!code.contains(bad), "{name}: {bad}");

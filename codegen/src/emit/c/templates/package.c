@@ -34,6 +34,8 @@ static void {{ from_ticks.signature }}
 {%- if function.block %}
 static void {{ function.block.signature }}
 {
+    volatile {{ name }}_lanes on_stack = {0};
+    (void)on_stack;
 {%- for line in function.block.body %}
 {{ "    " if line }}{{ line }}
 {%- endfor %}
