@@ -311,6 +311,41 @@ fn every_lane_has_the_bits_of_one_posture_and_nothing_else_is_touched() {
     });
 }
 
+/// clang saves registers where they lie in two lines of the cache unless the stack is aligned.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn clang_saves_registers_in_lines_of_the_cache() {
+    let folder = folder("lanes_stack");
+    let case = Case::robot("quadruped", "lf_foot").of_many(16);
+    for scalar in [Scalar::F64, Scalar::F32] {
+        let package = case.package(scalar);
+        let source = write(&folder, &case.name, &package);
+        let texts = [TESTS, &package.header, &package.source];
+        let command = ["clang", "-O3", "-mavx512f", "-mavx512dq", "-S", "-o", "-"];
+        let saved = memo::said(&folder, &["clang"], &texts, &[], || {
+            let text = tool(Command::new(command[0]).args(&command[1..]).arg(&source));
+            let text = String::from_utf8(text.unwrap()).unwrap();
+            let (mut of_many, mut saved) = (false, String::new());
+            for line in text.lines() {
+                // Labels of functions begin with the prefix, other lines do not.
+                if let Some((label, _)) = line.split_once(':')
+                    && label.starts_with(&case.name)
+                {
+                    of_many = label.ends_with("_batch") || label.ends_with("_block");
+                }
+                if of_many && line.contains("64-byte Spill") {
+                    let _ = writeln!(saved, "{line}");
+                }
+            }
+            saved
+        });
+        assert!(saved.lines().count() > 10, "nothing is saved: {saved}");
+        let aligned = |line: &&str| line.contains("vmova") || line.contains("vmovdqa");
+        let astray: Vec<&str> = saved.lines().filter(|line| !aligned(line)).collect();
+        assert_eq!(astray, [""; 0], "{scalar:?}");
+    }
+}
+
 #[test]
 fn sanitizers_find_nothing() {
     let folder = folder("lanes_sanitized");
