@@ -10,8 +10,8 @@
 
 use crate::lanes::F64x8;
 use crate::real::Real;
+use crate::scalar::Simd;
 use crate::scalar::sealed::{Dispatch, Machine, Task};
-use crate::scalar::{Scalar, Simd};
 
 /// Blocks of eight rows that are worked through together.
 const STRIDE: usize = 4;
@@ -52,58 +52,153 @@ struct FoldRows<'a> {
 impl Task<f64> for FoldRows<'_> {
     #[inline(always)]
     fn run<X: Machine<f64>>(self) {
-        let order = root_of(self.triangle.len());
-        let blocks = self.rows.len() / order.max(1);
+        let FoldRows { triangle, rows } = self;
+        let order = root_of(triangle.len());
+        let blocks = rows.len() / order.max(1);
         if blocks == 0 {
             return;
         }
-        let mut rest = self.rows;
-        for j in 0..order {
+        let mut rest = rows;
+        let mut j = 0;
+        while j < order {
             let Some((v, columns)) = rest.split_at_mut_checked(blocks) else {
                 return;
             };
             rest = columns;
-            let Some(first) = self.triangle.get(j * order + j).copied() else {
-                return;
+            let Some(first) = Reflection::of::<X>(triangle, (j, order), v) else {
+                j += 1;
+                continue;
             };
-            let square = first * first + along::<X>(v, v);
-            // Nothing is left in this column: of fewer rows than columns each reflection leaves
-            // the rounding of the one before, until a float cannot hold it.
-            if square < NOTHING {
-                continue;
-            }
-            let size = square.root();
-            // Away from the first entry, so that no digits cancel.
-            let diagonal = if first > 0.0 { -size } else { size };
-            let v_first = first - diagonal;
-            let scale = 1.0 / (size * (size + first.abs()));
-            // Each row has a sign of its choice: the diagonal is not negative.
-            let sign = if diagonal < 0.0 { -1.0 } else { 1.0 };
-            let mut tops = self.triangle.iter_mut().skip(j * order + j).step_by(order);
-            if let Some(top) = tops.next() {
-                *top = sign * diagonal;
-            }
             if let (1, Ok(v)) = (X::PARTS, <&[F64x8; HELD]>::try_from(&*v)) {
-                let (columns, _) = rest.as_chunks_mut::<HELD>();
-                let held = X::load(v, 0);
-                for (top, column) in tops.zip(columns) {
-                    let mut own = X::load(column, 0);
-                    let share = scale * (v_first * *top + held_along::<X>(&held, &own));
-                    *top = sign * (*top - share * v_first);
-                    let less = X::splat(-share);
-                    for (x, v) in own.iter_mut().zip(&held) {
-                        *x = v.mul_plus(less, *x);
-                    }
-                    X::store(&own, column, 0);
-                }
+                rest = two::<X>(triangle, (j, order), (first, v), rest);
+                j += 2;
                 continue;
             }
-            for (top, column) in tops.zip(rest.chunks_exact_mut(blocks)) {
-                let share = scale * (v_first * *top + along::<X>(v, column));
-                *top = sign * (*top - share * v_first);
+            let tops = triangle.iter_mut().skip(j * order + j).step_by(order);
+            for (top, column) in tops.skip(1).zip(rest.chunks_exact_mut(blocks)) {
+                let share = first.share(*top, along::<X>(v, column));
+                *top = first.top(*top, share);
                 reflect::<X>(v, share, column);
             }
+            j += 1;
         }
+    }
+}
+
+/// One reflection: what it does to the row of the triangle that it changes.
+#[derive(Clone, Copy)]
+struct Reflection {
+    /// First entry of v.
+    first: f64,
+    /// 1 / (‖x‖ (‖x‖ + |x_1|))
+    scale: f64,
+    /// Each row has a sign of its choice: the diagonal is not negative.
+    sign: f64,
+}
+
+impl Reflection {
+    /// It leaves the others alone.
+    const NONE: Reflection = Reflection {
+        first: 0.0,
+        scale: 0.0,
+        sign: 1.0,
+    };
+
+    /// That which takes column `j` of the rows into the triangle; none where nothing is left in
+    /// the column.
+    #[inline(always)]
+    fn of<X: Machine<f64>>(
+        triangle: &mut [f64],
+        (j, order): (usize, usize),
+        column: &[F64x8],
+    ) -> Option<Reflection> {
+        let top = triangle.get_mut(j * order + j)?;
+        let square = *top * *top + along::<X>(column, column);
+        // Of fewer rows than columns each reflection leaves the rounding of the one before,
+        // until a float cannot hold it.
+        if square < NOTHING {
+            return None;
+        }
+        let size = root(square);
+        // Away from the first entry, so that no digits cancel.
+        let diagonal = if *top > 0.0 { -size } else { size };
+        let sign = if diagonal < 0.0 { -1.0 } else { 1.0 };
+        let reflection = Reflection {
+            first: *top - diagonal,
+            scale: 1.0 / (size * (size + top.abs())),
+            sign,
+        };
+        *top = sign * diagonal;
+        Some(reflection)
+    }
+
+    /// How much of v is taken from a column with `top` in the triangle.
+    #[inline(always)]
+    fn share(self, top: f64, along: f64) -> f64 {
+        self.scale * (self.first * top + along)
+    }
+
+    /// What becomes of the column's entry in the triangle.
+    #[inline(always)]
+    fn top(self, top: f64, share: f64) -> f64 {
+        self.sign * (top - share * self.first)
+    }
+}
+
+/// Two reflections at once, so that each column is read and written once for both: that of
+/// column `j`, which is known, and that of the next one.
+///
+/// ```text
+/// B ← B − v s − w t,    s = v_scale (v_1 T_j + vᵀ B),    t = w_scale (w_1 T_j+1 + wᵀ B − wᵀv s)
+/// ```
+///
+/// What is left are the columns behind both.
+#[inline(always)]
+fn two<'a, X: Machine<f64>>(
+    triangle: &mut [f64],
+    (j, order): (usize, usize),
+    (one, v): (Reflection, &[F64x8; HELD]),
+    rest: &'a mut [F64x8],
+) -> &'a mut [F64x8] {
+    let v = X::load(v, 0);
+    let Some((next, rest)) = rest.split_first_chunk_mut::<HELD>() else {
+        return &mut [];
+    };
+    if let Some(top) = triangle.get_mut((j + 1) * order + j) {
+        let mut own = X::load(next, 0);
+        let share = one.share(*top, sum(lanes::<X>(held_along::<X>(&v, &own))));
+        *top = one.top(*top, share);
+        less::<X>(&mut own, &v, share);
+        X::store(&own, next, 0);
+    }
+    let other = Reflection::of::<X>(triangle, (j + 1, order), next).unwrap_or(Reflection::NONE);
+    let w = X::load(next, 0);
+    let both = sum(lanes::<X>(held_along::<X>(&v, &w)));
+    let tops = triangle.chunks_exact_mut(order).skip(j + 2);
+    for (tops, column) in tops.zip(rest.as_chunks_mut::<HELD>().0) {
+        let Some([top, below]) = tops.get_mut(j..j + 2) else {
+            break;
+        };
+        let mut own = X::load(column, 0);
+        let along_v = held_along::<X>(&v, &own);
+        let along_w = held_along::<X>(&w, &own);
+        let share = one.share(*top, sum(lanes::<X>(along_v)));
+        *top = one.top(*top, share);
+        let after = other.share(*below, sum(lanes::<X>(along_w)) - share * both);
+        *below = other.top(*below, after);
+        less::<X>(&mut own, &v, share);
+        less::<X>(&mut own, &w, after);
+        X::store(&own, column, 0);
+    }
+    rest
+}
+
+/// column −= share · v
+#[inline(always)]
+fn less<X: Machine<f64>>(column: &mut [X::Vector; HELD], v: &[X::Vector; HELD], share: f64) {
+    let less = X::splat(-share);
+    for (x, v) in column.iter_mut().zip(v) {
+        *x = v.mul_plus(less, *x);
     }
 }
 
@@ -130,26 +225,33 @@ fn along<X: Machine<f64>>(a: &[F64x8], b: &[F64x8]) -> f64 {
     sum(sums[0])
 }
 
-/// The same of columns in registers, in the same order.
+/// Sums of a_i b_i of columns in registers, lane by lane.
 #[inline(always)]
-fn held_along<X: Machine<f64>>(a: &[X::Vector; HELD], b: &[X::Vector; HELD]) -> f64 {
-    let mut own = [X::splat(0.0); STRIDE];
-    for (a, b) in a.chunks_exact(STRIDE).zip(b.chunks_exact(STRIDE)) {
+fn held_along<X: Machine<f64>>(a: &[X::Vector; HELD], b: &[X::Vector; HELD]) -> X::Vector {
+    let mut own = [X::splat(0.0); 2];
+    for (a, b) in a.chunks_exact(2).zip(b.chunks_exact(2)) {
         for (sum, (a, b)) in own.iter_mut().zip(a.iter().zip(b)) {
             *sum = a.mul_plus(*b, *sum);
         }
     }
-    let [a, b, c, d] = own;
-    let mut sums = [F64x8::splat(0.0)];
-    X::store(&[(a + b) + (c + d)], &mut sums, 0);
-    sum(sums[0])
+    let [a, b] = own;
+    a + b
+}
+
+#[inline(always)]
+fn lanes<X: Machine<f64>>(vector: X::Vector) -> F64x8 {
+    let mut lanes = [F64x8::splat(0.0)];
+    X::store(&[vector], &mut lanes, 0);
+    lanes[0]
 }
 
 /// Σ of the lanes.
 #[inline(always)]
 fn sum(lanes: F64x8) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes.0;
-    ((a + b) + (c + d)) + ((e + f) + (g + h))
+    let [a, b, c, d] = [a + e, b + f, c + g, d + h];
+    let [a, b] = [a + c, b + d];
+    a + b
 }
 
 /// column −= share · v
@@ -171,6 +273,15 @@ fn reflect<X: Machine<f64>>(v: &[F64x8], share: f64, column: &mut [F64x8]) {
             X::store(&[v.mul_plus(less, own)], core::slice::from_mut(x), part);
         }
     }
+}
+
+/// √x: one instruction of most processors, which `core` alone does not have.
+#[inline(always)]
+fn root(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.sqrt();
+    #[cfg(not(feature = "std"))]
+    crate::scalar::Scalar::root(x)
 }
 
 /// The order of a square matrix of so many numbers.
