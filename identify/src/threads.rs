@@ -7,6 +7,11 @@ use std::thread::{self, Builder};
 /// With fewer rows a thread takes longer to start than it helps.
 const ROWS: usize = 1024;
 
+/// Processors that there are.
+pub(crate) fn processors() -> usize {
+    thread::available_parallelism().map_or(1, usize::from)
+}
+
 /// Do `work` with every one of `items`, which are about `rows` rows, on the processors that
 /// there are.
 pub(crate) fn side_by_side<T: Send>(
@@ -24,9 +29,8 @@ pub(crate) fn side_by_side<T: Send>(
             work(item);
         }
     };
-    let processors = thread::available_parallelism().map_or(1, usize::from);
     thread::scope(|scope| {
-        for _ in 1..processors {
+        for _ in 1..processors() {
             // Where no thread starts, there are fewer: nothing of the queue is lost.
             let _ = Builder::new().spawn_scoped(scope, all);
         }

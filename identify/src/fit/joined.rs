@@ -1,19 +1,20 @@
 //! Logs and parts of a request joined into one part.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use sesc_model::{Model, Snapping};
 
 use super::logs::Logs;
+use super::looked::looked_and_joined;
 use super::part::{About, Part, PartOptions};
 use super::request::{Duplicates, FOLDS, Request};
 use super::revisits;
 use super::soles;
-use crate::health::{self, Finding};
+use crate::health::Finding;
 use crate::logs::{Options, Readings, Stays};
 use crate::observations::motion_use::MotionModel;
 use crate::robot::Robot;
+use crate::threads::processors;
 use crate::watch::Watch;
 use crate::{Error, Setting, message};
 
@@ -58,18 +59,19 @@ use crate::{Error, Setting, message};
 /// # Errors
 /// Those of [`fit`](super::fit).
 pub fn gather(request: &Request, watch: &mut dyn Watch) -> Result<Part, Error> {
-    let (request, health) = screened(request, is_alone(request), watch)?;
-    joined(&request, health, watch)
+    let (_, part) = looked_and_joined(request, is_alone(request), processors(), watch)?;
+    Ok(part)
 }
 
-/// [`gather`], where `alone` says whether the part is fitted without those of other logs.
+/// [`gather`] on one processor, beside others that gather parts. `alone`: whether the part is
+/// fitted without those of other logs.
 pub(crate) fn gather_as(
     request: &Request,
     alone: bool,
     watch: &mut dyn Watch,
 ) -> Result<Part, Error> {
-    let (request, health) = screened(request, alone, watch)?;
-    joined(&request, health, watch)
+    let (_, part) = looked_and_joined(request, alone, 1, watch)?;
+    Ok(part)
 }
 
 /// Whether the request is about one log and nothing else.
@@ -77,44 +79,8 @@ pub(super) fn is_alone(request: &Request) -> bool {
     request.logs.len() == 1 && request.parts.is_empty()
 }
 
-/// The request with its logs as far as they can be used, and what is wrong with them.
-pub(super) fn screened<'r>(
-    request: &'r Request,
-    alone: bool,
-    watch: &mut dyn Watch,
-) -> Result<(Cow<'r, Request>, Vec<Finding>), Error> {
-    let parts = request.parts.first().map(|(_, part)| part);
-    if request.logs.is_empty() {
-        return Ok((Cow::Borrowed(request), Vec::new()));
-    }
-    let robot = robot_of(request, parts)?;
-    let support = request.support.clone();
-    let support = support.or_else(|| parts.map(|part| part.support.clone()));
-    let logs = logs(request, &robot, support, None);
-    let model = robot.model(&logs.first_support()?, request.snapping, None)?;
-    let reading = health::Reading {
-        options: &logs.options,
-        snapping: request.snapping,
-        noise: request.noise,
-        alone,
-    };
-    let (mut usable, mut findings) = (Vec::new(), Vec::new());
-    for log in &request.logs {
-        let log = log.clone().unchanged()?;
-        let (log, found) = health::look(&log, &robot, &model, reading, watch)?;
-        usable.push(log);
-        findings.extend(found);
-    }
-    // Also where nothing is wrong: the logs that were looked at are those that are fitted.
-    let request = Request {
-        logs: usable,
-        ..request.clone()
-    };
-    Ok((Cow::Owned(request), findings))
-}
-
 /// The robot of the logs.
-fn robot_of(request: &Request, parts: Option<&Part>) -> Result<Arc<Robot>, Error> {
+pub(super) fn robot_of(request: &Request, parts: Option<&Part>) -> Result<Arc<Robot>, Error> {
     match (&request.robot, parts) {
         (Some(robot), _) => Ok(Arc::clone(robot)),
         (None, Some(part)) => Ok(Arc::new(Robot::parse(&part.urdf, &part.urdf_file)?)),

@@ -23,6 +23,7 @@ mod limits;
 pub mod logs;
 #[cfg(not(feature = "nalgebra"))]
 mod logs;
+mod looked;
 #[cfg(test)]
 mod mass_tests;
 pub(crate) mod masses;

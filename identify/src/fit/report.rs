@@ -13,8 +13,9 @@ use sesc_model::{Model, ModelFile, Snapping};
 use super::corrected::{Corrected, check_positive, check_total, correct, masses_of};
 use super::estimate::identify_within;
 use super::identification::{Identification, Settings};
-use super::joined::{is_alone, joined, logs, screened};
+use super::joined::{is_alone, logs};
 use super::limits::Limits;
+use super::looked::looked_and_joined;
 use super::masses::Masses;
 use super::prior::Prior;
 use super::request::Request;
@@ -22,6 +23,7 @@ use super::residuals::{self, Sample};
 use super::summary::over_range;
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
+use crate::threads::processors;
 use crate::watch::Watch;
 use crate::{Error, Setting, message};
 
@@ -185,8 +187,8 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     ] {
         check_positive(setting, value, unit)?;
     }
-    let (request, health) = screened(request, is_alone(request), watch)?;
-    let (request, part) = (&*request, joined(&request, health, watch)?);
+    let (request, part) = looked_and_joined(request, is_alone(request), processors(), watch)?;
+    let request = &*request;
     // The robot of the logs is read already; that of parts is in them.
     let is_it =
         |robot: &&Arc<Robot>| robot.text() == part.urdf && robot.description.file == part.urdf_file;

@@ -176,6 +176,16 @@ impl LogSource {
         }
     }
 
+    /// Whether two may read it at the same time: a stream is opened as its owner likes.
+    pub(crate) fn can_be_read_twice_at_once(&self) -> bool {
+        !matches!(self.place, Place::Stream(_)) && self.can_be_read_again()
+    }
+
+    /// Whether something is left out of it.
+    pub(crate) fn is_screened(&self) -> bool {
+        self.screen.is_some()
+    }
+
     /// What messages call the log.
     pub fn name(&self) -> &str {
         &self.name

@@ -170,11 +170,14 @@ impl Panel {
         self.blocks += 1;
     }
 
-    /// Fold all rows so far; those that are missing are zero.
+    /// Fold all rows so far.
     fn fold(&mut self, triangle: &mut DMatrix<f64>) {
         if self.blocks > 0 {
+            // Of rows before there may be something left where blocks are missing.
+            for column in self.columns.chunks_exact_mut(BLOCKS) {
+                column[self.blocks..].fill(F64x8::splat(0.0));
+            }
             Simd::best().fold_rows(triangle.as_mut_slice(), &mut self.columns);
-            self.columns.fill(F64x8::splat(0.0));
             self.blocks = 0;
         }
     }

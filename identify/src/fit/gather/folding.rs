@@ -12,12 +12,13 @@ use std::mem;
 use std::panic;
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
-use std::thread::{self, Builder, JoinHandle};
+use std::thread::{Builder, JoinHandle};
 
 use nalgebra::DVector;
 
 use super::Fold;
 use crate::observations::row_matrix::RowMatrix;
+use crate::threads::processors;
 
 /// Blocks that wait for a thread, at most.
 const WAITING: usize = 2;
@@ -114,8 +115,7 @@ impl Folding {
         if !self.0.is_empty() {
             return;
         }
-        let processors = thread::available_parallelism().map_or(1, usize::from);
-        let count = (processors - 1).min(MOST).min(folds.len());
+        let count = (processors() - 1).min(MOST).min(folds.len());
         for worker in 0..count {
             let (to, work) = sync_channel::<Arc<Work>>(WAITING);
             // Where no thread starts, the folds are not lost with it.

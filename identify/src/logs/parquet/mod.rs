@@ -46,8 +46,10 @@ pub(super) struct ParquetSource {
     left: u64,
     done: u64,
     total: u64,
-    /// Hash of all bytes, once the last row was read.
+    /// Hash of all bytes, once the last row was read and none was passed over.
     hash: Option<u64>,
+    /// Rows were passed over: nobody asks for the hash.
+    passed: bool,
     links: Interner,
 }
 
@@ -99,6 +101,7 @@ impl ParquetSource {
             done: 0,
             total,
             hash: None,
+            passed: false,
             links: Interner::default(),
         })
     }
@@ -285,7 +288,7 @@ impl RowSource for ParquetSource {
             self.rows(columns, n, raw)?;
             missing -= n;
         }
-        if missing > 0 && self.hash.is_none() {
+        if missing > 0 && self.hash.is_none() && !self.passed {
             let hash = Bytes::open(&self.place).and_then(hash);
             self.hash = Some(hash.map_err(|source| Error::read(self.file.clone(), source))?);
         }
@@ -293,6 +296,7 @@ impl RowSource for ParquetSource {
     }
 
     fn skip(&mut self, columns: &Columns, rows: u64) -> Result<bool, Error> {
+        self.passed = true;
         let mut rows = rows;
         while rows >= self.left {
             rows -= self.left;
