@@ -43,7 +43,7 @@ pub(super) fn looked_and_joined<'r>(
         return Ok((Cow::Borrowed(request), part));
     }
     let look = Look::new(request, alone)?;
-    let (usable, joined_before) = match processors > 1
+    let (usable, meanwhile) = match processors > 1
         && request
             .logs
             .iter()
@@ -52,10 +52,10 @@ pub(super) fn looked_and_joined<'r>(
         true => side_by_side(&look, watch)?,
         false => (look.all(watch)?, None),
     };
-    let part = match joined_before {
-        Some((part, told)) => {
+    let part = match meanwhile {
+        Some(Meanwhile { part, told }) => {
             told.into_iter().for_each(|told| told.tell(watch));
-            let mut part: Part = part?;
+            let mut part = part?;
             part.gathered.health.extend(usable.findings);
             part
         }
@@ -128,12 +128,15 @@ impl Look<'_> {
     }
 }
 
-/// Look at the logs, and join them meanwhile as if nothing were to be left out of them: what that
-/// gave and said, or none where something is.
-fn side_by_side(
-    look: &Look,
-    watch: &mut dyn Watch,
-) -> Result<(Usable, Option<(Result<Part, Error>, Vec<Told>)>), Error> {
+/// What logs were joined into while nothing was known of them.
+struct Meanwhile {
+    part: Result<Part, Error>,
+    told: Vec<Told>,
+}
+
+/// Look at the logs, and join them meanwhile as if nothing were to be left out of them: none where
+/// something is.
+fn side_by_side(look: &Look, watch: &mut dyn Watch) -> Result<(Usable, Option<Meanwhile>), Error> {
     let (stopped, in_vain) = (AtomicBool::new(false), AtomicBool::new(false));
     let work = || {
         let usable = look.all(&mut |_: Progress| match stopped.load(Ordering::Relaxed) {
@@ -165,7 +168,7 @@ fn side_by_side(
     }
     let usable = usable?;
     let part = part.filter(|_| !in_vain.load(Ordering::Relaxed));
-    Ok((usable, part.map(|part| (part, told))))
+    Ok((usable, part.map(|part| Meanwhile { part, told })))
 }
 
 /// What was said while it was not known whether it would hold.

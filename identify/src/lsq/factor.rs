@@ -10,8 +10,6 @@
 //! rows, nothing is squared, and the factors of parts of the data fold into the factor of the
 //! whole.
 
-use std::array;
-
 use nalgebra::DMatrix;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -157,16 +155,14 @@ impl Panel {
         if self.blocks == BLOCKS {
             self.fold(triangle);
         }
-        let params = triangle.ncols() - 1;
-        let entries = rows.map(|(row, _, _)| &row[..params]);
         let weights = rows.map(|(_, _, weight)| weight);
-        let mut columns = self.columns.chunks_exact_mut(BLOCKS);
-        for (k, column) in columns.by_ref().take(params).enumerate() {
-            column[self.blocks].0 = array::from_fn(|row| weights[row] * entries[row][k]);
+        let params = BLOCKS * (triangle.ncols() - 1);
+        let (columns, readings) = self.columns.split_at_mut(params);
+        if let Some(columns) = columns.get_mut(self.blocks..) {
+            let rows = rows.map(|(row, _, _)| row);
+            Simd::best().weigh_rows(&rows, &weights, columns, BLOCKS);
         }
-        if let Some(column) = columns.next() {
-            column[self.blocks].0 = rows.map(|(_, reading, weight)| weight * reading);
-        }
+        readings[self.blocks].0 = rows.map(|(_, reading, weight)| weight * reading);
         self.blocks += 1;
     }
 

@@ -47,6 +47,8 @@ pub struct Grouping<T> {
     any_unit: bool,
     /// Numbers of postures.
     known: HashMap<Name, u32>,
+    /// The largest `pose` among them: beyond it no posture is known, and none is looked for.
+    largest: i64,
     postures: Vec<Posture<T>>,
     /// Joints and the direction of gravity in the first row of each posture, rad or m.
     at: Vec<f32>,
@@ -81,6 +83,7 @@ impl<T: Default> Grouping<T> {
             most,
             any_unit: false,
             known: HashMap::new(),
+            largest: i64::MIN,
             postures: Vec::new(),
             at: Vec::new(),
             last: None,
@@ -142,13 +145,17 @@ impl<T: Default> Grouping<T> {
             last_row: row,
         };
         let most = self.most;
-        let known = self.known.get(&name).map(|number| *number as usize);
+        let known = match pose > self.largest {
+            true => None,
+            false => self.known.get(&name).map(|number| *number as usize),
+        };
         let number = known.or_else(|| self.last.filter(|last| *last == name).map(|_| most));
         let Some(number) = number else {
             let number = match self.known.len() < most {
                 true => {
                     let number = self.postures.len();
                     self.known.insert(name, number as u32);
+                    self.largest = self.largest.max(pose);
                     number
                 }
                 false => {

@@ -42,6 +42,74 @@ impl Simd {
     pub fn fold_rows(self, triangle: &mut [f64], rows: &mut [F64x8]) {
         f64::run(self, FoldRows { triangle, rows });
     }
+
+    /// Eight rows, each times its weight, as [`Simd::fold_rows`] takes them: entry k of all of
+    /// them is the first block of the k-th `blocks` of `columns`. What one of the two has more of
+    /// is left out.
+    ///
+    /// ```
+    /// use sesc_runtime::{F64x8, Simd};
+    ///
+    /// let rows: [[f64; 3]; 8] = core::array::from_fn(|row| [row as f64, 1.0, 2.0]);
+    /// let mut columns = [F64x8::splat(0.0); 6];
+    /// Simd::best().weigh_rows(&rows.each_ref().map(|row| &row[..]), &[0.5; 8], &mut columns, 2);
+    /// assert_eq!(columns[0].0, [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5]);
+    /// assert_eq!((columns[2], columns[4]), (F64x8::splat(0.5), F64x8::splat(1.0)));
+    /// ```
+    pub fn weigh_rows(
+        self,
+        rows: &[&[f64]; 8],
+        weights: &[f64; 8],
+        columns: &mut [F64x8],
+        blocks: usize,
+    ) {
+        let weights = F64x8::from(*weights);
+        f64::run(
+            self,
+            WeighRows {
+                rows,
+                weights,
+                columns,
+                blocks,
+            },
+        );
+    }
+}
+
+struct WeighRows<'a> {
+    rows: &'a [&'a [f64]; 8],
+    weights: F64x8,
+    columns: &'a mut [F64x8],
+    blocks: usize,
+}
+
+impl Task<f64> for WeighRows<'_> {
+    #[inline(always)]
+    fn run<X: Machine<f64>>(self) {
+        let columns = self.columns.chunks_mut(self.blocks.max(1) * 8);
+        for (square, columns) in columns.enumerate() {
+            let mut entries = [[0.0; 8]; 8];
+            let mut count = 8;
+            for (to, row) in entries.iter_mut().zip(self.rows) {
+                let row = row.get(8 * square..).unwrap_or_default();
+                match row.first_chunk() {
+                    Some(row) => *to = *row,
+                    None => {
+                        to.iter_mut().zip(row).for_each(|(to, x)| *to = *x);
+                        count = count.min(row.len());
+                    }
+                }
+            }
+            for part in 0..X::PARTS {
+                let [weight] = X::load(&[self.weights], part);
+                let own = X::columns(&entries, part);
+                let places = columns.iter_mut().step_by(self.blocks.max(1));
+                for (to, x) in places.take(count).zip(own) {
+                    X::store(&[x * weight], core::slice::from_mut(to), part);
+                }
+            }
+        }
+    }
 }
 
 struct FoldRows<'a> {
@@ -338,6 +406,28 @@ mod tests {
                     );
                 }
                 assert!((0..order).all(|k| triangle[k * order + k] >= 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn every_set_weighs_rows_of_any_length() {
+        for (width, wanted, blocks) in [(0, 1, 1), (1, 1, 3), (5, 9, 1), (8, 8, 2), (19, 18, 8)] {
+            let mut random = Random::new(width as u64);
+            let flat: Vec<f64> = (0..8 * width).map(|_| random.within(1.0)).collect();
+            let rows = core::array::from_fn(|row| &flat[row * width..(row + 1) * width]);
+            let weights = core::array::from_fn(|_| random.within(2.0));
+            for simd in Simd::available() {
+                let mut columns = vec![F64x8::splat(7.0); wanted * blocks];
+                simd.weigh_rows(&rows, &weights, &mut columns, blocks);
+                for (at, column) in columns.iter().enumerate() {
+                    let k = at / blocks;
+                    let expected = match at % blocks == 0 && k < width {
+                        true => core::array::from_fn(|row| weights[row] * rows[row][k]),
+                        false => [7.0; 8],
+                    };
+                    assert_eq!(column.0, expected, "{} {width} {at}", simd.name());
+                }
             }
         }
     }
