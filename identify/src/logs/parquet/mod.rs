@@ -5,13 +5,12 @@
 //! bytes (`budget`).
 
 mod budget;
+mod hashing;
 mod kinds;
 mod sink;
 mod thrift;
 mod values;
 
-use std::hash::Hasher as _;
-use std::io::Read as _;
 use std::panic::{self, AssertUnwindSafe};
 
 use parquet::basic::Type as Physical;
@@ -20,9 +19,9 @@ use parquet::data_type::ByteArray;
 use parquet::errors::ParquetError;
 use parquet::file::reader::FileReader;
 use parquet::file::serialized_reader::SerializedFileReader;
-use twox_hash::XxHash64;
 
 use self::budget::Footer;
+use self::hashing::Hashing;
 pub(super) use self::sink::ParquetSink;
 use self::values::{is_flat, is_number, read, read_numbers, spread, unit};
 use super::columns::{Columns, POSE, SUPPORT};
@@ -30,6 +29,9 @@ use super::guard::Guard;
 use super::input::{Bytes, Place};
 use super::source::{Interner, Raw, RowSource, whole};
 use crate::{Error, Setting, message};
+
+/// Who reads on beyond so many rows reads all of them: what begins a fit is known from fewer.
+const MANY: u64 = 30_000;
 
 /// A Parquet file being read.
 pub(super) struct ParquetSource {
@@ -48,6 +50,8 @@ pub(super) struct ParquetSource {
     total: u64,
     /// Hash of all bytes, once the last row was read and none was passed over.
     hash: Option<u64>,
+    /// The hash, while it is under way.
+    hashing: Option<Hashing>,
     /// Rows were passed over: nobody asks for the hash.
     passed: bool,
     links: Interner,
@@ -101,6 +105,7 @@ impl ParquetSource {
             done: 0,
             total,
             hash: None,
+            hashing: None,
             passed: false,
             links: Interner::default(),
         })
@@ -288,8 +293,17 @@ impl RowSource for ParquetSource {
             self.rows(columns, n, raw)?;
             missing -= n;
         }
-        if missing > 0 && self.hash.is_none() && !self.passed {
-            let hash = Bytes::open(&self.place).and_then(hash);
+        if self.passed || self.hash.is_some() {
+            return Ok(());
+        }
+        if missing == 0 && self.done > MANY && self.hashing.is_none() {
+            self.hashing = Hashing::begin(&self.place);
+        }
+        if missing > 0 {
+            let hash = match self.hashing.take() {
+                Some(hashing) => hashing.end(),
+                None => hashing::of(&self.place),
+            };
             self.hash = Some(hash.map_err(|source| Error::read(self.file.clone(), source))?);
         }
         Ok(())
@@ -316,17 +330,6 @@ impl RowSource for ParquetSource {
 
     fn hash(&self) -> u64 {
         self.hash.unwrap_or_default()
-    }
-}
-
-fn hash(mut file: Bytes) -> std::io::Result<u64> {
-    let mut buffer = vec![0; 1 << 18];
-    let mut hash = XxHash64::with_seed(0);
-    loop {
-        match file.read(&mut buffer)? {
-            0 => return Ok(hash.finish()),
-            n => hash.write(&buffer[..n]),
-        }
     }
 }
 
