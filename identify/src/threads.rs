@@ -12,16 +12,8 @@ pub(crate) fn processors() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Do `work` with every one of `items`, which are about `rows` rows, on the processors that
-/// there are.
-pub(crate) fn side_by_side<T: Send>(
-    rows: usize,
-    items: impl Iterator<Item = T>,
-    work: impl Fn(T) + Sync,
-) {
-    if rows < ROWS {
-        return items.for_each(work);
-    }
+/// Do `work` with every one of `items` on the processors that there are.
+fn on_all_processors<T: Send>(items: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
     let queue = Mutex::new(items.collect::<Vec<T>>().into_iter());
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let all = || {
@@ -44,9 +36,20 @@ pub fn each<T: Send, R: Send>(
     items: impl IntoIterator<Item = T>,
     work: impl Fn(T) -> R + Sync,
 ) -> Vec<R> {
+    match rows < ROWS {
+        true => items.into_iter().map(work).collect(),
+        false => each_long(items, work),
+    }
+}
+
+/// The same where an item is work for longer than a thread takes to start.
+pub(crate) fn each_long<T: Send, R: Send>(
+    items: impl IntoIterator<Item = T>,
+    work: impl Fn(T) -> R + Sync,
+) -> Vec<R> {
     let items: Vec<T> = items.into_iter().collect();
     let mut done: Vec<Option<R>> = items.iter().map(|_| None).collect();
-    side_by_side(rows, items.into_iter().zip(&mut done), |(item, place)| {
+    on_all_processors(items.into_iter().zip(&mut done), |(item, place)| {
         *place = Some(work(item));
     });
     done.into_iter().flatten().collect()

@@ -13,7 +13,7 @@
 //! C = A⁻¹ (A + B_1 + Sᵀ B_2 S) A⁻¹        B: that of `Problem::covariance`
 //! ```
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -96,9 +96,9 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
         objective: at.value + rest,
         penalty: fit.penalty + scales.len() as f64 * (all / n).ln(),
         unknowns: at.first.unknowns,
-        predicted: Rc::new(at.first.predicted),
-        residual: Rc::new(at.first.residual),
-        slopes: Rc::new(at.first.slopes),
+        predicted: Arc::new(at.first.predicted),
+        residual: Arc::new(at.first.residual),
+        slopes: Arc::new(at.first.slopes),
         closed: at.first.closed,
         at_bound: at.first.at_bound,
         ..fit
@@ -198,9 +198,9 @@ impl<'f, 'm> Log<'f, 'm> {
             covariance: DMatrix::zeros(unknowns, unknowns),
             objective: state.value,
             penalty: 0.0,
-            predicted: Rc::new(state.predicted),
-            residual: Rc::new(state.residual),
-            slopes: Rc::new(state.slopes),
+            predicted: Arc::new(state.predicted),
+            residual: Arc::new(state.residual),
+            slopes: Arc::new(state.slopes),
             closed: state.closed,
             sides: Some(self.problem.sides_of(&self.posture_context)),
             outliers: None,

@@ -11,7 +11,7 @@
 //! explained (readings that show none are static), and once beside what was found. Readings that
 //! need no explanation where they are static, and would need one in motion, are static, too.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::PostureContext;
@@ -239,7 +239,7 @@ pub(super) fn said(problem: &Problem, fit: &Fit) -> MotionUse {
 }
 
 /// The share of Δ in what an explanation leaves, with masses and its effects free.
-fn share_beside(problem: &Problem, fit: &Fit, moved: &Rc<Moved>) -> Option<Share> {
+fn share_beside(problem: &Problem, fit: &Fit, moved: &Arc<Moved>) -> Option<Share> {
     let (rows, effects) = fit.slopes.shape();
     let columns = DMatrix::from_fn(rows, 1 + effects, |row, column| match column {
         0 => moved.shift[row / 2][row % 2] * problem.weight[row],

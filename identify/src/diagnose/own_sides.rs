@@ -1,6 +1,6 @@
 //! Where joints rest in a fit, kept beside what the log says of its postures.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use sesc_model::effects::PostureContext;
 
@@ -9,7 +9,7 @@ use sesc_model::effects::PostureContext;
 pub struct OwnSides {
     joints: Vec<usize>,
     /// Posture by posture.
-    sides: Rc<Vec<f64>>,
+    sides: Arc<Vec<f64>>,
 }
 
 impl OwnSides {
@@ -24,7 +24,7 @@ impl OwnSides {
         let joints: Vec<usize> = (0..dof).filter(differs).collect();
         let sides = postures().flat_map(|at| joints.iter().map(move |j| own[at + layout.side(*j)]));
         OwnSides {
-            sides: Rc::new(sides.collect()),
+            sides: Arc::new(sides.collect()),
             joints,
         }
     }

@@ -4,9 +4,8 @@ mod closing;
 mod fitting;
 mod readings;
 
-use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{self, Catalog, EffectContext, EffectId, Instance, PostureContext};
@@ -64,11 +63,11 @@ pub struct Problem<'m> {
     /// Regressor rows of the unbent robot.
     pub rows: DMatrix<f64>,
     /// What of them is motion's; none of standing robots.
-    motion_rows: Option<Rc<DMatrix<f64>>>,
+    motion_rows: Option<Arc<DMatrix<f64>>>,
     /// Both soles on one floor, where the log is of both feet.
-    pub(crate) closure: Option<Rc<Closure>>,
+    pub(crate) closure: Option<Arc<Closure>>,
     /// Shared by copies of the problem, whose noise may be another.
-    tapes: Rc<RefCell<HashMap<Vec<Instance>, Rc<Tapes>>>>,
+    tapes: Arc<Mutex<HashMap<Vec<Instance>, Arc<Tapes>>>>,
     target_weights: HashMap<Term, f64>,
     kinds: usize,
 }
@@ -86,11 +85,11 @@ pub struct Fit {
     /// What its unknowns and the search cost.
     pub penalty: f64,
     /// Readings it predicts, CAD masses, m.
-    pub predicted: Rc<Vec<f64>>,
+    pub predicted: Arc<Vec<f64>>,
     /// Whitened residuals (reading − predicted)/σ.
-    pub residual: Rc<DVector<f64>>,
+    pub residual: Arc<DVector<f64>>,
     /// Whitened derivative by the unknowns.
-    pub slopes: Rc<DMatrix<f64>>,
+    pub slopes: Arc<DMatrix<f64>>,
     /// The same of the soles, where the log is of both feet.
     pub closed: Option<Closed>,
     /// Sides of dead bands, where they matter.
@@ -158,7 +157,7 @@ impl<'m> Problem<'m> {
         let mut flat = CopRows::new(model).of(&data.q, n, Some(&tilts));
         let motion_rows = data.moved.as_ref().map(|moved| {
             let standing = std::mem::replace(&mut flat, moved.rows.dense());
-            Rc::new(&flat - standing)
+            Arc::new(&flat - standing)
         });
         let factor = match prior {
             Prior::Free => free(&flat),
@@ -205,7 +204,7 @@ impl<'m> Problem<'m> {
             rows: flat,
             motion_rows,
             closure: None,
-            tapes: Rc::default(),
+            tapes: Arc::default(),
             target_weights: HashMap::new(),
         })
     }
@@ -236,7 +235,7 @@ impl<'m> Problem<'m> {
             rows: self.rows.clone(),
             motion_rows: None,
             closure: None,
-            tapes: Rc::default(),
+            tapes: Arc::default(),
             target_weights: HashMap::new(),
         }
     }
@@ -244,7 +243,7 @@ impl<'m> Problem<'m> {
     /// The same problem, whose log is of both feet: what the soles say counts.
     pub(super) fn on_both_feet(self, closure: Option<Closure>) -> Problem<'m> {
         Problem {
-            closure: closure.map(Rc::new),
+            closure: closure.map(Arc::new),
             ..self
         }
     }
@@ -343,7 +342,7 @@ impl<'m> Problem<'m> {
             nuisance,
             wide,
             rows,
-            tapes: Rc::default(),
+            tapes: Arc::default(),
             ..self.clone()
         }
     }

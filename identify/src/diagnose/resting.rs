@@ -10,7 +10,7 @@
 //! min Σ_k χ²_k(e, r)      sides = sign τ(e, r), or what the log knows of a joint near no moment
 //! ```
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use sesc_model::effects::{self, Instance, PostureContext};
 use sesc_model::tape::{Tape, Values};
@@ -170,9 +170,9 @@ impl Predictions {
         Fit {
             covariance: further_logs::covariance(problem, &fit, &state, further, &root, errors),
             unknowns: state.unknowns,
-            predicted: Rc::new(state.predicted),
-            residual: Rc::new(state.residual),
-            slopes: Rc::new(state.slopes),
+            predicted: Arc::new(state.predicted),
+            residual: Arc::new(state.residual),
+            slopes: Arc::new(state.slopes),
             closed: state.closed,
             at_bound: state.at_bound,
             sides: Some(problem.sides_of(&context)),

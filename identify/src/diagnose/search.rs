@@ -17,6 +17,7 @@ use super::problem::{ALL, Fit, Problem};
 use super::proposal::Proposal;
 use super::wiring;
 use crate::Error;
+use crate::threads::{each_long, processors};
 use crate::watch::{Watch, tell};
 
 /// How many extensions of a hypothesis are fitted.
@@ -141,16 +142,14 @@ impl<'p, 'm> Search<'p, 'm> {
         if let Some(fit) = self.known.get(&terms) {
             return fit.clone();
         }
-        self.fitted += 1;
-        let starts = self.problem.starts(&terms, parent);
-        let fits = starts
-            .iter()
-            .map(|start| self.problem.fit(&terms, Some(start), ALL));
-        let fit = fits
-            .min_by(|a, b| a.objective.total_cmp(&b.objective))
-            .expect("there is a start");
-        self.known.insert(terms, fit.clone());
+        let fit = fitted(self.problem, &terms, parent);
+        self.learn(terms, fit.clone());
         fit
+    }
+
+    fn learn(&mut self, terms: Vec<Term>, fit: Fit) {
+        self.fitted += 1;
+        self.known.insert(terms, fit);
     }
 
     /// What could be added to a hypothesis, with its predicted score.
@@ -273,17 +272,41 @@ impl<'p, 'm> Search<'p, 'm> {
         watch: &mut dyn Watch,
     ) -> Result<(), Error> {
         proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-        for proposal in proposals {
-            let best = self.best_score();
-            // A linear prediction is hardly ever too modest, but where gaps are large.
+        // A linear prediction is hardly ever too modest, but where gaps are large.
+        let is_hopeless = |proposal: &Proposal, best: f64| {
             let room = criteria::HOPELESS + criteria::HOPELESS_PART * best.abs();
-            if depth > 1 && proposal.predicted_score > best + room {
-                continue;
+            depth > 1 && proposal.predicted_score > best + room
+        };
+        let mut waiting = proposals.into_iter();
+        loop {
+            let best = self.best_score();
+            let mut next: Vec<(Vec<Term>, Proposal)> = Vec::new();
+            while next.len() < processors()
+                && let Some(proposal) = waiting.next()
+            {
+                let terms = sorted(&self.problem.context, &proposal.terms);
+                let is_known = self.known.contains_key(&terms)
+                    || next.iter().any(|(others, _)| *others == terms);
+                if !is_known && !is_hopeless(&proposal, best) {
+                    next.push((terms, proposal));
+                }
             }
-            self.fit(&proposal.terms, proposal.parent.as_ref());
-            tell(watch, "hypotheses", self.fitted as u64, None)?;
+            if next.is_empty() {
+                return Ok(());
+            }
+            let problem = self.problem;
+            let fits = each_long(&next, |(terms, proposal)| {
+                fitted(problem, terms, proposal.parent.as_ref())
+            });
+            // As if one had been fitted after the other: what those before it made hopeless
+            // is not known.
+            for ((terms, proposal), fit) in next.into_iter().zip(fits) {
+                if !is_hopeless(&proposal, self.best_score()) {
+                    self.learn(terms, fit);
+                    tell(watch, "hypotheses", self.fitted as u64, None)?;
+                }
+            }
         }
-        Ok(())
     }
 
     /// The best of a depth, one of each family before seconds.
@@ -324,6 +347,16 @@ impl<'p, 'm> Search<'p, 'm> {
         }
         Ok(())
     }
+}
+
+/// The best fit of some terms, from wherever it may be begun.
+fn fitted(problem: &Problem, terms: &[Term], parent: Option<&Fit>) -> Fit {
+    let starts = problem.starts(terms, parent);
+    let fits = starts
+        .iter()
+        .map(|start| problem.fit(terms, Some(start), ALL));
+    fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
+        .expect("there is a start")
 }
 
 fn with(problem: &Problem, terms: &[Term], more: &Term) -> Vec<Term> {

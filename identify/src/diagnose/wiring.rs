@@ -9,22 +9,18 @@ use super::hypothesis::{Term, effect_terms, sorted};
 use super::problem::{Fit, Problem};
 use super::proposal::Proposal;
 use crate::lsq::factor_normal;
+use crate::threads::each_long;
 
 pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
     let context = &problem.context;
-    let faults = effect_terms(context)
-        .into_iter()
-        .filter(|term| term.unknowns(context) == 0);
-    let mut alone = Vec::new();
-    let mut beside = Vec::new();
-    for fault in faults {
+    let with_best = each_long(faults(problem), |fault| {
         let own = std::slice::from_ref(&fault);
         let residual = residual(problem, &fault);
         let left = problem.project_out_one(&problem.nuisance, &residual);
         let penalty = problem.penalty(own);
         let predicted_score = residual.dot(&left) + penalty;
         if !predicted_score.is_finite() {
-            continue;
+            return None;
         }
         let gains = dictionary.gains_of(&residual);
         let best = dictionary
@@ -38,19 +34,20 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
                 )
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        alone.push(Proposal {
-            terms: vec![fault.clone()],
+        let beside = best.map(|(predicted_score, more)| Proposal {
+            terms: sorted(context, &[fault.clone(), more.clone()]),
             predicted_score,
             parent: None,
         });
-        if let Some((predicted_score, more)) = best {
-            beside.push(Proposal {
-                terms: sorted(context, &[fault.clone(), more.clone()]),
-                predicted_score,
-                parent: None,
-            });
-        }
-    }
+        let alone = Proposal {
+            terms: vec![fault],
+            predicted_score,
+            parent: None,
+        };
+        Some((alone, beside))
+    });
+    let (mut alone, beside): (Vec<_>, Vec<_>) = with_best.into_iter().flatten().unzip();
+    let mut beside: Vec<Proposal> = beside.into_iter().flatten().collect();
     for (list, most) in [
         (&mut alone, criteria::WIRING_ALONE),
         (&mut beside, criteria::WIRING_PAIRS),
@@ -71,32 +68,35 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
     let (_, own) = problem.whole(parent);
     let factor = factor_normal(own.tr_mul(&problem.project_out(masses, &own)));
     let width = parent.unknowns.len() + 1;
-    let mut proposals: Vec<Proposal> = effect_terms(context)
-        .into_iter()
-        .filter(|term| term.unknowns(context) == 0)
-        .filter(|i| !parent.terms.contains(i))
-        .filter_map(|fault| {
-            let (q, rewire) = problem.rewired(&fault);
-            let out = problem.evaluate(&parent.terms, &parent.unknowns, &q, posture_context);
-            let values: Vec<f64> = out.iter().step_by(width).copied().collect();
-            let residual = whitened(problem, &rewire.readings(&values));
-            let closed = problem.closed_at(&parent.terms, &parent.unknowns, &q, posture_context);
-            let residual = problem.stacked_residual(&residual, closed.as_ref());
-            let left = problem.project_out_one(masses, &residual);
-            let pull = own.tr_mul(&left);
-            let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
-            let penalty = problem.penalty(std::slice::from_ref(&fault));
-            let predicted_score = residual.dot(&left) - gain + parent.penalty + penalty;
-            predicted_score.is_finite().then(|| Proposal {
-                terms: sorted(context, &[parent.terms.as_slice(), &[fault]].concat()),
-                predicted_score,
-                parent: Some(parent.clone()),
-            })
+    let further = faults(problem).filter(|fault| !parent.terms.contains(fault));
+    let proposals = each_long(further, |fault| {
+        let (q, rewire) = problem.rewired(&fault);
+        let out = problem.evaluate(&parent.terms, &parent.unknowns, &q, posture_context);
+        let values: Vec<f64> = out.iter().step_by(width).copied().collect();
+        let residual = whitened(problem, &rewire.readings(&values));
+        let closed = problem.closed_at(&parent.terms, &parent.unknowns, &q, posture_context);
+        let residual = problem.stacked_residual(&residual, closed.as_ref());
+        let left = problem.project_out_one(masses, &residual);
+        let pull = own.tr_mul(&left);
+        let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
+        let penalty = problem.penalty(std::slice::from_ref(&fault));
+        let predicted_score = residual.dot(&left) - gain + parent.penalty + penalty;
+        predicted_score.is_finite().then(|| Proposal {
+            terms: sorted(context, &[parent.terms.as_slice(), &[fault]].concat()),
+            predicted_score,
+            parent: Some(parent.clone()),
         })
-        .collect();
+    });
+    let mut proposals: Vec<Proposal> = proposals.into_iter().flatten().collect();
     proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
     proposals.truncate(criteria::WIRING_BESIDE_PARENT);
     proposals
+}
+
+/// Effects without unknowns.
+fn faults<'p>(problem: &'p Problem) -> impl Iterator<Item = Term> + 'p {
+    let all = effect_terms(&problem.context).into_iter();
+    all.filter(|term| term.unknowns(&problem.context) == 0)
 }
 
 /// Whitened residuals of readings and soles under a fault.

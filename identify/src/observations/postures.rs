@@ -6,7 +6,7 @@
 //! ```
 
 use super::criteria::noise::LEAST_PART;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use sesc_model::Model;
 use sesc_model::effects::PostureContext;
@@ -93,7 +93,7 @@ pub struct Postures {
     /// How the joints move, where the log is dense enough in time to know.
     pub motion: Option<Motion>,
     /// What that adds to readings, where they are compared with the ZMP.
-    pub moved: Option<Rc<Moved>>,
+    pub moved: Option<Arc<Moved>>,
     /// How motion counts.
     pub motion_use: MotionUse,
 }
@@ -421,7 +421,7 @@ impl Postures {
         for (k, context) in contexts.enumerate() {
             moved.tell(k, layout, context);
         }
-        self.moved = Some(Rc::new(moved));
+        self.moved = Some(Arc::new(moved));
     }
 
     /// A joint is at `positions`, whatever its encoder says: readings were spent on that, each

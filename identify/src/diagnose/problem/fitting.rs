@@ -7,7 +7,7 @@
 //! Damped least squares over the unknowns of all terms together, with the
 //! symbolic derivatives of the measurement.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -147,9 +147,9 @@ impl Problem<'_> {
             unknowns: state.unknowns,
             covariance,
             objective,
-            predicted: Rc::new(state.predicted),
-            residual: Rc::new(state.residual),
-            slopes: Rc::new(state.slopes),
+            predicted: Arc::new(state.predicted),
+            residual: Arc::new(state.residual),
+            slopes: Arc::new(state.slopes),
             closed: state.closed,
             sides: sides.map(|sides| self.sides_of(&sides.posture_context)),
             outliers: outliers.clone(),

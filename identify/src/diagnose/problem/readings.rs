@@ -1,8 +1,7 @@
 //! What a hypothesis predicts of a log: programs made once, run on tape.
 
 use std::borrow::Cow;
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::sync::{Arc, OnceLock, PoisonError};
 
 use sesc_model::Function;
 use sesc_model::effects::{self, PostureContext, Stage};
@@ -18,48 +17,47 @@ use crate::feet::OtherFoot;
 pub(super) struct Tapes {
     pub reading: Tape,
     /// Made when a dead band asks for sides.
-    moments: RefCell<Option<Rc<Tape>>>,
+    moments: OnceLock<Arc<Tape>>,
     /// Made where the log is of both feet.
-    soles: RefCell<Option<Rc<Tape>>>,
+    soles: OnceLock<Arc<Tape>>,
 }
 
 impl Problem<'_> {
-    /// The programs of a set of terms, made once.
-    fn tapes(&self, terms: &[Term]) -> Rc<Tapes> {
+    /// The programs of a set of terms, made once; two who ask at the same time may both make
+    /// them, and the same.
+    fn tapes(&self, terms: &[Term]) -> Arc<Tapes> {
+        let known = || self.tapes.lock().unwrap_or_else(PoisonError::into_inner);
         let key = effects_of(terms);
-        if let Some(tapes) = self.tapes.borrow().get(&key) {
+        if let Some(tapes) = known().get(&key) {
             return tapes.clone();
         }
         let program = effects::reading(&self.context, &key, &self.params);
-        let tapes = Rc::new(Tapes {
+        let tapes = Arc::new(Tapes {
             reading: Tape::new(&program),
-            moments: RefCell::new(None),
-            soles: RefCell::new(None),
+            moments: OnceLock::new(),
+            soles: OnceLock::new(),
         });
-        self.tapes.borrow_mut().insert(key, tapes.clone());
-        tapes
+        known().entry(key).or_insert(tapes).clone()
     }
 
-    fn moments(&self, terms: &[Term]) -> Rc<Tape> {
+    fn moments(&self, terms: &[Term]) -> Arc<Tape> {
         let tapes = self.tapes(terms);
-        let mut made = tapes.moments.borrow_mut();
-        made.get_or_insert_with(|| {
+        let made = tapes.moments.get_or_init(|| {
             let program = effects::moments(&self.context, &effects_of(terms), &self.params);
-            Rc::new(Tape::new(&program))
-        })
-        .clone()
+            Arc::new(Tape::new(&program))
+        });
+        made.clone()
     }
 
     /// The program of the other sole under a set of terms.
-    pub(super) fn soles(&self, terms: &[Term], other: &OtherFoot) -> Rc<Tape> {
+    pub(super) fn soles(&self, terms: &[Term], other: &OtherFoot) -> Arc<Tape> {
         let tapes = self.tapes(terms);
-        let mut made = tapes.soles.borrow_mut();
-        made.get_or_insert_with(|| {
+        let made = tapes.soles.get_or_init(|| {
             let effects = effects_of(terms);
             let program = effects::other_sole(&self.context, &effects, &self.params, other.place());
-            Rc::new(Tape::new(&program))
-        })
-        .clone()
+            Arc::new(Tape::new(&program))
+        });
+        made.clone()
     }
 
     /// Readings and derivatives of as many postures as there are contexts: per posture x then y, each value, ∂/∂e_1, ….
