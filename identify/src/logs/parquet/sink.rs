@@ -1,7 +1,11 @@
-//! Writing Parquet logs. Memory: one group of rows.
+//! Writing Parquet logs, on a thread of its own while the next rows come. Memory: at most three
+//! groups of rows.
 
+use std::panic;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{Builder, JoinHandle};
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::column::writer::ColumnWriter;
@@ -19,12 +23,52 @@ use sesc_model::files::{self, NewFile};
 /// Rows of a group.
 const GROUP: usize = 65_536;
 
+/// Groups that wait to be written, at most.
+const WAITING: usize = 1;
+
 /// A Parquet file being written, a group of rows at a time.
 pub(in crate::logs) struct ParquetSink {
     path: PathBuf,
-    writer: SerializedFileWriter<NewFile>,
+    group: Group,
+    writing: Writing,
+}
+
+/// The thread that writes. Who drops it waits for it: what was begun is removed then.
+struct Writing {
+    to: Option<SyncSender<Group>>,
+    thread: Option<JoinHandle<Result<NewFile, ParquetError>>>,
+}
+
+impl Writing {
+    /// Whether it takes a group: one that has met an error does not.
+    fn takes(&self, group: Group) -> bool {
+        self.to.as_ref().is_some_and(|to| to.send(group).is_ok())
+    }
+
+    /// Wait until all is written; the file is yet to be moved to its place.
+    fn end(&mut self) -> Result<NewFile, ParquetError> {
+        self.to = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(file)) => file,
+            Some(Err(reason)) => panic::resume_unwind(reason),
+            None => Err(ParquetError::General("it was given up before".into())),
+        }
+    }
+}
+
+impl Drop for Writing {
+    fn drop(&mut self) {
+        self.to = None;
+        // Nobody asks any more what came of it.
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+/// Rows that are written together.
+#[derive(Default)]
+struct Group {
     pose: Vec<i64>,
-    support: Option<Vec<ByteArray>>,
+    support: Vec<ByteArray>,
     /// Column by column.
     numbers: Vec<Vec<f64>>,
     t: Vec<f64>,
@@ -34,7 +78,6 @@ impl ParquetSink {
     /// Start a file with the columns `names`: `pose` whole, `support` text, the
     /// others numbers.
     pub fn create(path: &Path, names: &[String]) -> Result<ParquetSink, Error> {
-        let support = names.iter().any(|name| name == SUPPORT);
         let failed = |error| unwritten(path, error);
         let kind = |name: &str| match name {
             POSE => Physical::INT64,
@@ -61,49 +104,76 @@ impl ParquetSink {
         let writer =
             SerializedFileWriter::new(NewFile::create(path)?, Arc::new(schema), properties.into())
                 .map_err(failed)?;
+        let (to, groups) = sync_channel(WAITING);
+        let thread = Builder::new().name("parquet".into());
+        let thread = thread.spawn(move || write(writer, &groups));
         Ok(ParquetSink {
             path: path.to_path_buf(),
-            writer,
-            pose: Vec::new(),
-            support: support.then(Vec::new),
-            numbers: Vec::new(),
-            t: Vec::new(),
+            group: Group::default(),
+            writing: Writing {
+                to: Some(to),
+                thread: Some(thread.map_err(|error| files::failed(path, error))?),
+            },
         })
     }
 
     /// Append a row.
     pub fn row(&mut self, row: &Row, columns: Written) -> Result<(), Error> {
-        self.pose.push(row.pose);
+        let group = &mut self.group;
+        group.pose.push(row.pose);
         if columns.t {
-            self.t.push(row.t);
+            group.t.push(row.t);
         }
-        if let Some(support) = &mut self.support {
-            support.push(row.support.into());
+        if columns.support {
+            group.support.push(row.support.into());
         }
         for (k, x) in numbers(row, columns).enumerate() {
-            if k == self.numbers.len() {
-                self.numbers.push(Vec::new());
+            if k == group.numbers.len() {
+                group.numbers.push(Vec::new());
             }
-            self.numbers[k].push(x);
+            group.numbers[k].push(x);
         }
-        if self.pose.len() == GROUP {
-            self.flush()?;
+        match group.pose.len() == GROUP {
+            true => self.flush(),
+            false => Ok(()),
         }
-        Ok(())
     }
 
     fn flush(&mut self) -> Result<(), Error> {
-        let written = self.group();
-        written.map_err(|error| unwritten(&self.path, error))?;
-        self.pose.clear();
-        self.t.clear();
-        self.support.iter_mut().for_each(Vec::clear);
-        self.numbers.iter_mut().for_each(Vec::clear);
-        Ok(())
+        match self.writing.takes(std::mem::take(&mut self.group)) {
+            true => Ok(()),
+            false => self.end().map(drop),
+        }
     }
 
-    fn group(&mut self) -> Result<(), ParquetError> {
-        let mut group = self.writer.next_row_group()?;
+    fn end(&mut self) -> Result<NewFile, Error> {
+        let file = self.writing.end();
+        file.map_err(|error| unwritten(&self.path, error))
+    }
+
+    /// Write what is left; the file is yet to be moved to its place.
+    pub fn finish(mut self) -> Result<NewFile, Error> {
+        if !self.group.pose.is_empty() {
+            self.flush()?;
+        }
+        self.end()
+    }
+}
+
+/// Write groups as they come; the file is yet to be moved to its place.
+fn write(
+    mut writer: SerializedFileWriter<NewFile>,
+    groups: &Receiver<Group>,
+) -> Result<NewFile, ParquetError> {
+    for group in groups {
+        group.write(&mut writer)?;
+    }
+    writer.into_inner()
+}
+
+impl Group {
+    fn write(&self, writer: &mut SerializedFileWriter<NewFile>) -> Result<(), ParquetError> {
+        let mut group = writer.next_row_group()?;
         // In the order of the header: pose, t, support, numbers.
         let t = (!self.t.is_empty()).then_some(&self.t);
         let mut numbers = t.into_iter().chain(&self.numbers);
@@ -117,7 +187,7 @@ impl ParquetSink {
                     to.write_batch(values, None, None)?;
                 }
                 ColumnWriter::ByteArrayColumnWriter(to) => {
-                    to.write_batch(self.support.as_deref().unwrap_or(&[]), None, None)?;
+                    to.write_batch(&self.support, None, None)?;
                 }
                 _ => {}
             }
@@ -125,15 +195,6 @@ impl ParquetSink {
         }
         group.close()?;
         Ok(())
-    }
-
-    /// Write what is left; the file is yet to be moved to its place.
-    pub fn finish(mut self) -> Result<NewFile, Error> {
-        if !self.pose.is_empty() {
-            self.flush()?;
-        }
-        let file = self.writer.into_inner();
-        file.map_err(|error| unwritten(&self.path, error))
     }
 }
 
