@@ -5,7 +5,6 @@ use std::sync::Arc;
 use sesc_model::{Model, Snapping};
 
 use super::logs::Logs;
-use super::looked::looked_and_joined;
 use super::part::{About, Part, PartOptions};
 use super::request::{Duplicates, FOLDS, Request};
 use super::revisits;
@@ -14,70 +13,8 @@ use crate::health::Finding;
 use crate::logs::{Options, Readings, Stays};
 use crate::observations::motion_use::MotionModel;
 use crate::robot::Robot;
-use crate::threads::processors;
 use crate::watch::Watch;
 use crate::{Error, Setting, message};
-
-/// Gather all logs and parts of a request into one part, on its support.
-///
-/// ```
-/// use std::sync::Arc;
-/// use sesc_identify::fit::{Request, fit, gather};
-/// use sesc_identify::logs::Table;
-/// use sesc_identify::robot::Robot;
-/// # let urdf = "<robot name='rod'><link name='foot'/>\
-/// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
-/// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
-/// #     <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
-/// #     </robot>";
-/// # let robot = Arc::new(Robot::parse(urdf, "rod.urdf")?);
-/// # let log = |name: &str, start: u32| {
-/// #     let hip: Vec<f64> = (start..start + 20).map(|k| (0.7 * f64::from(k)).sin()).collect();
-/// #     Table::new(name)
-/// #         .numbers("cop_x", hip.iter().map(|q| 0.11 * q.sin()).collect::<Vec<f64>>())
-/// #         .numbers("cop_y", vec![0.0; 20])
-/// #         .numbers("hip", hip)
-/// # };
-/// // A part per day: a few kilobytes, however long the logs are.
-/// let part = |name: &str, start| {
-///     let mut day = Request::default();
-///     day.robot = Some(robot.clone());
-///     day.logs = vec![log(name, start).into()];
-///     day.support = Some("foot".into());
-///     day.noise = Some(1e-5);
-///     gather(&day, &mut ())
-/// };
-/// let (monday, tuesday) = (part("monday", 0)?, part("tuesday", 20)?);
-/// assert_eq!(monday.postures(), 20);
-///
-/// let mut both = Request::default();
-/// both.parts = vec![("monday".into(), monday), ("tuesday".into(), tuesday)];
-/// assert_eq!(fit(&both, &mut ())?.identification.postures, 40);
-/// # Ok::<(), sesc_identify::Error>(())
-/// ```
-///
-/// # Errors
-/// Those of [`fit`](super::fit).
-pub fn gather(request: &Request, watch: &mut dyn Watch) -> Result<Part, Error> {
-    let (_, part) = looked_and_joined(request, is_alone(request), processors(), watch)?;
-    Ok(part)
-}
-
-/// [`gather`] on one processor, beside others that gather parts. `alone`: whether the part is
-/// fitted without those of other logs.
-pub(crate) fn gather_as(
-    request: &Request,
-    alone: bool,
-    watch: &mut dyn Watch,
-) -> Result<Part, Error> {
-    let (_, part) = looked_and_joined(request, alone, 1, watch)?;
-    Ok(part)
-}
-
-/// Whether the request is about one log and nothing else.
-pub(super) fn is_alone(request: &Request) -> bool {
-    request.logs.len() == 1 && request.parts.is_empty()
-}
 
 /// The robot of the logs.
 pub(super) fn robot_of(request: &Request, parts: Option<&Part>) -> Result<Arc<Robot>, Error> {

@@ -58,8 +58,8 @@ pub use gather::{DownWeighted, LogUsed};
 pub use identification::{
     BodyLength, Correlation, HeightConstant, Identification, ParameterFound, Settings, Unseen,
 };
-pub use joined::gather;
-pub(crate) use joined::gather_as;
+pub use looked::gather;
+pub(crate) use looked::gather_as;
 pub(crate) use report::check_result;
 pub use report::{Report, fit, residuals};
 pub use request::{Duplicates, FOLDS, Request};
