@@ -83,7 +83,7 @@ mod tests {
         // That of nothing, by the description of XXH64.
         let nothing = Place::Bytes(Shared::new(Vec::new()));
         assert_eq!(of(&nothing).unwrap(), 0xef46_db37_51d8_e999);
-        let bytes: Vec<u8> = (0..3 * PIECE + 1).map(|k| (k * k >> 7) as u8).collect();
+        let bytes: Vec<u8> = (0..3 * PIECE + 1).map(|k| ((k * k) >> 7) as u8).collect();
         let place = Place::Bytes(Shared::new(bytes));
         let aside = Hashing::begin(&place).unwrap().end().unwrap();
         assert_eq!(aside, of(&place).unwrap());
