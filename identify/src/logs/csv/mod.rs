@@ -68,7 +68,6 @@ impl CsvSource {
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(delimiter)
             .flexible(true)
-            .buffer_capacity(64 << 10)
             .from_reader(input);
         let header: Vec<String> = match reader.headers() {
             Ok(header) => header.iter().map(name).collect(),
