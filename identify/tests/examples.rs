@@ -8,7 +8,7 @@ const ENTRIES: [(&str, &[&str]); 14] = [
     ("compare.rs", &["compare"]),
     ("diagnose/request.rs", &["diagnose"]),
     ("evaluate.rs", &["struct Evaluator"]),
-    ("fit/joined.rs", &["gather"]),
+    ("fit/looked.rs", &["gather"]),
     ("fit/report.rs", &["fit", "residuals"]),
     ("fleet/groups.rs", &["groups"]),
     ("fleet/run.rs", &["run"]),
