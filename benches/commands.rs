@@ -122,12 +122,47 @@ impl Bench {
             ),
             ("inspect, OP2", format!("inspect {op2} --support r_sole")),
             ("verify, OP2", format!("verify {op2} --support r_sole")),
+            (
+                "inspect, chain of 2000 joints",
+                format!("inspect {} --support l0", self.chain(2000)),
+            ),
+            (
+                "verify, chain of 500 joints",
+                format!("verify {} --support l0", self.chain(500)),
+            ),
         ];
         let split = |line: String| line.split_whitespace().map(str::to_string).collect();
         let lines = lines.into_iter();
         lines
             .map(|(name, line)| (name.to_string(), split(line)))
             .collect()
+    }
+
+    /// The URDF of a chain of so many skewed joints.
+    fn chain(&self, joints: usize) -> String {
+        let mut urdf = String::from("<robot name='chain'><link name='l0'/>");
+        for k in 1..=joints {
+            // No two links alike, and no angle a right one.
+            let part = |n: usize| 0.1 + 0.8 * ((k * n) % 97) as f64 / 97.0;
+            let [a, b, c] = [13, 29, 41].map(part);
+            urdf += &format!(
+                "<link name='l{k}'><inertial><origin xyz='{} {} {}'/><mass value='{}'/></inertial>\
+                 </link><joint name='j{k}' type='revolute'><parent link='l{}'/>\
+                 <child link='l{k}'/><origin xyz='{} {} 0.05' rpy='{a} {b} {c}'/>\
+                 <axis xyz='{c} {} {b}'/><limit lower='-1' upper='1'/></joint>",
+                0.02 * a,
+                -0.02 * b,
+                0.05 * c,
+                0.5 + a,
+                k - 1,
+                0.01 * b,
+                0.01 * c,
+                -a
+            );
+        }
+        let path = self.folder.join(format!("chain-{joints}.urdf"));
+        fs::write(&path, urdf + "</robot>").expect("the temporary folder can be written to");
+        path.display().to_string()
     }
 
     /// Wall and processor time of one command, s.

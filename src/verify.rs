@@ -9,6 +9,7 @@
 
 mod allowed;
 mod compare;
+mod functions;
 mod imperfect;
 mod motion;
 mod truth;
@@ -17,23 +18,21 @@ mod world;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use sesc_codegen::emit::header::function_name;
-use sesc_model::{Function, Given, Model};
+use sesc_model::{Function, Model};
 use sesc_reference::Reference;
 
 use crate::Error;
 pub use allowed::allowed;
-use allowed::decided;
-use compare::{Block, Blocks, Compared, Compares, explained_by};
+use compare::{Block, Blocks, Compared};
+use functions::functions;
+pub use functions::{UNPROVEN_OF_REACH, USEFUL};
 pub use imperfect::with_effect;
 pub use motion::JointMotion;
-use motion::velocities;
-use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_identify::threads::each;
 use sesc_identify::{Watch, tell};
-use world::{Bent, beyond_rounding, magnified};
+use world::Bent;
 
 /// Joint angles that [`samples`] draws, in postures that the limits below hold.
 const DRAWN: usize = 1_000_000;
@@ -115,49 +114,11 @@ pub fn verify(
         0 => 1,
         _ => postures.len() / dof,
     };
-    let decided = decided(model);
-    let allowed_for_springs = bent.as_ref().map_or(0.0, Bent::allowed_for_springs);
     let mut left_out: f64 = 0.0;
     let mut settled = true;
     let reach = model.reach().max(model.extent()).max(LEAST_REACH_M);
-    let widest_of_use = USEFUL * reach;
     let joints = JointMotion::of(model);
-    let compares = |(given, function): (Given, Function)| {
-        let params = model.cad_params();
-        let evaluator = Evaluator::variant(model, function, given, params)?;
-        let evaluator = match function {
-            Function::Zmp => evaluator.moving(&joints.rates, &joints.accelerations),
-            _ => evaluator.moving(&velocities(dof), &[]),
-        };
-        let own = bent.is_some();
-        let own = own.then(|| beyond_rounding(model, function, allowed_for_springs));
-        let allowed = match allowed(&decided, function, given) {
-            infinite if own.is_some() && infinite.is_infinite() => UNPROVEN_M * magnified(model),
-            proven => proven,
-        };
-        // Springs beside dead bands have bounds of millimetres, which are told by name.
-        let is_of_use = own.is_some() || allowed <= widest_of_use;
-        let allowed = match is_of_use {
-            true => allowed,
-            // What is infinite or no number stays so, and fails.
-            false if allowed.is_finite() => UNPROVEN_OF_REACH * reach,
-            false => allowed,
-        };
-        Some(Compares {
-            name: function_name(function, given),
-            function,
-            params: explained_by(model, function),
-            evaluator,
-            bound: allowed + own.unwrap_or(0.0),
-            is_of_use,
-        })
-    };
-    let givens = [Given::Positions, Given::SinesCosines, Given::Direction];
-    let all = givens
-        .into_iter()
-        .flat_map(|given| Function::ALL.map(|function| (given, function)));
-    let functions = each(usize::MAX, all, compares);
-    let functions: Vec<Compares> = functions.into_iter().flatten().collect();
+    let functions = functions(model, bent.as_ref(), &joints, reach);
     let mut worst: BTreeMap<String, f64> = BTreeMap::new();
     let named = || {
         functions
@@ -206,7 +167,7 @@ pub fn verify(
             let beyond = named().filter(|(_, function)| !function.is_of_use);
             beyond.map(|(name, _)| name).collect()
         },
-        widest_of_use,
+        widest_of_use: USEFUL * reach,
         samples: count,
         undecided,
         springs_left_out: left_out,
@@ -218,18 +179,8 @@ pub fn verify(
     })
 }
 
-/// Part of the robot's reach from which on a bound is too wide to verify anything.
-pub const USEFUL: f64 = 1e-3;
-
 /// Reach that a robot is taken to have at least, m.
 const LEAST_REACH_M: f64 = 1e-3;
-
-/// Part of the robot's reach that is allowed where the proven bound is of no use.
-pub const UNPROVEN_OF_REACH: f64 = 1e-9;
-
-/// What is allowed where an effect of the model file divides or takes powers, so that no
-/// bound is proven, m.
-const UNPROVEN_M: f64 = 1e-9;
 
 /// Whether an error keeps its bound; an infinite bound proves nothing.
 pub fn holds(error: f64, bound: f64) -> bool {

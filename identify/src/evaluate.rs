@@ -74,14 +74,27 @@ impl Evaluator {
         params: Vec<f64>,
     ) -> Option<Evaluator> {
         let program = model.program(function, given)?;
+        Some(Evaluator::of_function(
+            model, &program, function, given, params,
+        ))
+    }
+
+    /// The same where its `program` is at hand.
+    pub fn of_function(
+        model: &Model,
+        program: &Program,
+        function: Function,
+        given: Given,
+        params: Vec<f64>,
+    ) -> Evaluator {
         let params = function.takes_parameters().then_some(params);
         let takes = |argument| function.arguments(given).contains(&argument);
         let still = |argument| takes(argument).then(|| vec![0.0; model.dof()]);
-        Some(Evaluator {
+        Evaluator {
             velocities: still(Argument::Velocities),
             accelerations: still(Argument::Accelerations),
-            ..Evaluator::of(model, &program, given, params)
-        })
+            ..Evaluator::of(model, program, given, params)
+        }
     }
 
     /// With all joints moving at `velocities` (rad/s or m/s) and `accelerations` (rad/s² or

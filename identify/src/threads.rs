@@ -43,7 +43,7 @@ pub fn each<T: Send, R: Send>(
 }
 
 /// The same where an item is work for longer than a thread takes to start.
-pub(crate) fn each_long<T: Send, R: Send>(
+pub fn each_long<T: Send, R: Send>(
     items: impl IntoIterator<Item = T>,
     work: impl Fn(T) -> R + Sync,
 ) -> Vec<R> {

@@ -29,7 +29,7 @@ use crate::robot::Robot;
 #[derive(Debug, Clone)]
 pub struct Reference {
     pub(crate) robot: Robot,
-    support: usize,
+    pub(crate) support: usize,
     total_mass_kg: f64,
     /// For every link, the free joint between it and the support, if any.
     beyond: Vec<Option<usize>>,
@@ -114,29 +114,13 @@ impl Reference {
 
     /// The centre of mass by Eq. (3), m.
     pub fn com(&self, q: &[f64]) -> Vector3<f64> {
-        self.com_at(&self.robot.poses_in_root(q))
-    }
-
-    /// The same of links at `poses` in the frame of the root.
-    pub(crate) fn com_at(&self, poses: &[Pose]) -> Vector3<f64> {
+        let poses = self.robot.poses_in_root(q);
         let mut moment = Vector3::zeros();
-        for (link, pose) in self.robot.links().iter().zip(poses) {
+        for (link, pose) in self.robot.links().iter().zip(&poses) {
             moment += link.mass_kg * (pose * link.com_m).coords;
         }
         let in_root = Point3::from(moment / self.total_mass_kg);
         poses[self.support].inverse_transform_point(&in_root).coords
-    }
-
-    /// Potential energy per unit of weight of links at `poses` in the frame of the root, m.
-    pub(crate) fn potential_energy_at(&self, poses: &[Pose]) -> f64 {
-        let to_support = poses[self.support].inverse();
-        let links = self.robot.links().iter().zip(poses);
-        links
-            .map(|(link, pose)| {
-                let share = link.mass_kg / self.total_mass();
-                share * (to_support * (pose * link.com_m)).z
-            })
-            .sum()
     }
 
     /// The transforms `T_l` of all links, in the order of the file. Links whose

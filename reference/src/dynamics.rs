@@ -71,9 +71,7 @@ impl Reference {
     pub fn motion(&self, q: &[f64], velocities: &[f64], accelerations: &[f64]) -> Motion {
         let poses = self.robot.poses_in_root(q);
         let moving = self.moving_in_root(&poses, velocities, accelerations);
-        let support = self.robot.link_index(self.support());
-        let support = support.expect("the robot stands on a link of its own");
-        let (stand, ground) = (poses[support], moving[support]);
+        let (stand, ground) = (poses[self.support], moving[self.support]);
         let [mut moment, mut force, mut angular] = [Vector3::zeros(); 3];
         for (l, link) in self.robot.links().iter().enumerate() {
             if !self.is_placed(l) {

@@ -184,11 +184,6 @@ impl Robot {
         joint.origin * joint.motion(position)
     }
 
-    /// Joints in an order in which each follows the one before its parent link.
-    pub(crate) fn order(&self) -> &[usize] {
-        &self.order
-    }
-
     /// The same robot with a point mass fixed to a link at `at_m` of its
     /// frame; a negative mass takes away.
     ///

@@ -231,6 +231,30 @@ fn the_jacobian_is_the_screw_formula() {
 }
 
 #[test]
+fn the_jacobian_is_the_slope_of_the_com_on_every_support() {
+    // Differences of the CoM of whole postures; the support may itself hang on a follower of
+    // a joint that moves it.
+    const STEP: f64 = 1e-3;
+    let robot = bushy();
+    for link in robot.links() {
+        let reference = Reference::new(&robot, &link.name).unwrap();
+        for q in postures(&reference, 5) {
+            let jacobian = reference.com_jacobian(&q);
+            for (j, column) in jacobian.column_iter().enumerate() {
+                let at = |steps: f64| {
+                    let mut moved = q.clone();
+                    moved[j] += steps * STEP;
+                    reference.com(&moved)
+                };
+                let near = (at(1.0) - at(-1.0)) * 8.0 - (at(2.0) - at(-2.0));
+                let error = near / (12.0 * STEP) - column;
+                assert!(error.norm() < 2e-12, "{}, {j}: {error}", link.name);
+            }
+        }
+    }
+}
+
+#[test]
 fn a_free_joint_must_carry_no_mass_away() {
     let body = [
         "<link name='world'/>".to_owned(),

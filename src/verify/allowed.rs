@@ -1,6 +1,10 @@
 //! How far generated code may be from the reference: by rounding, snapping and springs.
 
+use std::borrow::Cow;
+
 use sesc_model::bounds::Precision;
+use sesc_model::effects::Effect;
+use sesc_model::program::Program;
 use sesc_model::{Function, Given, Model};
 
 use super::motion::{JointMotion, velocities};
@@ -12,24 +16,39 @@ const DIFFERENCES: f64 = 2e-10;
 /// The model whose rounding counts: postures that are compared have every loose joint at an
 /// end of its dead band, by a moment that rounding does not turn round. Where springs give
 /// way on the way to that end, the bound of the whole model is taken.
-pub(super) fn decided(model: &Model) -> Model {
-    let mut decided = model.clone();
-    if !decided.effects.iter().any(|(i, _)| i.effect.is_spring()) {
-        let effects = &mut decided.effects;
-        effects.retain(|(i, _)| i.effect.dead_band().is_none());
+pub(super) fn decided(model: &Model) -> Cow<'_, Model> {
+    let effects = || model.effects.iter().map(|(instance, _)| instance.effect);
+    let is_loose = |effect: &dyn Effect| effect.dead_band().is_some();
+    if effects().any(|effect| effect.is_spring()) || !effects().any(is_loose) {
+        return Cow::Borrowed(model);
     }
-    decided
+    let mut decided = model.clone();
+    decided.effects.retain(|(i, _)| !is_loose(i.effect));
+    Cow::Owned(decided)
+}
+
+/// Proven bound on the rounding error of `program`, of `model`; infinite where there is none,
+/// of a variant that cannot be had.
+pub(super) fn rounding(model: &Model, program: Option<&Program>) -> f64 {
+    program.map_or(f64::INFINITY, |program| {
+        model.rounding(program, Precision::F64).worst
+    })
 }
 
 /// How far generated code may be from the reference, m; infinite for a variant
 /// that cannot be had.
 pub fn allowed(model: &Model, function: Function, given: Given) -> f64 {
-    let rounding = |function: Function, given: Given| {
-        let program = model.program(function, given);
-        program.map_or(f64::INFINITY, |program| {
-            model.rounding(&program, Precision::F64).worst
-        })
-    };
+    let rounding = |function, given| rounding(model, model.program(function, given).as_ref());
+    allowed_by(model, function, given, &rounding)
+}
+
+/// The same where [`rounding`] of each function is known.
+pub(super) fn allowed_by(
+    model: &Model,
+    function: Function,
+    given: Given,
+    rounding: &dyn Fn(Function, Given) -> f64,
+) -> f64 {
     let snapped: f64 = model
         .tree
         .snaps

@@ -1,10 +1,10 @@
 //! Postures in blocks, and how far the functions of a model are from the reference in them.
 
 use sesc_identify::evaluate::Evaluator;
-use sesc_model::{Function, Model};
+use sesc_model::Function;
 use sesc_reference::Reference;
 
-use super::motion::{JointMotion, velocities};
+use super::motion::JointMotion;
 use super::truth::Truth;
 use super::world::{self, Bent};
 
@@ -170,14 +170,4 @@ fn is_derivative(function: Function) -> bool {
         function,
         Function::ComJacobian | Function::ComVelocity | Function::GravityMoments
     )
-}
-
-/// What rows of a function are multiplied with to be compared, if it has any.
-pub(super) fn explained_by(model: &Model, function: Function) -> Vec<f64> {
-    match function {
-        Function::Regressor | Function::RegressorCop => model.cad_params(),
-        Function::RegressorFull => model.chain.full_cad(),
-        Function::ComVelocity => velocities(model.dof()),
-        _ => Vec::new(),
-    }
 }

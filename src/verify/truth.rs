@@ -27,9 +27,9 @@ impl Truth {
     ) -> Truth {
         let com = reference.com(q);
         let derivatives = differentiate.then(|| {
-            let (jacobian, moments) = reference.derivatives(q);
-            let jacobian = jacobian.transpose().as_slice().to_vec();
-            (jacobian, moments.as_slice().to_vec())
+            let jacobian = reference.com_jacobian(q).transpose();
+            let moments = -jacobian.column(2);
+            (jacobian.as_slice().to_vec(), moments.as_slice().to_vec())
         });
         Truth {
             com: [com.x, com.y, com.z],
