@@ -171,6 +171,14 @@ fn expanded(path: &Path) -> Option<Result<String, Error>> {
     Some(text.map_err(|_| Error::log(file, None, "xacro expands it to what is no UTF-8")))
 }
 
+/// A leg that turns about a hip over its foot, for tests.
+#[cfg(test)]
+pub(crate) const ROD: &str = "<robot name='rod'><link name='foot'/>\
+    <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+    <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+    <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+    </robot>";
+
 /// The independent reference of a robot on a support link, for tests.
 #[cfg(test)]
 pub(crate) fn reference(robot: &Robot, support: &str) -> sesc_reference::Reference {

@@ -14,7 +14,9 @@ pub(crate) fn processors() -> usize {
 
 /// Do `work` with every one of `items` on the processors that there are.
 fn on_all_processors<T: Send>(items: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
-    let queue = Mutex::new(items.collect::<Vec<T>>().into_iter());
+    let items: Vec<T> = items.collect();
+    let threads = processors().min(items.len());
+    let queue = Mutex::new(items.into_iter());
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let all = || {
         while let Some(item) = next() {
@@ -22,7 +24,7 @@ fn on_all_processors<T: Send>(items: impl Iterator<Item = T>, work: impl Fn(T) +
         }
     };
     thread::scope(|scope| {
-        for _ in 1..processors() {
+        for _ in 1..threads {
             // Where no thread starts, there are fewer: nothing of the queue is lost.
             let _ = Builder::new().spawn_scoped(scope, all);
         }

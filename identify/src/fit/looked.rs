@@ -283,12 +283,7 @@ mod tests {
     use super::*;
     use crate::ErrorKind;
     use crate::logs::Table;
-
-    const ROD: &str = "<robot name='rod'><link name='foot'/>\
-        <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
-        <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
-        <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
-        </robot>";
+    use crate::robot::ROD;
 
     /// What is said of a request, each in its order.
     #[derive(Default)]

@@ -213,15 +213,11 @@ fn spread_of(robots: &[Said], m: usize) -> Option<(DVector<f64>, DMatrix<f64>)> 
 mod tests {
     use super::*;
     use crate::diagnose::Verdict;
+    use crate::robot::ROD;
     use rand::SeedableRng as _;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution as _, StandardNormal};
 
-    const ROD: &str = "<robot name='rod'><link name='foot'/>\
-        <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
-        <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
-        <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
-        </robot>";
     /// Deviation of data in units of the prior's, and how robots differ along each axis of it.
     const NOISE: f64 = 0.1;
     const SPREAD: [f64; 2] = [0.5, 0.02];

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::hash::Hasher as _;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use sesc_model::files::Stamp;
@@ -315,12 +315,19 @@ impl Read for Bytes {
 pub(super) struct Meter {
     done: AtomicU64,
     hash: Mutex<XxHash64>,
+    /// Nobody asks for the hash.
+    unhashed: AtomicBool,
     total: Option<u64>,
 }
 
 impl Meter {
     pub fn progress(&self) -> (u64, Option<u64>) {
         (self.done.load(Ordering::Relaxed), self.total)
+    }
+
+    /// From here on nothing is hashed.
+    pub fn forget_hash(&self) {
+        self.unhashed.store(true, Ordering::Relaxed);
     }
 
     pub fn hash(&self) -> u64 {
@@ -341,6 +348,7 @@ impl Metered {
         let meter = Arc::new(Meter {
             done: AtomicU64::new(0),
             hash: Mutex::new(XxHash64::with_seed(0)),
+            unhashed: AtomicBool::new(false),
             total,
         });
         Metered { file, meter }
@@ -357,8 +365,10 @@ impl Read for Metered {
         // One thread reads; others may look.
         let meter = &self.meter;
         meter.done.fetch_add(n as u64, Ordering::Relaxed);
-        let mut hash = meter.hash.lock().unwrap_or_else(PoisonError::into_inner);
-        hash.write(&buffer[..n]);
+        if !meter.unhashed.load(Ordering::Relaxed) {
+            let mut hash = meter.hash.lock().unwrap_or_else(PoisonError::into_inner);
+            hash.write(&buffer[..n]);
+        }
         Ok(n)
     }
 }

@@ -2,8 +2,9 @@
 //!
 //! The first line names the columns and tells the delimiter (`,`, `;` or a
 //! tab). A byte order mark, Windows line ends, blanks around fields and quoted
-//! names are all fine. Memory: one row, which must not be endless, see [`RowInput`].
+//! names are all fine. Memory: a MiB of rows, none of which must be endless, see [`RowInput`].
 
+mod batch;
 mod rows;
 
 use std::io::{self, Cursor, Read};
@@ -12,23 +13,22 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use csv::ByteRecord;
 
+use self::batch::{Batch, Fault, NO_TEXT};
 use self::rows::{Passing, RowInput};
-use super::columns::{Columns, POSE};
+use super::columns::Columns;
 use super::input::{Meter, Metered};
-use super::names::short;
 use super::source::{Interner, Raw, RowSource};
 use crate::Error;
 
 /// What is looked at to tell the kind of a file, bytes.
 const HEAD: u64 = 64 << 10;
 
-const NO_TEXT: &str = "not text; is this a CSV file in UTF-8?";
-
 /// A CSV file being read.
 pub(super) struct CsvSource {
     file: String,
     reader: csv::Reader<Box<dyn Read + Send>>,
     record: ByteRecord,
+    batch: Batch,
     header: Vec<String>,
     meter: Arc<Meter>,
     /// Bytes handed to the parser since the last row.
@@ -84,6 +84,7 @@ impl CsvSource {
             file: file.to_string(),
             reader,
             record: ByteRecord::new(),
+            batch: Batch::default(),
             header,
             meter,
             since_row,
@@ -128,30 +129,21 @@ impl CsvSource {
         }
     }
 
-    fn row(&mut self, columns: &Columns, raw: &mut Raw) -> Result<(), String> {
-        let (fields, expected) = (self.record.len(), self.header.len());
-        if fields != expected {
-            return Err(format!(
-                "{fields} fields where the header has {expected}; the row is ragged or cut off"
-            ));
+    /// Rows for a batch, `most` of them at most; false at the end of the file.
+    fn batch(&mut self, most: usize) -> Result<bool, Error> {
+        self.batch.clear(self.header.len());
+        while self.batch.rows() < most && !self.batch.is_full() {
+            if !self.next()? {
+                return Ok(false);
+            }
+            let pushed = self.batch.push(&self.record, self.line);
+            pushed.map_err(|fault| self.error(fault))?;
         }
-        // Checked at once, and cut between characters all the same: delimiters are ASCII.
-        let text = str::from_utf8(self.record.as_slice()).map_err(|_| NO_TEXT)?;
-        let field = |k: usize| {
-            let own = self.record.range(k);
-            own.and_then(|own| text.get(own)).unwrap_or_default()
-        };
-        if let Some(k) = columns.pose {
-            raw.pose.push(whole(field(k).trim())?);
-        }
-        if let Some(k) = columns.support {
-            raw.support.push(self.links.get(field(k).trim()));
-        }
-        for (&k, name) in columns.numbers.iter().zip(&columns.names) {
-            raw.numbers.push(number(field(k), name)?);
-        }
-        raw.line.push(self.line);
-        Ok(())
+        Ok(true)
+    }
+
+    fn error(&self, (line, message): Fault) -> Error {
+        Error::log(self.file.clone(), Some(line), message)
     }
 }
 
@@ -165,12 +157,16 @@ impl RowSource for CsvSource {
     }
 
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
-        for _ in 0..count {
-            if !self.next()? {
+        let mut left = count;
+        while left > 0 {
+            let more = self.batch(left);
+            // What is wrong with a row above comes first.
+            let parsed = self.batch.parse(columns, &mut self.links, raw);
+            parsed.map_err(|fault| self.error(fault))?;
+            if !more? {
                 break;
             }
-            let filled = self.row(columns, raw);
-            filled.map_err(|message| Error::log(self.file.clone(), Some(self.line), message))?;
+            left -= self.batch.rows();
         }
         Ok(())
     }
@@ -181,6 +177,8 @@ impl RowSource for CsvSource {
         let length = at.byte() as f64 / at.line().max(1) as f64;
         let bytes = (length * rows as f64) as u64;
         self.passing.bytes.store(bytes, Ordering::Relaxed);
+        // Rows are passed over: nobody asks for the hash.
+        self.meter.forget_hash();
         Ok(true)
     }
 
@@ -198,35 +196,6 @@ fn name(text: &str) -> String {
     let text = text.trim_start_matches('\u{feff}').trim();
     let bare = text.strip_prefix('"').and_then(|t| t.strip_suffix('"'));
     bare.unwrap_or(text).trim().to_string()
-}
-
-fn whole(text: &str) -> Result<i64, String> {
-    // Tables that once had gaps write whole numbers as 3.0.
-    let digits = text
-        .split_once('.')
-        .filter(|(_, rest)| !rest.is_empty() && rest.bytes().all(|b| b == b'0'))
-        .map_or(text, |(digits, _)| digits);
-    digits
-        .parse()
-        .map_err(|_| format!("column `{POSE}`: `{}` is no whole number", short(text)))
-}
-
-fn number(text: &str, column: &str) -> Result<f64, String> {
-    // Blanks around it are rare.
-    if let Ok(number) = text.parse() {
-        return Ok(number);
-    }
-    let text = text.trim();
-    text.parse().map_err(|_| {
-        let why = match text {
-            "" => "the field is empty; remove the row or fill in the value".to_string(),
-            _ if text.replace(',', ".").parse::<f64>().is_ok() => {
-                format!("`{}` has a decimal comma; write a point", short(text))
-            }
-            _ => format!("`{}` is no number", short(text)),
-        };
-        format!("column `{column}`: {why}")
-    })
 }
 
 /// The delimiter of a log that starts with `head`: the one its first line has most of.

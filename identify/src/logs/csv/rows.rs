@@ -4,6 +4,8 @@ use std::io::{self, Cursor, Read};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use memchr::{memchr, memchr_iter};
+
 /// A row longer than this is no posture, bytes.
 const LONGEST_ROW: u64 = 4 << 20;
 
@@ -65,7 +67,7 @@ impl<R: Read> RowInput<R> {
             return self.take(buffer);
         }
         let n = self.take(buffer)?;
-        let Some(end) = buffer[..n].iter().position(|byte| *byte == b'\n') else {
+        let Some(end) = memchr(b'\n', &buffer[..n]) else {
             return Ok(n);
         };
         self.put_back(&buffer[end + 1..n]);
@@ -91,10 +93,9 @@ impl<R: Read> RowInput<R> {
             }
             let whole = n.min(left);
             left -= whole;
-            let end = buffer[whole..n].iter().position(|byte| *byte == b'\n');
+            let end = memchr(b'\n', &buffer[whole..n]);
             let passed = end.map_or(n, |end| whole + end + 1);
-            let lines = buffer[..passed].iter().filter(|byte| **byte == b'\n');
-            let lines = lines.count() as u64;
+            let lines = memchr_iter(b'\n', &buffer[..passed]).count() as u64;
             self.passing.lines.fetch_add(lines, Ordering::Relaxed);
             if end.is_some() {
                 self.put_back(&buffer[passed..n]);
@@ -105,7 +106,7 @@ impl<R: Read> RowInput<R> {
 
     /// Drop each `\r` before a `\n` from `bytes`; how many are left.
     fn unify(&mut self, bytes: &mut [u8]) -> usize {
-        if !bytes.contains(&b'\r') {
+        if memchr(b'\r', bytes).is_none() {
             self.held = false;
             return bytes.len();
         }

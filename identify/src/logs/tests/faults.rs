@@ -64,6 +64,27 @@ fn faults_name_row_column_and_remedy() {
     refused("hip,knee\n0,0\n", "cells = 3", &["log.csv.toml", "cells"]);
 }
 
+/// Of many rows, which become numbers side by side, the first fault is told, whatever it is.
+#[test]
+fn the_first_fault_of_many_rows_is_told() {
+    let row = |k: usize| format!("{k},0,0.{k:04},0.01,0.02\n");
+    let odd = [
+        (1100, "1100.5,0,0,0,0\n", "`pose`"),
+        (2000, "2000,0,x,0,0\n", "`knee`"),
+        (2001, "2001,0,0,0\n", "4 fields"),
+        (3900, "3900,,0,0,0\n", "`hip`"),
+    ];
+    for first in 0..odd.len() {
+        let rows = (0..4200).map(|k| match odd[first..].iter().find(|odd| odd.0 == k) {
+            Some((_, text, _)) => text.to_string(),
+            None => row(k),
+        });
+        let text = "pose,hip,knee,cop_x,cop_y\n".to_string() + &rows.collect::<String>();
+        let (at, _, word) = odd[first];
+        refused(&text, "", &[&format!(":{}", at + 2), word]);
+    }
+}
+
 #[test]
 fn what_is_no_table_is_told_by_its_bytes() {
     for (bytes, word) in [
