@@ -26,6 +26,7 @@ pub(super) const WHY: &[(&str, &str)] = &[
         "lz4_flex",
         "chunks of MCAP and pages of Parquet packed with LZ4",
     ),
+    ("memchr", "ends of lines in text"),
     (
         "minijinja",
         "templates of generated C and of report pages, which escape names in HTML",
