@@ -21,7 +21,7 @@ use crate::joint::Pose;
 pub(crate) struct Nearby<'r> {
     reference: &'r Reference,
     q: Vec<f64>,
-    /// Of the links, in the frame of the root.
+    /// Poses of the links in the frame of the root.
     poses: Vec<Pose>,
     /// What each link and all that hangs on it weigh.
     carried: Vec<Weight>,

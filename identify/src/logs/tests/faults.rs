@@ -64,7 +64,7 @@ fn faults_name_row_column_and_remedy() {
     refused("hip,knee\n0,0\n", "cells = 3", &["log.csv.toml", "cells"]);
 }
 
-/// Of many rows, which become numbers side by side, the first fault is told, whatever it is.
+/// Numbers are made side by side; the first fault is told, whatever it is.
 #[test]
 fn the_first_fault_of_many_rows_is_told() {
     let row = |k: usize| format!("{k},0,0.{k:04},0.01,0.02\n");
