@@ -65,6 +65,11 @@ pub struct Counts {
     pub other: usize,
 }
 
+/// The new id of a node that lives: an output, or an operand of one.
+fn live_id(new_ids: &[Option<Id>], id: Id) -> Id {
+    new_ids[id.index()].expect("operands of what lives live, and come before it")
+}
+
 fn is_zero(count: &usize) -> bool {
     *count == 0
 }
@@ -149,7 +154,7 @@ impl Program {
                 }
             }
         }
-        let mut new_id: HashMap<Id, Id> = HashMap::new();
+        let mut new_ids: Vec<Option<Id>> = vec![None; graph.nodes.len()];
         let mut nodes: Vec<Node> = Vec::new();
         let mut before = vec![0; graph.nodes.len() + 1];
         for k in 0..graph.nodes.len() {
@@ -158,8 +163,8 @@ impl Program {
                 continue;
             }
             let old = Id(k as u32);
-            new_id.insert(old, Id(nodes.len() as u32));
-            let expr = rename(graph.nodes[k], |id| new_id[&id]);
+            new_ids[k] = Some(Id(nodes.len() as u32));
+            let expr = rename(graph.nodes[k], |id| live_id(&new_ids, id));
             for operand in operands(expr) {
                 nodes[operand.index()].uses += 1;
             }
@@ -170,7 +175,8 @@ impl Program {
             });
         }
         before[graph.nodes.len()] = nodes.len();
-        let outputs: Vec<Id> = outputs.iter().map(|id| new_id[id]).collect();
+        let new_id = |id: Id| new_ids[id.index()];
+        let outputs: Vec<Id> = outputs.iter().map(|id| live_id(&new_ids, *id)).collect();
         for id in &outputs {
             nodes[id.index()].uses += 1;
         }
@@ -178,16 +184,12 @@ impl Program {
             .vectors
             .into_iter()
             .map(|vector| {
-                let scale = vector.scale.and_then(|id| new_id.get(&id).copied());
+                let scale = vector.scale.and_then(new_id);
                 // Nothing of a multiple lives where its factor does not.
                 let gone = scale.is_none() && vector.scale.is_some();
                 Vector {
                     // A dead entry is as good as computed exactly.
-                    entries: vector
-                        .entries
-                        .iter()
-                        .filter_map(|id| new_id.get(id).copied())
-                        .collect(),
+                    entries: vector.entries.into_iter().filter_map(new_id).collect(),
                     norm: if gone { Some(0.0) } else { vector.norm },
                     from: if gone { Vec::new() } else { vector.from },
                     scale,
@@ -199,18 +201,14 @@ impl Program {
             .iter()
             .filter_map(|product| {
                 Some(Product {
-                    entry: *new_id.get(&product.entry)?,
+                    entry: new_id(product.entry)?,
                     ..*product
                 })
             })
             .collect();
-        let weights = graph
-            .weights
-            .iter()
-            .filter_map(|id| new_id.get(id).copied())
-            .collect();
+        let weights = graph.weights.iter().filter_map(|id| new_id(*id)).collect();
         let least = graph.least.iter();
-        let least = least.filter_map(|(id, least)| Some((*new_id.get(id)?, *least)));
+        let least = least.filter_map(|(id, least)| Some((new_id(*id)?, *least)));
         let least = least.collect();
         let sections = graph
             .sections

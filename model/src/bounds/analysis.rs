@@ -1,7 +1,7 @@
 //! Forward error analysis of one program: enclosures and errors, node by node
 //! and vector by vector (see the module above).
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::range::{Range, times};
 use super::{Arithmetic, CONSTANT_ULPS, Input, KERNEL_UNITS, U64, fixed, operations};
@@ -17,7 +17,7 @@ pub(super) struct Analysis<'p> {
     vector_errors: Vec<f64>,
     vector_norms: Vec<f64>,
     /// The negative of a node, where one exists.
-    negatives: HashMap<Id, usize>,
+    negatives: FxHashMap<Id, usize>,
     /// Whether a node is computed by operations that cannot round below zero.
     not_negative: Vec<bool>,
 }
@@ -35,7 +35,7 @@ impl<'p> Analysis<'p> {
             ranges: Vec::with_capacity(program.nodes.len()),
             vector_errors: vec![0.0; program.vectors.len()],
             vector_norms: vec![f64::INFINITY; program.vectors.len()],
-            negatives: HashMap::new(),
+            negatives: FxHashMap::default(),
             not_negative: Vec::with_capacity(program.nodes.len()),
         }
     }
@@ -236,7 +236,7 @@ impl<'p> Analysis<'p> {
         if vector.norm.is_none() && vector.from.is_empty() {
             return self.settle_by_entries(v);
         }
-        let mut sources: HashMap<Id, Range> = HashMap::new();
+        let mut sources: FxHashMap<Id, Range> = FxHashMap::default();
         let (mut inherited, mut extent) = (0.0, 0.0);
         for &from in &vector.from {
             inherited += self.vector_errors[from.0 as usize];
@@ -321,7 +321,7 @@ impl<'p> Analysis<'p> {
     }
 
     /// Rounding made between the sources and node `id`.
-    fn local(&self, id: Id, sources: &mut HashMap<Id, Range>) -> f64 {
+    fn local(&self, id: Id, sources: &mut FxHashMap<Id, Range>) -> f64 {
         let mut stack = vec![id];
         while let Some(&top) = stack.last() {
             if sources.contains_key(&top) {
@@ -366,7 +366,7 @@ impl<'p> Analysis<'p> {
             self.vector_errors[a.0 as usize],
             self.vector_errors[b.0 as usize],
         );
-        let mut sources: HashMap<Id, Range> = HashMap::new();
+        let mut sources: FxHashMap<Id, Range> = FxHashMap::default();
         for &id in va.entries.iter().chain(&vb.entries) {
             if self.has_other_roles(id) {
                 continue;

@@ -11,6 +11,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use rustc_hash::FxHashMap;
+
 use super::argument::Argument;
 
 /// A node of one [`Graph`].
@@ -111,7 +113,7 @@ pub struct Graph {
     pub(crate) weights: HashSet<Id>,
     /// What nodes are no less than, as the caller promises.
     pub(crate) least: HashMap<Id, f64>,
-    index: HashMap<Key, Id>,
+    index: FxHashMap<Key, Id>,
 }
 
 impl Graph {

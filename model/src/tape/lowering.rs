@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use rustc_hash::FxHashMap;
+
 use super::step::{Operation, Step};
 use crate::expr::{Expr, Id};
 use crate::program::{Node, Program, operands};
@@ -27,7 +29,7 @@ pub(super) struct Lowering<'a> {
     /// Constants that the program has not, and their values.
     pub constants: Vec<(usize, f64)>,
     /// The negative of a value, for a part.
-    negated: HashMap<(usize, usize), usize>,
+    negated: FxHashMap<(usize, usize), usize>,
     /// Products that are part of a sum.
     inside: Vec<bool>,
     angles: HashMap<Id, (Option<Id>, Option<Id>)>,
@@ -44,7 +46,7 @@ impl<'a> Lowering<'a> {
             program,
             about,
             constants: Vec::new(),
-            negated: HashMap::new(),
+            negated: FxHashMap::default(),
             inside: Vec::new(),
             angles: program.angles(),
             steps: Vec::new(),

@@ -9,7 +9,7 @@
 //! What is taken in is neither stored nor loaded again. Each product is rounded before its sum, as
 //! by itself: the bits stay the same.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use crate::expr::{Expr, Id};
 use crate::program::{Node, Program};
@@ -44,7 +44,7 @@ pub(super) enum Way {
 pub(super) fn ways(program: &Program) -> Vec<Way> {
     let mut ways = vec![Way::Alone; program.nodes.len()];
     // The first sum of each four factors.
-    let mut known: HashMap<[Id; 4], Id> = HashMap::new();
+    let mut known: FxHashMap<[Id; 4], Id> = FxHashMap::default();
     for (id, node) in program.iter() {
         let Some((way, inside)) = taken_in(program, node) else {
             continue;

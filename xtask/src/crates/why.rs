@@ -57,6 +57,7 @@ pub(super) const WHY: &[(&str, &str)] = &[
         "roxmltree",
         "XML of URDFs, with the place of each element for error messages",
     ),
+    ("rustc-hash", "tables of the nodes of a program"),
     ("ruzstd", "chunks of MCAP packed with zstd; decoded in Rust"),
     ("serde", "files and results as types"),
     ("serde_json", "results as JSON; numbers to the last bit"),
