@@ -54,6 +54,22 @@ fn fits_and_predictions_have_the_same_bits_on_one_processor() {
     }
 }
 
+/// Fields of a CSV file become numbers on all processors: each stays in its row and column.
+#[test]
+fn a_csv_file_has_the_numbers_of_the_same_log_in_parquet() {
+    let (folder, robot) = (folder(), op2());
+    let predicted = |name: &str| {
+        let log = folder.path().join(name).display().to_string();
+        let simulate = ["simulate", &robot, "--support", "r_sole", "--poses", "9000"];
+        let range = ["--range", "30", "--seed", "3", "--out", &log];
+        stdout(&sesc(&[&simulate[..], &range].concat()));
+        stdout(&sesc(&["predict", &robot, "--data", &log]))
+    };
+    let of_csv = predicted("log.csv");
+    assert_eq!(of_csv.lines().count(), 9001);
+    assert!(of_csv == predicted("log.parquet"));
+}
+
 /// Hypotheses are fitted side by side, and functions are compared so.
 #[test]
 #[cfg(target_os = "linux")]
