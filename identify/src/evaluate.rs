@@ -79,7 +79,8 @@ impl Evaluator {
         ))
     }
 
-    /// The same where its `program` is at hand.
+    /// As [`Evaluator::variant`], from the `program` that [`Model::program`] gave of the
+    /// `function` and what is `given`.
     pub fn of_function(
         model: &Model,
         program: &Program,

@@ -6,10 +6,11 @@
 //! ```
 //!
 //! `T_l` is the homogeneous transform of link `l` in the support frame,
-//! `m_l` its mass and `c_l` its centre of mass in its own frame. Nothing is
-//! re-rooted, folded, regrouped or differentiated by rule, and nothing is
-//! shared with the code that is checked: this crate reads the URDF itself and
-//! multiplies matrices.
+//! `m_l` its mass and `c_l` its centre of mass in its own frame. The CoM is summed
+//! link by link: nothing is re-rooted, folded or regrouped. Derivatives are
+//! differences of it, in which a joint moves what it carries as one body; tests
+//! compare them with differences of whole postures. Nothing is shared with the
+//! code that is checked: this crate reads the URDF itself and multiplies matrices.
 //!
 //! * [`Robot`]: a URDF, read leniently and exactly.
 //! * [`Reference`]: CoM, link poses, Jacobian and gravity moments by

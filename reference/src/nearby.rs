@@ -23,8 +23,8 @@ pub(crate) struct Nearby<'r> {
     q: Vec<f64>,
     /// Poses of the links in the frame of the root.
     poses: Vec<Pose>,
-    /// What each link and all that hangs on it weigh.
-    carried: Vec<Weight>,
+    /// Each link and all that hangs on it.
+    carried: Vec<Carried>,
     root: usize,
     /// The joint that carries each link; none carries the root.
     carrier: Vec<Option<usize>>,
@@ -32,16 +32,16 @@ pub(crate) struct Nearby<'r> {
 
 /// Some links, at rest in the frame of the root.
 #[derive(Clone, Copy)]
-struct Weight {
+struct Carried {
     mass_kg: f64,
-    /// `Σ m_l P_l c_l`, kg m.
-    moment: Vector3<f64>,
+    /// `Σ m_l P_l c_l`
+    first_moment_kg_m: Vector3<f64>,
 }
 
-impl Weight {
-    /// Its moment where `by` has moved the links.
+impl Carried {
+    /// Their first moment where `by` has moved them, kg m.
     fn moved(&self, by: &Pose) -> Vector3<f64> {
-        by.rotation * self.moment + by.translation.vector * self.mass_kg
+        by.rotation * self.first_moment_kg_m + by.translation.vector * self.mass_kg
     }
 }
 
@@ -50,27 +50,27 @@ impl<'r> Nearby<'r> {
         let robot = &reference.robot;
         let poses = robot.poses_in_root(q);
         let links = robot.links().iter().zip(&poses);
-        let mut carried: Vec<Weight> = links
-            .map(|(link, pose)| Weight {
+        let mut carried: Vec<Carried> = links
+            .map(|(link, pose)| Carried {
                 mass_kg: link.mass_kg,
-                moment: link.mass_kg * (pose * link.com_m).coords,
+                first_moment_kg_m: link.mass_kg * (pose * link.com_m).coords,
             })
             .collect();
         let mut carrier = vec![None; poses.len()];
         for &j in robot.joints_from_root().iter().rev() {
             let joint = &robot.joints()[j];
-            let Weight { mass_kg, moment } = carried[joint.child];
-            carried[joint.parent].mass_kg += mass_kg;
-            carried[joint.parent].moment += moment;
+            let child = carried[joint.child];
+            carried[joint.parent].mass_kg += child.mass_kg;
+            carried[joint.parent].first_moment_kg_m += child.first_moment_kg_m;
             carrier[joint.child] = Some(j);
         }
+        let root = carrier.iter().position(Option::is_none);
         Nearby {
             reference,
             q: q.to_vec(),
             poses,
             carried,
-            // A tree has one link that nothing carries.
-            root: carrier.iter().position(Option::is_none).unwrap_or(0),
+            root: root.expect("a tree has one link that nothing carries"),
             carrier,
         }
     }
@@ -84,6 +84,7 @@ impl<'r> Nearby<'r> {
         let own: Vec<usize> = joints
             .filter(|&j| coordinates[j].dof == Some(dof))
             .collect();
+        // The nearest of them between a link and the root, by its place among them.
         let nearest = |mut link: usize| loop {
             let j = self.carrier[link]?;
             if let Some(place) = own.iter().position(|&own| own == j) {
@@ -91,29 +92,29 @@ impl<'r> Nearby<'r> {
             }
             link = robot.joints()[j].parent;
         };
-        let before: Vec<Option<usize>> = own
+        let above: Vec<Option<usize>> = own
             .iter()
             .map(|&j| nearest(robot.joints()[j].parent))
             .collect();
-        let below_support = nearest(self.reference.support);
+        let above_support = nearest(self.reference.support);
         let rest = self.q[dof];
         let coms = positions.map(|position| {
             self.q[dof] = position;
-            let mut moment = self.carried[self.root].moment;
-            let mut moved: Vec<Pose> = Vec::with_capacity(own.len());
-            let at =
-                |moved: &[Pose], place: Option<usize>| place.map_or(Pose::identity(), |i| moved[i]);
-            for (&j, &before) in own.iter().zip(&before) {
+            let mut moment = self.carried[self.root].first_moment_kg_m;
+            // The motions D_j.
+            let mut motions: Vec<Pose> = Vec::with_capacity(own.len());
+            for (&j, above) in own.iter().zip(&above) {
                 let joint = &robot.joints()[j];
                 let (parent, child) = (&self.poses[joint.parent], &self.poses[joint.child]);
-                let before = at(&moved, before);
-                let by = before * parent * robot.local(j, &self.q) * child.inverse();
+                let of_parent = above.map_or(Pose::identity(), |place| motions[place]);
+                let motion = of_parent * parent * robot.local(j, &self.q) * child.inverse();
                 let carried = &self.carried[joint.child];
-                moment += carried.moved(&by) - carried.moved(&before);
-                moved.push(by);
+                moment += carried.moved(&motion) - carried.moved(&of_parent);
+                motions.push(motion);
             }
             let in_root = Point3::from(moment / self.reference.total_mass());
-            let support = at(&moved, below_support) * self.poses[self.reference.support];
+            let of_support = above_support.map_or(Pose::identity(), |place| motions[place]);
+            let support = of_support * self.poses[self.reference.support];
             support.inverse_transform_point(&in_root).coords
         });
         self.q[dof] = rest;

@@ -27,8 +27,8 @@ pub(super) fn decided(model: &Model) -> Cow<'_, Model> {
     Cow::Owned(decided)
 }
 
-/// Proven bound on the rounding error of `program`, of `model`; infinite where there is none,
-/// of a variant that cannot be had.
+/// Proven bound on the rounding error of a `program` of `model`. Infinite where nothing is
+/// proven, and where there is no program because the variant cannot be had.
 pub(super) fn rounding(model: &Model, program: Option<&Program>) -> f64 {
     program.map_or(f64::INFINITY, |program| {
         model.rounding(program, Precision::F64).worst

@@ -8,7 +8,7 @@ use super::motion::JointMotion;
 use super::truth::Truth;
 use super::world::{self, Bent};
 
-/// One posture in so many is also differentiated, which costs 6 evaluations a joint,
+/// One posture in so many is also differentiated, which costs a few evaluations a joint,
 const DIFFERENTIATED: usize = 50;
 /// and where joints are many, so few postures that these many derivatives are taken.
 const DERIVATIVES: usize = 10_000;

@@ -31,8 +31,8 @@ struct Prepared {
     rounding: f64,
 }
 
-/// Every function of `model`, compared where joints move as `joints`; with what its effects
-/// may leave out if it is `bent`, of a robot of this `reach`, m.
+/// Prepares every function of `model` for comparison. Joints move as `joints`; bounds of a
+/// `bent` robot allow for what its springs leave out. The robot's `reach` is in m.
 pub(super) fn functions(
     model: &Model,
     bent: Option<&Bent>,

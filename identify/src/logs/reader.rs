@@ -299,7 +299,13 @@ impl PostureReader {
         self.raw.clear();
         self.given = 0;
         if !self.ended {
-            self.source.fill(&self.columns, self.chunk, &mut self.raw)?;
+            let filled = self.source.fill(&self.columns, self.chunk, &mut self.raw);
+            if let Err(error) = filled {
+                // A faulty row is the end.
+                self.raw.clear();
+                self.ended = true;
+                return Err(error);
+            }
             self.ended = self.raw.line.len() < self.chunk;
             self.warnings.extend(self.source.warnings());
         }

@@ -70,7 +70,7 @@ pub(super) trait RowSource: Send {
         Vec::new()
     }
 
-    /// 64-bit hash of the file's bytes, once all of them were read.
+    /// 64-bit hash of the file's bytes, once all of them were read and none passed over.
     fn hash(&self) -> u64;
 }
 

@@ -1,11 +1,11 @@
 //! Rows of a CSV file that are cut into fields, and become numbers side by side.
 //!
 //! ```text
-//! parser ─▶ rows of fields, at most a MiB ─▶ parts, on the processors that there are ─▶ Raw
+//! parser ─▶ rows of fields, a MiB of them ─▶ parts, on the processors that there are ─▶ Raw
 //! ```
 //!
-//! To make numbers of digits takes longer than to find where fields end. What a batch becomes,
-//! its errors among it, is that of one row behind the other.
+//! To make numbers of digits takes longer than to find where fields end. Numbers and errors are
+//! those of reading row by row: the first faulty row is the one that is told.
 
 use csv::ByteRecord;
 
@@ -14,7 +14,7 @@ use crate::logs::names::short;
 use crate::logs::source::{Interner, Raw};
 use crate::threads::each_long;
 
-/// Text after which a batch is full, bytes: it stays in the second cache.
+/// Text and ends of fields after which a batch is full, bytes: it stays in the second cache.
 const FULL: usize = 1 << 20;
 /// Parts of a batch.
 const PARTS: usize = 4;
@@ -61,7 +61,8 @@ impl Batch {
     }
 
     pub fn is_full(&self) -> bool {
-        self.text.len() >= FULL
+        // Columns may be many, and all of their fields empty.
+        self.text.len() + size_of_val(self.ends.as_slice()) >= FULL
     }
 
     /// Append a row, which stands at `line`.
@@ -120,9 +121,8 @@ impl Batch {
         let parsed = each_long(parts, |part| self.parse_part(columns, part));
         parsed.into_iter().collect::<Result<(), Fault>>()?;
         if let Some(k) = columns.support {
-            let names = (0..rows).map(|row| self.field(row, k).trim_ascii());
-            let names = names.map(|name| str::from_utf8(name).unwrap_or_default().trim());
-            raw.support.extend(names.map(|name| links.get(name)));
+            let names = (0..rows).map(|row| str::from_utf8(self.field(row, k)).unwrap_or_default());
+            raw.support.extend(names.map(|name| links.get(name.trim())));
         }
         raw.line.extend(&self.lines);
         Ok(())
@@ -153,12 +153,10 @@ impl Batch {
         numbers: &mut [f64],
     ) -> Result<(), String> {
         // Checked at once, and cut between characters all the same: delimiters are ASCII.
-        let start = self.start(row * self.fields);
-        let end = self.start((row + 1) * self.fields);
+        let (start, end) = (self.start(row, 0), self.start(row + 1, 0));
         let text = str::from_utf8(&self.text[start..end]).map_err(|_| NO_TEXT)?;
         let field = |k: usize| {
-            let k = row * self.fields + k;
-            let own = self.start(k) - start..self.start(k + 1) - start;
+            let own = self.start(row, k) - start..self.start(row, k + 1) - start;
             text.get(own).unwrap_or_default()
         };
         if let (Some(k), Some(pose)) = (columns.pose, pose) {
@@ -172,15 +170,14 @@ impl Batch {
     }
 
     fn field(&self, row: usize, k: usize) -> &[u8] {
-        let k = row * self.fields + k;
-        &self.text[self.start(k)..self.start(k + 1)]
+        &self.text[self.start(row, k)..self.start(row, k + 1)]
     }
 
-    /// Where a field begins, of all fields.
-    fn start(&self, field: usize) -> usize {
-        match field {
+    /// Where field `k` of a row begins, and where the one before it ends.
+    fn start(&self, row: usize, k: usize) -> usize {
+        match row * self.fields + k {
             0 => 0,
-            _ => self.ends[field - 1],
+            fields => self.ends[fields - 1],
         }
     }
 }
@@ -212,4 +209,20 @@ fn number(text: &str, column: &str) -> Result<f64, String> {
         };
         format!("column `{column}`: {why}")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_fields_fill_a_batch() {
+        let empty = ByteRecord::from(vec![""; 20_000]);
+        let mut batch = Batch::default();
+        batch.clear(empty.len());
+        while !batch.is_full() {
+            assert!(batch.rows() < 10);
+            batch.push(&empty, 2).unwrap();
+        }
+    }
 }

@@ -67,20 +67,22 @@ fn faults_name_row_column_and_remedy() {
 /// Numbers are made side by side; the first fault is told, whatever it is.
 #[test]
 fn the_first_fault_of_many_rows_is_told() {
-    let row = |k: usize| format!("{k},0,0.{k:04},0.01,0.02\n");
+    // Rows up to the one with too few fields become numbers in four parts.
+    let row = |k: usize| format!("{k},0,0.{k:04},0.01,0.02,0,0,-9.8\n");
     let odd = [
-        (1100, "1100.5,0,0,0,0\n", "`pose`"),
-        (2000, "2000,0,x,0,0\n", "`knee`"),
-        (2001, "2001,0,0,0\n", "4 fields"),
-        (3900, "3900,,0,0,0\n", "`hip`"),
+        (1100, "1100.5,0,0,0,0,0,0,-9.8\n", "`pose`"),
+        (2500, "2500,0,x,0,0,0,0,-9.8\n", "`knee`"),
+        (3900, "3900,,0,0,0,0,0,-9.8\n", "`hip`"),
+        (4000, "4000,0,0,0\n", "4 fields"),
     ];
     for first in 0..odd.len() {
         let rows = (0..4200).map(|k| match odd[first..].iter().find(|odd| odd.0 == k) {
             Some((_, text, _)) => text.to_string(),
             None => row(k),
         });
-        let text = "pose,hip,knee,cop_x,cop_y\n".to_string() + &rows.collect::<String>();
+        let header = "pose,hip,knee,cop_x,cop_y,gravity_x,gravity_y,gravity_z\n".to_string();
         let (at, _, word) = odd[first];
+        let text = header + &rows.collect::<String>();
         refused(&text, "", &[&format!(":{}", at + 2), word]);
     }
 }
