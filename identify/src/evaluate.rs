@@ -79,8 +79,8 @@ impl Evaluator {
         ))
     }
 
-    /// As [`Evaluator::variant`], from the `program` that [`Model::program`] gave of the
-    /// `function` and what is `given`.
+    /// Prepare the variant of `function` from what is `given`, of the `program` that
+    /// [`Model::program`] made of these two.
     pub fn of_function(
         model: &Model,
         program: &Program,
