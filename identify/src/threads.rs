@@ -1,6 +1,7 @@
 //! Work that is done side by side, and comes to the same by any number of threads.
 
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{self, Builder};
 
@@ -55,6 +56,20 @@ pub fn each_long<T: Send, R: Send>(
         *place = Some(work(item));
     });
     done.into_iter().flatten().collect()
+}
+
+/// What two pieces of work make that know nothing of each other, side by side.
+pub fn both<A: Send, B>(first: impl Fn() -> A + Sync, second: impl FnOnce() -> B) -> (A, B) {
+    thread::scope(|scope| {
+        let thread = Builder::new().spawn_scoped(scope, &first);
+        let second = second();
+        let first = match thread {
+            Ok(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
+            // No thread starts: one after the other.
+            Err(_) => first(),
+        };
+        (first, second)
+    })
 }
 
 /// What `work` makes of each `part` of some `rows`, in their order.

@@ -74,7 +74,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let page = arguments.out.display().to_string();
     match arguments.json {
         true => print_json(&Answer {
-            pass: demo.verification.pass,
+            pass: demo.first.verification.pass,
             page,
             report: &demo.report,
             next_steps: &steps,
@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             show(&format!("\nreport with figures: {page}\n\n{next}"))?;
         }
     }
-    if demo.verification.pass {
+    if demo.first.verification.pass {
         Ok(Outcome::Ok)
     } else {
         message("check failed: generated functions and reference disagree");
@@ -155,8 +155,8 @@ fn text(demo: &Demo) -> String {
         report.dof,
         report.full_params,
         report.base_params,
-        demo.lines,
-        demo.verification.samples
+        demo.first.lines,
+        demo.first.verification.samples
     );
     let mut functions = Table::new(&[
         "function",
@@ -184,10 +184,10 @@ fn text(demo: &Demo) -> String {
         report.range_deg,
         mm(report.noise_m),
         report.full_params,
-        demo.ranks[0],
+        demo.first.ranks[0],
         report.base_params,
-        demo.ranks[1],
-        demo.condition_number
+        demo.first.ranks[1],
+        demo.first.condition_number
     );
     let mut lengths = Table::new(&[
         "body",

@@ -28,6 +28,7 @@ use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::scene::Scene;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
+use sesc_identify::threads::both;
 
 /// Width of the hidden dead bands: 0.9°.
 pub const WIDTH_RAD: f64 = 0.9 * std::f64::consts::PI / 180.0;
@@ -73,23 +74,30 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
     let dof = model.dof();
     let (taken, judged) = q.split_at(POSTURES * dof);
     let mut simulator = Simulator::new(&model.tree.dofs, None, seed);
-    let truth =
-        |q: &[f64]| -> Vec<f64> { q.chunks_exact(dof).flat_map(|q| world.cop(q)).collect() };
-    let readings: Vec<f64> = truth(taken)
-        .iter()
+    let readings: Vec<f64> = taken
+        .chunks_exact(dof)
+        .flat_map(|q| world.cop(q))
         .map(|y| y + simulator.gauss(NOISE))
         .collect();
-    let report = diagnose::diagnose(&request(robot, model, taken, &readings)?, &mut ())?;
-    let corrected = robot.model("r_sole", Snapping::default(), Some(&report.model_file))?;
-    let code = rust::module(&Facts::of(&corrected), "op2_r_sole")?;
+    let request = request(robot, model, taken, &readings)?;
+    let repair = || -> Result<_, Error> {
+        let report = diagnose::diagnose(&request, &mut ())?;
+        let corrected = robot.model("r_sole", Snapping::default(), Some(&report.model_file))?;
+        let code = rust::module(&Facts::of(&corrected), "op2_r_sole")?;
+        Ok((report, corrected, code))
+    };
+    let truths = || -> (Vec<_>, Vec<_>) {
+        let postures = judged.chunks_exact(dof);
+        postures.map(|q| (world.cop(q), world.com(q))).unzip()
+    };
+    let (repaired, (cop, com)) = both(repair, truths);
+    let (report, corrected, code) = repaired?;
     let cad = Evaluator::new(model, Function::Cop).run(judged, JUDGED);
     let better = match EffectPredictor::new(&corrected) {
         Some(predictor) => predictor.run(judged, JUDGED, None).1,
         None => cad.clone(),
     };
-    let truth = truth(judged);
-    let error = |found: &[f64]| rms(found.iter().zip(&truth).map(|(a, b)| a - b));
-    let com: Vec<_> = judged.chunks_exact(dof).map(|q| world.com(q)).collect();
+    let error = |found: &[f64]| rms(found.iter().zip(cop.as_flattened()).map(|(a, b)| a - b));
     let distance = |model: &Model| {
         let found = Evaluator::new(model, Function::Com).run(judged, JUDGED);
         let gaps = found.chunks_exact(3).zip(&com);

@@ -24,6 +24,7 @@ use sesc_identify::lsq::factor::Factor;
 use sesc_identify::lsq::solve::{self, Estimate};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
+use sesc_identify::threads::both;
 
 /// CoP noise of the seed paper, m.
 pub const NOISE: f64 = 0.00493;
@@ -40,6 +41,14 @@ const SHOWN: usize = 26;
 pub struct Demo {
     /// What its page shows.
     pub report: DemoReport,
+    /// The first act: a robot that is as its model says.
+    pub first: FirstAct,
+    /// The second act.
+    pub hidden: hidden::Hidden,
+}
+
+/// What the first act found, beside what its page shows.
+pub struct FirstAct {
     /// Generated functions against the reference.
     pub verification: Verification,
     /// Lines of Rust that were generated.
@@ -48,8 +57,6 @@ pub struct Demo {
     pub ranks: [usize; 2],
     /// Condition number of the base regressor over the fitted postures.
     pub condition_number: f64,
-    /// The second act.
-    pub hidden: hidden::Hidden,
 }
 
 /// Seed of the demo unless given.
@@ -62,16 +69,35 @@ pub const SEED: u64 = 6;
 pub fn run(seed: u64, watch: &mut dyn Watch) -> Result<Demo, Error> {
     let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
     let model = robot.model("r_sole", Snapping::default(), None)?;
-    let reference = verify::reference(&robot, "r_sole")?;
-    let code = rust::module(&Facts::of(&model), "op2_r_sole")?;
-    let verification = verify::verify(&robot, &model, 5000, seed, watch)?;
+    let (hidden, first) = both(
+        || hidden::run(&robot, &model, seed),
+        || first_act(&robot, &model, seed, watch),
+    );
+    let ((mut report, first), hidden) = (first?, hidden?);
+    report.hidden = Some(hidden.act());
+    Ok(Demo {
+        report,
+        first,
+        hidden,
+    })
+}
 
-    let study = Study::new(&model, &reference, seed);
+/// The first act, and the page without the second.
+fn first_act(
+    robot: &Robot,
+    model: &Model,
+    seed: u64,
+    watch: &mut dyn Watch,
+) -> Result<(DemoReport, FirstAct), Error> {
+    let reference = verify::reference(robot, "r_sole")?;
+    let code = rust::module(&Facts::of(model), "op2_r_sole")?;
+    let verification = verify::verify(robot, model, 5000, seed, watch)?;
+
+    let study = Study::new(model, &reference, seed);
     let full = study.fit(Function::RegressorFull);
     let base = study.fit(Function::RegressorCop);
-    let hidden = hidden::run(&robot, &model, seed)?;
     let report = DemoReport {
-        hidden: Some(hidden.act()),
+        hidden: None,
         robot: model.tree.robot.clone(),
         hash: model.tree.hash.clone(),
         support: model.tree.links[model.tree.support].name.clone(),
@@ -84,8 +110,8 @@ pub fn run(seed: u64, watch: &mut dyn Watch) -> Result<Demo, Error> {
         range_deg: RANGE_DEG,
         noise_m: NOISE,
         held_out: HELD_OUT,
-        functions: functions(&model, &verification),
-        lengths: lengths(&model, &full, &base),
+        functions: functions(model, &verification),
+        lengths: lengths(model, &full, &base),
         errors: study.errors(&full, &base),
         cop: study.cop_rows(&base),
         height: study.height_rows(&base),
@@ -97,14 +123,13 @@ pub fn run(seed: u64, watch: &mut dyn Watch) -> Result<Demo, Error> {
             .map(|u| u.sentence.clone())
             .collect(),
     };
-    Ok(Demo {
-        report,
+    let first = FirstAct {
         verification,
         lines: code.lines().count(),
         ranks: [full.rank, base.rank],
         condition_number: base.condition_number,
-        hidden,
-    })
+    };
+    Ok((report, first))
 }
 
 /// Simulated data: what a lab would have, and the truth it would not.
