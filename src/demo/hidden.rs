@@ -69,14 +69,15 @@ pub struct Hidden {
 /// Where the robot cannot be read, diagnosed or generated.
 pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
     let virtual_robot = sesc_reference::Robot::from_urdf(robot.text())?;
-    let world = World::new(&virtual_robot, "r_sole")?.backlash_all(WIDTH_RAD)?;
+    let rigid = World::new(&virtual_robot, "r_sole")?;
+    let loose = rigid.clone().backlash_all(WIDTH_RAD)?;
     let q = balanced(robot, model, POSTURES + JUDGED, seed)?;
     let dof = model.dof();
     let (taken, judged) = q.split_at(POSTURES * dof);
     let mut simulator = Simulator::new(&model.tree.dofs, None, seed);
     let readings: Vec<f64> = taken
         .chunks_exact(dof)
-        .flat_map(|q| world.cop(q))
+        .flat_map(|q| loose.cop(q))
         .map(|y| y + simulator.gauss(NOISE))
         .collect();
     let request = request(robot, model, taken, &readings)?;
@@ -88,7 +89,8 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
     };
     let truths = || -> (Vec<_>, Vec<_>) {
         let postures = judged.chunks_exact(dof);
-        postures.map(|q| (world.cop(q), world.com(q))).unzip()
+        let at_rest = postures.map(|q| loose.true_posture(q));
+        at_rest.map(|q| (rigid.cop(&q), rigid.com(&q))).unzip()
     };
     let (repaired, (cop, com)) = both(repair, truths);
     let (report, corrected, code) = repaired?;
