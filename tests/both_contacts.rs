@@ -11,9 +11,9 @@ use sesc_identify::logs::{LogSource, Sidecar};
 use sesc_identify::robot::Robot;
 use sesc_reference::World;
 use sesc_test_support::command::{folder, op2, sesc, stdout};
-use sesc_virtual::contacts::{Contact, recording};
-use sesc_virtual::feet::Noise;
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::contacts::{Contact, recording};
+use sesc_test_support::feet::Noise;
+use sesc_test_support::stage::{Platform, Stage};
 
 /// Encoders to a third of a tick, soles and floor flat to 0.08°.
 const NOISE: Noise = Noise {

@@ -3,9 +3,9 @@
 //! against the virtual robot's on postures that the log does not have.
 //! `cargo xtask study-com` asks at length.
 
-use sesc_virtual::hidden::{Effect, Hidden};
-use sesc_virtual::stage::Platform;
-use sesc_virtual::trial::{Choice, Trial};
+use sesc_test_support::hidden::{Effect, Hidden};
+use sesc_test_support::stage::Platform;
+use sesc_test_support::trial::{Choice, Trial};
 use xtask::corrected::{Corrected, examine};
 use xtask::study_com::{GOAL, MOVED_M};
 

@@ -3,15 +3,15 @@
 
 use rayon::prelude::*;
 use serde_json::json;
-use sesc_virtual::diagnoser::Diagnoser;
-use sesc_virtual::hidden::{Effect, Hidden, NOWHERE, hide_all};
-use sesc_virtual::judge::{Answer, Judgement, names, truth};
-use sesc_virtual::refit::Refit;
-use sesc_virtual::sizes::VISIBLE;
-use sesc_virtual::stage::Platform;
-use sesc_virtual::survey::{Outcome, ask, everything, questions};
-use sesc_virtual::table::{Bound, Goal, goal_table, goals, mistakes};
-use sesc_virtual::trial::{Choice, Question, Trial};
+use sesc_test_support::diagnoser::Diagnoser;
+use sesc_test_support::hidden::{Effect, Hidden, NOWHERE, hide_all};
+use sesc_test_support::judge::{Answer, Judgement, names, truth};
+use sesc_test_support::refit::Refit;
+use sesc_test_support::sizes::VISIBLE;
+use sesc_test_support::stage::Platform;
+use sesc_test_support::survey::{Outcome, ask, everything, questions};
+use sesc_test_support::table::{Bound, Goal, goal_table, goals, mistakes};
+use sesc_test_support::trial::{Choice, Question, Trial};
 
 fn small() -> Choice {
     Choice {

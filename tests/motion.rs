@@ -17,9 +17,9 @@ use sesc_identify::robot::Robot;
 use sesc_identify::simulate;
 use sesc_identify::stance::Stance;
 use sesc_reference::World;
-use sesc_virtual::moving::Swing;
-use sesc_virtual::recording::{Kind, Noise, Recording, draw};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::moving::Swing;
+use sesc_test_support::recording::{Kind, Noise, Recording, draw};
+use sesc_test_support::stage::{Platform, Stage};
 
 const WHITE: Noise = Noise {
     kind: Kind::White,

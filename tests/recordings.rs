@@ -8,9 +8,9 @@ use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;
 use sesc_test_support::command::{ROOT, sesc, stdout};
-use sesc_virtual::moving::Swing;
-use sesc_virtual::recording::{Kind, Motion, Noise};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::moving::Swing;
+use sesc_test_support::recording::{Kind, Motion, Noise};
+use sesc_test_support::stage::{Platform, Stage};
 use xtask::study_recordings::{Case, Said};
 
 const NOISE: Noise = Noise {

@@ -10,8 +10,8 @@ use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::logs::{LogSource, Stays, Table};
 use sesc_identify::robot::Robot;
-use sesc_virtual::recording::{Kind, Motion, Noise, Recording};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
+use sesc_test_support::stage::{Platform, Stage};
 
 const STD_M: f64 = 2e-3;
 const RATE: f64 = 100.0;

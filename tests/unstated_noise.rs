@@ -10,7 +10,7 @@ use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;
 use sesc_reference::World;
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::stage::{Platform, Stage};
 
 const NOISE_M: f64 = 5e-4;
 

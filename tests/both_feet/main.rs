@@ -19,8 +19,8 @@ use sesc_identify::stance::Stance;
 use sesc_identify::{Message, Progress, Watch};
 use sesc_model::ModelFile;
 use sesc_reference::World;
-use sesc_virtual::feet::{Noise, TwoFootLog};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::feet::{Noise, TwoFootLog};
+use sesc_test_support::stage::{Platform, Stage};
 
 /// Encoders to a third of a tick, a CoP that shows little, soles and floor flat to 0.08°.
 const COARSE: Noise = Noise {

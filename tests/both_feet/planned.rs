@@ -7,8 +7,8 @@ use sesc_identify::plan::balance::Region;
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
 use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
-use sesc_virtual::feet::TwoFeet;
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::feet::TwoFeet;
+use sesc_test_support::stage::{Platform, Stage};
 
 /// Postures of a plan on both feet: the other sole lies on the floor by the reference's link
 /// poses, the CoP is between the soles, and all is within the limits.

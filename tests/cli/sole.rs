@@ -4,8 +4,8 @@ use std::fs;
 
 use serde_json::Value;
 use sesc_test_support::command::{folder, op2, refused, sesc, stdout, write};
-use sesc_virtual::feet::TwoFeet;
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::feet::TwoFeet;
+use sesc_test_support::stage::{Platform, Stage};
 
 /// 33.5 mm below the frame of the link: by name, and as a link of the URDF.
 const BY_HEIGHT: &str = "r_ank_roll_link@33.5mm";

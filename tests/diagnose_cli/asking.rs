@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde_json::Value;
 use sesc_test_support::command::{op2, sesc, stdout};
-use sesc_virtual::hidden::{Effect, Hidden};
-use sesc_virtual::stage::Platform;
-use sesc_virtual::trial::{Choice, Trial};
+use sesc_test_support::hidden::{Effect, Hidden};
+use sesc_test_support::stage::Platform;
+use sesc_test_support::trial::{Choice, Trial};
 
 pub fn only(effect: Option<Effect>) -> Choice {
     Choice {

@@ -3,8 +3,8 @@
 use std::fs;
 
 use sesc_test_support::command::{folder, op2, sesc, stdout};
-use sesc_virtual::hidden::{Effect, NOWHERE};
-use sesc_virtual::trial::{Question, Trial};
+use sesc_test_support::hidden::{Effect, NOWHERE};
+use sesc_test_support::trial::{Question, Trial};
 
 use crate::asking::*;
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 use sesc_reference::{Robot, World};
 use sesc_test_support::command::{folder, op2, refused, sesc, write};
-use sesc_virtual::hidden::Effect;
+use sesc_test_support::hidden::Effect;
 
 use crate::asking::*;
 

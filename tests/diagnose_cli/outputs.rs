@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 use sesc_reference::{Place, Reference, Robot, World};
 use sesc_test_support::command::{folder, op2, sesc, stdout, write};
-use sesc_virtual::hidden::{Effect, Hidden, NOWHERE};
+use sesc_test_support::hidden::{Effect, Hidden, NOWHERE};
 
 use crate::asking::*;
 

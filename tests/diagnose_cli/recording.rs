@@ -28,7 +28,7 @@ mod with_the_format {
     use sesc_model::Snapping;
     use sesc_reference::World;
     use sesc_test_support::command::{folder, stdout, write};
-    use sesc_virtual::hidden::{Effect, NOWHERE};
+    use sesc_test_support::hidden::{Effect, NOWHERE};
 
     use super::*;
     use crate::outputs::{told, worst};

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 use sesc_test_support::command::{folder, op2, sesc, stdout};
-use sesc_virtual::fleet::{BATCH, DRIFT, Fleet, STUCK};
+use sesc_test_support::fleet::{BATCH, DRIFT, Fleet, STUCK};
 
 fn strings(list: &Value) -> Vec<&str> {
     let list = list.as_array().unwrap().iter();

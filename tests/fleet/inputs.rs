@@ -4,7 +4,7 @@ use std::fs;
 use std::process::Command;
 
 use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
-use sesc_virtual::fleet::Fleet;
+use sesc_test_support::fleet::Fleet;
 
 use crate::table::{at, field, fleet, records};
 

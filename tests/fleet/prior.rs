@@ -6,7 +6,7 @@ use serde_json::Value;
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
 use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
-use sesc_virtual::fleet::Fleet;
+use sesc_test_support::fleet::Fleet;
 
 /// Robots of the fleet, and those that come after it.
 const ROBOTS: usize = 60;

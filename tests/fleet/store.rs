@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sesc_test_support::command::{folder, op2, sesc, stdout};
-use sesc_virtual::fleet::Fleet;
+use sesc_test_support::fleet::Fleet;
 
 use super::table::{at, field, fleet, records};
 

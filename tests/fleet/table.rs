@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
-use sesc_virtual::fleet::Fleet;
+use sesc_test_support::fleet::Fleet;
 
 /// `sesc fleet` on `data` in `folder`, with further options; its JSON.
 pub(super) fn fleet(folder: &Path, data: &str, options: &[&str]) -> Value {

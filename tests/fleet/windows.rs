@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use sesc_test_support::command::{folder, op2, refused, sesc};
-use sesc_virtual::fleet::Fleet;
+use sesc_test_support::fleet::Fleet;
 
 use super::table::{at, field, fleet, records};
 

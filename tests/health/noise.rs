@@ -3,9 +3,9 @@
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose;
-use sesc_virtual::moving::Swing;
-use sesc_virtual::recording::{Kind, Noise};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::moving::Swing;
+use sesc_test_support::recording::{Kind, Noise};
+use sesc_test_support::stage::{Platform, Stage};
 
 use super::encoders::fitted;
 use super::rows::only;

@@ -9,9 +9,9 @@ use sesc_identify::fit::{self, Identification};
 use sesc_identify::logs::{LogSource, Table};
 use sesc_identify::robot::Robot;
 use sesc_test_support::command::{op2, sesc};
-use sesc_virtual::moving::Swing;
-use sesc_virtual::recording::{Kind, Noise, Recording};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::moving::Swing;
+use sesc_test_support::recording::{Kind, Noise, Recording};
+use sesc_test_support::stage::{Platform, Stage};
 
 /// An OP2 that swings at up to 0.4 Hz with noise of 0.5 mm.
 fn swing(seconds: f64, rate: f64, seed: u64) -> Recording {

@@ -9,9 +9,9 @@ use sesc_identify::fit;
 use sesc_identify::health::Finding;
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;
-use sesc_virtual::moving::Swing;
-use sesc_virtual::recording::{Kind, Noise, Recording};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::moving::Swing;
+use sesc_test_support::recording::{Kind, Noise, Recording};
+use sesc_test_support::stage::{Platform, Stage};
 
 use super::log::{Log, NOISE_M, POSTURES};
 use super::rows::{found_beside, hidden, only};

@@ -51,7 +51,7 @@ fn a_plan_asks_for_revisits_until_a_log_knows_what_they_differ_by() {
         assert_eq!(*row, rows[pose - 1]);
     }
     // Each posture four times in turn, 2 mm apart.
-    let stage = sesc_virtual::stage::Stage::new(sesc_virtual::stage::Platform::Op2);
+    let stage = sesc_test_support::stage::Stage::new(sesc_test_support::stage::Platform::Op2);
     let world = stage.world();
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let mut gauss = || -> f64 { StandardNormal.sample(&mut rng) };

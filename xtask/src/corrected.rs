@@ -23,9 +23,9 @@ use sesc_identify::diagnose::{self, Request, Verdict};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_model::{Function, Model, ModelFile, Snapping};
-use sesc_virtual::hidden::hide_all;
-use sesc_virtual::judge::{Answer, Labels, truth};
-use sesc_virtual::trial::Trial;
+use sesc_test_support::hidden::hide_all;
+use sesc_test_support::judge::{Answer, Labels, truth};
+use sesc_test_support::trial::Trial;
 
 /// Postures that judge.
 pub const JUDGED: usize = 200;

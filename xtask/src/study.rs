@@ -12,12 +12,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
-use sesc_virtual::diagnoser::Diagnoser;
-use sesc_virtual::hidden::Effect;
-use sesc_virtual::stage::Platform;
-use sesc_virtual::survey::{self, Outcome};
-use sesc_virtual::table;
-use sesc_virtual::trial::{Choice, Question, Trial};
+use sesc_test_support::diagnoser::Diagnoser;
+use sesc_test_support::hidden::Effect;
+use sesc_test_support::stage::Platform;
+use sesc_test_support::survey::{self, Outcome};
+use sesc_test_support::table;
+use sesc_test_support::trial::{Choice, Question, Trial};
 
 /// What to ask how often.
 #[derive(Args)]
@@ -155,7 +155,7 @@ impl Study {
     fn page(&self, outcomes: &[Outcome], asked: usize) -> String {
         format!(
             "# The study of hidden effects\n\n\
-             Effects are hidden in virtual robots (`tests/virtual`, which bends the robot itself \
+             Effects are hidden in virtual robots (`tests/support`, which bends the robot itself \
              and shares no code with the diagnosis); `sesc diagnose` reads the logs and is judged \
              by the truth. {} of {asked} logs were answered:\n\n\
              ```text\n{}\n```\n\n\

@@ -12,9 +12,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
-use sesc_virtual::hidden::Effect;
-use sesc_virtual::stage::Platform;
-use sesc_virtual::trial::{Choice, Question, Trial};
+use sesc_test_support::hidden::Effect;
+use sesc_test_support::stage::Platform;
+use sesc_test_support::trial::{Choice, Question, Trial};
 
 use crate::corrected::{Corrected, JUDGED, examine};
 
@@ -131,7 +131,7 @@ impl StudyCom {
         let wrong = |one: &&Corrected| counts(one) && !one.listed;
         format!(
             "# The study of corrected models\n\n\
-             Effects of the body are hidden in virtual robots (`tests/virtual`), from barely visible \
+             Effects of the body are hidden in virtual robots (`tests/support`), from barely visible \
              to as large as they come; the log is diagnosed, and the CoM of the model \
              file is held against the robot's true CoM on {JUDGED} balanced postures that the log \
              does not have. The OP2 and a humanoid of 30 joints (`robots/skew_humanoid`); {} of {} \

@@ -24,9 +24,9 @@ use sesc_identify::observations::motion::{Plan, Wanted};
 use sesc_identify::observations::zmp::Zmp;
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
-use sesc_virtual::moving::Swing;
-use sesc_virtual::recording::{Kind, Motion, Noise, Recording};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::moving::Swing;
+use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
+use sesc_test_support::stage::{Platform, Stage};
 
 /// Rows of a log, unless it would be shorter or longer than [`SECONDS`].
 const ROWS: f64 = 600.0;

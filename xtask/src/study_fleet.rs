@@ -20,7 +20,7 @@ use sesc_identify::fleet::summary::{ChangeKind, Summary, summary};
 use sesc_identify::fleet::{Fleet as Found, Request, Row, groups, inputs, run};
 use sesc_identify::health::Kind;
 use sesc_identify::robot::Robot;
-use sesc_virtual::fleet::{BATCH, DRIFT, Fleet, STUCK};
+use sesc_test_support::fleet::{BATCH, DRIFT, Fleet, STUCK};
 
 /// How many fleets.
 #[derive(Args)]

@@ -19,10 +19,10 @@ use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{self, Diagnosis, Verdict, diagnose};
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;
-use sesc_virtual::hidden::{Effect, Hidden, NOWHERE, hide_all};
-use sesc_virtual::moving::Swing;
-use sesc_virtual::recording::{Kind, Noise, Recording};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::hidden::{Effect, Hidden, NOWHERE, hide_all};
+use sesc_test_support::moving::Swing;
+use sesc_test_support::recording::{Kind, Noise, Recording};
+use sesc_test_support::stage::{Platform, Stage};
 
 /// Recordings are made at this rate, Hz.
 const RATE: f64 = 100.0;

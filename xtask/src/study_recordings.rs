@@ -17,8 +17,8 @@ use sesc_identify::fit::{self, fit};
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
-use sesc_virtual::recording::{Kind, Motion, Noise, Recording};
-use sesc_virtual::stage::{Platform, Stage};
+use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
+use sesc_test_support::stage::{Platform, Stage};
 
 /// How many logs.
 #[derive(Args)]

@@ -23,9 +23,9 @@ use sesc_identify::health::{self, Finding};
 use sesc_identify::logs::{LogSource, Options, Readings};
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
-use sesc_virtual::stage::Platform;
-use sesc_virtual::survey;
-use sesc_virtual::trial::{Choice, Trial};
+use sesc_test_support::stage::Platform;
+use sesc_test_support::survey;
+use sesc_test_support::trial::{Choice, Trial};
 
 use devices::{Broken, DEVICES, Device};
 use sheet::{RecordingKind, Sheet};

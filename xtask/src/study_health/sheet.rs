@@ -8,12 +8,12 @@ use rand::seq::IndexedRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::logs::{LogSource, Sidecar, Table};
-use sesc_virtual::log::READINGS;
-use sesc_virtual::moving::Swing;
-use sesc_virtual::recording::{Kind, Motion, Noise, Recording};
-use sesc_virtual::stage::{Platform, Stage};
-use sesc_virtual::survey;
-use sesc_virtual::trial::{Choice, Question, Trial};
+use sesc_test_support::log::READINGS;
+use sesc_test_support::moving::Swing;
+use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
+use sesc_test_support::stage::{Platform, Stage};
+use sesc_test_support::survey;
+use sesc_test_support::trial::{Choice, Question, Trial};
 
 /// How a log was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
