@@ -66,8 +66,6 @@ pub enum Setting {
     TotalMass,
     /// The robot of its type that logs are of.
     Unit,
-    /// Days of a fleet that are put together.
-    Window,
 }
 
 impl Setting {
@@ -102,7 +100,6 @@ impl Setting {
             Setting::Support => "support",
             Setting::TotalMass => "total_mass",
             Setting::Unit => "unit",
-            Setting::Window => "window",
         }
     }
 }

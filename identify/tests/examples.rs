@@ -10,7 +10,7 @@ const ENTRIES: [(&str, &[&str]); 14] = [
     ("evaluate.rs", &["struct Evaluator"]),
     ("fit/looked.rs", &["gather"]),
     ("fit/report.rs", &["fit", "residuals"]),
-    ("fleet/groups.rs", &["groups"]),
+    ("fleet/inputs.rs", &["groups"]),
     ("fleet/run.rs", &["run"]),
     ("health/mod.rs", &["of_log"]),
     ("plan/mod.rs", &["plan"]),

@@ -3,8 +3,6 @@
 pub mod corrected;
 pub mod counts;
 pub mod crates;
-pub mod fleet_costs;
-pub mod fleet_parts;
 mod formats;
 mod keys;
 pub mod kills;

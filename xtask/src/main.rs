@@ -12,12 +12,8 @@ enum Task {
     Bill(xtask::crates::archive::Bill),
     /// Print operations and instructions of one call; fail where they grew by 2 %
     Counts(xtask::counts::Counts),
-    /// Print what a log of a fleet costs, step by step
-    FleetCosts(xtask::fleet_costs::FleetCosts),
     /// Rewrite docs/dependencies.md
     Dependencies(xtask::crates::page::Dependencies),
-    /// Draw the rows of a large fleet, and print what putting them together costs
-    FleetParts(xtask::fleet_parts::FleetParts),
     /// Kill commands while they write, and fail where a file is neither the old nor the new one
     Kills(xtask::kills::Kills),
     /// Rewrite `generated/`, the figure of README, pages of effects and tables of formats
@@ -44,9 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match Task::parse() {
         Task::Bill(bill) => bill.run(root)?,
         Task::Counts(counts) => counts.run(root)?,
-        Task::FleetCosts(costs) => costs.run(root)?,
         Task::Dependencies(page) => page.run(root)?,
-        Task::FleetParts(parts) => parts.run()?,
         Task::Kills(kills) => kills.run()?,
         Task::Regen => {
             let changed = xtask::regen::write(root)?;
