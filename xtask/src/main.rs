@@ -22,19 +22,19 @@ enum Task {
     Kills(xtask::kills::Kills),
     /// Rewrite `generated/`, the figure of README, pages of effects and tables of formats
     Regen,
-    /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/study.md
+    /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/dev/study/effects.txt
     Study(xtask::study::Study),
-    /// Hide effects of the body, and judge the diagnosed CoM in docs/study-com.md
+    /// Hide effects of the body, and judge the diagnosed CoM in docs/dev/study/com.txt
     StudyCom(xtask::study_com::StudyCom),
-    /// Record robots that miss nothing, and count in docs/study-false-alarms.md
+    /// Record robots that miss nothing, and count in docs/dev/study/false-alarms.txt
     StudyFalseAlarms(xtask::study_false_alarms::StudyFalseAlarms),
-    /// Diagnose fleets of virtual robots, and count in docs/study-fleet.md
+    /// Diagnose fleets of virtual robots, and count in docs/dev/study/fleet.txt
     StudyFleet(xtask::study_fleet::StudyFleet),
     /// Break logs of virtual robots, and count what is recognised and what is found wrongly
     StudyHealth(xtask::study_health::StudyHealth),
-    /// Record moving robots at several rates, and count verdicts in docs/study-motion.md
+    /// Record moving robots at several rates, and count verdicts in docs/dev/study/motion.txt
     StudyMotion(xtask::study_motion::StudyMotion),
-    /// Record robots with noise that lasts, and count in docs/study-recordings.md
+    /// Record robots with noise that lasts, and count in docs/dev/study/recordings.txt
     StudyRecordings(xtask::study_recordings::StudyRecordings),
 }
 

@@ -1,5 +1,5 @@
 //! The study of hidden effects: some hundred logs of virtual robots, each diagnosed
-//! and judged, counted in `docs/study.md`.
+//! and judged, counted in `docs/dev/study/effects.txt`.
 //!
 //! Its logs are drawn from seeds, so that the same command counts the same logs again:
 //! after a change of `criteria`, the difference of two tables is the change's.
@@ -37,7 +37,7 @@ pub struct Study {
     /// The OP2 alone, at most 200 postures
     #[arg(long)]
     small: bool,
-    /// Where the tables go, instead of docs/study.md
+    /// Where the tables go, instead of docs/dev/study/effects.txt
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Keep the logs here
@@ -105,7 +105,7 @@ impl Study {
             survey::questions(self.trials, &choice)
         };
         let outcomes = self.ask(&Diagnoser { sesc }, &questions, &choice, &folder);
-        let default = || root.join("docs/study.md");
+        let default = || root.join("docs/dev/study/effects.txt");
         let out = self.out.clone().unwrap_or_else(default);
         fs::write(&out, self.page(&outcomes, questions.len()))?;
         eprintln!("wrote {}", out.display());

@@ -1,5 +1,5 @@
 //! The study of corrected models: effects of the body are hidden in virtual robots, and
-//! the CoM of the diagnosed model is judged by the robot's own, in `docs/study-com.md`.
+//! the CoM of the diagnosed model is judged by the robot's own, in `docs/dev/study/com.txt`.
 //!
 //! Every third log hides two effects; single ones take turns. The logs are drawn from
 //! seeds: the same command counts the same logs again.
@@ -40,7 +40,7 @@ pub struct StudyCom {
     /// Only those of the logs that hide this effect: `backlash`
     #[arg(long, value_name = "EFFECT")]
     only: Option<String>,
-    /// Where the table goes, instead of docs/study-com.md
+    /// Where the table goes, instead of docs/dev/study/com.txt
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Logs diagnosed at once
@@ -113,7 +113,7 @@ impl StudyCom {
         });
         let mut found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         found.sort_by_key(|one| one.seed);
-        let default = || root.join("docs/study-com.md");
+        let default = || root.join("docs/dev/study/com.txt");
         let out = self.out.clone().unwrap_or_else(default);
         fs::write(&out, self.page(&found))?;
         eprintln!("wrote {}", out.display());

@@ -70,7 +70,7 @@ pub struct StudyFalseAlarms {
     /// Logs in whose groups this stands alone
     #[arg(long, value_name = "WORD")]
     only: Option<String>,
-    /// Where the tables go, instead of docs/study-false-alarms.md
+    /// Where the tables go, instead of docs/dev/study/false-alarms.txt
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -417,7 +417,7 @@ impl StudyFalseAlarms {
         text.truncate(text.trim_end().len());
         text.push('\n');
         eprintln!("{text}");
-        let own = root.join("docs/study-false-alarms.md");
+        let own = root.join("docs/dev/study/false-alarms.txt");
         fs::write(self.out.as_ref().unwrap_or(&own), text)?;
         Ok(())
     }

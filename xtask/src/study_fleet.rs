@@ -53,7 +53,7 @@ pub struct StudyFleet {
     /// Only write the logs of the tested fleet into this folder
     #[arg(long, value_name = "DIR")]
     write: Option<PathBuf>,
-    /// Where the table goes, instead of docs/study-fleet.md
+    /// Where the table goes, instead of docs/dev/study/fleet.txt
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -134,7 +134,7 @@ impl StudyFleet {
         let out = self
             .out
             .clone()
-            .unwrap_or_else(|| root.join("docs/study-fleet.md"));
+            .unwrap_or_else(|| root.join("docs/dev/study/fleet.txt"));
         fs::write(&out, text)?;
         eprintln!("wrote {}", out.display());
         for alarms in [shared, changed] {

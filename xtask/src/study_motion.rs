@@ -49,7 +49,7 @@ pub struct StudyMotion {
     /// Print the sentence of every log
     #[arg(long)]
     sentences: bool,
-    /// Where the table goes, instead of docs/study-motion.md
+    /// Where the table goes, instead of docs/dev/study/motion.txt
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -307,7 +307,7 @@ impl StudyMotion {
             text,
             "\nOf {recordings} recordings, {agreeing} are answered alike at all four rates."
         );
-        let own = root.join("docs/study-motion.md");
+        let own = root.join("docs/dev/study/motion.txt");
         fs::write(self.out.as_ref().unwrap_or(&own), text)?;
         Ok(())
     }

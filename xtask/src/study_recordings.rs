@@ -35,7 +35,7 @@ pub struct StudyRecordings {
     /// Only kinds of log whose name contains this
     #[arg(long)]
     only: Option<String>,
-    /// Where the table goes, instead of docs/study-recordings.md
+    /// Where the table goes, instead of docs/dev/study/recordings.txt
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -270,7 +270,7 @@ impl StudyRecordings {
             eprintln!("{line}");
             let _ = writeln!(text, "{line}");
         }
-        let own = root.join("docs/study-recordings.md");
+        let own = root.join("docs/dev/study/recordings.txt");
         fs::write(self.out.as_ref().unwrap_or(&own), text)?;
         Ok(())
     }

@@ -55,7 +55,7 @@ pub struct StudyHealth {
     /// This device alone
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
-    /// Where the tables go, instead of docs/study-health.md
+    /// Where the tables go, instead of docs/dev/study/health.txt
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -172,7 +172,7 @@ impl StudyHealth {
                 stuck.diagnosed, stuck.named
             );
         }
-        let own = root.join("docs/study-health.md");
+        let own = root.join("docs/dev/study/health.txt");
         std::fs::write(self.out.as_ref().unwrap_or(&own), page)?;
         Ok(())
     }
