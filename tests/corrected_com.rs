@@ -1,13 +1,12 @@
 //! A diagnosed model corrects the CoM: one effect of the body hidden at clear size in the
 //! OP2, its log diagnosed, the model written to its file and read back, and the CoM held
 //! against the virtual robot's on postures that the log does not have.
-//! `cargo xtask study-com` asks at length.
+//! `cargo xtask study com` asks at length.
 
 use sesc_test_support::hidden::{Effect, Hidden};
 use sesc_test_support::stage::Platform;
 use sesc_test_support::trial::{Choice, Trial};
-use xtask::corrected::{Corrected, examine};
-use xtask::study_com::{GOAL, MOVED_M};
+use xtask::study::com::{Corrected, GOAL, MOVED_M, examine};
 
 /// The generated C computes in the same f64, in another order.
 const ROUNDING_M: f64 = 1e-12;

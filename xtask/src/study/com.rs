@@ -1,4 +1,4 @@
-//! How far the CoM of a diagnosed model is from the true one.
+//! The CoM of the diagnosed model against the true one, where an effect of the body is hidden.
 //!
 //! ```text
 //! error = √(mean over postures of ‖CoM_model(q) − CoM_robot(q)‖²)
@@ -7,9 +7,9 @@
 //!
 //! The robot is the virtual one, which bends its own body; `q` is what its encoders read
 //! in balanced postures that the log does not have. CAD's error is also how far the
-//! effect moves the CoM. The model goes through the text of its file.
+//! effect moves the CoM. The model goes through the text of its file. Every third log hides
+//! two effects; single ones take turns.
 
-use std::error::Error;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -23,9 +23,21 @@ use sesc_identify::diagnose::{self, Request, Verdict};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_model::{Function, Model, ModelFile, Snapping};
-use sesc_test_support::hidden::hide_all;
-use sesc_test_support::judge::{Answer, Labels, truth};
-use sesc_test_support::trial::Trial;
+use sesc_test_support::hidden::{Effect, hide_all};
+use sesc_test_support::judge::{Answer as Explained, Labels, truth};
+use sesc_test_support::stage::Platform;
+use sesc_test_support::trial::{Choice, Question, Trial};
+
+use super::{Answer, Asked, Case, Cell, Failure, Plan};
+
+/// What a corrected model may keep of CAD's CoM error.
+pub const GOAL: f64 = 0.25;
+/// An effect that moves the CoM by less is not counted, m.
+pub const MOVED_M: f64 = 1e-3;
+/// The robots, turn by turn.
+const PLATFORMS: [Platform; 2] = [Platform::Op2, Platform::Skew];
+/// One in so many logs is judged by the generated C, too.
+const IN_C: usize = 10;
 
 /// Postures that judge.
 pub const JUDGED: usize = 200;
@@ -38,7 +50,7 @@ pub struct Corrected {
     /// Seed of the log.
     pub seed: u64,
     /// The robot.
-    pub robot: &'static str,
+    pub robot: Platform,
     /// Names of the hidden effects.
     pub effects: Vec<&'static str>,
     /// What is hidden, with sizes.
@@ -71,7 +83,7 @@ impl Corrected {
 ///
 /// # Errors
 /// Where the log cannot be diagnosed, or its model not be read, generated or compiled.
-pub fn examine(trial: &Trial, folder: &Path, in_c: bool) -> Result<Corrected, Box<dyn Error>> {
+pub fn examine(trial: &Trial, folder: &Path, in_c: bool) -> Result<Corrected, Failure> {
     let stage = &trial.stage;
     let log = trial.log.write(folder, &format!("trial_{}", trial.seed));
     let robot = Arc::new(Robot::read(&stage.urdf)?);
@@ -90,7 +102,7 @@ pub fn examine(trial: &Trial, folder: &Path, in_c: bool) -> Result<Corrected, Bo
     let by_tape = |model: &Model| Evaluator::new(model, Function::Com).run(&q, JUDGED);
     let by_c = in_c.then(|| com_in_c(&corrected, &q, folder)).transpose()?;
 
-    let answer = Answer::read(&serde_json::to_value(&report.diagnosis)?)?;
+    let answer = Explained::read(&serde_json::to_value(&report.diagnosis)?)?;
     let hidden = truth(&trial.hidden);
     let explained = matches!(report.diagnosis.verdict, Verdict::Named | Verdict::Class);
     let sizes = trial.hidden.iter().map(|hidden| {
@@ -99,7 +111,7 @@ pub fn examine(trial: &Trial, folder: &Path, in_c: bool) -> Result<Corrected, Bo
     });
     Ok(Corrected {
         seed: trial.seed,
-        robot: robot_name(&stage.urdf),
+        robot: stage.platform,
         effects: trial.hidden.iter().map(|h| h.effect.name()).collect(),
         hidden: sizes.collect::<Vec<_>>().join(" + "),
         said: format!("{}: {}", answer.verdict, joined(&answer.steps)),
@@ -110,13 +122,6 @@ pub fn examine(trial: &Trial, folder: &Path, in_c: bool) -> Result<Corrected, Bo
         expected_m: expected(&corrected, &file, &q),
         after_in_c_m: by_c.map(|com| error(&com)),
     })
-}
-
-fn robot_name(urdf: &Path) -> &'static str {
-    match urdf.file_stem().is_some_and(|stem| stem == "op2") {
-        true => "op2",
-        false => "skew_humanoid",
-    }
 }
 
 fn joined(labels: &Labels) -> String {
@@ -162,7 +167,7 @@ fn expected(model: &Model, file: &ModelFile, q: &[f64]) -> f64 {
 }
 
 /// CoM of all postures by the model's package in C, f64, compiled by gcc in `folder`, m.
-fn com_in_c(model: &Model, q: &[f64], folder: &Path) -> Result<Vec<f64>, Box<dyn Error>> {
+fn com_in_c(model: &Model, q: &[f64], folder: &Path) -> Result<Vec<f64>, Failure> {
     let package = c::package(&Facts::of(model), NAME, &Options::of(Scalar::F64))?;
     let folder = tempfile::tempdir_in(folder)?;
     let path = |name: &str| folder.path().join(name);
@@ -190,8 +195,123 @@ fn com_in_c(model: &Model, q: &[f64], folder: &Path) -> Result<Vec<f64>, Box<dyn
         .output()?;
     let values = output.stdout.as_chunks::<8>().0.iter();
     let com: Vec<f64> = values.map(|bytes| f64::from_le_bytes(*bytes)).collect();
-    match com.len() * model.dof() == 3 * q.len() {
-        true => Ok(com),
-        false => Err("the C program does not answer for every posture".into()),
+    if com.len() * model.dof() == 3 * q.len() {
+        Ok(com)
+    } else {
+        Err("the C program does not answer for every posture".into())
+    }
+}
+
+/// The log number `i`.
+fn draw(i: usize, seed: u64) -> Trial {
+    let choice = |platform: usize, only| Choice {
+        platforms: vec![PLATFORMS[platform % PLATFORMS.len()]],
+        only,
+        body: true,
+        long: false,
+        held: 0.0,
+    };
+    let (question, choice) = match i % 3 {
+        2 => (Question::Library(2), choice(i / 3, None)),
+        rest => {
+            let single = 2 * (i / 3) + rest;
+            let effect = Effect::BODY[single % Effect::BODY.len()];
+            let choice = choice(single / Effect::BODY.len(), Some(effect));
+            (Question::Library(1), choice)
+        }
+    };
+    Trial::draw(question, &choice, seed + i as u64)
+}
+
+/// The rows that a log is counted in: its effect or the pair, its robot, and all.
+fn rows(trial: &Trial) -> Vec<(usize, String)> {
+    let single = match &trial.hidden[..] {
+        [one] => Effect::BODY.iter().position(|effect| *effect == one.effect),
+        _ => None,
+    };
+    let mut rows: Vec<(usize, String)> = single
+        .map(|k| (k, Effect::BODY[k].name().to_owned()))
+        .into_iter()
+        .collect();
+    let pairs = if trial.hidden.len() == 1 {
+        (100, "one effect")
+    } else {
+        (101, "two effects")
+    };
+    let robot = match trial.stage.platform {
+        Platform::Op2 => (102, "OP2"),
+        _ => (103, "humanoid"),
+    };
+    let more = [pairs, robot, (104, "all")].map(|(k, name)| (k, name.to_owned()));
+    rows.extend(more);
+    rows
+}
+
+/// What is counted of a log: only where the effect moves the CoM by more than [`MOVED_M`].
+fn counted(found: &Corrected) -> Answer {
+    let moved = found.before_m > MOVED_M;
+    let share = |of: bool, holds: bool| Cell::Share(usize::from(of && holds), usize::from(of));
+    let listed = moved && found.listed;
+    let number = |value: f64| if listed { value } else { f64::NAN };
+    let small = found.ratio() < GOAL;
+    let note = format!(
+        "seed {} {:?} {}: {:.3} -> {:.3} mm (expected {:.3}), ratio {:.3}; {}",
+        found.seed,
+        found.robot,
+        found.hidden,
+        1e3 * found.before_m,
+        1e3 * found.after_m,
+        1e3 * found.expected_m,
+        found.ratio(),
+        found.said
+    );
+    let in_c = found
+        .after_in_c_m
+        .map_or(f64::NAN, |com| (com - found.after_m).abs());
+    Answer {
+        cells: vec![
+            share(moved, found.named),
+            share(moved && found.named, small),
+            share(moved, found.listed),
+            share(listed, small),
+            Cell::Median(number(found.ratio())),
+            Cell::Worst(number(found.ratio())),
+            Cell::Median(number(1e3 * found.before_m)),
+            Cell::Median(number(1e3 * found.after_m)),
+            Cell::Worst(1e15 * in_c),
+        ],
+        note: (moved && !(found.listed && small)).then_some(note),
+    }
+}
+
+pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
+    let cases = (0..asked.logs as usize).map(|k| {
+        let trial = draw(k, asked.seed);
+        Case {
+            rows: rows(&trial),
+            ask: Box::new(move || Ok(counted(&examine(&trial, asked.folder, k % IN_C == 0)?))),
+        }
+    });
+    Plan {
+        about: "Effects of the body are hidden in virtual robots, from barely visible to as large as they \
+                come; the log is diagnosed, and the CoM of the model file is held against the robot's \
+                true CoM on 200 balanced postures that the log does not have. Logs count where the \
+                effect moves the CoM by more than 1 mm RMS. Named: the verdict is `named` or `class` \
+                and the first explanation is what was hidden, on the right target; listed: what was \
+                hidden is that or of the class. Ratios are the CoM error of the diagnosed model over \
+                CAD's, of listed logs; errors are medians of these. C: how far the RMS error through \
+                `model_com` of the generated C is from this, of every tenth log.",
+        columns: &[
+            "named",
+            "of these < 0.25",
+            "listed",
+            "of these < 0.25",
+            "ratio, median",
+            "worst",
+            "CoM error of CAD, mm",
+            "diagnosed, mm",
+            "C, 1e-15 m",
+        ],
+        cases: cases.collect(),
     }
 }
