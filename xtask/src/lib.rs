@@ -4,6 +4,5 @@ pub mod counts;
 pub mod crates;
 mod formats;
 mod keys;
-pub mod kills;
 pub mod regen;
 pub mod study;

@@ -12,8 +12,6 @@ enum Task {
     Bill(xtask::crates::archive::Bill),
     /// Print operations and instructions of one call; fail where they grew by 2 %
     Counts(xtask::counts::Counts),
-    /// Kill commands while they write, and fail where a file is neither the old nor the new one
-    Kills(xtask::kills::Kills),
     /// Rewrite `generated/`, the figure of README, pages of effects and tables of formats
     Regen,
     /// Ask about virtual robots, and count the answers in docs/dev/study/
@@ -26,7 +24,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     match Task::parse() {
         Task::Bill(bill) => bill.run(root)?,
         Task::Counts(counts) => counts.run(root)?,
-        Task::Kills(kills) => kills.run()?,
         Task::Regen => {
             let changed = xtask::regen::write(root)?;
             for path in &changed {

@@ -190,18 +190,23 @@ impl Drawn {
         Ok(Answer {
             cells: vec![
                 Cell::is(alarm),
-                if enough {
-                    Cell::Percent(hold, all)
-                } else {
-                    Cell::Percent(0, 0)
-                },
+                Cell::Share(hold * usize::from(enough), all * usize::from(enough)),
             ],
             note: (alarm || enough && 10 * hold < 8 * all).then_some(note),
         })
     }
 }
 
-pub(super) fn plan<'a>(asked: &'a Asked<'_>, fast: bool) -> Plan<'a> {
+pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
+    drawn(asked, false)
+}
+
+/// The same at the rates of fast logs.
+pub(super) fn fast_plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
+    drawn(asked, true)
+}
+
+fn drawn<'a>(asked: &'a Asked<'_>, fast: bool) -> Plan<'a> {
     let cases = asked.seeds().map(|seed| {
         let groups = Drawn::new(seed, fast).groups();
         let rows = groups

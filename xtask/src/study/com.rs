@@ -10,15 +10,11 @@
 //! effect moves the CoM. The model goes through the text of its file. Every third log hides
 //! two effects; single ones take turns.
 
-use std::fs;
 use std::path::Path;
-use std::process::Command;
 use std::sync::Arc;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_codegen::emit::c::{self, Options, Scalar};
-use sesc_codegen::facts::Facts;
 use sesc_identify::diagnose::{self, Request, Verdict};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
@@ -36,13 +32,9 @@ pub const GOAL: f64 = 0.25;
 pub const MOVED_M: f64 = 1e-3;
 /// The robots, turn by turn.
 const PLATFORMS: [Platform; 2] = [Platform::Op2, Platform::Skew];
-/// One in so many logs is judged by the generated C, too.
-const IN_C: usize = 10;
 
 /// Postures that judge.
 pub const JUDGED: usize = 200;
-/// Name of the C package.
-const NAME: &str = "corrected";
 
 /// What became of one log.
 #[derive(Debug, Clone)]
@@ -65,10 +57,6 @@ pub struct Corrected {
     pub before_m: f64,
     /// CoM error of the diagnosed model, m.
     pub after_m: f64,
-    /// CoM error that the model file's own uncertainty of its masses leads to expect, m.
-    pub expected_m: f64,
-    /// The same error by `corrected_model_com` of the C package, m.
-    pub after_in_c_m: Option<f64>,
 }
 
 impl Corrected {
@@ -79,11 +67,11 @@ impl Corrected {
 }
 
 /// Diagnoses the log of `trial`, written to `folder`, and judges the CoM of the model
-/// that comes of it; also of its C, by gcc, where that is asked.
+/// that comes of it.
 ///
 /// # Errors
-/// Where the log cannot be diagnosed, or its model not be read, generated or compiled.
-pub fn examine(trial: &Trial, folder: &Path, in_c: bool) -> Result<Corrected, Failure> {
+/// Where the log cannot be diagnosed, or its model not be read.
+pub fn examine(trial: &Trial, folder: &Path) -> Result<Corrected, Failure> {
     let stage = &trial.stage;
     let log = trial.log.write(folder, &format!("trial_{}", trial.seed));
     let robot = Arc::new(Robot::read(&stage.urdf)?);
@@ -100,7 +88,6 @@ pub fn examine(trial: &Trial, folder: &Path, in_c: bool) -> Result<Corrected, Fa
     let q = q.concat();
     let error = |com: &[f64]| distance(com, &true_com);
     let by_tape = |model: &Model| Evaluator::new(model, Function::Com).run(&q, JUDGED);
-    let by_c = in_c.then(|| com_in_c(&corrected, &q, folder)).transpose()?;
 
     let answer = Explained::read(&serde_json::to_value(&report.diagnosis)?)?;
     let hidden = truth(&trial.hidden);
@@ -119,8 +106,6 @@ pub fn examine(trial: &Trial, folder: &Path, in_c: bool) -> Result<Corrected, Fa
         listed: explained && answer.lists(&hidden),
         before_m: error(&by_tape(&cad)),
         after_m: error(&by_tape(&corrected)),
-        expected_m: expected(&corrected, &file, &q),
-        after_in_c_m: by_c.map(|com| error(&com)),
     })
 }
 
@@ -134,72 +119,6 @@ fn distance(com: &[f64], truth: &[[f64; 3]]) -> f64 {
     let gaps = com.as_chunks::<3>().0.iter().zip(truth);
     let squares = gaps.map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>());
     (squares.sum::<f64>() / truth.len() as f64).sqrt()
-}
-
-/// RMS over the postures of √tr(Y C Yᵀ), m: Y the regressor of the CoM, C the covariance of
-/// the base parameters in the model file. What only CAD says (the constant part of the
-/// height) counts as known.
-fn expected(model: &Model, file: &ModelFile, q: &[f64]) -> f64 {
-    let Some(information) = &file.information else {
-        return 0.0;
-    };
-    let rows = Evaluator::new(model, Function::Regressor).run(q, JUDGED);
-    let variance = |row: &[f64]| {
-        // x R = row: its squares are the variance.
-        let mut left = row.to_vec();
-        let mut variance = 0.0;
-        for (i, line) in information.factor.iter().enumerate() {
-            if line[0] > 0.0 {
-                let pivot = left[i] / line[0];
-                variance += pivot * pivot;
-                for (x, r) in left[i..].iter_mut().zip(line) {
-                    *x -= pivot * r;
-                }
-            }
-        }
-        variance
-    };
-    let sum: f64 = rows
-        .chunks_exact(information.factor.len())
-        .map(variance)
-        .sum();
-    (sum / JUDGED as f64).sqrt()
-}
-
-/// CoM of all postures by the model's package in C, f64, compiled by gcc in `folder`, m.
-fn com_in_c(model: &Model, q: &[f64], folder: &Path) -> Result<Vec<f64>, Failure> {
-    let package = c::package(&Facts::of(model), NAME, &Options::of(Scalar::F64))?;
-    let folder = tempfile::tempdir_in(folder)?;
-    let path = |name: &str| folder.path().join(name);
-    fs::write(path("corrected.h"), &package.header)?;
-    fs::write(path("corrected.c"), &package.source)?;
-    let main = "#include \"corrected.h\"\n#include <stdio.h>\n\nint main(void)\n{\n    \
-                double q[corrected_DOF], com[3];\n    \
-                while (fread(q, sizeof q, 1u, stdin) == 1u) {\n        \
-                corrected_model_com(q, com);\n        \
-                if (fwrite(com, sizeof com, 1u, stdout) != 1u) {\n            return 1;\n        \
-                }\n    }\n    return 0;\n}\n";
-    fs::write(path("main.c"), main)?;
-    let postures: Vec<u8> = q.iter().flat_map(|q| q.to_le_bytes()).collect();
-    fs::write(path("postures"), postures)?;
-    let program = path("program");
-    let status = Command::new("gcc")
-        .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-O1", "-o"])
-        .args([&program, &path("corrected.c"), &path("main.c")])
-        .status()?;
-    if !status.success() {
-        return Err("gcc does not compile the package".into());
-    }
-    let output = Command::new(&program)
-        .stdin(fs::File::open(path("postures"))?)
-        .output()?;
-    let values = output.stdout.as_chunks::<8>().0.iter();
-    let com: Vec<f64> = values.map(|bytes| f64::from_le_bytes(*bytes)).collect();
-    if com.len() * model.dof() == 3 * q.len() {
-        Ok(com)
-    } else {
-        Err("the C program does not answer for every posture".into())
-    }
 }
 
 /// The log number `i`.
@@ -255,19 +174,15 @@ fn counted(found: &Corrected) -> Answer {
     let number = |value: f64| if listed { value } else { f64::NAN };
     let small = found.ratio() < GOAL;
     let note = format!(
-        "seed {} {:?} {}: {:.3} -> {:.3} mm (expected {:.3}), ratio {:.3}; {}",
+        "seed {} {:?} {}: {:.3} -> {:.3} mm, ratio {:.3}; {}",
         found.seed,
         found.robot,
         found.hidden,
         1e3 * found.before_m,
         1e3 * found.after_m,
-        1e3 * found.expected_m,
         found.ratio(),
         found.said
     );
-    let in_c = found
-        .after_in_c_m
-        .map_or(f64::NAN, |com| (com - found.after_m).abs());
     Answer {
         cells: vec![
             share(moved, found.named),
@@ -275,10 +190,8 @@ fn counted(found: &Corrected) -> Answer {
             share(moved, found.listed),
             share(listed, small),
             Cell::Median(number(found.ratio())),
-            Cell::Worst(number(found.ratio())),
             Cell::Median(number(1e3 * found.before_m)),
             Cell::Median(number(1e3 * found.after_m)),
-            Cell::Worst(1e15 * in_c),
         ],
         note: (moved && !(found.listed && small)).then_some(note),
     }
@@ -289,7 +202,7 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
         let trial = draw(k, asked.seed);
         Case {
             rows: rows(&trial),
-            ask: Box::new(move || Ok(counted(&examine(&trial, asked.folder, k % IN_C == 0)?))),
+            ask: Box::new(move || Ok(counted(&examine(&trial, asked.folder)?))),
         }
     });
     Plan {
@@ -299,18 +212,15 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                 effect moves the CoM by more than 1 mm RMS. Named: the verdict is `named` or `class` \
                 and the first explanation is what was hidden, on the right target; listed: what was \
                 hidden is that or of the class. Ratios are the CoM error of the diagnosed model over \
-                CAD's, of listed logs; errors are medians of these. C: how far the RMS error through \
-                `model_com` of the generated C is from this, of every tenth log.",
+                CAD's, of listed logs; errors are medians of these.",
         columns: &[
             "named",
             "of these < 0.25",
             "listed",
             "of these < 0.25",
             "ratio, median",
-            "worst",
             "CoM error of CAD, mm",
             "diagnosed, mm",
-            "C, 1e-15 m",
         ],
         cases: cases.collect(),
     }

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sesc_identify::diagnose::{self, Diagnosis};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::logs::Table;
@@ -38,33 +38,32 @@ pub(crate) type Failure = Box<dyn Error>;
 /// ± this many deviations hold 95 %.
 const OF_95: f64 = 1.959_964;
 
-/// What is hidden, and what is counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Scenario {
-    /// Effects alone, in pairs and triples, and outside the list
-    Effects,
-    /// The CoM of the diagnosed model against the true one
-    Com,
-    /// Intervals and verdicts of recordings whose noise lasts
-    Recordings,
-    /// The same recording at four sampling rates
-    Motion,
-    /// Recordings of sound robots
-    FalseAlarms,
-    /// The same at 500 and 1000 Hz
-    FastAlarms,
-    /// Broken devices, and healthy logs
-    Health,
-    /// Fleets with faults, and sound fleets
-    Fleet,
-}
+/// A scenario: its name, logs and first seed of its committed table, and its cases. Effects have
+/// a table of their own.
+type Scenario = (
+    &'static str,
+    u64,
+    u64,
+    Option<for<'a> fn(&'a Asked) -> Plan<'a>>,
+);
+const SCENARIOS: [Scenario; 8] = [
+    ("effects", 400, 800_000, None),
+    ("com", 150, 1, Some(com::plan)),
+    ("recordings", 8, 1, Some(recordings::plan)),
+    ("motion", 1, 1, Some(motion::plan)),
+    ("false-alarms", 1000, 1, Some(alarms::plan)),
+    ("fast-alarms", 60, 1, Some(alarms::fast_plan)),
+    ("health", 20, 1, Some(health::plan)),
+    ("fleet", 20, 1, Some(fleet::plan)),
+];
 
 /// What to ask how often.
 #[derive(Args)]
 pub struct Study {
-    #[arg(value_enum)]
-    scenario: Scenario,
-    /// Number of logs, or of logs of each kind; the table's own unless given
+    /// effects, com, recordings, motion, false-alarms, fast-alarms, health or fleet
+    #[arg(value_parser = SCENARIOS.map(|scenario| scenario.0))]
+    scenario: String,
+    /// Number of logs, or of logs of each kind; that of the committed table unless given
     #[arg(long)]
     logs: Option<u64>,
     /// The first log's seed; each further one's is one more
@@ -114,12 +113,8 @@ struct Answer {
 enum Cell {
     /// So many of so many.
     Share(usize, usize),
-    /// So many of so many, as a percentage.
-    Percent(usize, usize),
     /// A number, of which the median is shown; NaN is left out.
     Median(f64),
-    /// A number, of which the largest is shown; NaN is left out.
-    Worst(f64),
 }
 
 impl Cell {
@@ -135,32 +130,15 @@ struct Plan<'a> {
     cases: Vec<Case<'a>>,
 }
 
-impl Scenario {
-    /// Logs and first seed of the committed tables.
-    fn size(self) -> (u64, u64) {
-        match self {
-            Scenario::Effects => (400, 800_000),
-            Scenario::Com => (150, 1),
-            Scenario::Recordings => (8, 1),
-            Scenario::Motion => (1, 1),
-            Scenario::FalseAlarms => (1000, 1),
-            Scenario::FastAlarms => (60, 1),
-            Scenario::Health => (20, 1),
-            Scenario::Fleet => (20, 1),
-        }
-    }
-}
-
 impl Study {
     /// Draws, asks and counts; writes the table.
     ///
     /// # Errors
     /// A log that cannot be drawn or asked about; a file that cannot be written.
     pub fn run(&self, root: &Path) -> Result<(), Failure> {
-        let scenario = self.scenario.to_possible_value();
-        let name = scenario.ok_or("no such scenario")?.get_name().to_owned();
+        let scenario = SCENARIOS.iter().find(|known| known.0 == self.scenario);
+        let &(name, logs, seed, plan) = scenario.ok_or("no such scenario")?;
         let folder = tempfile::tempdir()?;
-        let (logs, seed) = self.scenario.size();
         let asked = Asked {
             logs: self.logs.unwrap_or(logs),
             seed: self.seed.unwrap_or(seed),
@@ -175,18 +153,8 @@ impl Study {
             let _ = write!(text, " --only \"{only}\"");
         }
         text += "\n\n";
-        let plan = match self.scenario {
-            Scenario::Effects => None,
-            Scenario::Com => Some(com::plan(&asked)),
-            Scenario::Recordings => Some(recordings::plan(&asked)),
-            Scenario::Motion => Some(motion::plan(&asked)),
-            Scenario::FalseAlarms => Some(alarms::plan(&asked, false)),
-            Scenario::FastAlarms => Some(alarms::plan(&asked, true)),
-            Scenario::Health => Some(health::plan(&asked)),
-            Scenario::Fleet => Some(fleet::plan(&asked)),
-        };
         text += &match plan {
-            Some(plan) => table(&plan, asked.only, self.jobs)?,
+            Some(plan) => table(&plan(&asked), asked.only, self.jobs)?,
             None => effects::table(&asked, root, self.jobs)?,
         };
         let own = root.join(format!("docs/dev/study/{name}.txt"));
@@ -227,7 +195,7 @@ fn table(plan: &Plan, only: Option<&str>, jobs: usize) -> Result<String, Failure
         let _ = write!(text, "| {name} | {} |", answers.len());
         for column in 0..plan.columns.len() {
             let cells = answers.iter().filter_map(|a| a.cells.get(column).copied());
-            let _ = write!(text, " {} |", shown(&cells.collect::<Vec<Cell>>()));
+            let _ = write!(text, " {} |", shown(cells));
         }
         text += "\n";
     }
@@ -238,32 +206,21 @@ fn table(plan: &Plan, only: Option<&str>, jobs: usize) -> Result<String, Failure
     Ok(text)
 }
 
-/// The cells of a column in one row: sums of shares, the median or the largest of numbers.
-fn shown(cells: &[Cell]) -> String {
+/// The cells of a column in one row: the sum of shares, or the median of numbers.
+fn shown(cells: impl Iterator<Item = Cell>) -> String {
     let (mut share, mut numbers) = ((0, 0), Vec::new());
     for cell in cells {
-        match *cell {
-            Cell::Share(hit, of) | Cell::Percent(hit, of) => {
-                share = (share.0 + hit, share.1 + of);
-            }
-            Cell::Median(number) | Cell::Worst(number) => numbers.push(number),
+        match cell {
+            Cell::Share(hit, of) => share = (share.0 + hit, share.1 + of),
+            Cell::Median(number) => numbers.extend(Some(number).filter(|number| !number.is_nan())),
         }
     }
-    numbers.retain(|number| !number.is_nan());
     numbers.sort_by(f64::total_cmp);
-    let at = match cells.first() {
-        None => return "–".to_owned(),
-        Some(Cell::Share(..)) if share.1 == 0 => return "–".to_owned(),
-        Some(Cell::Share(..)) => return format!("{} of {}", share.0, share.1),
-        Some(Cell::Percent(..)) => {
-            let part = 100.0 * share.0 as f64 / share.1.max(1) as f64;
-            return format!("{part:.1} % of {}", share.1);
-        }
-        Some(Cell::Median(_)) => numbers.len() / 2,
-        Some(Cell::Worst(_)) => numbers.len().saturating_sub(1),
-    };
-    let number = numbers.get(at);
-    number.map_or("–".to_owned(), |number| format!("{number:.3}"))
+    match (share, numbers.get(numbers.len() / 2)) {
+        (_, Some(median)) => format!("{median:.3}"),
+        ((_, 0), None) => "–".to_owned(),
+        ((hit, of), None) => format!("{hit} of {of}"),
+    }
 }
 
 /// The results of `0..count`, in this order, from so many threads.

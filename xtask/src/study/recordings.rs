@@ -162,7 +162,7 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                     cells: vec![
                         Cell::Median(rows as f64),
                         Cell::Median(worth as f64),
-                        Cell::Percent(said.intervals.0, said.intervals.1),
+                        Cell::Share(said.intervals.0, said.intervals.1),
                         Cell::Median(said.noise),
                         Cell::is(said.verdict != Some(Verdict::None)),
                     ],
