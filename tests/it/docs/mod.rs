@@ -250,7 +250,7 @@ fn diagnosis_counts_the_effects() {
 /// The study is counted again by the command that its page was made by.
 #[test]
 fn contributing_has_the_command_of_the_study() {
-    let page = read("docs/study.md");
+    let page = read("docs/dev/study/effects.txt");
     let command = page
         .lines()
         .find(|line| line.starts_with("cargo xtask study "));
