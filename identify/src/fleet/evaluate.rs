@@ -64,15 +64,10 @@ pub fn row(
             Ok(())
         }
     };
-    let (mut standing, mut odd) = (Vec::new(), Vec::new());
-    for log in &logs {
-        match group.standing(log, &mut odd) {
-            Ok(log) => standing.push(log),
-            Err(error) => noted(error)?,
-        }
-    }
-    let support = standing.iter().find_map(|log| log.support.clone());
-    match support {
+    let mut odd = Vec::new();
+    let standing = each(logs, &mut noted, |log| group.standing(log, &mut odd))?;
+    let standing: Vec<Standing> = standing.into_iter().map(|(_, log)| log).collect();
+    match standing.iter().find_map(|log| log.support.clone()) {
         Some(support) => {
             row.support.clone_from(&support);
             group.evaluate(standing, &support, &mut row, &mut noted, watch)?;
@@ -82,6 +77,25 @@ pub fn row(
     }
     row.set_errors(errors);
     Ok(row)
+}
+
+/// Keeps what is wrong with a log; an error is the end of the call.
+type Noted<'n> = &'n mut dyn FnMut(Error) -> Result<(), Error>;
+
+/// What comes of each of some things; where nothing does, the error is noted.
+fn each<T, R>(
+    all: Vec<T>,
+    noted: Noted,
+    mut of: impl FnMut(&T) -> Result<R, Error>,
+) -> Result<Vec<(T, R)>, Error> {
+    let mut found = Vec::new();
+    for one in all {
+        match of(&one) {
+            Ok(made) => found.push((one, made)),
+            Err(error) => noted(error)?,
+        }
+    }
+    Ok(found)
 }
 
 /// A robot and how its logs are looked at.
@@ -97,24 +111,15 @@ impl Evaluation<'_> {
         mut logs: Vec<Standing>,
         support: &str,
         row: &mut Row,
-        noted: &mut dyn FnMut(Error) -> Result<(), Error>,
+        noted: Noted,
         watch: &mut dyn Watch,
     ) -> Result<(), Error> {
         if self.options.only == Only::All {
             // Several are diagnosed as one, of which each has to be read.
             let mut blocks = Vec::new();
             if logs.len() > 1 {
-                let mut readable = Vec::new();
-                for log in logs {
-                    match self.read(&log.log) {
-                        Ok(block) => {
-                            blocks.push(block);
-                            readable.push(log);
-                        }
-                        Err(error) => noted(error)?,
-                    }
-                }
-                logs = readable;
+                let read = each(logs, noted, |log| self.read(&log.log))?;
+                (logs, blocks) = read.into_iter().unzip();
             }
             match self.diagnose(&logs, blocks, support, row, watch) {
                 Ok(true) => {}
@@ -122,20 +127,14 @@ impl Evaluation<'_> {
                 Err(error) => return noted(error),
             }
         }
-        let mut parts = Vec::new();
-        for log in &logs {
-            match self.gather(log, support, true, watch) {
-                Ok(part) => parts.push((log, part)),
-                Err(error) => noted(error)?,
-            }
-        }
+        let parts = each(logs, noted, |log| self.gather(log, support, true, watch))?;
         let several = parts.len() > 1;
         let mut whole: Option<Part> = None;
         for (log, mut part) in parts {
             // Rows that state no deviations are told some where an encoder is stuck, which rows
             // of several logs cannot be.
             if several && part.health().iter().any(|f| f.kind == Kind::EncoderStuck) {
-                match self.gather(log, support, false, watch) {
+                match self.gather(&log, support, false, watch) {
                     Ok(again) => part = again,
                     Err(error) => {
                         noted(error)?;

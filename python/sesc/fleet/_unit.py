@@ -60,10 +60,9 @@ def work(job: Job) -> str:
         >>> "row" in sesc.fleet.work(sesc.fleet.Job(robot, '{"support": "foot"}', json.dumps(group)))
         True
     """
-    *given, stop = job
 
     def told(*_: Any) -> None:
-        if stop is not None and stop.is_set():
+        if job.stop is not None and job.stop.is_set():
             raise KeyboardInterrupt("the run was stopped")
 
-    return _sesc.fleet_work(*given, told)
+    return _sesc.fleet_work(job.robot, job.options, job.group, job.store, told)
