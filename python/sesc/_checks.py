@@ -10,8 +10,7 @@ from . import _run, _sesc
 from ._diagnose import Diagnosis
 from ._errors import FitError, ModelFileError, check_first
 from ._fit import Fit
-from ._model import Model
-from ._robot import Robot
+from ._model import Model, Robot
 from ._run import Progress
 from ._wording import found_in_python, in_python, page_in_python
 

@@ -12,8 +12,7 @@ from . import _run, _sesc
 from ._arrays import Float64, array_of, positions
 from ._errors import LogError, PlanError, check_first
 from ._log import Log
-from ._model import Model
-from ._robot import Robot
+from ._model import Model, Robot
 from ._run import Progress
 from ._wording import found_in_python, in_python, page_in_python
 

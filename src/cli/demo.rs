@@ -17,7 +17,7 @@ use super::outputs::Files;
 use super::{Bar, Outcome, command_line, message, print_json, show};
 use crate::demo::{self, Demo};
 use crate::report::table::{Table, wrapped};
-use crate::report::{DemoReport, html, next_steps};
+use crate::report::{self, DemoReport, next_steps};
 use crate::{Error, OP2_URDF};
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
     let steps = [after(arguments.keep.as_deref())];
-    let page = html::demo(&demo.report, &steps, &command_line())
+    let page = report::demo::page(&demo.report, &steps, &command_line())
         .map_err(|error| Error::Report(Box::new(error)))?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
     let page = arguments.out.display().to_string();

@@ -6,6 +6,7 @@
 
 pub mod compare;
 mod data;
+pub mod demo;
 pub mod diagnose;
 mod digest;
 pub mod figures;

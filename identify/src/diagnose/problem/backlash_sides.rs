@@ -4,12 +4,12 @@
 //! that carries the robot is an inverted pendulum: near zero moment both sides
 //! hold, and the reading decides which, at a penalty.
 
-use super::hypothesis::Term;
 use nalgebra::DVector;
 use sesc_model::effects::{PostureContext, ROUNDS};
 
-use super::criteria;
-use super::problem::{Fit, Problem};
+use super::{Fit, Problem};
+use crate::diagnose::criteria;
+use crate::diagnose::hypothesis::Term;
 
 /// Sides, written into the posture context, with the penalty of the unlikely ones.
 pub struct Sides {

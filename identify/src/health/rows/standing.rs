@@ -6,20 +6,16 @@
 
 use sesc_model::Model;
 
-use super::criteria::{MOVED, MOVED_M};
-use super::rows::LogRows;
-use super::statistics::rms_of_gaps;
+use super::LogRows;
+use crate::health::criteria::{MOVED, MOVED_M};
+use crate::health::statistics::rms_of_gaps;
 use crate::observations::motion::{Motion, Plan, Wanted};
 use crate::observations::postures::Postures;
 use crate::observations::zmp::Zmp;
 
 /// The `chosen` rows as postures: as they were read, and without what motion adds to their
 /// readings.
-pub(super) fn postures(
-    rows: &LogRows,
-    chosen: &[usize],
-    model: &Model,
-) -> (Postures, Option<Postures>) {
+pub fn postures(rows: &LogRows, chosen: &[usize], model: &Model) -> (Postures, Option<Postures>) {
     let gap = |k: usize, y: [f64; 2]| [0, 1].map(|axis| y[axis] - rows.cad[k][axis]);
     let as_read = rms_of_gaps(chosen.iter().map(|&k| gap(k, rows.reading[k])));
     let least = rows.noise.map_or(MOVED_M, |noise| MOVED * noise);
@@ -34,11 +30,7 @@ pub(super) fn postures(
 
 /// Those of the `chosen` rows whose motion is known, and their readings without it; none where the
 /// robot stands, or the log is not dense enough in time.
-pub(super) fn still(
-    rows: &LogRows,
-    chosen: &[usize],
-    model: &Model,
-) -> Option<Vec<(usize, [f64; 2])>> {
+pub fn still(rows: &LogRows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
     if rows.t.is_empty() || rows.t.len() != rows.len() {
         return None;
     }
