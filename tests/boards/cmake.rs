@@ -1,9 +1,13 @@
 //! CMake's and pkg-config's users.
 
 use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
-use super::user::*;
+use serde_json::Value;
+
+use crate::user::*;
 use sesc_test_support::command::write;
 
 #[test]
@@ -99,4 +103,139 @@ fn pkg_config_serves_compilers_alone() {
             .arg(&binary));
         agrees(&binary);
     }
+}
+
+fn configure(source: &Path, build: &Path, options: &[&str]) {
+    let mut cmake = Command::new("cmake");
+    cmake.arg("-S").arg(source).arg("-B").arg(build);
+    // Deprecations and misuse of the package fail here, not at its users.
+    run(cmake
+        .args(["-Werror=dev", "-DCMAKE_BUILD_TYPE=Release"])
+        .args(options));
+}
+
+fn build(build: &Path) {
+    run(Command::new("cmake").arg("--build").arg(build));
+}
+
+/// Generated, built and installed below `folder`; the prefix.
+fn install(folder: &Path, options: &[&str]) -> PathBuf {
+    let (source, built, prefix) = (
+        folder.join("source"),
+        folder.join("build"),
+        folder.join("prefix"),
+    );
+    generate_op2(&source, "cmake", "f32");
+    configure(
+        &source,
+        &built,
+        &[&["-DCMAKE_INSTALL_LIBDIR=lib"], options].concat(),
+    );
+    build(&built);
+    install_to(&built, &prefix);
+    prefix
+}
+
+fn install_to(built: &Path, prefix: &Path) {
+    run(Command::new("cmake")
+        .arg("--install")
+        .arg(built)
+        .arg("--prefix")
+        .arg(prefix));
+}
+
+/// The package as most users have it, installed once.
+fn installed() -> &'static Path {
+    static PREFIX: OnceLock<PathBuf> = OnceLock::new();
+    PREFIX.get_or_init(|| install(&fresh("installed"), &[]))
+}
+
+/// A CMake project that takes the package in by `how` and links it, in C, C++ or both.
+fn consumer(folder: &Path, languages: &str, how: &str) -> PathBuf {
+    let mut lists = format!(
+        "cmake_minimum_required(VERSION 3.14)\nproject(consumer LANGUAGES {languages})\n{how}\n"
+    );
+    for language in languages.split(' ') {
+        let suffix = if language == "C" { "c" } else { "cpp" };
+        write(folder, &format!("main.{suffix}"), program());
+        lists += &format!(
+            "add_executable(from_{suffix} main.{suffix})\n\
+             target_link_libraries(from_{suffix} PRIVATE {NAME}::{NAME})\n\
+             install(TARGETS from_{suffix} DESTINATION bin)\n"
+        );
+    }
+    write(folder, "CMakeLists.txt", lists);
+    folder.join("build")
+}
+
+fn found(folder: &Path, prefix: &Path) {
+    let how = format!("find_package({NAME} {VERSION} REQUIRED)");
+    let built = consumer(folder, "C CXX", &how);
+    configure(
+        folder,
+        &built,
+        &[&format!("-DCMAKE_PREFIX_PATH={}", prefix.display())],
+    );
+    build(&built);
+    agrees(&built.join("from_c"));
+    agrees(&built.join("from_cpp"));
+}
+
+/// Robots are named by people: every format quotes the name in its own way.
+#[test]
+fn names_of_robots_break_neither_cmake_nor_pkg_config() {
+    let folder = fresh("names_of_cmake");
+    let robot = r#"a"b'c;d $e @PATH@ $ENV{HOME} #f \" `h` <i>&*j*%k%]]=二足🤖\"#;
+    let escaped = robot
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('"', "&quot;");
+    let urdf = write(
+        &folder,
+        "odd.urdf",
+        format!(
+            "<robot name=\"{escaped}\"><link name=\"{escaped}\"><inertial><mass value=\"1\"/>\
+             </inertial></link></robot>"
+        ),
+    );
+    let of = |layout: &str| {
+        let out = folder.join(layout);
+        generate(&out, &urdf, robot, &["--layout", layout, "--name", "odd"]);
+        out
+    };
+    let manifest = fs::read_to_string(of("platformio").join("library.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&manifest).unwrap();
+    let description = manifest["description"].as_str().unwrap();
+    let (package, built) = (of("cmake"), folder.join("build"));
+    configure(&package, &built, &[]);
+    let cache = fs::read_to_string(built.join("CMakeCache.txt")).unwrap();
+    assert!(
+        cache.contains(&format!("CMAKE_PROJECT_DESCRIPTION:STATIC={description}\n")),
+        "{cache}"
+    );
+    let list = run(Command::new("pkg-config")
+        .env("PKG_CONFIG_PATH", &built)
+        .env("PKG_CONFIG_LIBDIR", &built)
+        .arg("--list-all"));
+    let said = description.replace('\\', "/");
+    assert!(list.trim_end().ends_with(&said), "{list} is not {said}");
+}
+
+/// A user's program in C and C++ alike: prints the CoM, returns what the self-test says.
+fn program() -> String {
+    let q: Vec<String> = posture().iter().map(|q| format!("{q:?}f")).collect();
+    format!(
+        "#include <{NAME}.h>\n#include <stdio.h>\n\n\
+         int main(void)\n{{\n    const {NAME}_real q[{NAME}_DOF] = {{{}}};\n    \
+         {NAME}_real com[3];\n    {NAME}_com(q, {NAME}_cad_params, com);\n    \
+         printf(\"%.9g %.9g %.9g\\n\", (double)com[0], (double)com[1], (double)com[2]);\n    \
+         return {NAME}_selftest();\n}}\n",
+        q.join(", ")
+    )
+}
+
+/// Runs a compiled [`program`].
+fn agrees(binary: &Path) {
+    let q: Vec<f64> = posture().into_iter().map(f64::from).collect();
+    near(&run(&mut Command::new(binary)), reference(&q), F32_M);
 }

@@ -1,52 +1,11 @@
 //! PlatformIO's and Arduino's users.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use serde_json::Value;
-
-use super::user::*;
+use crate::user::*;
 use sesc_test_support::command::write;
-
-/// Keys and forms of <https://docs.platformio.org/en/latest/manifests/library-json/>.
-#[test]
-fn platformio_finds_what_its_manifest_names() {
-    let folder = fresh("platformio");
-    for scalar in ["f64", "f32", "fixed32"] {
-        let library = folder.join(scalar);
-        generate_op2(&library, "platformio", scalar);
-        assert_eq!(
-            files(&library),
-            [
-                "README.md",
-                "include/op2_r_sole.h",
-                "library.json",
-                "src/op2_r_sole.c"
-            ]
-        );
-        let manifest = fs::read_to_string(library.join("library.json")).unwrap();
-        let manifest: Value = serde_json::from_str(&manifest).unwrap();
-        assert_eq!(manifest["name"], NAME);
-        assert_eq!(manifest["version"], VERSION);
-        assert!((1..256).contains(&manifest["description"].as_str().unwrap().len()));
-        assert_eq!(manifest["frameworks"], "*");
-        assert_eq!(manifest["platforms"], "*");
-        for keyword in manifest["keywords"].as_array().unwrap() {
-            let allowed = |c: char| c.is_ascii_lowercase() || " -_.+".contains(c);
-            assert!(keyword.as_str().unwrap().chars().all(allowed), "{keyword}");
-        }
-        let include = library.join(manifest["build"]["includeDir"].as_str().unwrap());
-        let sources = library.join(manifest["build"]["srcDir"].as_str().unwrap());
-        assert!(include.join(manifest["headers"].as_str().unwrap()).exists());
-        compile_c(
-            &sources.join("op2_r_sole.c"),
-            &include,
-            &library.join("package.o"),
-        );
-    }
-}
 
 /// The part of Arduino's core that an example needs; the main program runs the loop once.
 const ARDUINO_H: &str = r#"#pragma once
@@ -114,16 +73,6 @@ fn arduino_library_and_its_example_run() {
         generate(&library, &post, "foot", &more);
         near(&sketch(&library, "post", &stub), [0.0, 0.0, 0.5], 1e-6);
     }
-}
-
-pub fn properties(library: &Path) -> BTreeMap<String, String> {
-    let text = fs::read_to_string(library.join("library.properties")).unwrap();
-    text.lines()
-        .map(|line| {
-            let (key, value) = line.split_once('=').unwrap();
-            (key.to_string(), value.to_string())
-        })
-        .collect()
 }
 
 /// What the example prints; the builder of Arduino puts its header before a sketch.

@@ -6,13 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use sesc_codegen::emit::c::Scalar;
-use sesc_test_support::memo;
 
-use super::case::{Case, SCALARS};
-use super::compiled::{SEPARATE, WARNINGS, folder, parallel, tool, write};
-
-/// The flags that compilers are asked with.
-const TESTS: &str = concat!(include_str!("machines.rs"), include_str!("compiled.rs"));
+use crate::c99::case::{Case, SCALARS};
+use crate::c99::compiled::{SEPARATE, WARNINGS, folder, parallel, tool, write};
 
 /// A compiler, and what runs its programs. By the standard, s390x computes float in double.
 const MACHINES: [(&[&str], &[&str]); 4] = [
@@ -107,13 +103,8 @@ fn build(command: &[&str], files: &[PathBuf; 2], program: &Path) -> Result<Vec<u
 fn printed(folder: &Path, case: &Case, scalar: Scalar, command: &[&str], run: &[&str]) -> String {
     let files = written(folder, case, scalar, command[0]);
     let program = files[0].with_file_name("program");
-    let package = case.package(scalar);
-    let texts = [TESTS, &package.header, &package.source];
-    memo::said(folder, &[command[0]], &texts, &[&program], || {
-        let whole = [command, &["-static"]].concat();
-        build(&whole, &files, &program).unwrap_or_else(|message| panic!("{message}"));
-        String::new()
-    });
+    let whole = [command, &["-static"]].concat();
+    build(&whole, &files, &program).unwrap_or_else(|message| panic!("{message}"));
     let mut words = run.to_vec();
     words.push(program.to_str().unwrap());
     let output = tool(Command::new(words[0]).args(&words[1..]));

@@ -88,7 +88,6 @@ impl Config {
             .join("firmware")
             .join(self.name);
         if !built.contains(self.name) {
-            machine::need_tools();
             let _ = fs::remove_dir_all(&out);
             fs::create_dir_all(&out).unwrap();
             fs::write(out.join("postures.h"), self.postures_h()).unwrap();

@@ -2,7 +2,7 @@
 //! for Cortex-M3 and Cortex-M4F, run in qemu, compared with this machine and with
 //! f64, and counted.
 //!
-//! `cargo test --test firmware -- --nocapture costs` prints what a call costs.
+//! `cargo test --test boards -- --nocapture costs` prints what a call costs.
 
 mod build;
 mod costs;

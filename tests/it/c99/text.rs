@@ -7,10 +7,9 @@ use std::process::Command;
 
 use sesc_codegen::emit::c::Scalar;
 
-use super::super::case::{Case, ROOT, SCALARS};
-use super::super::compiled::{folder, tool};
-use super::super::fixed::without_comments;
-use super::{cases, jobs};
+use super::case::{Case, ROOT, SCALARS, cases, jobs};
+use super::compiled::{folder, tool};
+use super::fixed::without_comments;
 
 /// Columns of a line, but for a name or string that is longer by itself.
 const COLUMNS: usize = 100;
