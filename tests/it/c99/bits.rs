@@ -2,7 +2,7 @@
 //! the bounds that its header promises, and no integer overflows.
 //!
 //! Rust stands here as the tape (f64) and as programs run node by node in `f32`;
-//! `tests/compiled.rs` holds compiled Rust to both, bit by bit.
+//! `tests/it/compiled.rs` holds compiled Rust to both, bit by bit.
 
 use sesc_codegen::emit::c::Scalar;
 use sesc_model::Given;
