@@ -1,16 +1,12 @@
 //! A diagnosed model corrects the CoM: one effect of the body hidden at clear size in the
 //! OP2, its log diagnosed, the model written to its file and read back, and the CoM held
 //! against the virtual robot's on postures that the log does not have.
-//! `cargo xtask study-com` asks at length.
+//! `cargo xtask study com` asks at length.
 
 use sesc_test_support::hidden::{Effect, Hidden};
 use sesc_test_support::stage::Platform;
 use sesc_test_support::trial::{Choice, Trial};
-use xtask::corrected::{Corrected, examine};
-use xtask::study_com::{GOAL, MOVED_M};
-
-/// The generated C computes in the same f64, in another order.
-const ROUNDING_M: f64 = 1e-12;
+use xtask::study::com::{Corrected, GOAL, MOVED_M, examine};
 
 fn corrected(effect: Effect, target: &str, values: &[f64]) -> Corrected {
     let choice = Choice {
@@ -28,7 +24,7 @@ fn corrected(effect: Effect, target: &str, values: &[f64]) -> Corrected {
         seed: 1,
     };
     let trial = Trial::of(vec![hidden], &choice, 1).unwrap();
-    examine(&trial, tempfile::tempdir().unwrap().path(), true).unwrap()
+    examine(&trial, tempfile::tempdir().unwrap().path()).unwrap()
 }
 
 fn is_corrected(effect: Effect, target: &str, values: &[f64]) {
@@ -36,8 +32,6 @@ fn is_corrected(effect: Effect, target: &str, values: &[f64]) {
     assert!(found.before_m > MOVED_M, "{found:?}");
     assert!(found.listed, "{found:?}");
     assert!(found.ratio() < GOAL, "{found:?}");
-    let in_c = found.after_in_c_m.unwrap();
-    assert!((in_c - found.after_m).abs() < ROUNDING_M, "{found:?}");
 }
 
 #[test]

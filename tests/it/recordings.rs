@@ -11,7 +11,7 @@ use sesc_test_support::command::{ROOT, sesc, stdout};
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Motion, Noise};
 use sesc_test_support::stage::{Platform, Stage};
-use xtask::study_recordings::{Case, Said};
+use xtask::study::recordings::{Kept, Said};
 
 const NOISE: Noise = Noise {
     kind: Kind::White,
@@ -19,8 +19,8 @@ const NOISE: Noise = Noise {
     visit_std: 0.0,
 };
 
-fn case(motion: Motion, kind: Kind, visit_std: f64) -> Case {
-    Case {
+fn case(motion: Motion, kind: Kind, visit_std: f64) -> Kept {
+    Kept {
         platform: Platform::Op2,
         motion,
         noise: Noise {
@@ -34,7 +34,7 @@ fn case(motion: Motion, kind: Kind, visit_std: f64) -> Case {
     }
 }
 
-fn ask(case: &Case, seeds: std::ops::Range<u64>) -> Vec<Said> {
+fn ask(case: &Kept, seeds: std::ops::Range<u64>) -> Vec<Said> {
     let stage = Stage::new(case.platform);
     let of = |seed| case.ask(&stage, &case.record(&stage, seed), false).unwrap();
     seeds.map(of).collect()
@@ -80,11 +80,11 @@ fn visits_that_differ_are_what_a_recording_is_worth() {
         hold: 1.0,
     };
     for timed in [true, false] {
-        let same = Case {
+        let same = Kept {
             timed,
             ..case(stays, Kind::White, 0.0)
         };
-        let differ = Case {
+        let differ = Kept {
             timed,
             ..case(stays, Kind::White, 4e-3)
         };
@@ -183,7 +183,7 @@ fn intervals_hold_where_encoders_read_ticks() {
             };
             let random = &mut ChaCha8Rng::seed_from_u64(seed);
             let recording = swing.record(&stage, stage.world(), noise, 10.0, random);
-            let case = Case {
+            let case = Kept {
                 noise,
                 stated: true,
                 ..case(Motion::Sines(60.0), Kind::White, 0.0)

@@ -30,67 +30,23 @@ pub(super) enum Device {
     Overstated,
 }
 
-pub(super) const DEVICES: [Device; 14] = [
-    Device::Constant,
-    Device::DeadAxis,
-    Device::Stuck,
-    Device::OtherFoot,
-    Device::Turned,
-    Device::Shuffled,
-    Device::Lifted,
-    Device::Far,
-    Device::Frozen,
-    Device::Copied,
-    Device::Clipped,
-    Device::Coarse,
-    Device::Unplugged,
-    Device::Overstated,
+/// Devices, their names in the table, and the finding that each should have.
+pub(super) const DEVICES: [(Device, &str, &str); 14] = [
+    (Device::Constant, "constant CoP", "cop_constant"),
+    (Device::DeadAxis, "dead axis", "cop_axis_dead"),
+    (Device::Stuck, "stuck encoder", "encoder_stuck"),
+    (Device::OtherFoot, "other foot", "other_foot"),
+    (Device::Turned, "turned frame", "frame_turned"),
+    (Device::Shuffled, "shuffled rows", "rows_shuffled"),
+    (Device::Lifted, "lost contact", "contact_lost"),
+    (Device::Far, "far readings", "cop_outside_sole"),
+    (Device::Frozen, "frozen stretch", "cop_frozen"),
+    (Device::Copied, "copied rows", "rows_copied"),
+    (Device::Clipped, "clipped channel", "channel_saturated"),
+    (Device::Coarse, "coarse channel", "channel_saturated"),
+    (Device::Unplugged, "unplugged cell", "contact_lost"),
+    (Device::Overstated, "overstated noise", "noise_overstated"),
 ];
-
-impl Device {
-    /// Its name in the table.
-    pub fn name(self) -> &'static str {
-        match self {
-            Device::Constant => "constant CoP",
-            Device::DeadAxis => "dead axis",
-            Device::Stuck => "stuck encoder",
-            Device::OtherFoot => "other foot",
-            Device::Turned => "turned frame",
-            Device::Shuffled => "shuffled rows",
-            Device::Lifted => "lost contact",
-            Device::Far => "far readings",
-            Device::Frozen => "frozen stretch",
-            Device::Copied => "copied rows",
-            Device::Clipped => "clipped channel",
-            Device::Coarse => "coarse channel",
-            Device::Unplugged => "unplugged cell",
-            Device::Overstated => "overstated noise",
-        }
-    }
-
-    /// What is to be found.
-    pub fn kind(self) -> &'static str {
-        match self {
-            Device::Constant => "cop_constant",
-            Device::DeadAxis => "cop_axis_dead",
-            Device::Stuck => "encoder_stuck",
-            Device::OtherFoot => "other_foot",
-            Device::Turned => "frame_turned",
-            Device::Shuffled => "rows_shuffled",
-            Device::Lifted | Device::Unplugged => "contact_lost",
-            Device::Far => "cop_outside_sole",
-            Device::Frozen => "cop_frozen",
-            Device::Copied => "rows_copied",
-            Device::Clipped | Device::Coarse => "channel_saturated",
-            Device::Overstated => "noise_overstated",
-        }
-    }
-
-    /// Whether it shows only in what a fit leaves.
-    pub fn needs_fit(self) -> bool {
-        self == Device::Overstated
-    }
-}
 
 /// A log that was broken, and how it is diagnosed.
 pub(super) struct Broken {

@@ -1,6 +1,5 @@
 //! A log as columns of numbers, drawn from a seed, before a device breaks it.
 
-use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -14,6 +13,8 @@ use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
 use sesc_test_support::stage::{Platform, Stage};
 use sesc_test_support::survey;
 use sesc_test_support::trial::{Choice, Question, Trial};
+
+use crate::study::Failure;
 
 /// How a log was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +47,7 @@ const RATES: [f64; 4] = [10.0, 20.0, 50.0, 100.0];
 
 impl Sheet {
     /// The log of a trial of the study of hidden effects.
-    pub fn of_trial(trial: &Trial, folder: &Path) -> Result<Sheet, Box<dyn Error>> {
+    pub fn of_trial(trial: &Trial, folder: &Path) -> Result<Sheet, Failure> {
         let path = trial.log.write(folder, "standing");
         let text = std::fs::read_to_string(path)?;
         let mut lines = text.lines().map(|line| line.split(','));
@@ -91,7 +92,7 @@ impl Sheet {
         platform: Platform,
         seed: u64,
         folder: &Path,
-    ) -> Result<Sheet, Box<dyn Error>> {
+    ) -> Result<Sheet, Failure> {
         match source {
             RecordingKind::Standing => {
                 let choice = Choice {
@@ -116,9 +117,10 @@ impl Sheet {
         let seconds = 30.0 + 60.0 * random.random::<f64>();
         let seconds = seconds.min(6000.0 / rate);
         let std = stage.size * 1e-3 * (0.3 + 1.2 * random.random::<f64>());
-        let kind = match random.random_bool(0.5) {
-            true => Kind::White,
-            false => Kind::Ar1(0.1 * 10f64.powf(random.random::<f64>())),
+        let kind = if random.random_bool(0.5) {
+            Kind::White
+        } else {
+            Kind::Ar1(0.1 * 10f64.powf(random.random::<f64>()))
         };
         let noise = Noise {
             kind,
