@@ -298,7 +298,9 @@ fn every_lane_has_the_bits_of_one_posture_and_nothing_else_is_touched() {
     }
     parallel(jobs, |(case, scalar)| {
         let plain = sum(&folder, case, scalar, &[COMPILERS[0], "-O2"], &[]);
-        for command in &others {
+        // Other registers: two links have every kind of statement.
+        let all = COMPILERS.len() > 1 || case.model.dof() == 2;
+        for command in others.iter().filter(|_| all) {
             let other = sum(&folder, case, scalar, command, &[]);
             assert_eq!(plain, other, "{} {scalar:?} {command:?}", case.name);
         }

@@ -1,8 +1,6 @@
 //! What is forgiven in a file, and what is not.
 
-mod common;
-
-use common::{joint, kind, robot};
+use super::common::{joint, kind, robot};
 use sesc_reference::{Error, ErrorKind, Reference, Robot};
 
 const PAIR: &str = "<link name='a'><inertial><mass value='1'/></inertial></link><link name='b'/>";

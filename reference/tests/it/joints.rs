@@ -1,10 +1,8 @@
 //! Each kind of joint by itself, and the support anywhere.
 
-mod common;
-
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use common::{bushy, joint, link, postures, robot};
+use super::common::{bushy, joint, link, postures, robot};
 use nalgebra::Vector3;
 use sesc_reference::{ErrorKind, Reference};
 
