@@ -7,7 +7,6 @@
 pub mod compare;
 mod data;
 pub mod diagnose;
-mod digest;
 pub mod figures;
 pub mod fit;
 pub mod fleet;

@@ -101,6 +101,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
             "arrow",
             "robot",
             "prepared",
+            "steps",
             "model",
             "checks",
             "drawing",

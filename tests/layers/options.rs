@@ -12,8 +12,7 @@ fn named(folder: &Path, names: fn(&str) -> bool, complaints: &mut String) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let stem = path.file_stem().unwrap().to_str().unwrap();
-        // Steps to take next name the command that does them: `next_steps[].command` of JSON.
-        if stem == "tests" || stem.ends_with("_tests") || stem == "next_steps" {
+        if stem == "tests" || stem.ends_with("_tests") {
             continue;
         }
         if path.is_dir() {

@@ -195,7 +195,7 @@ pub const HELD_OUT_TIMES: f64 = 4.0;
 // Experiments.
 
 /// χ² from which an experiment tells two explanations apart: what noise leaves of it in nine of
-/// ten logs, `S − 1.28 · 2 √S`, is then beyond [`CLASS_SCORE`]. Calibrated on 45 classes of the
+/// ten logs, `S − 1.28 · 2 √S`, is then [`CLASS_SCORE`]. Calibrated on 45 classes of the
 /// study: 43 first experiments exclude as many as they say, 36 from 9 on.
 pub const TOLD_APART: f64 = 22.0;
 /// χ² at which pages of effects say that two explanations are told apart. Closed form: five

@@ -159,8 +159,6 @@ pub fn find<'m>(
         blind: blind_spots(problem, &blind),
         hypotheses_fitted: counted,
         next_postures: NextPostures::default(),
-        next_steps: Vec::new(),
-        model_use: None,
         left_out_of_urdf: None,
     };
     let mut found = Explained {
@@ -171,7 +169,6 @@ pub fn find<'m>(
         baseline,
     };
     com_spread::state(problem, &mut found);
-    found.diagnosis.sentence = super::verdict::sentence(problem, &found);
     Ok(found)
 }
 

@@ -10,7 +10,6 @@ use super::hypothesis::Term;
 use super::problem::Fit;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
-use crate::next_steps::NextStep;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
@@ -197,19 +196,6 @@ pub struct Remedy {
     pub not_in_urdf: Option<String>,
 }
 
-/// How the model file is used, where one is written.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ModelUse {
-    /// The file.
-    pub model: String,
-    /// The line of a `build.rs`.
-    pub build_rs: String,
-    /// What generates C: the command as the request words it, or the call of the builder.
-    pub generate: String,
-    /// The call in C: the CoM of the robot as its encoders read it.
-    pub c: String,
-}
-
 /// Held-out errors of the whole explanation, m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Last {
@@ -267,6 +253,18 @@ pub struct Blind {
     pub size: String,
 }
 
+/// A quantity that the rest of a gap may follow.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Follows {
+    /// The place in the log.
+    Place,
+    /// The position of a joint.
+    Position(String),
+    /// The gravity moment of a joint.
+    Moment(String),
+}
+
 /// What the explanation leaves over.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Leftover {
@@ -276,6 +274,9 @@ pub struct Leftover {
     pub expected: f64,
     /// What the rest goes with most, and its share.
     pub strongest: Option<String>,
+    /// The quantity that this is a function of.
+    #[serde(skip)]
+    pub follows: Option<Follows>,
     /// Part of what is left that goes with it, 0 to 1.
     pub strongest_share: f64,
     /// Found, not physical.
@@ -380,11 +381,6 @@ pub struct Diagnosis {
     pub hypotheses_fitted: usize,
     /// The experiments that would separate the class.
     pub next_postures: NextPostures,
-    /// What to do next, the most useful first.
-    pub next_steps: Vec<NextStep>,
-    /// How the model file is used, where one is written that predicts the log.
-    #[serde(rename = "use", skip_serializing_if = "Option::is_none")]
-    pub model_use: Option<ModelUse>,
     /// What of the explanation the corrected URDF does not hold, a sentence each, where a URDF
     /// was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]

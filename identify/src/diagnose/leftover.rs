@@ -10,6 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::PostureContext;
 
+use super::findings::Follows;
 use super::problem::{Fit, Problem};
 use super::{criteria, held_out};
 use crate::lsq::factor_normal;
@@ -168,27 +169,34 @@ pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
     }
 }
 
-/// Functions of a posture that a gap may follow.
-fn library(problem: &Problem) -> Vec<(String, Vec<f64>)> {
+/// Functions of a posture that a gap may follow, and the quantity that each is of: the first is
+/// the constant.
+fn library(problem: &Problem) -> Vec<(String, Vec<f64>, Option<Follows>)> {
     let (n, dof) = (problem.data.len(), problem.context.robot.dof());
     let dofs = &problem.context.robot.tree.dofs;
     let moments = problem.moments_at(&problem.data.q);
     let layout = PostureContext::of(problem.context.robot);
-    let mut library: Vec<(String, Vec<f64>)> = Vec::new();
-    let mut add =
-        |name: String, f: &dyn Fn(usize) -> f64| library.push((name, (0..n).map(f).collect()));
-    add("1".to_string(), &|_| 1.0);
+    let mut library = Vec::new();
+    let mut add = |of: Option<Follows>, name: String, f: &dyn Fn(usize) -> f64| {
+        library.push((name, (0..n).map(f).collect(), of));
+    };
+    add(None, "1".to_string(), &|_| 1.0);
     let place = |k: usize| problem.data.posture_context[k * layout.len() + layout.place()];
-    add("place in the log".to_string(), &place);
-    add("place in the log²".to_string(), &|k| place(k).powi(2));
+    let along = || Some(Follows::Place);
+    add(along(), "place in the log".to_string(), &place);
+    add(along(), "place in the log²".to_string(), &|k| {
+        place(k).powi(2)
+    });
     for (j, joint) in dofs.iter().enumerate() {
         let name = &joint.joint;
         let q = |k: usize| problem.data.q[k * dof + j];
         let moment = |k: usize| moments[k * 3 * dof + j];
-        add(name.clone(), &q);
-        add(format!("{name}²"), &|k| q(k).powi(2));
-        add(format!("{name}³"), &|k| q(k).powi(3));
-        add(format!("|{name}|"), &|k| q(k).abs());
+        let of_q = || Some(Follows::Position(name.clone()));
+        let of_tau = || Some(Follows::Moment(name.clone()));
+        add(of_q(), name.clone(), &q);
+        add(of_q(), format!("{name}²"), &|k| q(k).powi(2));
+        add(of_q(), format!("{name}³"), &|k| q(k).powi(3));
+        add(of_q(), format!("|{name}|"), &|k| q(k).abs());
         if !joint.prismatic {
             for times in 1..=4 {
                 let factor = f64::from(times);
@@ -197,14 +205,22 @@ fn library(problem: &Problem) -> Vec<(String, Vec<f64>)> {
                 } else {
                     format!("{times} ")
                 };
-                add(format!("sin({prefix}{name})"), &|k| (factor * q(k)).sin());
-                add(format!("cos({prefix}{name})"), &|k| (factor * q(k)).cos());
+                add(of_q(), format!("sin({prefix}{name})"), &|k| {
+                    (factor * q(k)).sin()
+                });
+                add(of_q(), format!("cos({prefix}{name})"), &|k| {
+                    (factor * q(k)).cos()
+                });
             }
         }
-        add(format!("moment of {name}"), &moment);
-        add(format!("|moment of {name}|"), &|k| moment(k).abs());
-        add(format!("moment of {name}²"), &|k| moment(k).powi(2));
-        add(format!("sign of the moment of {name}"), &|k| {
+        add(of_tau(), format!("moment of {name}"), &moment);
+        add(of_tau(), format!("|moment of {name}|"), &|k| {
+            moment(k).abs()
+        });
+        add(of_tau(), format!("moment of {name}²"), &|k| {
+            moment(k).powi(2)
+        });
+        add(of_tau(), format!("sign of the moment of {name}"), &|k| {
             moment(k).signum()
         });
     }
@@ -212,7 +228,7 @@ fn library(problem: &Problem) -> Vec<(String, Vec<f64>)> {
 }
 
 /// Where the residual is strongest: which joint or moment it goes with.
-pub fn strongest(problem: &Problem, fit: &Fit) -> Option<(String, f64)> {
+pub fn strongest(problem: &Problem, fit: &Fit) -> Option<(String, Follows, f64)> {
     let n = problem.data.len();
     let whole = fit.residual.norm_squared();
     let share = |f: &[f64]| {
@@ -234,8 +250,7 @@ pub fn strongest(problem: &Problem, fit: &Fit) -> Option<(String, f64)> {
             / whole
     };
     library(problem)
-        .iter()
-        .skip(1)
-        .map(|(name, f)| (name.clone(), share(f)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .into_iter()
+        .filter_map(|(name, f, of)| Some((name, of?, share(&f))))
+        .max_by(|a, b| a.2.total_cmp(&b.2))
 }

@@ -54,8 +54,8 @@ pub mod words;
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use criteria::{CLASS_SCORE, FIVE_DEVIATIONS, FLOOR_M, OVER_NOTHING};
 pub use findings::{
-    ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
-    ModelUse, NextPostures, Quantity, Remedy, Step, UrdfChange, Verdict,
+    ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Follows, Gap, Last, Leftover, Member,
+    ModelOnLog, NextPostures, Quantity, Remedy, Step, UrdfChange, Verdict,
 };
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]

@@ -127,13 +127,13 @@ pub(super) fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
 /// What the best explanation leaves.
 pub(super) fn rest(problem: &Problem, best: &Fit, formula: Option<Formula>) -> Leftover {
     let now = Misfit::of(problem, best);
-    let strongest = leftover::strongest(problem, best);
-    let clear = now.is_clear();
+    let strongest = leftover::strongest(problem, best).filter(|_| now.is_clear());
     Leftover {
         chi2: now.chi2,
         expected: now.expected,
-        strongest: strongest.as_ref().filter(|_| clear).map(|s| s.0.clone()),
-        strongest_share: strongest.filter(|_| clear).map_or(0.0, |s| s.1),
+        strongest_share: strongest.as_ref().map_or(0.0, |(.., share)| *share),
+        follows: strongest.as_ref().map(|(_, of, _)| of.clone()),
+        strongest: strongest.map(|(name, ..)| name),
         formula_share: formula.as_ref().map(|f| f.share),
         formula: formula.map(|f| f.text()),
     }

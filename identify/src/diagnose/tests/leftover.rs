@@ -1,6 +1,7 @@
 //! Formulas for what no effect explains, planted and found again.
 
 use super::{Bench, NOISE, term};
+use crate::diagnose::Follows;
 use crate::diagnose::leftover::{Misfit, formula, strongest};
 use crate::diagnose::problem::ALL;
 
@@ -42,8 +43,14 @@ fn sines_and_powers_are_found_with_their_weights() {
         assert!(text.starts_with(&of_x), "{text}");
         // Its mean apart, |q| is as much like cos(4 q).
         if name.starts_with("sin") {
-            let (most, share) = strongest(&problem, &null).unwrap();
+            let (most, of, share) = strongest(&problem, &null).unwrap();
             assert!(most == *name && share > 0.5, "{most} {share}");
+            let joint = if name.contains("knee") {
+                "r_knee"
+            } else {
+                "l_el"
+            };
+            assert_eq!(of, Follows::Position(joint.to_string()));
         }
     }
 }
