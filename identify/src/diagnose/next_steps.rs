@@ -1,8 +1,6 @@
 //! What a diagnosis leaves to be done, by its verdict.
 
-use sesc_model::tree::Dof;
-
-use super::findings::{Diagnosis, Verdict};
+use super::findings::{Diagnosis, Suspect, Verdict};
 use crate::next_steps::{CommandLine, NextStep, Output};
 use crate::observations::revisits::Again;
 
@@ -10,7 +8,6 @@ use crate::observations::revisits::Again;
 /// most, where one tells anything.
 pub(super) fn after(
     found: &Diagnosis,
-    dofs: &[Dof],
     proposal: Option<&str>,
     line: &CommandLine,
 ) -> Vec<NextStep> {
@@ -20,7 +17,7 @@ pub(super) fn after(
         Verdict::Unusable => {
             return vec![NextStep::repair()];
         }
-        Verdict::Unexplained => steps.extend(by_hand(found, dofs)),
+        Verdict::Unexplained => steps.extend(by_hand(found)),
         Verdict::Class => {
             steps.push(apart(found, proposal, again));
             steps.push(keep(again));
@@ -109,10 +106,8 @@ fn larger(found: &Diagnosis) -> Option<NextStep> {
 }
 
 /// What to check on the robot where nothing known explains the log, by what is left over.
-fn by_hand(found: &Diagnosis, dofs: &[Dof]) -> Vec<NextStep> {
+fn by_hand(found: &Diagnosis) -> Vec<NextStep> {
     let mut steps = Vec::new();
-    let strongest = found.leftover.strongest.as_deref().unwrap_or_default();
-    let followed = found.leftover.formula.as_deref().unwrap_or_default();
     if found
         .closure
         .as_ref()
@@ -123,19 +118,16 @@ fn by_hand(found: &Diagnosis, dofs: &[Dof]) -> Vec<NextStep> {
             "the soles lie otherwise than the joints say",
         ));
     }
-    let joint = [strongest, followed]
-        .into_iter()
-        .find_map(|text| joint_in(text, dofs));
-    match joint {
-        Some(joint) if strongest.contains("moment") => steps.push(NextStep::by_hand(
+    match found.suspects.first() {
+        Some(Suspect::Moment(joint)) => steps.push(NextStep::by_hand(
             format!("Check `{joint}` under load: play, bending, screws, its cables and connectors"),
             "the gap goes most with the load of this joint",
         )),
-        Some(joint) => steps.push(NextStep::by_hand(
+        Some(Suspect::Position(joint)) => steps.push(NextStep::by_hand(
             format!("Check cables and connectors at `{joint}`, its encoder, its screws and covers"),
             "the gap goes most with the position of this joint",
         )),
-        None if strongest.contains("place in the log") => steps.push(NextStep::by_hand(
+        Some(Suspect::Place) => steps.push(NextStep::by_hand(
             "Check what changed while the log was recorded: a battery or cover that moved, a \
              sensor that warmed up, another floor",
             "the gap goes most with the place in the log",
@@ -156,43 +148,4 @@ fn by_hand(found: &Diagnosis, dofs: &[Dof]) -> Vec<NextStep> {
         "what comes again belongs to the robot, what does not to the recording",
     ));
     steps
-}
-
-/// The joint that a text names: the longest name that stands in it as a word.
-fn joint_in<'d>(text: &str, dofs: &'d [Dof]) -> Option<&'d str> {
-    // Powers such as ² stand behind a name.
-    let part = |c: char| c.is_alphabetic() || c.is_ascii_digit() || c == '_' || c == '-';
-    let is_word = |name: &str| {
-        text.match_indices(name).any(|(at, _)| {
-            let before = text[..at].chars().next_back();
-            let after = text[at + name.len()..].chars().next();
-            !before.is_some_and(part) && !after.is_some_and(part)
-        })
-    };
-    let named = dofs
-        .iter()
-        .map(|dof| dof.joint.as_str())
-        .filter(|name| is_word(name));
-    named.max_by_key(|name| name.len())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_joint_is_found_as_a_word() {
-        let dof = |joint: &str| Dof {
-            joint: joint.to_string(),
-            prismatic: false,
-            continuous: false,
-            lower: -1.0,
-            upper: 1.0,
-            speed: 1.0,
-        };
-        let dofs = [dof("knee"), dof("r_knee")];
-        assert_eq!(joint_in("x: +2.98 mm sin(3 r_knee)", &dofs), Some("r_knee"));
-        assert_eq!(joint_in("moment of knee²", &dofs), Some("knee"));
-        assert_eq!(joint_in("place in the log", &dofs), None);
-    }
 }

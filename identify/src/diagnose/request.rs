@@ -264,9 +264,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         },
         experiments: next.proposals.clone(),
     };
-    let dofs = &model.tree.dofs;
     let (diagnosis, telling) = (&found.diagnosis, telling.as_deref());
-    found.diagnosis.next_steps = next_steps::after(diagnosis, dofs, telling, &request.line);
+    found.diagnosis.next_steps = next_steps::after(diagnosis, telling, &request.line);
     let corrected = request
         .corrected_urdf
         .then(|| {
