@@ -4,14 +4,14 @@ use serde::Serialize;
 
 /// Something to do next.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct NextStep {
-    /// What to do, without a full stop.
+    /// What to do.
     pub what: String,
-    /// What it is good for, without a capital and a full stop.
+    /// What it is good for.
     pub why: String,
-    /// The command line that does it, in which words in capitals stand for files that are still to
-    /// come, or that the caller has not named; none where no command does it.
+    /// Command line that does it, placeholders in capitals; none where no command does it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
     /// The file that the command writes; who has asked for it needs no such step.

@@ -81,7 +81,8 @@ const LOGS: [&str; 4] = ["csv", "gz", "parquet", "mcap"];
 
 /// What programs are told.
 #[derive(Serialize)]
-struct Answer<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Answer<'a> {
     /// What differs.
     #[serde(flatten)]
     comparison: &'a Comparison,

@@ -34,7 +34,8 @@ pub(super) struct Arguments {
 
 /// What programs are told.
 #[derive(Serialize)]
-struct Answer<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Answer<'a> {
     /// What there is to know of the robot.
     #[serde(flatten)]
     inspection: &'a Inspection,

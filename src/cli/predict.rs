@@ -47,7 +47,8 @@ pub(super) struct Arguments {
 
 /// What is told of a table that was written.
 #[derive(Serialize)]
-struct Written {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Written {
     /// Its path.
     file: String,
     /// Its rows.
@@ -58,7 +59,8 @@ struct Written {
 
 /// What is told where nothing was written.
 #[derive(Serialize)]
-struct Answer {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Answer {
     /// What was predicted.
     #[serde(flatten)]
     predictions: Predictions,

@@ -47,7 +47,8 @@ pub(super) struct Arguments {
 
 /// What programs are told.
 #[derive(Serialize)]
-struct Answer<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Answer<'a> {
     /// What the comparison found.
     #[serde(flatten)]
     verification: &'a Verification,

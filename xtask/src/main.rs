@@ -20,7 +20,7 @@ enum Task {
     FleetParts(xtask::fleet_parts::FleetParts),
     /// Kill commands while they write, and fail where a file is neither the old nor the new one
     Kills(xtask::kills::Kills),
-    /// Rewrite `generated/`, the figure of README, pages of effects and tables of formats
+    /// Rewrite `generated/`, the figure of README and docs/json.md
     Regen,
     /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/study.md
     Study(xtask::study::Study),

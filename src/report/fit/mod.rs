@@ -25,6 +25,7 @@ pub use text::text;
 
 /// All that `sesc fit` prints, as JSON.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FitReport<'a> {
     /// What was identified, and how well.
     #[serde(flatten)]
@@ -39,6 +40,7 @@ pub struct FitReport<'a> {
 
 /// What `sesc fit` prints as JSON of data that cannot be used.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unusable<'a> {
     /// Always `unusable`.
     pub verdict: &'static str,
@@ -61,6 +63,7 @@ impl<'a> Unusable<'a> {
 
 /// What only the page shows.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shown {
     /// Some of the readings with their predictions; none where only factors are at hand.
     pub residuals: Vec<Residual>,
