@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-#[path = "../../tests/common/examples.rs"]
+#[path = "../../tests/it/common/examples.rs"]
 mod examples;
 
 use examples::bare;

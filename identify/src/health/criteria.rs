@@ -79,7 +79,7 @@ pub(super) const BEYOND_LIMITS: f64 = 0.2;
 /// Chosen: a common offset of an encoder; half of it takes compliance for motion.
 pub(super) const LEAST_MOTION: (f64, f64) = (0.025, 0.005);
 /// Part of χ² that may be left then, for masses are not known exactly; or this a posture.
-/// Chosen: half of it misses stuck encoders where masses are off; see `docs/study-health.md`
+/// Chosen: half of it misses stuck encoders where masses are off; see `docs/dev/study/health.txt`
 /// for what is found.
 pub(super) const STUCK_LEFT: f64 = 0.02;
 /// Chosen: as [`STUCK_LEFT`], for small logs.

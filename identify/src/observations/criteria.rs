@@ -75,7 +75,7 @@ pub mod accelerations {
     /// count as much, half of it leaves accelerations of 0.4 Hz at 5 Hz 0.3 % off.
     pub const MOST_BENT: f64 = 0.2;
     /// How often an acceleration that is bent counts against one that is noisy. Chosen: half of
-    /// it takes longer windows; see `docs/study-motion.md` for what comes of it.
+    /// it takes longer windows; see `docs/dev/study/motion.txt` for what comes of it.
     pub const COHERENT: f64 = 10.0;
     /// Longer windows must be whole for this part of the log that the shortest are whole for.
     /// Chosen: half of it gives up rows beside pauses.
