@@ -40,7 +40,8 @@ pub(super) struct Arguments {
 
 /// What programs are told.
 #[derive(Serialize)]
-struct Answer<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Answer<'a> {
     /// Whether all generated functions are within their bounds.
     pass: bool,
     /// The page that was written.

@@ -79,7 +79,8 @@ pub(super) struct Arguments {
 
 /// What is told of a package that was written.
 #[derive(Serialize)]
-struct Answer<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Answer<'a> {
     /// Name of the robot.
     robot: &'a str,
     /// The link on the ground.
@@ -93,6 +94,7 @@ struct Answer<'a> {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct WrittenFile {
     /// Its path.
     file: String,

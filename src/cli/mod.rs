@@ -17,6 +17,8 @@ mod outputs;
 mod plan;
 mod predict;
 mod progress_lines;
+#[cfg(feature = "schema")]
+pub mod schema;
 mod shell;
 mod simulate;
 mod steps;
@@ -210,16 +212,18 @@ fn json_is_wanted(words: &[OsString]) -> bool {
 
 /// What programs are told where a command fails.
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Failure<'a> {
     /// What went wrong.
     error: ErrorAbout<'a>,
 }
 
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ErrorAbout<'a> {
-    /// What kind of error it is, in a word: `usage`, `model`, `log`, `read`, `write` and others.
+    /// Kind of error; `usage`, `model`, `log`, `read`, `write` and others.
     kind: &'a str,
-    /// The sentence that stands on standard error, too, with what caused it.
+    /// The sentence, with its causes.
     message: &'a str,
     /// The file that it is about.
     file: Option<&'a str>,

@@ -49,7 +49,8 @@ pub(super) struct Arguments {
 
 /// What is told of a table that was written.
 #[derive(Serialize)]
-struct Written {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Written {
     /// Its path.
     file: String,
     /// Its rows.

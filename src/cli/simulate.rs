@@ -59,7 +59,8 @@ pub(super) struct Arguments {
 
 /// What is told of a log that was written.
 #[derive(Serialize)]
-struct Written<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Written<'a> {
     /// Name of the robot.
     robot: &'a str,
     /// The link on the ground.
@@ -68,7 +69,7 @@ struct Written<'a> {
     postures: usize,
     /// Seed of postures and noise.
     seed: u64,
-    /// Standard deviation of a reading on one axis, m.
+    /// Standard deviation of a reading, m.
     noise: f64,
     /// Rows a second of a robot that moves.
     rate: Option<f64>,

@@ -20,24 +20,26 @@ const NAMED: usize = 3;
 
 /// A step in words.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "NextStep"))]
 pub struct Worded {
-    /// What to do, without a full stop.
+    /// What to do.
     pub what: String,
-    /// What it is good for, without a capital and a full stop.
+    /// What it is good for.
     pub why: String,
-    /// The command or call that does it, in which words in capitals stand for files that are still
-    /// to come, or that the caller has not named; none where none does it.
+    /// Command that does it, placeholders in capitals; none where no command does it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
 }
 
 /// A result with what to do next.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WithSteps<'a, T: Serialize> {
     /// The result.
     #[serde(flatten)]
     pub found: &'a T,
-    /// What to do next, the most useful first.
+    /// What to do next.
     pub next_steps: &'a [Worded],
 }
 

@@ -107,15 +107,7 @@ const ROOMS: [(&str, &[&str]); 5] = [
     (
         "",
         &[
-            "words",
-            "error",
-            "inspect",
-            "verify",
-            "servos",
-            "report",
-            "demo",
-            "effect_pages",
-            "cli",
+            "words", "error", "inspect", "verify", "servos", "report", "demo", "cli",
         ],
     ),
 ];

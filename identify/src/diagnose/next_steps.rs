@@ -1,6 +1,6 @@
 //! What a diagnosis leaves to be done, by its verdict.
 
-use super::findings::{Diagnosis, Follows, Verdict};
+use super::findings::{Diagnosis, Suspect, Verdict};
 use crate::next_steps::NextStep;
 use crate::observations::revisits::Again;
 
@@ -42,12 +42,12 @@ impl Diagnosis {
     /// What to check on the robot where nothing known explains the log, by what is left over.
     fn checks(&self) -> Vec<NextStep> {
         let open = self.closure.as_ref().filter(|closure| !closure.closes);
-        let followed = self.leftover.follows.as_ref().map(|follows| match follows {
-            Follows::Place => NextStep::CheckRecording,
-            Follows::Position(joint) => NextStep::CheckJoint {
+        let followed = self.suspects.first().map(|suspect| match suspect {
+            Suspect::Place => NextStep::CheckRecording,
+            Suspect::Position(joint) => NextStep::CheckJoint {
                 joint: joint.clone(),
             },
-            Follows::Moment(joint) => NextStep::CheckLoad {
+            Suspect::Moment(joint) => NextStep::CheckLoad {
                 joint: joint.clone(),
             },
         });

@@ -33,6 +33,7 @@ pub(crate) enum Untold {
 
 /// Postures to be reached once more.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Again {
     /// Their numbers in the log, in ascending order.
     pub poses: Vec<i64>,

@@ -19,11 +19,12 @@ use super::next_steps::Worded;
 
 /// All that `sesc diagnose` prints, as JSON.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DiagnoseReport<'a> {
     /// What was found.
     #[serde(flatten)]
     pub found: &'a Diagnosis,
-    /// What to do next, the most useful first.
+    /// What to do next.
     pub next_steps: &'a [Worded],
     /// How the model file is used, where one is written that predicts the log.
     #[serde(rename = "use", skip_serializing_if = "Option::is_none")]
@@ -32,14 +33,15 @@ pub struct DiagnoseReport<'a> {
 
 /// How a model file is used.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ModelUse {
     /// The file.
     pub model: String,
     /// The line of a `build.rs`.
     pub build_rs: String,
-    /// The command that generates C.
+    /// The command or call that generates C.
     pub generate: String,
-    /// The call in C: the CoM of the robot as its encoders read it.
+    /// The call in C for the robot's CoM.
     pub c: &'static str,
 }
 

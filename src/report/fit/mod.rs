@@ -26,11 +26,12 @@ pub use text::text;
 
 /// All that `sesc fit` prints, as JSON.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FitReport<'a> {
     /// What was identified, and how well.
     #[serde(flatten)]
     pub found: &'a Identification,
-    /// What to do next, the most useful first.
+    /// What to do next.
     pub next_steps: &'a [Worded],
     /// The corrected URDF, where one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,6 +43,7 @@ pub struct FitReport<'a> {
 
 /// What `sesc fit` prints as JSON of data that cannot be used.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unusable<'a> {
     /// Always `unusable`.
     pub verdict: &'static str,
@@ -64,6 +66,7 @@ impl<'a> Unusable<'a> {
 
 /// What only the page shows.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shown {
     /// Some of the readings with their predictions; none where only factors are at hand.
     pub residuals: Vec<Residual>,

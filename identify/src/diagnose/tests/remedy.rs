@@ -7,7 +7,7 @@ use sesc_model::effects::{Catalog, EffectContext, EncoderMap, instances};
 
 use super::{Bench, NOISE, SKEW};
 use crate::diagnose::remedy::{Change, Servo, Step};
-use crate::diagnose::{Follows, Report, Request, Verdict, diagnose};
+use crate::diagnose::{Report, Request, Suspect, Verdict, diagnose};
 use crate::logs::Table;
 use crate::next_steps::NextStep;
 use crate::robot::Robot;
@@ -179,18 +179,15 @@ fn the_name_of_a_joint_chooses_no_advice() {
     let mut found = report(&[]).diagnosis;
     found.verdict = Verdict::Unexplained;
     for joint in ["moment", "load", "position", "place in the log"] {
-        let said = format!("sin(3 {joint})");
         let joint = joint.to_string();
-        found.leftover.strongest = Some(said);
-        found.leftover.follows = Some(Follows::Position(joint.clone()));
+        found.suspects = vec![Suspect::Position(joint.clone())];
         assert_eq!(found.next_steps()[0], NextStep::CheckJoint { joint });
     }
-    found.leftover.strongest = Some("moment of r_knee".to_string());
-    found.leftover.follows = Some(Follows::Moment("r_knee".to_string()));
     let joint = "r_knee".to_string();
+    found.suspects = vec![Suspect::Moment(joint.clone())];
     assert_eq!(found.next_steps()[0], NextStep::CheckLoad { joint });
-    found.leftover.follows = Some(Follows::Place);
+    found.suspects = vec![Suspect::Place];
     assert_eq!(found.next_steps()[0], NextStep::CheckRecording);
-    found.leftover.follows = None;
+    found.suspects.clear();
     assert_eq!(found.next_steps()[0], NextStep::CheckContact);
 }
