@@ -29,7 +29,7 @@ from ._errors import (
     UrdfError,
 )
 from ._fit import CorrectedUrdf, Fit, Parameter, fit
-from ._health import Finding
+from ._found import Finding
 from ._log import Log
 from ._model import Model, Robot
 from ._part import Part, gather

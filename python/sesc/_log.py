@@ -13,7 +13,7 @@ import numpy as np
 from . import _arrow, _sesc
 from ._arrays import Float64, unmasked
 from ._errors import ArgumentTypeError, LogError
-from ._health import Finding
+from ._found import Finding
 
 if TYPE_CHECKING:
     from ._model import Robot

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Sequence
 from functools import cached_property
@@ -12,7 +13,6 @@ import numpy as np
 from . import _sesc
 from ._arrays import Float64, floats
 from ._errors import ArgumentError, ArgumentTypeError, SescError, make
-from ._wording import found_in_python
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -265,7 +265,8 @@ class Model(_sesc.Model):
             >>> model.to_dict()["rank"]
             {'xyz': 5, 'cop': 4}
         """
-        return found_in_python(self.inspection())
+        found: dict[str, Any] = json.loads(self.inspection())
+        return found
 
     def _repr_html_(self) -> str:
         from ._html import pictures, steps, table
@@ -273,8 +274,7 @@ class Model(_sesc.Model):
         limits = zip(self.joints, self.limits.tolist(), strict=True)
         rows = [(joint, f"{low:.4g}", f"{high:.4g}") for joint, (low, high) in limits]
         said = table(repr(self)[1:-1], ("joint", "lower, rad or m", "upper"), rows)
-        next_steps = found_in_python(self.next_steps())["next_steps"]
-        return pictures(_sesc.draw_robot(self.robot, self), 320) + said + steps(next_steps)
+        return pictures(_sesc.draw_robot(self.robot, self), 320) + said + steps(json.loads(self.next_steps()))
 
     def __repr__(self) -> str:
         joints = f"{self.dof} joint{'s' * (self.dof != 1)}"

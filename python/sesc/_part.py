@@ -8,7 +8,7 @@ from typing import Any
 
 from . import _run, _sesc
 from ._errors import PartError, check_first, unreadable
-from ._health import Finding
+from ._found import Finding
 from ._model import Robot
 from ._run import Progress
 

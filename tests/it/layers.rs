@@ -28,12 +28,12 @@ const ROOMS: [(&str, &str); 5] = [
     ),
     (
         "python",
-        "errors calls batch arrays arrow robot prepared model checks drawing log \
+        "errors calls batch arrays arrow robot prepared steps model checks drawing log \
          options code part fit diagnosis postures fleet command",
     ),
     (
         "",
-        "words error inspect verify servos report demo effect_pages cli",
+        "words error inspect verify servos report demo cli",
     ),
 ];
 

@@ -2,11 +2,10 @@
 
 mod formats;
 mod keys;
-mod logs;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
 use sesc_test_support::command::{ROOT, folder, program};
 
@@ -221,16 +220,25 @@ fn blocks(text: &str, kind: &str) -> Vec<String> {
 
 /// A line of a shell in `folder`, where `sesc` is the one under test; what it printed.
 fn run(folder: &Path, line: &str) -> String {
+    let output = shell(folder, line);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{line}\n{stderr}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The same of a line that may fail.
+fn run_any(folder: &Path, line: &str) -> String {
+    String::from_utf8(shell(folder, line).stdout).unwrap()
+}
+
+fn shell(folder: &Path, line: &str) -> Output {
     let path = std::env::var("PATH").unwrap();
     let path = format!("{}:{path}", program().parent().unwrap().display());
     let mut bash = Command::new("bash");
     bash.args(["-ec", line])
         .current_dir(folder)
         .env("PATH", path);
-    let output = bash.output().unwrap();
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{line}\n{stderr}");
-    String::from_utf8(output.stdout).unwrap()
+    bash.output().unwrap()
 }
 
 /// With the lines of the page, or the name of a sole, a robot stands on its sole: its CoM is 40 mm

@@ -1,4 +1,4 @@
-"""Who calls functions is told of functions: no text of the package names options of the command."""
+"""Next steps are calls that run, and no text of the package names options of the command."""
 
 from __future__ import annotations
 
@@ -11,38 +11,8 @@ import numpy as np
 import pytest
 
 import sesc
-from sesc._wording import in_python
 
 from conftest import POLE
-
-
-@pytest.mark.parametrize(
-    ("command", "call"),
-    [
-        ("sesc diagnose URDF --data LOG", 'sesc.diagnose(robot, "LOG")'),
-        ("sesc fit URDF --support foot --data 'a b.csv'", 'sesc.fit(robot, "a b.csv", support="foot")'),
-        ("sesc diagnose URDF --data LOG --prior PRIOR.toml", 'sesc.diagnose(robot, "LOG", prior="PRIOR.toml")'),
-        ("sesc diagnose URDF --data LOG --out model.toml", 'sesc.diagnose(robot, "LOG").save("model.toml")'),
-        ("sesc plan URDF --support foot --poses 40 --out p.csv", 'sesc.plan(robot, support="foot", poses=40).save("p.csv")'),
-        ("sesc generate URDF --support foot --lang c --out src", 'robot.on("foot").c99("src")'),
-        (
-            "sesc generate URDF --support foot --model 'b c.toml' --lang c --out src",
-            'robot.on("foot", model="b c.toml").c99("src")',
-        ),
-        (
-            "sesc verify URDF --support foot --model model.toml --no-snap",
-            'sesc.verify(sesc.Robot("URDF", snap=False).on("foot", model="model.toml"))',
-        ),
-        (
-            "sesc compare LOG LATER_LOG --urdf URDF",
-            'sesc.compare(sesc.diagnose(robot, "LOG"), sesc.diagnose(robot, "LATER_LOG"))',
-        ),
-        ("sesc diagnose URDF --data LOG --next n.csv", 'sesc.diagnose(robot, "LOG").next_postures().save("n.csv")'),
-    ],
-)
-def test_command_lines_are_calls(command: str, call: str) -> None:
-    assert in_python(f"next  Do it.\n      {command}\nend") == f"next  Do it.\n      {call}\nend"
-    assert in_python("so sesc fit is") == "so sesc fit is"
 
 
 def log(offset: float = 0.0, noise: float = 1e-4, jump: float = 0.0) -> sesc.Log:
@@ -66,7 +36,7 @@ def test_texts_of_results_name_no_options(log: sesc.Log, options: dict[str, Any]
 
 def test_what_is_left_out_of_a_text_is_found_in_python(op2: sesc.Robot) -> None:
     found = sesc.fit(op2, sesc.simulate(op2.on("r_sole"), 100, noise=1e-4))
-    assert "all named by `.to_dict()`, `.report(…)`" in str(found) and "--" not in str(found)
+    assert "all are named in JSON and on the page" in str(found) and "--" not in str(found)
 
 
 def test_pages_name_calls(op2: sesc.Robot, tmp_path: Path) -> None:
@@ -77,3 +47,32 @@ def test_pages_name_calls(op2: sesc.Robot, tmp_path: Path) -> None:
     for name, call in (("plan", 'sesc.fit(robot, "LOG", support="r_sole")'), ("found", 'sesc.diagnose(robot, "LOG").save("model.toml")')):
         page = (tmp_path / f"{name}.html").read_text()
         assert f"<code>{html.escape(call)}</code>" in page and "<code>sesc " not in page
+
+
+def test_calls_of_next_steps_run(op2: sesc.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    model = op2.on("r_sole")
+    for name, hide in (("clean", {}), ("knee", {"joint_offset:r_knee": 0.05})):
+        sesc.simulate(model, 60, range=0.5, noise=3e-4, seed=4, hide=hide).save(f"{name}.csv")
+    fitted = sesc.fit(op2, "clean.csv")
+    fitted.save("model.toml")
+    results = [
+        ("clean.csv", model),
+        ("clean.csv", fitted),
+        ("knee.csv", sesc.fit(op2, "knee.csv", prior="tight")),
+        ("clean.csv", sesc.diagnose(op2, "clean.csv")),
+        ("knee.csv", sesc.diagnose(op2, "knee.csv")),
+        ("clean.csv", sesc.verify(model, samples=20)),
+        ("clean.csv", sesc.verify(op2.on("r_sole", model="model.toml"), samples=20)),
+    ]
+    ran = set()
+    for log, result in results:
+        for step in result.to_dict()["next_steps"]:
+            if "command" in step:
+                call = step["command"].replace('"LOG"', f'"{log}"').replace("LATER_LOG", "knee.csv")
+                eval(call, {"sesc": sesc, "robot": op2})
+                ran.add(step["what"])
+    assert {"Choose postures to record", "Diagnose the log", "Write the functions as source code"} <= ran
+    assert {"Keep the corrected model", "Look at the page of the diagnosis"} <= ran
+    assert "Keep this log, and compare a later one with it" in ran
+    assert (tmp_path / "src").is_dir() and (tmp_path / "report.html").exists()
