@@ -2,7 +2,6 @@
 
 pub mod counts;
 pub mod crates;
-mod formats;
-mod keys;
+mod json;
 pub mod regen;
 pub mod study;

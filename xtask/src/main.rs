@@ -12,7 +12,7 @@ enum Task {
     Bill(xtask::crates::archive::Bill),
     /// Print operations and instructions of one call; fail where they grew by 2 %
     Counts(xtask::counts::Counts),
-    /// Rewrite `generated/`, the figure of README, pages of effects and tables of formats
+    /// Rewrite `generated/`, the figure of README and docs/json.md
     Regen,
     /// Ask about virtual robots, and count the answers in docs/dev/study/
     Study(xtask::study::Study),

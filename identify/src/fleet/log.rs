@@ -145,6 +145,7 @@ pub(super) fn name_of_urdf(hash: &str) -> String {
 
 /// A log, or a group, that came to nothing or to less than it should.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Failed {
     /// The file.

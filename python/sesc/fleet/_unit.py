@@ -7,7 +7,7 @@ from threading import Event
 from typing import Any, NamedTuple
 
 from .. import _sesc
-from .._robot import Robot, _restore
+from .._model import Robot, _restore
 
 __all__ = ["Job", "work"]
 

@@ -1,87 +1,75 @@
-//! docs/formats.md names what readers take.
+//! docs/formats.md names what readers take and what is written.
 
 use std::collections::BTreeSet;
 use std::fs;
 
-use sesc_test_support::command::{ROOT, folder, op2, sesc};
+use sesc_test_support::command::{ROOT, folder};
 
 use super::{blocks, read, run};
 
-/// Keys of a row of a table: what stands in backticks.
-fn keys_of(row: &str) -> BTreeSet<String> {
-    let words = row.split('`').skip(1).step_by(2);
-    words.map(str::to_string).collect()
-}
-
-/// The reader says itself which keys a sidecar may have.
-#[test]
-fn formats_name_every_key_of_sidecars() {
-    let formats = read("docs/formats.md");
-    let (folder, op2) = (folder(), op2());
-    let line = "sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.001 --out log.csv";
-    run(folder.path(), &line.replace("op2.urdf", &op2));
-    let log = folder.path().join("log.csv");
-    fs::write(log.with_extension("csv.toml"), "wxyz_uvw = 1\n").unwrap();
-    let log = log.display().to_string();
-    let said = sesc(&["fit", &op2, "--data", &log, "--support", "r_sole"]);
-    let said = String::from_utf8(said.stderr).unwrap();
-    let keys = said
-        .split("known are ")
-        .nth(1)
-        .unwrap_or_else(|| panic!("{said}"));
-    let keys = keys.lines().next().unwrap();
-    let keys: Vec<&str> = keys.trim().split(", ").collect();
-    assert!(keys.len() > 9, "{keys:?}");
-    for key in keys {
-        assert!(formats.contains(&format!("\n| `{key}` | ")), "{key}");
-    }
-}
-
-/// Columns are those that the commands name in their help.
-#[test]
-fn formats_name_every_column_and_key() {
-    let formats = read("docs/formats.md");
-    let columns = sesc_identify::logs::columns_text();
-    // Further lines of a meaning stand below its first.
-    let starts = |line: &&str| line.starts_with("  ") && !line.starts_with("   ");
-    for line in columns.lines().skip(1).filter(starts) {
-        let names = line
-            .split("  ")
-            .find(|part| !part.trim().is_empty())
-            .unwrap();
-        for name in names.split(',').map(str::trim) {
-            let name = match name {
-                "JOINT" => "a joint's name".to_string(),
-                "fsr_k" => "`fsr_1`".to_string(),
-                "fsr_k_std" => "`fsr_1_std`".to_string(),
-                name => format!("`{name}`"),
-            };
-            assert!(formats.contains(&name), "{name}");
+/// Keys of tables, but those that are names of something.
+fn keys(table: &toml::Table, all: &mut BTreeSet<String>) {
+    for (key, value) in table {
+        all.insert(key.clone());
+        let inner: Vec<&toml::Value> = match value {
+            toml::Value::Array(values) => values.iter().collect(),
+            value => vec![value],
+        };
+        for inner in inner.into_iter().filter_map(toml::Value::as_table) {
+            keys(inner, all);
         }
     }
 }
 
-/// The topics of a recording of a diagnosis, and the types of their messages, are those of its
-/// table.
+/// Columns and keys that readers know, keys of a model file, topics of a recording: each stands
+/// in backticks.
 #[test]
-fn formats_name_every_topic_of_a_recording() {
-    let formats = read("docs/formats.md");
-    let (_, part) = formats.split_once("### Recording of a diagnosis").unwrap();
-    let (part, _) = part.split_once("\n## ").unwrap();
+fn formats_name_every_column_and_key() {
+    let columns = sesc_identify::logs::COLUMNS.iter();
+    let columns = columns.flat_map(|column| column.names).copied();
+    let sidecar = sesc_identify::logs::SIDECAR_KEYS.map(|(key, _)| key);
+    let options = sesc::cli::robot_keys().into_iter().map(|(key, ..)| key);
+    let known = columns
+        .filter(|name| *name != "JOINT")
+        .chain(sidecar)
+        .chain(options);
+    let known = known.map(|name| name.replace("fsr_k", "fsr_1"));
+    let mut all: BTreeSet<String> = known.collect();
     let folder = folder();
-    let simulate =
-        "sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.0005 --out log.csv";
-    run(folder.path(), &simulate.replace("op2.urdf", &op2()));
-    let diagnose = format!("sesc diagnose {} --data log.csv --mcap out.mcap", op2());
-    run(folder.path(), &diagnose);
-    let bytes = fs::read(folder.path().join("out.mcap")).unwrap();
-    let text = String::from_utf8_lossy(&bytes);
-    let rows = part.lines().filter(|line| line.starts_with("| `/"));
-    let named: BTreeSet<String> = rows.flat_map(keys_of).collect();
-    assert_eq!(named.len(), 6 + 3, "{named:?}");
-    for name in named {
-        assert!(text.contains(&name), "{name}");
+    fs::copy(
+        format!("{ROOT}/robots/op2/op2.urdf"),
+        folder.path().join("op2.urdf"),
+    )
+    .unwrap();
+    for line in [
+        "sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.0005 \
+         --hide joint_offset:r_knee=3deg --out log.csv",
+        "sesc diagnose op2.urdf --data log.csv --out model.toml --mcap out.mcap",
+    ] {
+        run(folder.path(), line);
     }
+    let model = fs::read_to_string(folder.path().join("model.toml")).unwrap();
+    keys(&model.parse().unwrap(), &mut all);
+    let formats = read("docs/formats.md");
+    for name in all {
+        let named = [
+            format!("`{name}`"),
+            format!("`[{name}]`"),
+            format!("`[[{name}]]`"),
+        ];
+        assert!(named.iter().any(|name| formats.contains(name)), "{name}");
+    }
+    let (_, part) = formats.split_once("### Recording of a diagnosis").unwrap();
+    let recorded = fs::read(folder.path().join("out.mcap")).unwrap();
+    let recorded = String::from_utf8_lossy(&recorded);
+    let mut topics = 0;
+    for row in part.lines().filter(|line| line.starts_with("| `/")) {
+        for name in row.split('`').skip(1).step_by(2) {
+            assert!(recorded.contains(name), "{name}");
+            topics += usize::from(name.starts_with('/'));
+        }
+    }
+    assert_eq!(topics, 6);
 }
 
 /// The blocks of TOML are what the readers take.

@@ -7,7 +7,6 @@
 mod body;
 mod compiled;
 mod correction;
-mod footprint;
 mod generated;
 mod hidden;
 mod records;
