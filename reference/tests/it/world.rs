@@ -1,10 +1,8 @@
 //! Each imperfection against its own formula.
 
-mod common;
-
 use std::f64::consts::FRAC_PI_2;
 
-use common::{bushy, kind, postures};
+use crate::common::{bushy, kind, postures};
 use nalgebra::{Point3, Rotation3, Vector3};
 use sesc_reference::{ErrorKind, Reference, World};
 
