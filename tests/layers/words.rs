@@ -54,7 +54,7 @@ const ORDINARY: [(&str, &str, &str); 6] = [
         "a loose joint slides in its dead band",
     ),
     (
-        "reference/tests/world_sensor.rs",
+        "reference/tests/it/world_sensor.rs",
         "excess",
         "load above a quarter",
     ),
