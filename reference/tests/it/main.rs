@@ -1,4 +1,4 @@
-//! The reference against closed forms, differences and laws of mechanics.
+//! Tests of the yardstick, a module a room.
 
 mod common;
 mod dynamics;
