@@ -11,8 +11,7 @@ from ._diagnose import Diagnosis
 from ._errors import FitError, ModelFileError, check_first
 from ._fit import Fit
 from ._found import Found
-from ._model import Model
-from ._robot import Robot
+from ._model import Model, Robot
 from ._run import Progress
 
 __all__ = ["Comparison", "Effect", "Verification", "compare", "effects", "verify"]

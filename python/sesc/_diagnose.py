@@ -12,9 +12,8 @@ from . import _run, _sesc
 from ._errors import FitError, check_first
 from ._fit import CorrectedUrdf
 from ._found import FoundInLogs
-from ._model import Model, restored
+from ._model import Model, Robot, restored
 from ._postures import Postures
-from ._robot import Robot
 from ._run import Progress
 
 __all__ = ["Diagnosis", "Quantity", "Step", "diagnose"]

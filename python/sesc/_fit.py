@@ -13,9 +13,8 @@ from ._arrays import Float64
 from ._errors import FitError, check_first
 from ._found import FoundInLogs
 from ._log import Log
-from ._model import Model, restored
+from ._model import Model, Robot, restored
 from ._part import Part, options_of
-from ._robot import Robot
 from ._run import Progress
 
 __all__ = ["CorrectedUrdf", "Fit", "Parameter", "fit"]

@@ -16,7 +16,7 @@ from ._errors import ArgumentTypeError, LogError
 from ._found import Finding
 
 if TYPE_CHECKING:
-    from ._robot import Robot
+    from ._model import Robot
 
 __all__ = ["Log"]
 

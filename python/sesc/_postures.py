@@ -13,8 +13,7 @@ from ._arrays import Float64, array_of, positions
 from ._errors import LogError, PlanError, check_first
 from ._found import Found
 from ._log import Log
-from ._model import Model
-from ._robot import Robot
+from ._model import Model, Robot
 from ._run import Progress
 
 __all__ = ["Plan", "Postures", "plan", "predict", "simulate"]

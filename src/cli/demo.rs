@@ -17,7 +17,7 @@ use super::{Bar, Outcome, command_line, message, print_json, show, steps};
 use crate::demo::{self, Demo};
 use crate::report::next_steps::{self, Worded};
 use crate::report::table::{Table, wrapped};
-use crate::report::{DemoReport, html};
+use crate::report::{self, DemoReport};
 use crate::{Error, OP2_URDF};
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
     let steps = [after(arguments.keep.as_deref())];
-    let page = html::demo(&demo.report, &steps, &command_line())
+    let page = report::demo::page(&demo.report, &steps, &command_line())
         .map_err(|error| Error::Report(Box::new(error)))?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
     let page = arguments.out.display().to_string();

@@ -6,6 +6,7 @@
 
 pub mod compare;
 mod data;
+pub mod demo;
 pub mod diagnose;
 pub mod figures;
 pub mod fit;

@@ -23,7 +23,7 @@ pub const OVER_NOTHING: f64 = 4.0;
 pub const ADDED_EFFECT: f64 = 3.0;
 /// This many effects at once are less likely than one outside the list: the verdict is
 /// "unexplained". Calibrated on faults outside the list that crowds imitate
-/// (`tests/hidden_effect.rs`, unmodelled effects).
+/// (`tests/it/hidden_effect.rs`, unmodelled effects).
 pub const TOO_MANY_EFFECTS: usize = 4;
 /// Outliers are at most this part of the postures; with more, the rule itself is wrong. Chosen:
 /// twice as much, and a log of two states of a robot may pass for one with outliers; half, and

@@ -5,7 +5,6 @@
 //!                                                        └→ experiments, next postures
 //! ```
 
-mod backlash_sides;
 mod closure;
 mod com_spread;
 pub mod corrected_urdf;
