@@ -11,7 +11,7 @@ pub struct NextStep {
     pub what: String,
     /// What it is good for.
     pub why: String,
-    /// Command line that does it, placeholders in capitals; none where no command does it.
+    /// Command line, placeholders in capitals; none where no command does it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
     /// The file that the command writes; who has asked for it needs no such step.

@@ -86,7 +86,7 @@ pub(super) struct Answer<'a> {
     /// What differs.
     #[serde(flatten)]
     comparison: &'a Comparison,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: &'a [NextStep],
 }
 

@@ -39,7 +39,7 @@ pub(super) struct Answer<'a> {
     /// What there is to know of the robot.
     #[serde(flatten)]
     inspection: &'a Inspection,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: &'a [NextStep],
 }
 

@@ -53,7 +53,7 @@ pub(super) struct Written {
     file: String,
     /// Its rows.
     postures: u64,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: Vec<NextStep>,
 }
 
@@ -64,7 +64,7 @@ pub(super) struct Answer {
     /// What was predicted.
     #[serde(flatten)]
     predictions: Predictions,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: Vec<NextStep>,
 }
 

@@ -52,7 +52,7 @@ pub(super) struct Answer<'a> {
     /// What the comparison found.
     #[serde(flatten)]
     verification: &'a Verification,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: &'a [NextStep],
 }
 

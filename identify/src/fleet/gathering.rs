@@ -23,7 +23,7 @@ pub struct Twice {
     pub input: String,
     /// The file with the same bytes.
     pub same_as: String,
-    /// Whether both count once, as logs of one robot and day.
+    /// Whether both count once; they do as logs of one robot and day.
     pub counted_once: bool,
 }
 
