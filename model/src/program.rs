@@ -55,7 +55,7 @@ pub struct Counts {
     pub add: usize,
     /// Sine-cosine pairs.
     pub sin_cos: usize,
-    /// Operations on angles before their sine and cosine.
+    /// Operations on angles; before their sine and cosine.
     pub angle: usize,
     /// Sign changes that no addition absorbs.
     #[serde(skip)]

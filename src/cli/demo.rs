@@ -49,7 +49,7 @@ pub(super) struct Answer<'a> {
     /// What it shows.
     #[serde(flatten)]
     report: &'a DemoReport,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: &'a [Worded],
 }
 

@@ -89,7 +89,7 @@ pub(super) struct Answer<'a> {
     files: Vec<WrittenFile>,
     /// What was noticed.
     notes: &'a [String],
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: Vec<Worded>,
 }
 

@@ -55,7 +55,7 @@ pub(super) struct Written {
     file: String,
     /// Its rows.
     postures: u64,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: Vec<Worded>,
 }
 

@@ -71,13 +71,13 @@ pub(super) struct Written<'a> {
     seed: u64,
     /// Standard deviation of a reading, m.
     noise: f64,
-    /// Rows a second of a robot that moves.
+    /// Rows a second; of a robot that moves.
     rate: Option<f64>,
     /// The log that was written.
     log: String,
     /// Its sidecar.
     sidecar: String,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: &'a [Worded],
 }
 
