@@ -2,11 +2,16 @@
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use sesc_identify::diagnose::Diagnosis;
+use sesc_identify::compare::Comparison;
 use sesc_identify::plan::Plan;
+use sesc_identify::predict::Predictions;
 
-use super::{Failure, compare, demo, effects, generate, inspect, predict, simulate, verify};
+use super::{Failure, demo, effects, generate, predict, simulate};
+use crate::inspect::Inspection;
+use crate::report::diagnose::DiagnoseReport;
+use crate::report::next_steps::WithSteps;
 use crate::report::{fit, fleet};
+use crate::verify::Verification;
 
 /// What commands print.
 pub struct Schemas {
@@ -23,8 +28,8 @@ pub fn all() -> Schemas {
     let all: [(_, _, fn(&mut SchemaGenerator) -> Schema); 15] = [
         ("errors", "", Failure::json_schema),
         ("demo", "", demo::Answer::json_schema),
-        ("inspect", "", inspect::Answer::json_schema),
-        ("plan", "", Plan::json_schema),
+        ("inspect", "", WithSteps::<Inspection>::json_schema),
+        ("plan", "", WithSteps::<Plan>::json_schema),
         ("simulate", "", simulate::Written::json_schema),
         ("fit", "", fit::FitReport::json_schema),
         (
@@ -32,13 +37,13 @@ pub fn all() -> Schemas {
             "Of data that cannot be used",
             fit::Unusable::json_schema,
         ),
-        ("diagnose", "", Diagnosis::json_schema),
+        ("diagnose", "", DiagnoseReport::json_schema),
         ("effects", "", effects::Listed::json_schema),
-        ("compare", "", compare::Answer::json_schema),
-        ("predict", "", predict::Answer::json_schema),
+        ("compare", "", WithSteps::<Comparison>::json_schema),
+        ("predict", "", WithSteps::<Predictions>::json_schema),
         ("predict", "With `--out`", predict::Written::json_schema),
         ("generate", "", generate::Answer::json_schema),
-        ("verify", "", verify::Answer::json_schema),
+        ("verify", "", WithSteps::<Verification>::json_schema),
         ("fleet", "", fleet::Answer::json_schema),
     ];
     let all = all.map(|(command, when, of)| (command, when, of(&mut generator)));

@@ -6,8 +6,8 @@
 
 pub mod compare;
 mod data;
+pub mod demo;
 pub mod diagnose;
-mod digest;
 pub mod figures;
 pub mod fit;
 pub mod fleet;

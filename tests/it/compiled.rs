@@ -30,20 +30,14 @@ const WRITTEN: usize = 200;
 type Standing = (&'static str, &'static str);
 
 /// Robots that are compiled as a controller is: a release.
-const OPTIMISED: [Standing; 3] = [
-    ("op2", "r_sole"),
-    ("arm6", "base_link"),
-    ("lift_base", "hand"),
-];
+const OPTIMISED: [Standing; 2] = [("op2", "r_sole"), ("lift_base", "hand")];
 
 /// Robots that are compiled with few optimisations, as random trees are: the same arithmetic,
 /// and a third of the compiler's time.
-const QUICK: [Standing; 5] = [
-    ("op2", "body_link"),
+const QUICK: [Standing; 3] = [
+    ("arm6", "base_link"),
     ("quadruped", "lf_foot"),
-    ("lift_base", "base_link"),
     ("skew_humanoid", "left_sole"),
-    ("plain_humanoid", "right_sole"),
 ];
 
 struct Case {
@@ -187,7 +181,7 @@ fn optimised_code_is_the_tape_to_the_bit_and_the_reference_within_its_bound() {
 
 #[test]
 fn code_of_every_robot_is_the_tape_to_the_bit_and_the_reference_within_its_bound() {
-    compiled_is_tape_and_reference("compiled_quick", &cases(&QUICK, 6), 1);
+    compiled_is_tape_and_reference("compiled_quick", &cases(&QUICK, 4), 1);
 }
 
 #[test]

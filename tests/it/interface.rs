@@ -1,11 +1,8 @@
-//! One interface in every language: generated code of another version does not compile, and says
-//! what to do; functions of the Python package are those of the table.
+//! Generated code of another version does not compile, and says what to do.
 
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
-
-use sesc_model::{Extent, Function, Given};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -48,40 +45,4 @@ fn generated_code_of_another_version_says_what_to_do() {
                     sesc-codegen and sesc-runtime, and the sesc-runtime of this build has \
                     version 1: give both crates the same version in Cargo.toml";
     assert!(stderr.contains(sentence), "{stderr}");
-}
-
-/// Every function of the table is a method in Python, with the table's arguments but for the
-/// parameters, which are the model's, its unit, and the shape of its result.
-#[test]
-fn the_python_package_has_the_functions_of_the_table() {
-    let source = Path::new(ROOT).join("python/src/model.rs");
-    let source = fs::read_to_string(source).unwrap();
-    for function in Function::ALL.into_iter().chain([Function::CorrectCop]) {
-        let name = function.name();
-        let variant = format!("self.run(Function::{function:?}, ");
-        let long = format!("Function::{function:?},\n            [");
-        let call = source.find(&variant).or_else(|| source.find(&long));
-        let method = &source[..call.unwrap_or_else(|| panic!("{name} is no method"))];
-        let documented = method.rfind("\n\n").unwrap();
-        let words: Vec<&str> = method[documented..]
-            .lines()
-            .map(|line| line.trim().trim_start_matches("///").trim())
-            .collect();
-        let method = words.join(" ");
-        let arguments = function.arguments(Given::Positions).into_iter();
-        let arguments = arguments.map(|argument| argument.name());
-        let arguments: Vec<&str> = arguments.filter(|name| *name != "r").collect();
-        let signature = format!("signature = ({}, *,", arguments.join(", "));
-        assert!(method.contains(&signature), "{name}: {signature}");
-        assert!(method.contains(function.error_unit()), "{name}: unit");
-        let columns = match function.columns() {
-            Extent::Fixed(n) => n.to_string(),
-            Extent::Dof => "dof".to_string(),
-            Extent::BaseParams => "p".to_string(),
-            Extent::FullParams => "f".to_string(),
-        };
-        let rows = function.rows().map(|rows| format!("{rows}, "));
-        let shape = format!("(n, {}{columns})", rows.unwrap_or_default());
-        assert!(method.contains(&shape), "{name}: {shape}");
-    }
 }

@@ -1,4 +1,5 @@
-//! Integration tests: a module a room.
+//! Integration tests, a module a room: what Rust and a C compiler as `cc` can tell. `tests/boards` and
+//! `tests/pages` need more, and are run by `.ci/all`.
 
 mod bad_input;
 mod batch_fit;
@@ -16,7 +17,6 @@ mod diagnose_input;
 mod diagnose_outputs;
 mod docs;
 mod effects;
-mod firmware;
 mod fit_outputs;
 mod fleet;
 mod fresh;
@@ -41,3 +41,6 @@ mod stays;
 mod unstated_noise;
 mod workspace;
 mod zmp;
+
+/// Compilers of C for this machine.
+const COMPILERS: [&str; 1] = ["cc"];

@@ -1,6 +1,6 @@
 //! README and the book show what the commands print and the generator writes.
 //!
-//! `SESC_BLESS=1 cargo test --test readme` accepts new output.
+//! `SESC_BLESS=1 cargo test --test it readme` accepts new output.
 
 use std::fs;
 use std::process::Command;

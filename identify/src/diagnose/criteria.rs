@@ -23,7 +23,7 @@ pub const OVER_NOTHING: f64 = 4.0;
 pub const ADDED_EFFECT: f64 = 3.0;
 /// This many effects at once are less likely than one outside the list: the verdict is
 /// "unexplained". Calibrated on faults outside the list that crowds imitate
-/// (`tests/hidden_effect.rs`, unmodelled effects).
+/// (`tests/it/hidden_effect.rs`, unmodelled effects).
 pub const TOO_MANY_EFFECTS: usize = 4;
 /// Outliers are at most this part of the postures; with more, the rule itself is wrong. Chosen:
 /// twice as much, and a log of two states of a robot may pass for one with outliers; half, and
@@ -179,7 +179,7 @@ pub const HELD_OUT_TIMES: f64 = 4.0;
 // Experiments.
 
 /// χ² from which an experiment tells two explanations apart: what noise leaves of it in nine of
-/// ten logs, `S − 1.28 · 2 √S`, is then beyond [`CLASS_SCORE`]. Calibrated on 45 classes of the
+/// ten logs, `S − 1.28 · 2 √S`, is then [`CLASS_SCORE`]. Calibrated on 45 classes of the
 /// study: 43 first experiments exclude as many as they say, 36 from 9 on.
 pub const TOLD_APART: f64 = 22.0;
 /// One posture counts no more than this towards it, so that many tell. Chosen: six postures at

@@ -157,8 +157,6 @@ pub fn find<'m>(
         blind: blind_spots(problem, &blind),
         hypotheses_fitted: counted,
         next_postures: NextPostures::default(),
-        next_steps: Vec::new(),
-        model_use: None,
         left_out_of_urdf: None,
     };
     let mut found = Explained {
@@ -169,7 +167,6 @@ pub fn find<'m>(
         baseline,
     };
     com_spread::state(problem, &mut found);
-    found.diagnosis.sentence = super::verdict::sentence(problem, &found);
     Ok(found)
 }
 

@@ -11,7 +11,6 @@ use super::hypothesis::Term;
 use super::problem::Fit;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
-use crate::next_steps::NextStep;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
@@ -207,20 +206,6 @@ pub struct Remedy {
     /// Why a URDF holds none of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_in_urdf: Option<String>,
-}
-
-/// How the model file is used, where one is written.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ModelUse {
-    /// The file.
-    pub model: String,
-    /// The line of a `build.rs`.
-    pub build_rs: String,
-    /// What generates C.
-    pub generate: String,
-    /// The CoM's call in C.
-    pub c: String,
 }
 
 /// Held-out errors of the whole explanation, m.
@@ -425,12 +410,7 @@ pub struct Diagnosis {
     pub hypotheses_fitted: usize,
     /// Experiments that separate the class.
     pub next_postures: NextPostures,
-    /// What to do next.
-    pub next_steps: Vec<NextStep>,
-    /// How the model file is used, where one is written that predicts the log.
-    #[serde(rename = "use", skip_serializing_if = "Option::is_none")]
-    pub model_use: Option<ModelUse>,
-    /// What the corrected URDF leaves out; a sentence for each part of the explanation, none
+    /// Parts of the explanation that the corrected URDF does not hold, a sentence each; none
     /// without a corrected URDF.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out_of_urdf: Option<Vec<String>>,

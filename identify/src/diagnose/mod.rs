@@ -5,7 +5,6 @@
 //!                                                        └→ experiments, next postures
 //! ```
 
-mod backlash_sides;
 mod closure;
 mod com_spread;
 pub mod corrected_urdf;
@@ -53,7 +52,7 @@ pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use criteria::{CLASS_SCORE, FLOOR_M, OVER_NOTHING};
 pub use findings::{
     ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
-    ModelUse, NextPostures, Quantity, Remedy, Step, Suspect, UrdfChange, Verdict,
+    NextPostures, Quantity, Remedy, Step, Suspect, UrdfChange, Verdict,
 };
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]

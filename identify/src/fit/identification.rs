@@ -9,7 +9,7 @@ use super::prior::Prior;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
-use crate::next_steps::{CommandLine, NextStep};
+use crate::next_steps::NextStep;
 use crate::observations::motion::Plan;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
@@ -27,8 +27,6 @@ pub struct Settings {
     pub noise: Option<f64>,
     /// Range over which errors are expected: ±rad about zero within the limits.
     pub range: Option<f64>,
-    /// What the caller typed.
-    pub line: CommandLine,
 }
 
 impl Settings {
@@ -38,7 +36,6 @@ impl Settings {
             prior,
             noise: None,
             range: None,
-            line: CommandLine::default(),
         }
     }
 }
@@ -195,8 +192,6 @@ pub struct Identification {
     pub health: Vec<Finding>,
     /// Warnings as sentences.
     pub warnings: Vec<String>,
-    /// What to do next.
-    pub next_steps: Vec<NextStep>,
     /// Bounds on physical masses that are reached; none where the fit was not bounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active_bounds: Option<Vec<String>>,
@@ -225,6 +220,16 @@ impl Identification {
     /// Whether the data can be used: what was fitted to others is no result.
     pub fn is_usable(&self) -> bool {
         !self.health.iter().any(|f| f.kind.makes_unusable())
+    }
+
+    /// What to do next; empty where nothing is left to do.
+    pub fn next_steps(&self) -> Vec<NextStep> {
+        if !self.is_usable() {
+            return vec![NextStep::Repair];
+        }
+        let diagnose = self.misses_something().then_some(NextStep::Diagnose);
+        let repeat = self.again.as_ref().map(Again::step);
+        diagnose.into_iter().chain(repeat).collect()
     }
 
     /// Correlations of the parameters with each other; NaN where one has no deviation.

@@ -142,9 +142,9 @@ pub(super) const FROZEN_MOVES: f64 = 5.0;
 pub(super) const FROZEN_MOVES_M: f64 = 1e-3;
 /// It moves by so many steps of the channel, too. Chosen: as [`FROZEN_MOVES`].
 pub(super) const FROZEN_STEPS: f64 = 3.0;
-/// How far beyond the cells and the cloud of CAD's CoPs no effect takes a reading, m, in
-/// diameters of the sole where its shape is known, and in diameters of the cloud. Chosen: half
-/// of it leaves out readings of robots with large offsets.
+/// How far beyond the cells and the cloud of CAD's CoPs no effect takes a reading, m; see
+/// [`MARGIN_OF_SOLE`] and [`MARGIN_OF_CLOUD`]. Chosen: half of it leaves out readings of robots
+/// with large offsets.
 pub(super) const MARGIN_M: f64 = 0.15;
 /// Such a margin in diameters of the sole where its shape is known. Chosen: as [`MARGIN_M`].
 pub(super) const MARGIN_OF_SOLE: f64 = 0.5;

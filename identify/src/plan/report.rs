@@ -68,8 +68,6 @@ pub struct Plan {
     pub collision_exempt: Vec<[String; 2]>,
     /// What was noticed.
     pub notes: Vec<String>,
-    /// What to do with the postures.
-    pub next_steps: Vec<NextStep>,
     /// Corners of the CoP's region, counter-clockwise, m.
     pub corners: Vec<[f64; 2]>,
     /// Distance from the edges, m.
@@ -191,6 +189,23 @@ impl Plan {
             other_foot: self.both_feet.as_ref().map(|feet| feet.other_foot.clone()),
             ..Sidecar::default()
         }
+    }
+
+    /// What to do with the postures: record them, and fit the log.
+    pub fn next_steps(&self) -> Vec<NextStep> {
+        let names = self.joints.iter().map(|own| own.joint.clone());
+        vec![
+            NextStep::Record {
+                joints: names.collect(),
+                revolute: self.joints.iter().any(|own| !own.prismatic),
+                prismatic: self.joints.iter().any(|own| own.prismatic),
+                support: self.support.clone(),
+            },
+            // A log that is still to come has no sidecar that names its support link.
+            NextStep::Fit {
+                support: Some(self.support.clone()),
+            },
+        ]
     }
 
     /// The chosen postures in their order, rad or m.

@@ -16,8 +16,9 @@ use sesc_identify::fit::corrected::Corrected;
 use sesc_identify::fit::residuals::{Residual, Sample};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::health::Finding;
-use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
+
+use crate::report::next_steps::Worded;
 
 pub use correction::corrections;
 pub use page::page;
@@ -30,6 +31,8 @@ pub struct FitReport<'a> {
     /// What was identified, and how well.
     #[serde(flatten)]
     pub found: &'a Identification,
+    /// What to do next.
+    pub next_steps: &'a [Worded],
     /// The corrected URDF, where one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corrected: Option<&'a Corrected>,
@@ -47,16 +50,16 @@ pub struct Unusable<'a> {
     /// Why.
     pub health: &'a [Finding],
     /// What to do next.
-    pub next_steps: &'a [NextStep],
+    pub next_steps: &'a [Worded],
 }
 
 impl<'a> Unusable<'a> {
     /// What a fit to unusable data says.
-    pub fn of(found: &'a Identification) -> Unusable<'a> {
+    pub fn new(found: &'a Identification, next_steps: &'a [Worded]) -> Unusable<'a> {
         Unusable {
             verdict: "unusable",
             health: &found.health,
-            next_steps: &found.next_steps,
+            next_steps,
         }
     }
 }

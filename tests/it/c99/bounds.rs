@@ -4,26 +4,20 @@
 //! a ten-millionth of theirs and is allowed for. For f64 programs run in pairs
 //! of doubles.
 
-use std::fmt::Write as _;
-
 use astro_float::{BigFloat, Consts, RoundingMode};
 use sesc_codegen::emit::c::Scalar;
 use sesc_model::bounds::Precision;
 use sesc_model::{Function, Given};
 
-use super::case::{Case, ROBOTS};
+use super::case::Case;
 use super::compiled::{Compiled, folder, parallel};
 use super::draw::{Draw, draw};
 use super::entry::Entry;
-use super::fixed::trapping;
+use crate::COMPILERS;
 use sesc_test_support::exact::{Double, Interpreter, Number};
 
-/// Postures of each robot for each function, corners among them.
-const POSTURES: usize = 1_000;
 /// Postures of the OP2 for its CoM.
 const MANY: usize = 100_000;
-/// Postures in pairs of doubles, which take a microsecond an operation.
-const FEW: usize = 150;
 
 /// Largest |a − b|; a NaN is larger than all.
 fn largest(a: &[f64], b: &[f64]) -> f64 {
@@ -72,46 +66,6 @@ pub fn check(
     rows
 }
 
-#[test]
-fn no_bound_of_f32_and_fixed32_is_exceeded_and_nothing_overflows() {
-    let folder = folder("bounds");
-    let mut cases: Vec<Case> = ROBOTS.iter().map(|(r, s)| Case::robot(r, s)).collect();
-    cases.extend((0..12).map(|k| Case::random(700 + k, 3 + 2 * k as usize)));
-    cases.extend(Case::bodies());
-    let mut jobs = Vec::new();
-    for case in &cases {
-        jobs.extend([Scalar::F32, Scalar::Fixed32].map(|scalar| (case, scalar)));
-    }
-    let tables = parallel(jobs, |(case, scalar)| {
-        let compiled = match scalar {
-            // Nothing overflows on the way.
-            Scalar::Fixed32 => trapping(&folder, case),
-            _ => Compiled::build(&folder, case, scalar, "gcc", &["-O0"], |source| source),
-        };
-        let entries = case.entries(scalar);
-        let entries: Vec<&Entry> = entries.iter().collect();
-        let drawn = draw(case, POSTURES, 17, &*compiled.hold());
-        let rows = check(case, &compiled, &entries, &drawn);
-        let mut table = format!("{} {scalar:?}\n", case.name);
-        for (name, measured, proven) in rows {
-            let _ = writeln!(table, "  {name:<24} {measured:.1e} of {proven:.1e} m");
-            // A bound far above what is measured would prove nothing. Through springs the
-            // worst of four rounds multiplies.
-            let loosest = if case.has_springs() { 1e6 } else { 2000.0 };
-            // The ZMP is drawn where the ground carries half of the weight whatever the
-            // parameters: at a hundredth of the motion that its bound holds for.
-            let loosest = if name.starts_with("zmp") {
-                1e9
-            } else {
-                loosest
-            };
-            assert!(measured >= proven / loosest, "{table}");
-        }
-        table
-    });
-    println!("{}", tables.concat());
-}
-
 /// What a firmware engineer reads: micrometres, on a hundred thousand postures.
 #[test]
 fn the_op2s_com_is_proven_to_three_micrometres_and_measured_to_half_of_one() {
@@ -121,7 +75,9 @@ fn the_op2s_com_is_proven_to_three_micrometres_and_measured_to_half_of_one() {
     let of_com = |entry: &&Entry| entry.function == Function::Com;
     let entries: Vec<&Entry> = entries.iter().filter(of_com).collect();
     parallel(vec![Scalar::F32, Scalar::Fixed32], |scalar| {
-        let compiled = Compiled::build(&folder, &case, scalar, "gcc", &["-O2"], |source| source);
+        let compiled = Compiled::build(&folder, &case, scalar, COMPILERS[0], &["-O2"], |source| {
+            source
+        });
         let drawn = draw(&case, MANY, 23, &*compiled.hold());
         let rows = check(&case, &compiled, &entries, &drawn);
         assert_eq!(rows.len(), 3, "com, com_sc, com_ticks");
@@ -133,35 +89,8 @@ fn the_op2s_com_is_proven_to_three_micrometres_and_measured_to_half_of_one() {
     });
 }
 
-#[test]
-fn no_bound_of_f64_is_exceeded() {
-    let folder = folder("bounds_f64");
-    let mut cases: Vec<Case> = ROBOTS.iter().map(|(r, s)| Case::robot(r, s)).collect();
-    cases.extend((0..6).map(|k| Case::random(720 + k, 4 + 3 * k as usize)));
-    cases.extend(Case::bodies());
-    let tables = parallel(cases, |case| {
-        let compiled = Compiled::build(&folder, &case, Scalar::F64, "gcc", &["-O0"], |s| s);
-        let entries = case.entries(Scalar::F64);
-        let entries: Vec<&Entry> = entries.iter().collect();
-        let drawn = draw(&case, FEW, 29, &*compiled.hold());
-        let found = compiled.run(&case, &entries, &drawn);
-        let mut table = format!("{} F64\n", case.name);
-        for (entry, found) in entries.iter().zip(&found) {
-            let (measured, proven) = (in_pairs(&case, entry, &drawn, found), compiled.bound(entry));
-            let _ = writeln!(
-                table,
-                "  {:<24} {measured:.1e} of {proven:.1e} m",
-                entry.name
-            );
-            assert!(measured <= proven, "{table}");
-        }
-        table
-    });
-    println!("{}", tables.concat());
-}
-
 /// Largest distance of `found` from the same program in pairs of doubles.
-fn in_pairs(case: &Case, entry: &Entry, drawn: &Draw, found: &[f64]) -> f64 {
+pub fn in_pairs(case: &Case, entry: &Entry, drawn: &Draw, found: &[f64]) -> f64 {
     let program = case
         .model
         .program(entry.function, Given::Positions)

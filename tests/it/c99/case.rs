@@ -39,13 +39,13 @@ pub const SCALARS: [Scalar; 3] = [Scalar::F64, Scalar::F32, Scalar::Fixed32];
 type Named<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
 
 /// A payload, and a spring.
-const LOAD: &[(&str, f64)] = &[
+pub const LOAD: &[(&str, f64)] = &[
     ("mass_kg", 0.4),
     ("x_m", 0.02),
     ("y_m", -0.01),
     ("z_m", 0.05),
 ];
-const SOFT: &[(&str, f64)] = &[("stiffness_nm_per_rad", 300.0)];
+pub const SOFT: &[(&str, f64)] = &[("stiffness_nm_per_rad", 300.0)];
 
 /// A robot on a support, with servos.
 pub struct Case {
@@ -177,7 +177,7 @@ impl Case {
     }
 
     /// With effects, each with its target and parameters; `what` ends the name.
-    fn and(mut self, what: &str, effects: &[Named]) -> Case {
+    pub fn and(mut self, what: &str, effects: &[Named]) -> Case {
         let mut file = ModelFile::from_values(&self.model, &self.model.cad_params(), None, "data");
         file.cells = vec![[0.1, 0.06], [0.1, -0.06], [-0.1, -0.06], [-0.1, 0.06]];
         let record = |&(effect, target, parameters): &Named| EffectRecord {
@@ -201,25 +201,8 @@ impl Case {
         cases
     }
 
-    /// Statements of every kind that effects bring, on two links: what the OP2 has, in a tenth
-    /// of the lines.
-    pub fn short_effects() -> Vec<Case> {
-        let mut cases = Case::of_cells();
-        // Its statements are those of an exponent.
-        cases.retain(|case| !case.name.ends_with("_cell_gain"));
-        cases.push(Case::robot("two_link", "foot").and(
-            "bent",
-            &[
-                ("payload", "shank", LOAD),
-                ("joint_compliance", "knee", SOFT),
-                ("joint_compliance", "ankle", SOFT),
-                ("joint_offset", "knee", &[("offset_rad", 0.03)]),
-            ],
-        ));
-        cases
-    }
-
-    fn of_cells() -> Vec<Case> {
+    /// Effects whose reading divides, clamps or takes powers.
+    pub fn of_cells() -> Vec<Case> {
         let cases = [
             Case::with_effect("cell_gain", "fsr_1", ("gain", 0.8)),
             Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1)),
@@ -381,6 +364,60 @@ impl Case {
         );
         out
     }
+}
+
+/// Robots, with and without a model file; one has long names.
+pub fn cases() -> Vec<Case> {
+    let mut cases: Vec<Case> = ROBOTS.iter().map(|(r, s)| Case::robot(r, s)).collect();
+    cases.push(Case::robot("skew_humanoid", "right_sole"));
+    cases.extend((0..4).map(|k| Case::random(740 + k, 3 + 4 * k as usize)));
+    for (robot, support) in [
+        ("op2", "l_sole"),
+        ("lift_base", "base_link"),
+        ("two_link", "foot"),
+    ] {
+        let mut case = Case::robot(robot, support);
+        let file = ModelFile::from_values(&case.model, &case.model.cad_params(), None, "prior");
+        case.model = case.model.with_file(file).unwrap();
+        case.name += "_model";
+        cases.push(case);
+    }
+    cases.push(estimating());
+    cases.extend(Case::effects());
+    cases.extend([4, 8, 16].map(|lanes| Case::robot("lift_base", "hand").of_many(lanes)));
+    cases.push(exponent().of_many(8));
+    cases
+}
+
+/// A robot with the estimator, which frees readings of a sensor effect and goes on from a fit.
+pub fn estimating() -> Case {
+    let mut case = Case::with_effect("sensor_rotation", "-", ("yaw_rad", 0.02)).informed();
+    case.name = "two_link_estimator".to_string();
+    case
+}
+
+/// A robot whose reading takes a power and is clamped.
+pub fn exponent() -> Case {
+    let mut case = Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1));
+    case.functions = sesc_model::Function::ALL.to_vec();
+    case
+}
+
+/// Those that differ in kind.
+pub fn few() -> Vec<Case> {
+    let alike = ["humanoid_left", "plain", "quad", "arm", "op2_body"];
+    let mut cases = cases();
+    cases.retain(|case| !alike.iter().any(|name| case.name.contains(name)));
+    cases
+}
+
+/// Every case in every scalar.
+pub fn jobs(cases: &[Case]) -> Vec<(&Case, Scalar)> {
+    let mut jobs = Vec::new();
+    for case in cases {
+        jobs.extend(case.scalars().iter().map(|scalar| (case, *scalar)));
+    }
+    jobs
 }
 
 /// Servos of every make, one after the other.

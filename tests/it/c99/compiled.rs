@@ -8,7 +8,6 @@ use std::process::Command;
 use std::sync::Mutex;
 
 use sesc_codegen::emit::c::{Package, Scalar};
-use sesc_test_support::memo;
 
 use super::case::Case;
 use super::draw::{Draw, Drawn, Hold};
@@ -31,7 +30,7 @@ pub const WARNINGS: [&str; 10] = [
 /// Each product and each sum rounded by itself, as in Rust.
 pub const SEPARATE: &str = "-ffp-contract=off";
 
-/// The folder for the files of one test; what tools said there before is in it.
+/// The folder for the files of one test.
 pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("c99")
@@ -45,7 +44,7 @@ pub fn tool(command: &mut Command) -> Result<Vec<u8>, String> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.output().unwrap_or_else(|error| {
         panic!(
-            "cannot run {name} ({error}): install gcc, g++, clang, cppcheck and gcc-arm-none-eabi"
+            "cannot run {name}: {error}; these tests need a C compiler as cc, `.ci/all` installs others"
         )
     });
     match output.status.success() {
@@ -128,18 +127,7 @@ impl Compiled {
             .arg(folder.join("main.c"))
             .arg("-o")
             .arg(&program);
-        let arguments = format!("{command:?}");
-        let texts = [&arguments, &package.header, &package.source, &driver];
-        memo::said(
-            &folder,
-            &[compiler],
-            &texts.map(String::as_str),
-            &[&program],
-            || {
-                tool(&mut command).unwrap_or_else(|message| panic!("{message}"));
-                String::new()
-            },
-        );
+        tool(&mut command).unwrap_or_else(|message| panic!("{message}"));
         Compiled {
             folder,
             program,

@@ -17,6 +17,7 @@ use sesc_runtime::{Const, Posture, Scalar as Number, Sesc};
 use super::case::Case;
 use super::compiled::{SEPARATE, WARNINGS, folder, parallel, tool, write};
 use super::draw::Draw;
+use crate::COMPILERS;
 
 const POSTURES: usize = 120;
 
@@ -247,13 +248,9 @@ fn estimators_give_the_bits_of_the_runtime() {
         .into_iter()
         .enumerate()
         {
-            let builds = [
-                ["gcc", "-O2"],
-                ["clang", "-O3"],
-                ["gcc", "-O0"],
-                ["clang", "-O1"],
-            ];
-            jobs.push((k, case, start, cop_std, builds[(j + k) % 4]));
+            let compiler = COMPILERS[(j + k) % COMPILERS.len()];
+            let build = [compiler, ["-O2", "-O3", "-O0", "-O1"][(j + k) % 4]];
+            jobs.push((k, case, start, cop_std, build));
         }
     }
     parallel(jobs, |(k, case, start, cop_std, build)| {

@@ -3,7 +3,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use sesc_codegen::emit::c::{self, Options, Scalar, Servos};
 use sesc_codegen::facts::Facts;
@@ -11,15 +10,16 @@ use sesc_model::{Function, Snapping};
 
 use super::bounds::check;
 use super::case::{Case, ROOT};
-use super::compiled::{Compiled, folder, parallel, tool, write};
+use super::compiled::{Compiled, folder, parallel};
 use super::draw::draw;
 use super::entry::Entry;
+use crate::COMPILERS;
 
 /// An overflowing sum, a shift of too many bits or an index beyond an array traps.
 const TRAPS: [&str; 3] = [
     "-O0",
-    "-fsanitize=signed-integer-overflow,shift,bounds,implicit-conversion",
-    "-fsanitize-trap=all",
+    "-fsanitize=signed-integer-overflow,shift,bounds",
+    "-fsanitize-undefined-trap-on-error",
 ];
 
 /// Every conversion to 32 bits traps where the value does not fit.
@@ -43,7 +43,7 @@ fn checked(case: &Case, source: String) -> String {
 /// `case` in fixed point, stopped by what overflows.
 pub fn trapping(folder: &Path, case: &Case) -> Compiled {
     let change = |source| checked(case, source);
-    Compiled::build(folder, case, Scalar::Fixed32, "clang", &TRAPS, change)
+    Compiled::build(folder, case, Scalar::Fixed32, COMPILERS[0], &TRAPS, change)
 }
 
 /// A chain of joints of alternating axes, links `length` long, limits ±`limit`.
@@ -209,7 +209,10 @@ fn in_floats(folder: &Path, case: &Case, scalar: Scalar) {
     match c::package(&Facts::of(&case.model), &case.name, &options) {
         Err(error) => assert!(error.to_string().contains("1024 rad"), "{error}"),
         Ok(_) => {
-            let compiled = Compiled::build(folder, case, scalar, "gcc", &["-O0"], |source| source);
+            let compiled =
+                Compiled::build(folder, case, scalar, COMPILERS[0], &["-O0"], |source| {
+                    source
+                });
             let entries = case.entries(Scalar::Fixed32);
             let entries: Vec<&Entry> = entries.iter().collect();
             let drawn = draw(case, 60, 53, &*compiled.hold());
@@ -251,35 +254,6 @@ fn a_chain_of_five_hundred_joints_stays_inside() {
     let entries: Vec<&Entry> = entries.iter().collect();
     let drawn = draw(&case, 60, 41, &*compiled.hold());
     println!("{:?}", check(&case, &compiled, &entries, &drawn));
-}
-
-/// A Cortex-M3 divides 64 bits and adds floats by calls of hundreds of cycles.
-#[test]
-fn fixed_point_on_arm_needs_no_help_from_the_compilers_library() {
-    let folder = folder("arm");
-    let prismatic = Case::robot("lift_base", "base_link");
-    for case in [Case::robot("op2", "r_sole"), prismatic] {
-        let package = case.package(Scalar::Fixed32);
-        let source = write(&folder, &case.name, &package);
-        for word in ["float", "double", " / ", " % "] {
-            let code = without_comments(&package.source);
-            assert!(!code.contains(word), "{}: `{word}`", case.name);
-        }
-        let object = folder.join("object.o");
-        let mut command = Command::new("arm-none-eabi-gcc");
-        command.args([
-            "-mcpu=cortex-m3",
-            "-mthumb",
-            "-std=c99",
-            "-O1",
-            "-ffreestanding",
-            "-c",
-        ]);
-        tool(command.arg(&source).arg("-o").arg(&object)).unwrap_or_else(|m| panic!("{m}"));
-        let mut command = Command::new("arm-none-eabi-nm");
-        let undefined = tool(command.arg("-u").arg(&object)).unwrap();
-        assert_eq!(String::from_utf8_lossy(&undefined), "", "{}", case.name);
-    }
 }
 
 /// C without its comments.

@@ -10,6 +10,7 @@ use super::case::{Case, SCALARS};
 use super::compiled::{Compiled, folder, parallel};
 use super::draw::draw;
 use super::entry::Entry;
+use crate::COMPILERS;
 
 fn baked(robot: &str, support: &str, change: impl Fn(usize, f64) -> f64) -> Case {
     let mut case = Case::robot(robot, support);
@@ -35,7 +36,9 @@ fn baked_functions_are_the_others_with_the_models_parameters() {
     }
     parallel(jobs, |(robot, support, scalar)| {
         let case = baked(robot, support, |k, x| x * 1.1 + 0.001 * (k % 3) as f64);
-        let compiled = Compiled::build(&folder, &case, scalar, "gcc", &["-O2"], |source| source);
+        let compiled = Compiled::build(&folder, &case, scalar, COMPILERS[0], &["-O1"], |source| {
+            source
+        });
         let entries = case.entries(scalar);
         let entries: Vec<&Entry> = entries.iter().filter(|entry| entry.baked).collect();
         // A prismatic and a revolute joint that follow one joint leave no functions of sines.

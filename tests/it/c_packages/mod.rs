@@ -1,7 +1,5 @@
 //! Generated C as its users take it in: CMake, pkg-config, PlatformIO, Arduino.
 
-mod boards;
-mod cmake;
 mod header;
 mod output;
 mod pairs;

@@ -3,11 +3,9 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
 
 use serde_json::Value;
 
-use super::boards::properties;
 use super::user::*;
 use sesc_test_support::command::{ROOT, folder, refused, sesc, stdout, write};
 
@@ -43,20 +41,6 @@ fn names_of_robots_break_no_format() {
 
     let library = of("arduino");
     assert_eq!(properties(&library)["sentence"], description);
-
-    let (package, built) = (of("cmake"), folder.join("build"));
-    configure(&package, &built, &[]);
-    let cache = fs::read_to_string(built.join("CMakeCache.txt")).unwrap();
-    assert!(
-        cache.contains(&format!("CMAKE_PROJECT_DESCRIPTION:STATIC={description}\n")),
-        "{cache}"
-    );
-    let list = run(Command::new("pkg-config")
-        .env("PKG_CONFIG_PATH", &built)
-        .env("PKG_CONFIG_LIBDIR", &built)
-        .arg("--list-all"));
-    let said = description.replace('\\', "/");
-    assert!(list.trim_end().ends_with(&said), "{list} is not {said}");
 }
 
 #[test]
@@ -144,4 +128,42 @@ fn the_same_robot_gives_the_same_bytes() {
     let plain = folder.path().join("plain");
     generate(&plain, &two_link, "foot", &["--name", "legs"]);
     assert_eq!(files(&plain), ["legs.c", "legs.h"], "bare unless asked");
+}
+
+/// Keys and forms of <https://docs.platformio.org/en/latest/manifests/library-json/>.
+#[test]
+fn platformio_finds_what_its_manifest_names() {
+    let folder = fresh("platformio");
+    for scalar in ["f64", "f32", "fixed32"] {
+        let library = folder.join(scalar);
+        generate_op2(&library, "platformio", scalar);
+        assert_eq!(
+            files(&library),
+            [
+                "README.md",
+                "include/op2_r_sole.h",
+                "library.json",
+                "src/op2_r_sole.c"
+            ]
+        );
+        let manifest = fs::read_to_string(library.join("library.json")).unwrap();
+        let manifest: Value = serde_json::from_str(&manifest).unwrap();
+        assert_eq!(manifest["name"], NAME);
+        assert_eq!(manifest["version"], VERSION);
+        assert!((1..256).contains(&manifest["description"].as_str().unwrap().len()));
+        assert_eq!(manifest["frameworks"], "*");
+        assert_eq!(manifest["platforms"], "*");
+        for keyword in manifest["keywords"].as_array().unwrap() {
+            let allowed = |c: char| c.is_ascii_lowercase() || " -_.+".contains(c);
+            assert!(keyword.as_str().unwrap().chars().all(allowed), "{keyword}");
+        }
+        let include = library.join(manifest["build"]["includeDir"].as_str().unwrap());
+        let sources = library.join(manifest["build"]["srcDir"].as_str().unwrap());
+        assert!(include.join(manifest["headers"].as_str().unwrap()).exists());
+        compile_c(
+            &sources.join("op2_r_sole.c"),
+            &include,
+            &library.join("package.o"),
+        );
+    }
 }

@@ -1,13 +1,13 @@
 //! What every user of a package does: generate, compile, run, compare with the reference.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::OnceLock;
 
 use sesc_reference::{Reference, Robot};
 
-use sesc_test_support::command::{op2, sesc, stdout, write};
+use sesc_test_support::command::{op2, sesc, stdout};
 
 pub const NAME: &str = "op2_r_sole";
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -80,25 +80,6 @@ pub fn reference(q: &[f64]) -> [f64; 3] {
     Reference::new(&robot, "r_sole").unwrap().com(q).into()
 }
 
-/// A user's program in C and C++ alike: prints the CoM, returns what the self-test says.
-pub fn program() -> String {
-    let q: Vec<String> = posture().iter().map(|q| format!("{q:?}f")).collect();
-    format!(
-        "#include <{NAME}.h>\n#include <stdio.h>\n\n\
-         int main(void)\n{{\n    const {NAME}_real q[{NAME}_DOF] = {{{}}};\n    \
-         {NAME}_real com[3];\n    {NAME}_com(q, {NAME}_cad_params, com);\n    \
-         printf(\"%.9g %.9g %.9g\\n\", (double)com[0], (double)com[1], (double)com[2]);\n    \
-         return {NAME}_selftest();\n}}\n",
-        q.join(", ")
-    )
-}
-
-/// Runs a compiled [`program`].
-pub fn agrees(binary: &Path) {
-    let q: Vec<f64> = posture().into_iter().map(f64::from).collect();
-    near(&run(&mut Command::new(binary)), reference(&q), F32_M);
-}
-
 pub fn near(line: &str, expected: [f64; 3], allowed_m: f64) {
     let numbers: Vec<f64> = line
         .split_whitespace()
@@ -111,82 +92,6 @@ pub fn near(line: &str, expected: [f64; 3], allowed_m: f64) {
             "{line} is not {expected:?}"
         );
     }
-}
-
-pub fn configure(source: &Path, build: &Path, options: &[&str]) {
-    let mut cmake = Command::new("cmake");
-    cmake.arg("-S").arg(source).arg("-B").arg(build);
-    // Deprecations and misuse of the package fail here, not at its users.
-    run(cmake
-        .args(["-Werror=dev", "-DCMAKE_BUILD_TYPE=Release"])
-        .args(options));
-}
-
-pub fn build(build: &Path) {
-    run(Command::new("cmake").arg("--build").arg(build));
-}
-
-/// Generated, built and installed below `folder`; the prefix.
-pub fn install(folder: &Path, options: &[&str]) -> PathBuf {
-    let (source, built, prefix) = (
-        folder.join("source"),
-        folder.join("build"),
-        folder.join("prefix"),
-    );
-    generate_op2(&source, "cmake", "f32");
-    configure(
-        &source,
-        &built,
-        &[&["-DCMAKE_INSTALL_LIBDIR=lib"], options].concat(),
-    );
-    build(&built);
-    install_to(&built, &prefix);
-    prefix
-}
-
-pub fn install_to(built: &Path, prefix: &Path) {
-    run(Command::new("cmake")
-        .arg("--install")
-        .arg(built)
-        .arg("--prefix")
-        .arg(prefix));
-}
-
-/// The package as most users have it, installed once.
-pub fn installed() -> &'static Path {
-    static PREFIX: OnceLock<PathBuf> = OnceLock::new();
-    PREFIX.get_or_init(|| install(&fresh("installed"), &[]))
-}
-
-/// A CMake project that takes the package in by `how` and links it, in C, C++ or both.
-pub fn consumer(folder: &Path, languages: &str, how: &str) -> PathBuf {
-    let mut lists = format!(
-        "cmake_minimum_required(VERSION 3.14)\nproject(consumer LANGUAGES {languages})\n{how}\n"
-    );
-    for language in languages.split(' ') {
-        let suffix = if language == "C" { "c" } else { "cpp" };
-        write(folder, &format!("main.{suffix}"), program());
-        lists += &format!(
-            "add_executable(from_{suffix} main.{suffix})\n\
-             target_link_libraries(from_{suffix} PRIVATE {NAME}::{NAME})\n\
-             install(TARGETS from_{suffix} DESTINATION bin)\n"
-        );
-    }
-    write(folder, "CMakeLists.txt", lists);
-    folder.join("build")
-}
-
-pub fn found(folder: &Path, prefix: &Path) {
-    let how = format!("find_package({NAME} {VERSION} REQUIRED)");
-    let built = consumer(folder, "C CXX", &how);
-    configure(
-        folder,
-        &built,
-        &[&format!("-DCMAKE_PREFIX_PATH={}", prefix.display())],
-    );
-    build(&built);
-    agrees(&built.join("from_c"));
-    agrees(&built.join("from_cpp"));
 }
 
 /// Compiles the generated source as strict C.
@@ -227,4 +132,15 @@ pub fn files(folder: &Path) -> Vec<String> {
     }
     found.sort();
     found
+}
+
+/// Keys and values of an Arduino library.
+pub fn properties(library: &Path) -> BTreeMap<String, String> {
+    let text = fs::read_to_string(library.join("library.properties")).unwrap();
+    text.lines()
+        .map(|line| {
+            let (key, value) = line.split_once('=').unwrap();
+            (key.to_string(), value.to_string())
+        })
+        .collect()
 }

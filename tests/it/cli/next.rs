@@ -87,24 +87,14 @@ fn every_command_says_what_to_do_next() {
 fn a_robot_as_simulated_is_compared_with_a_later_log() {
     let folder = folder();
     let [monday, friday] = logs(folder.path());
-    let found = sesc(&[
-        "diagnose",
-        &op2(),
-        "--data",
-        &monday,
-        "--prior",
-        "cad",
-        "--json",
-    ]);
+    let found = sesc(&["diagnose", &op2(), "--data", &monday, "--json"]);
     let found: Value = serde_json::from_str(&stdout(&found)).unwrap();
     assert_eq!(found["verdict"], "none", "{}", found["sentence"]);
     let command = found["next_steps"][0]["command"].as_str().unwrap();
     let later = command.replace("LATER_LOG", &friday);
     let words: Vec<&str> = later.split(' ').skip(1).collect();
-    assert!(
-        words.contains(&"--prior") && words[0] == "compare",
-        "{later}"
-    );
+    let (urdf, log) = (op2(), &*friday);
+    assert_eq!(words, ["compare", &monday, log, "--urdf", &urdf], "{later}");
     let said = stdout(&sesc(&words));
     assert!(said.contains("Go on with "), "{said}");
 }

@@ -34,7 +34,7 @@ fn checksum(values: &[f64]) -> f64 {
     (hash >> 12) as f64
 }
 
-/// Joint velocities, rad/s or m/s, no two alike; as `tests/compiled.rs` has them. Beside
+/// Joint velocities, rad/s or m/s, no two alike; as `tests/it/compiled.rs` has them. Beside
 /// accelerations, minus a half of these, an eighth.
 fn velocities<const DOF: usize>() -> [f64; DOF] {
     core::array::from_fn(|j| f64::from(1.0 / (1.0 + j as f32)))

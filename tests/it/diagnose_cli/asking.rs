@@ -84,7 +84,6 @@ fn next_steps(said: &Value) {
     }
     let next = &said["next_postures"];
     let tells = next["experiments"][0]["splits"].as_u64().unwrap_or(0) > 0;
-    // A log that was given already stands behind `--then` in every command: no question.
     let asked = ["--next", "NEXT_LOG"]
         .iter()
         .any(|words| commands.contains(words));

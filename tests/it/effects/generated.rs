@@ -78,7 +78,7 @@ pub fn folder(name: &str) -> PathBuf {
 pub fn tool(command: &mut Command) -> Vec<u8> {
     let output = command
         .output()
-        .unwrap_or_else(|error| panic!("{command:?} does not start: {error}; run `tests/setup`"));
+        .unwrap_or_else(|error| panic!("{command:?} does not start: {error}"));
     assert!(
         output.status.success(),
         "{command:?}\n{}{}",
@@ -220,7 +220,7 @@ pub fn c(folder: &Path, case: &Case, postures: &Path, count: usize) -> Vec<Said>
     let main_file = folder.join(format!("{name}_main.c"));
     fs::write(&main_file, main).unwrap();
     let program = folder.join(format!("{name}.program"));
-    let mut command = Command::new("gcc");
+    let mut command = Command::new("cc");
     command.args([
         "-std=c99",
         "-Wall",
@@ -249,7 +249,7 @@ pub fn self_test(folder: &Path, name: &str, package: &Package) {
     let main = format!("#include \"{name}.h\"\nint main(void) {{ return {name}_selftest(); }}\n");
     fs::write(folder.join("main.c"), main).unwrap();
     let program = folder.join("program");
-    let mut command = Command::new("gcc");
+    let mut command = Command::new("cc");
     command.args([
         "-std=c99",
         "-Wall",

@@ -1,6 +1,5 @@
-//! The tested fleet: what is wrong in it is named, and nothing else, by the page and by every row
-//! of the table. A small one after every change; the whole one, and fleets in which nothing is
-//! hidden, where what they check has changed.
+//! What is wrong in a fleet is named, and nothing else, by the page and by every row of the table.
+//! `cargo xtask study fleet` asks about whole fleets, and of some in which nothing is hidden.
 
 use std::collections::BTreeSet;
 
@@ -16,28 +15,6 @@ fn strings(list: &Value) -> Vec<&str> {
 #[test]
 fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
     check(&Fleet::sound(11, 4, 4).with_faults(4));
-}
-
-#[test]
-#[ignore = "minutes of a processor: `.ci/run` has it where it may come out otherwise"]
-fn what_is_wrong_in_the_tested_fleet_is_named_and_nothing_else() {
-    check(&Fleet::sound(60, 7, 1).with_faults(8));
-}
-
-/// A fleet of which 1 % of false alarms are allowed says nothing: the one beside the tested fleet.
-#[test]
-#[ignore = "minutes of a processor: `.ci/run` has it where it may come out otherwise"]
-fn a_sound_fleet_shares_nothing_and_does_not_change() {
-    let folder = folder();
-    Fleet::sound(60, 7, 1001).write(folder.path()).unwrap();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    let (data, out) = (at("logs"), at("fleet.csv"));
-    let output = sesc(&["fleet", &op2(), "--data", &data, "--out", &out, "--json"]);
-    let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
-    assert_eq!(json["groups"], 420);
-    for list in ["shared", "changes", "look_first", "failed", "twice"] {
-        assert_eq!(json[list], serde_json::json!([]), "{list}");
-    }
 }
 
 fn check(hidden: &Fleet) {

@@ -159,7 +159,7 @@ fn code_of_composed_names_compiles_or_they_are_refused() {
             &file,
         ];
         run(
-            "gcc",
+            "cc",
             &[&flags[..], &["-o", "out.o"]].concat(),
             folder.path(),
         );

@@ -242,7 +242,7 @@ fn code_of_hostile_names_compiles_without_a_warning() {
             "-Werror",
         ];
         let bidi = ["-Wbidi-chars=any", "-fsyntax-only", include, file];
-        run("gcc", &[&flags[..], &bidi].concat(), folder.path());
+        run("cc", &[&flags[..], &bidi].concat(), folder.path());
     }
     fs::write(folder.path().join("src/lib.rs"), library).unwrap();
     let root = env!("CARGO_MANIFEST_DIR");

@@ -102,7 +102,7 @@ pub fn run(precision: Precision, compiler: &str, flags: &[&str], pairs: &[[f64; 
 fn tool(command: &mut Command) -> Vec<u8> {
     let output = command
         .output()
-        .unwrap_or_else(|error| panic!("{command:?} does not start: {error}; run `tests/setup`"));
+        .unwrap_or_else(|error| panic!("{command:?} does not start: {error}"));
     assert!(
         output.status.success(),
         "{command:?}\n{}{}",
