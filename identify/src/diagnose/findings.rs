@@ -410,7 +410,7 @@ pub struct Diagnosis {
     pub hypotheses_fitted: usize,
     /// Experiments that separate the class.
     pub next_postures: NextPostures,
-    /// What the corrected URDF leaves out; a sentence for each part of the explanation, none
+    /// Parts of the explanation that the corrected URDF does not hold, a sentence each; none
     /// without a corrected URDF.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out_of_urdf: Option<Vec<String>>,

@@ -222,7 +222,7 @@ impl Identification {
         !self.health.iter().any(|f| f.kind.makes_unusable())
     }
 
-    /// What to do next, the most useful first; empty where nothing is left to do.
+    /// What to do next; empty where nothing is left to do.
     pub fn next_steps(&self) -> Vec<NextStep> {
         if !self.is_usable() {
             return vec![NextStep::Repair];
