@@ -48,6 +48,11 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// Whether sines of several angles are computed in a loop before anything else: the compiler
+    /// takes those of several floats side by side. A row of numbers fills its registers alone.
+    #[doc(hidden)]
+    const TOGETHER: bool = false;
+
     /// The constant `x`, rounded to the nearest representable number, in every lane.
     ///
     /// ```
@@ -108,6 +113,8 @@ pub trait Real:
 }
 
 impl Real for f64 {
+    const TOGETHER: bool = true;
+
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         x
@@ -130,6 +137,8 @@ impl Real for f64 {
 }
 
 impl Real for f32 {
+    const TOGETHER: bool = true;
+
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         x as f32
