@@ -50,8 +50,6 @@ pub enum Setting {
     Range,
     /// Loss of a fit that trusts outliers less.
     Robust,
-    /// Postures that are compared.
-    Samples,
     /// Rows of stays alone.
     Settle,
     /// Safety margin of the CoP in standard deviations.
@@ -94,7 +92,6 @@ impl Setting {
             Setting::Prior => "prior",
             Setting::Range => "range",
             Setting::Robust => "robust",
-            Setting::Samples => "samples",
             Setting::Settle => "settle",
             Setting::Sigmas => "sigmas",
             Setting::Snapping => "snapping",

@@ -8,8 +8,8 @@ from typing import Any
 
 from . import _run, _sesc
 from ._errors import PartError, check_first, unreadable
-from ._health import Finding
-from ._robot import Robot
+from ._found import Finding
+from ._model import Robot
 from ._run import Progress
 
 __all__ = ["Part", "gather", "options_of"]

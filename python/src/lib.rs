@@ -29,6 +29,7 @@ mod part;
 mod postures;
 mod prepared;
 mod robot;
+mod steps;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;

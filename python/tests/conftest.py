@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import os
 import subprocess
 from pathlib import Path
@@ -11,7 +12,6 @@ from typing import Any
 import pytest
 
 import sesc
-from sesc._wording import in_python
 
 #: A mass of 2 kg, 1 m above an ankle that is 0.1 m in front of the sole's origin.
 POLE = """<robot name='pole'><link name='foot'/><link name='top'><inertial><origin xyz='0 0 1'/>
@@ -67,12 +67,14 @@ def command_json(command: Any) -> Any:
 
 
 def worded(found: dict[str, Any]) -> dict[str, Any]:
-    """Without command lines of next steps, which say what was typed, and with the words of Python."""
-    steps = [
-        {**step, "why": in_python(step["why"]), "command": step.get("command") is not None}
-        for step in found.get("next_steps", [])
-    ]
+    """Without what does next steps: a command here, a call there."""
+    steps = [{**step, "command": step.get("command") is not None} for step in found.get("next_steps", [])]
     return {**found, "next_steps": steps}
+
+
+def without_commands(text: str) -> str:
+    """A text without the lines of commands and calls below its next steps."""
+    return re.sub(r"(?m)^ +(sesc |sesc\.|robot\.).*\n?", "", text).rstrip()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

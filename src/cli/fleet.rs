@@ -7,12 +7,13 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
+use super::defaults::Typed;
 use super::kinds::Kind;
 use super::outputs::Files;
 use super::progress_lines::BarOrLines;
 use super::{
-    DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, again, message, print_json,
-    show, streams,
+    DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, print_json, show,
+    streams,
 };
 use crate::Error;
 use crate::report::fleet::{ROBOTS, answer, page_of_robot, pages, skeleton, text};
@@ -110,8 +111,8 @@ enum Only {
 const OF_DIAGNOSES: &[&str] = &["floor"];
 
 /// Options that nothing would come of are errors.
-fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
-    let unused = arguments.only.and(again::first_typed(OF_DIAGNOSES));
+fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
+    let unused = arguments.only.and(typed.first(OF_DIAGNOSES));
     unused.map_or(Ok(()), |option| {
         Err(Error::Usage(format!(
             "{option} is for diagnoses, and --only parameters makes none; leave one of them out"
@@ -119,8 +120,8 @@ fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
     })
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    refuse_ignored(arguments)?;
+pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error> {
+    refuse_ignored(arguments, typed)?;
     let data = arguments.data.iter().map(String::as_str);
     let others = [&arguments.out]
         .into_iter()

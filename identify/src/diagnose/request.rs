@@ -25,13 +25,12 @@ use super::recording;
 use super::remedy::{self, Servo};
 use super::report::{Report, next_log};
 use super::view::DiagnosisView;
-use super::{closure, experiment, model_check, motion, next_steps, noise, samples, verdict};
+use super::{closure, experiment, model_check, motion, noise, samples, verdict};
 use crate::feet::Feet;
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health::{self, Finding, Health};
 use crate::logs::{Angles, LogSource, Options, Readings, Sidecar, Stays};
-use crate::next_steps::CommandLine;
 use crate::observations::motion_use::{MotionModel, MotionUse};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
@@ -74,13 +73,6 @@ pub struct Request {
     pub meshes: Option<PathBuf>,
     /// Where the caller will write the next postures; the diagnosis names it.
     pub next_file: Option<PathBuf>,
-    /// Where the caller will write the model file; the diagnosis says how it is used.
-    pub model_path: Option<PathBuf>,
-    /// How the caller words what generates C from a URDF, on a support link, with a model file;
-    /// the call of `sesc_codegen::Builder` unless given.
-    pub generate_command: Option<fn(urdf: &str, support: &str, model: &str) -> String>,
-    /// What the caller typed, for the command lines of next steps.
-    pub line: CommandLine,
     /// Servos by joint; [`Servo::default`] of revolute joints that are not named.
     pub servos: BTreeMap<String, Servo>,
     /// Whether the corrected URDF is wanted.
@@ -114,9 +106,6 @@ impl Request {
             feet: Feet::default(),
             meshes: None,
             next_file: None,
-            model_path: None,
-            generate_command: None,
-            line: CommandLine::default(),
             servos: BTreeMap::new(),
             corrected_urdf: false,
             total_mass: None,
@@ -255,18 +244,14 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             .chain(further.iter().map(|f| &f.problem)),
     );
     let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
-    let telling = next.telling().map(|best| best.what.clone());
     found.diagnosis.next_postures = NextPostures {
         why: next_postures::why(&next, &found),
-        file: match (&telling, &request.next_file) {
-            (Some(_), Some(path)) => Some(path.display().to_string()),
-            _ => None,
-        },
+        file: next
+            .telling()
+            .and(request.next_file.as_ref())
+            .map(|path| path.display().to_string()),
         experiments: next.proposals.clone(),
     };
-    let dofs = &model.tree.dofs;
-    let (diagnosis, telling) = (&found.diagnosis, telling.as_deref());
-    found.diagnosis.next_steps = next_steps::after(diagnosis, dofs, telling, &request.line);
     let corrected = request
         .corrected_urdf
         .then(|| {
@@ -281,15 +266,6 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         check_result(&model_file)?;
     }
     let on_log = model_check::check(&problem, &found, &model_file)?;
-    let usable = found.diagnosis.verdict != Verdict::Unusable;
-    let path = request
-        .model_path
-        .as_ref()
-        .filter(|_| usable && on_log.agrees);
-    let (urdf, support) = (&robot.description.file, &found.diagnosis.support);
-    let generate = request.generate_command.unwrap_or(remedy::builder_call);
-    found.diagnosis.model_use =
-        path.map(|path| remedy::model_use(path, |model| generate(urdf, support, model)));
     found.diagnosis.model_on_log = on_log;
     found.diagnosis.sentence = verdict::sentence(&problem, &found);
     Ok(Report {

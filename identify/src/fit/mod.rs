@@ -27,7 +27,6 @@ mod looked;
 #[cfg(test)]
 mod mass_tests;
 pub(crate) mod masses;
-mod next_steps;
 #[cfg(test)]
 mod noise_tests;
 pub mod part;

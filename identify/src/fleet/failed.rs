@@ -7,6 +7,7 @@ use crate::{Error, ErrorKind};
 
 /// A log, or a group, that came to nothing or to less than it should.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Failed {
     /// The file.

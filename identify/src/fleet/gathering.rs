@@ -16,13 +16,14 @@ use crate::robot::Robot;
 
 /// A log that was given before under another name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Twice {
     /// The file.
     pub input: String,
     /// The file with the same bytes.
     pub same_as: String,
-    /// Whether both are of one robot and day, where they count once.
+    /// Whether both count once, as logs of one robot and day.
     pub counted_once: bool,
 }
 

@@ -29,7 +29,6 @@ pub mod joint_use;
 mod lessons;
 pub mod limits;
 mod mesh;
-mod next_steps;
 pub(crate) mod order;
 mod report;
 mod request;
@@ -183,7 +182,6 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         collision: scene.collisions.sentence(),
         collision_checked: scene.collisions.is_checked(),
         collision_exempt: scene.collisions.exempt.clone(),
-        next_steps: next_steps::after(model, &request.line),
         notes,
         corners: request.region.corners.clone(),
         margin: request.region.margin,

@@ -13,7 +13,7 @@ from typing import Any
 
 from .. import _run, _sesc
 from .._errors import ArgumentTypeError, FitError
-from .._robot import Robot
+from .._model import Robot
 from ._engines import worked
 from ._objects import Objects, is_address, local
 from ._tables import is_table, rows_of

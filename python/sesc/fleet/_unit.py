@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from .. import _sesc
-from .._robot import Robot, _restore
+from .._model import Robot, _restore
 from ._objects import Objects
 
 __all__ = ["Job", "work"]

@@ -71,6 +71,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     };
     let report = FitReport {
         found: &found,
+        next_steps: &[],
         corrected: Some(&corrected),
         shown: Some(&shown),
     };
@@ -101,6 +102,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
 
     let bare = FitReport {
         found: &found,
+        next_steps: &[],
         corrected: None,
         shown: None,
     };
@@ -118,7 +120,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
 #[test]
 fn the_console_counts_what_every_robot_hides() {
     let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
-    let said = text(&fit(&robot));
+    let said = text(&fit(&robot), &[]);
     assert!(
         said.contains("along 20 joints mass moves to the parent"),
         "{said}"

@@ -21,6 +21,7 @@ use sesc_identify::fleet::{EffectFound, Failed, Fleet, Row, Twice};
 
 /// What programs are told, besides the rows.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Answer<'a> {
     /// Rows of the table: robots and days.
     groups: usize,

@@ -1,9 +1,7 @@
 //! Crates that sesc is built from: which, under what licences, and what each is there for.
 
 pub mod archive;
-pub mod page;
 pub mod tree;
-mod why;
 
 use std::error::Error;
 

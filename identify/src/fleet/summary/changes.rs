@@ -27,6 +27,7 @@ use crate::fleet::row::{Row, Size, by_number};
 
 /// What kind of thing changed; its name in JSON is in small letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum ChangeKind {
@@ -42,30 +43,32 @@ pub enum ChangeKind {
 
 /// What changed in a robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "FleetChange")
+)]
 #[non_exhaustive]
 pub struct Change {
     /// The robot.
     pub robot: String,
-    /// The first day on which it is so.
+    /// The first such day.
     pub day: String,
-    /// The first and the last of the days on which it may have come, at 95 %; none of what files
-    /// themselves say.
+    /// Days on which it may have come, at 95 %; none of what files themselves state.
     pub day_interval: Option<[String; 2]>,
     /// What changed, as a sentence.
     pub what: String,
     /// What kind of thing changed.
     pub kind: ChangeKind,
-    /// The effect, the parameter or the finding, as `name:target`.
+    /// Effect, parameter or finding, as `name:target`.
     pub target: String,
-    /// The parameter that `before` and `after` are of; its end is the unit, or it is a base
-    /// parameter in m.
+    /// Parameter of `before` and `after`; its end is the unit, or it is a base parameter in m.
     pub parameter: Option<String>,
     /// Its size on the day before; none where it is not seen.
     pub before: Option<Size>,
-    /// Its size on the last day that is so; none where it is not seen.
+    /// Its size on the last such day; none where it is not seen.
     pub after: Option<Size>,
-    /// The most that chance would make of it in a fleet in which nothing changes; none of
-    /// what is no estimate.
+    /// Largest chance of it in a fleet without changes; none of what is no estimate.
     pub chance: Option<f64>,
 }
 

@@ -31,9 +31,10 @@ use crate::fit::population::Population;
 
 /// What the rows say together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Summary {
-    /// Effects that robots share, those of most robots first.
+    /// Effects that robots share, the most common first.
     pub shared: Vec<Shared>,
     /// What changed, robot by robot.
     pub changes: Vec<Change>,
@@ -41,10 +42,10 @@ pub struct Summary {
     pub look_first: Vec<String>,
     /// Why, in the same order.
     pub reasons: Vec<Reason>,
-    /// What to do where most robots have effects of their own, as a sentence: an effect may then
-    /// stand for a body that differs from the URDF.
+    /// Advice if most robots have effects of their own; an effect may then stand for a body that
+    /// differs from the URDF.
     pub bodies: Option<String>,
-    /// What the fleet knows of the next robot ([`population`](super::population())).
+    /// Prior for the next robot; see [`population`](super::population()).
     pub population: Option<Population>,
 }
 

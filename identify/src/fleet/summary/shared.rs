@@ -36,6 +36,7 @@ use crate::fleet::row::{Absent, Size};
 
 /// An effect that robots share.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Shared {
     /// Name of the effect: `joint_offset`.
@@ -50,13 +51,13 @@ pub struct Shared {
     pub size: f64,
     /// Its standard deviation.
     pub std: f64,
-    /// Standard deviation of what each robot has of its own beside it.
+    /// Standard deviation between the robots.
     pub own_std: f64,
-    /// 95 % interval of `own_std`, from the profile likelihood.
+    /// 95 % interval of `own_std`.
     pub own_std_interval: [f64; 2],
-    /// The size in each of the robots, in their order.
+    /// Its size in each robot.
     pub members: Vec<SharedMember>,
-    /// The most that chance would make of it in a fleet whose robots share nothing.
+    /// Largest chance of it in a fleet that shares nothing.
     pub chance: f64,
     /// The same as a sentence.
     pub sentence: String,
@@ -64,6 +65,7 @@ pub struct Shared {
 
 /// What one robot of a group has of a shared effect, as its own days tell it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct SharedMember {
     /// The robot.
