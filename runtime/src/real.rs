@@ -48,11 +48,6 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Whether sines of several angles are computed in a loop before anything else: the compiler
-    /// takes those of several floats side by side. A row of numbers fills its registers alone.
-    #[doc(hidden)]
-    const TOGETHER: bool = false;
-
     /// The constant `x`, rounded to the nearest representable number, in every lane.
     ///
     /// ```
@@ -113,8 +108,6 @@ pub trait Real:
 }
 
 impl Real for f64 {
-    const TOGETHER: bool = true;
-
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         x
@@ -137,8 +130,6 @@ impl Real for f64 {
 }
 
 impl Real for f32 {
-    const TOGETHER: bool = true;
-
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         x as f32

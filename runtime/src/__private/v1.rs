@@ -28,20 +28,25 @@ impl<T: Real, const N: usize> Angles<T> for (&[T; N], &[T; N]) {
     }
 }
 
-/// Sines and cosines of angles: computed together, or each where the body first needs it, as
-/// [`Real::TOGETHER`] says.
+/// Most angles whose sines are computed without a loop: each where the body first needs it.
+const MOST_STRAIGHT: usize = 64;
+
+/// Sines and cosines of angles.
 pub struct Positions<T, const N: usize> {
-    /// The angles themselves where they are not computed together.
+    /// The angles themselves where there is no loop.
     sin: [T; N],
     cos: [T; N],
 }
 
 impl<T: Real, const N: usize> Positions<T, N> {
+    /// Whether sines are computed in a loop before anything else, which the compiler digests.
+    const LOOP: bool = N > MOST_STRAIGHT;
+
     #[inline(always)]
     #[allow(missing_docs)]
     pub fn new(angles: &[T; N]) -> Self {
         let (mut sin, mut cos) = (*angles, *angles);
-        if T::TOGETHER {
+        if Self::LOOP {
             for ((sin, cos), angle) in sin.iter_mut().zip(&mut cos).zip(angles) {
                 (*sin, *cos) = angle.sin_cos();
             }
@@ -53,7 +58,7 @@ impl<T: Real, const N: usize> Positions<T, N> {
 impl<T: Real, const N: usize> Angles<T> for Positions<T, N> {
     #[inline(always)]
     fn sin_cos(&self, k: usize) -> (T, T) {
-        match T::TOGETHER {
+        match Self::LOOP {
             true => (self.sin[k], self.cos[k]),
             false => self.sin[k].sin_cos(),
         }
