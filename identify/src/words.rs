@@ -64,8 +64,6 @@ pub enum Setting {
     TotalMass,
     /// The robot of its type that logs are of.
     Unit,
-    /// Days of a fleet that are put together.
-    Window,
 }
 
 impl Setting {
@@ -99,7 +97,6 @@ impl Setting {
             Setting::Support => "support",
             Setting::TotalMass => "total_mass",
             Setting::Unit => "unit",
-            Setting::Window => "window",
         }
     }
 }

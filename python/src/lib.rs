@@ -41,8 +41,6 @@ mod _sesc {
     #[pymodule_export]
     use super::arrow::{Unusable, arrow_columns};
     #[pymodule_export]
-    use super::calls::Stop;
-    #[pymodule_export]
     use super::checks::{compare_models, effects_about, verify_model};
     #[pymodule_export]
     use super::code::{c_files, rust_files, write_bytes, write_text};

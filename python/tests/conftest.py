@@ -6,6 +6,12 @@ import json
 import re
 import os
 import subprocess
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from importlib import import_module
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -72,11 +78,34 @@ def worded(found: dict[str, Any]) -> dict[str, Any]:
     return {**found, "next_steps": steps}
 
 
+@contextmanager
+def running(engine: str) -> Iterator[Any]:
+    """An engine with two workers on this machine, as ``sesc.fleet.run`` takes it."""
+    if engine == "executor":
+        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+            yield pool
+    elif engine == "dask":
+        distributed: Any = import_module("distributed")
+        with distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
+            yield client.get_executor()
+    elif engine == "ray":
+        ray: Any = import_module("ray")
+        ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+        try:
+            yield "ray"
+        finally:
+            ray.shutdown()
+    else:
+        # Workers have to find this package. Four tries a task; local[2] alone has one.
+        os.environ.setdefault("PYSPARK_PYTHON", sys.executable)
+        sql: Any = import_module("pyspark.sql")
+        session = sql.SparkSession.builder.master("local[2,4]").getOrCreate()
+        try:
+            yield session
+        finally:
+            session.stop()
+
+
 def without_commands(text: str) -> str:
     """A text without the lines of commands and calls below its next steps."""
     return re.sub(r"(?m)^ +(sesc |sesc\.|robot\.).*\n?", "", text).rstrip()
-
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--engine", default="", help="engines of fleets: executor,dask,ray,spark; else those that are there")
-    parser.addoption("--kill", default="worker,driver", help="what is killed in the middle: worker,driver")

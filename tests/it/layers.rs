@@ -31,10 +31,7 @@ const ROOMS: [(&str, &str); 5] = [
         "errors calls batch arrays arrow robot prepared steps model checks drawing log \
          options code part fit diagnosis postures fleet command",
     ),
-    (
-        "",
-        "words error inspect verify servos report demo cli",
-    ),
+    ("", "words error inspect verify servos report demo cli"),
 ];
 
 /// What each crate may depend on, besides its tests.

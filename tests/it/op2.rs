@@ -4,7 +4,6 @@ use sesc::OP2_URDF;
 use sesc::inspect::{Rank, RankCheck, numeric_rank};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
-use sesc_identify::simulate::Simulator;
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
 use sesc_model::{Function, Given, Model, Snapping, numeric};
@@ -176,20 +175,4 @@ fn rounding_bounds_are_tight_enough_to_state() {
     let program = model.program(Function::Com, Given::Positions).unwrap();
     assert!(model.rounding(&program, Precision::F64).worst < 1e-14);
     assert!(model.rounding(&program, Precision::F32).worst < 3e-6);
-}
-
-/// The derivative of the program is the program of the derivative.
-#[test]
-fn the_jacobian_is_the_symbolic_derivative() {
-    let model = op2("r_sole");
-    let jacobian = Evaluator::new(&model, Function::ComJacobian);
-    let derivative = sesc_model::differentiate_com(&model);
-    let q = Simulator::new(&model.tree.dofs, None, 5).batch(20);
-    let (a, b) = (
-        jacobian.run(&q, 20),
-        Evaluator::of(&model, &derivative, Given::Positions, Some(model.params())).run(&q, 20),
-    );
-    for (x, y) in a.iter().zip(&b) {
-        assert!((x - y).abs() < 1e-14, "{x} {y}");
-    }
 }

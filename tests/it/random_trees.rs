@@ -2,13 +2,15 @@
 //! links, deep chains, bushy hands, any support. The symbolic path against the
 //! reference, and the closed-form counts against what comes out.
 
+use std::path::{Path, PathBuf};
+
 use sesc::inspect::{RankCheck, numeric_rank};
 use sesc::verify::verify;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::tree::Motion;
 use sesc_model::{Function, Given, Model, Snapping};
-use sesc_test_support::trees::{Kind, tree};
+use sesc_test_support::trees::{Kind, stripped, tree};
 
 fn model(seed: u64, kind: Kind, snapping: Snapping) -> (Robot, Model, String) {
     let (text, links) = tree(seed, kind);
@@ -249,4 +251,52 @@ fn a_chain_of_five_hundred_joints_agrees() {
     let (robot, model, _) = model(3, kind, Snapping::Off);
     let found = verify(&robot, &model, 1, 3, &mut ()).unwrap();
     assert!(found.pass, "{found:#?}");
+}
+
+/// `verify` reads whatever the model reads, though urdf-rs gives up on most of it.
+#[test]
+fn the_reference_reads_trees_that_lack_what_a_urdf_may_lack() {
+    let mut given_up = 0;
+    for seed in 0..200 {
+        let (text, links) = tree(seed, mixed(seed));
+        let text = stripped(&text, seed);
+        given_up += usize::from(urdf_rs::read_from_string(&text).is_err());
+        let robot = Robot::parse(&text, &format!("stripped-{seed}.urdf")).unwrap();
+        let support = &links[(seed as usize * 7) % links.len()];
+        let model = robot.model(support, Snapping::Off, None).unwrap();
+        let found = verify(&robot, &model, 12, seed, &mut ()).unwrap();
+        assert!(found.pass, "seed {seed} on {support}: {found:#?}\n{text}");
+    }
+    assert!(given_up > 150, "urdf-rs gave up on {given_up} of 200");
+}
+
+/// Every URDF of the repository that the model accepts.
+#[test]
+fn the_reference_reads_every_urdf() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders: Vec<PathBuf> = ["robots", "tests", "codegen/tests", "fuzz/seeds"]
+        .map(|folder| root.join(folder))
+        .to_vec();
+    let mut read = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "urdf")
+                && let Ok(robot) = Robot::read(&path)
+            {
+                read += 1;
+                for support in robot.description.link_names() {
+                    // A free joint may stand between a link and the masses.
+                    let Ok(model) = robot.model(support, Snapping::default(), None) else {
+                        continue;
+                    };
+                    let found = verify(&robot, &model, 3, 1, &mut ()).unwrap();
+                    assert!(found.pass, "{} on {support}: {found:#?}", path.display());
+                }
+            }
+        }
+    }
+    assert!(read >= 9, "{read} files");
 }

@@ -1,7 +1,6 @@
 //! What is done to the project itself; a user of `sesc` needs none of it.
 
 pub mod counts;
-pub mod crates;
 mod json;
 pub mod regen;
 pub mod study;

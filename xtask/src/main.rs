@@ -8,8 +8,6 @@ use clap::Parser;
 /// What is done to the project itself
 #[derive(Parser)]
 enum Task {
-    /// Write licences and bill of materials of the command line, for a binary archive
-    Bill(xtask::crates::archive::Bill),
     /// Print operations and instructions of one call; fail where they grew by 2 %
     Counts(xtask::counts::Counts),
     /// Rewrite `generated/`, the figure of README and docs/json.md
@@ -22,7 +20,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
     let root = root.ok_or("xtask stands in no folder")?;
     match Task::parse() {
-        Task::Bill(bill) => bill.run(root)?,
         Task::Counts(counts) => counts.run(root)?,
         Task::Regen => {
             let changed = xtask::regen::write(root)?;

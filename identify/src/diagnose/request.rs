@@ -30,7 +30,7 @@ use crate::feet::Feet;
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health::{self, Finding, Health};
-use crate::logs::{Angles, LogSource, Options, Readings, Sidecar, Stays};
+use crate::logs::{Angles, LogSource, Options, PostureReader, Readings, Sidecar, Stays};
 use crate::observations::motion_use::{MotionModel, MotionUse};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
@@ -161,9 +161,8 @@ fn rows_hash(postures: &Postures) -> u64 {
 pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     check_noise(request)?;
     let robot = &request.robot;
-    let (sidecar, odd) = request.log.sidecar()?;
-    let support = request.support.clone().or(sidecar.support.clone());
-    let support = support.ok_or_else(|| robot.no_support(&odd))?;
+    let (sidecar, _) = request.log.sidecar()?;
+    let support = support_of(request)?;
     let model = robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
@@ -294,14 +293,26 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
 /// As [`diagnose`].
 pub fn look(request: &Request, watch: &mut dyn Watch) -> Result<Vec<Finding>, Error> {
     check_noise(request)?;
-    let (sidecar, odd) = request.log.sidecar()?;
-    let support = request.support.clone().or(sidecar.support);
-    let support = support.ok_or_else(|| request.robot.no_support(&odd))?;
+    let support = support_of(request)?;
     let model = request.robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let (_, rows, data) = screened(request, &model, &prior, watch)?;
     let (_, health) = examined(request, &model, (&data, request.motion));
     Ok(health.after(rows).findings)
+}
+
+/// The link on the ground: as was asked, else as the sidecar says, else that of the first row.
+fn support_of(request: &Request) -> Result<String, Error> {
+    let (robot, log) = (&request.robot, &request.log);
+    let (sidecar, odd) = log.sidecar()?;
+    let mut support = request.support.clone().or(sidecar.support);
+    if support.is_none() && log.can_be_read_again() {
+        let options = reading(request, None);
+        let reader = PostureReader::open(log, &robot.description.dofs(), &options)?;
+        support = reader.first_support()?.map(|link| link.to_string());
+    }
+    let support = support.filter(|link| !link.is_empty());
+    support.ok_or_else(|| robot.no_support(&odd))
 }
 
 /// What is wrong with postures, and these compared with the ZMP where that alone shows a stuck
@@ -352,12 +363,18 @@ fn check_noise(request: &Request) -> Result<(), Error> {
 
 /// How a log on the model's support is read.
 fn options(request: &Request, model: &Model) -> Options {
+    let support = &model.tree.links[model.tree.support];
+    reading(request, Some(support.name.clone()))
+}
+
+/// How a log is read whose rows stand on `support` where they do not say.
+fn reading(request: &Request, support: Option<String>) -> Options {
     let links = request.robot.description.links.iter();
     Options {
         angles: request.angles,
         readings: Readings::Required,
         links: links.map(|link| link.name.clone()).collect(),
-        support: Some(model.tree.links[model.tree.support].name.clone()),
+        support,
         any_unit: true,
         stays: request.stays,
         soles: request.feet.soles(&request.robot, request.snapping),

@@ -20,7 +20,6 @@ use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::noise::{FreeResiduals, Noise, NoiseSource, widening};
 
 /// Fit `gathered` and say what was found.
-#[cfg(any(test, feature = "nalgebra"))]
 pub fn identify(
     model: &Model,
     supports: &[&str],

@@ -1,7 +1,7 @@
 //! The OP2 against reference values from two independent rigid-body libraries,
 //! printed to a micrometre.
 
-use super::common::postures;
+use crate::common::postures;
 use nalgebra::Vector3;
 use sesc_reference::{Reference, Robot, numeric_rank};
 

@@ -8,7 +8,7 @@
 //! M z = m0 z0 + m1 (h + c1 cos1) + m2 (h + l cos1 + c2 cos12)
 //! ```
 
-use super::common::{joint, link, postures, robot};
+use crate::common::{joint, link, postures, robot};
 use nalgebra::{Matrix3x2, Vector3};
 use sesc_reference::{Reference, Robot};
 

@@ -1,6 +1,6 @@
 //! Regressor columns by definition, and how many of them data can tell apart.
 
-use super::common::{bushy, joint, link, postures, robot};
+use crate::common::{bushy, joint, link, postures, robot};
 use nalgebra::{DMatrix, DVector};
 use sesc_reference::{Reference, Robot, numeric_rank};
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::common::{bushy, kind, postures};
+use crate::common::{bushy, kind, postures};
 use nalgebra::{Point3, Rotation3, Vector3};
 use sesc_reference::{ErrorKind, Reference, World};
 

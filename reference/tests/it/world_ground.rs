@@ -1,6 +1,6 @@
 //! Pulls, inertia, delays and the order of a log under the sole.
 
-use super::common::{LEANING_KG, bushy, joint, leaning, link, postures, robot};
+use crate::common::{LEANING_KG, bushy, joint, leaning, link, postures, robot};
 use sesc_reference::{GRAVITY, Reference, Robot, Track, World};
 
 fn near(found: [f64; 2], expected: [f64; 2], tolerance: f64) {

@@ -1,6 +1,6 @@
 //! What can be wrong between encoder and joint, and with masses.
 
-use super::common::{bushy, kind, leaning, postures};
+use crate::common::{bushy, kind, leaning, postures};
 use sesc_reference::{ErrorKind, Reference, World};
 
 const NAMES: [&str; 5] = ["hip", "knee", "ankle", "shoulder", "slide"];

@@ -1,6 +1,6 @@
 //! Cells under a sole and what is written down.
 
-use super::common::{bushy, kind, leaning, postures};
+use crate::common::{bushy, kind, leaning, postures};
 use sesc_reference::{ErrorKind, Reference, Track, World};
 
 /// Half the length and half the width of the rectangle of cells, m.

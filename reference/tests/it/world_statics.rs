@@ -1,7 +1,7 @@
 //! Springs, dead bands and pulls on a stick that leans over its ankle, where
 //! the answer is known: gravity's moment is `m g l sin φ`.
 
-use super::common::{LEANING_KG, LEANING_M, bushy, kind, leaning, leaning_from_above, postures};
+use crate::common::{LEANING_KG, LEANING_M, bushy, kind, leaning, leaning_from_above, postures};
 use sesc_reference::{ErrorKind, GRAVITY, Reference, World};
 
 /// Gravity's moment on the ankle, N m.

@@ -1,6 +1,6 @@
 //! Imperfections outside the library, each against its own formula.
 
-use super::common::{LEANING_KG, LEANING_M, bushy, kind, leaning, leaning_from_above, postures};
+use crate::common::{LEANING_KG, LEANING_M, bushy, kind, leaning, leaning_from_above, postures};
 use sesc_reference::{ErrorKind, GRAVITY, Reference, World};
 
 fn near(found: f64, expected: f64) {

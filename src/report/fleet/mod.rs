@@ -27,8 +27,6 @@ pub struct Answer<'a> {
     groups: usize,
     /// Rows that were taken from the store.
     from_store: usize,
-    /// Logs that were opened.
-    logs_read: usize,
     /// Files that could not be used.
     failed: &'a [Failed],
     /// Logs that came more than once.
@@ -43,7 +41,6 @@ pub fn answer<'a>(fleet: &'a Fleet, summary: &'a Summary) -> Answer<'a> {
     Answer {
         groups: fleet.rows.len(),
         from_store: fleet.from_store,
-        logs_read: fleet.opened,
         failed: &fleet.failed,
         twice: &fleet.twice,
         summary,
@@ -60,9 +57,10 @@ fn label(found: &EffectFound) -> String {
 
 /// What became of a log that came twice.
 fn twice(twice: &Twice) -> String {
-    let what = match twice.counted_once {
-        true => "counted once",
-        false => "which is of another robot or day: counted in both",
+    let what = if twice.counted_once {
+        "counted once"
+    } else {
+        "which is of another robot or day: counted in both"
     };
     format!("{} has the bytes of {}: {what}", twice.input, twice.same_as)
 }

@@ -4,6 +4,4 @@
 mod faults;
 mod inputs;
 mod prior;
-mod store;
 mod table;
-mod windows;

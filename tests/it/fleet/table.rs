@@ -109,8 +109,10 @@ fn a_row_for_each_robot_and_day_whatever_is_wrong_with_logs() {
             hidden.urdf.is_some_and(|(own, _)| own == robot),
             "{row:?}"
         );
+        // A row of which a joint is not where the log says agrees with nothing.
         let health = field(row, "health").contains("encoder_stuck");
         assert_eq!(health, hidden.stuck == Some(robot), "{row:?}");
+        assert_eq!(field(row, "verdict") == "unusable", health, "{row:?}");
     }
 
     // A second run makes nothing anew, and a damaged entry is made again.
@@ -121,7 +123,6 @@ fn a_row_for_each_robot_and_day_whatever_is_wrong_with_logs() {
     let entries: Vec<PathBuf> = fs::read_dir(&store)
         .unwrap()
         .map(|folder| folder.unwrap().path())
-        .filter(|folder| !folder.ends_with("seen"))
         .flat_map(|folder| fs::read_dir(folder).unwrap())
         .map(|entry| entry.unwrap().path())
         .collect();
@@ -137,50 +138,6 @@ fn a_row_for_each_robot_and_day_whatever_is_wrong_with_logs() {
     let again = fleet(folder, pattern, &["--store", &store, "--out", &third]);
     assert_eq!(again["from_store"], 8);
     assert_eq!(fs::read(&first).unwrap(), fs::read(&third).unwrap());
-}
-
-/// A log is opened once, until it changes: its size and the time that programs can set may stay.
-#[test]
-fn a_second_run_opens_no_log_that_did_not_change() {
-    let folder = folder();
-    let folder = folder.path();
-    Fleet::sound(2, 2, 4).write(folder).unwrap();
-    // Files that are younger are read again.
-    std::thread::sleep(std::time::Duration::from_millis(2100));
-    let (store, out) = (at(folder, "parts"), at(folder, "fleet.csv"));
-    let run = || {
-        let options = ["--store", &store, "--out", &out];
-        let json = fleet(folder, "logs/robot=*/day=*/*.csv", &options);
-        (
-            json["logs_read"].clone(),
-            json["from_store"].clone(),
-            fs::read(&out).unwrap(),
-        )
-    };
-    let (read, known, table) = run();
-    assert_eq!((read, known), (4.into(), 0.into()));
-    assert_eq!(run(), (0.into(), 4.into(), table.clone()));
-    // Readings of another day under the same size and times.
-    let log = folder.join(Fleet::folder(1, 2)).join("log.csv");
-    let text = fs::read_to_string(&log).unwrap();
-    let modified = fs::metadata(&log).unwrap().modified().unwrap();
-    let line = text.lines().nth(1).unwrap();
-    let last = line.chars().last().unwrap();
-    let digit = if last == '3' { '4' } else { '3' };
-    let other = format!("{}{digit}", &line[..line.len() - 1]);
-    fs::write(&log, text.replace(line, &other)).unwrap();
-    let file = fs::File::options().append(true).open(&log).unwrap();
-    file.set_modified(modified).unwrap();
-    let (read, known, changed) = run();
-    assert_eq!((read, known), (1.into(), 3.into()));
-    assert_ne!(changed, table);
-    // What a sidecar says counts as well.
-    let sidecar = folder.join(Fleet::folder(0, 1)).join("log.csv.toml");
-    let said = fs::read_to_string(&sidecar).unwrap();
-    fs::write(&sidecar, said.replace("op2", "op3")).unwrap();
-    // The log that was just written is read once more.
-    let (read, known, _) = run();
-    assert_eq!((read, known), (2.into(), 3.into()));
 }
 
 #[test]
@@ -296,24 +253,106 @@ fn parameters_alone_are_those_of_the_whole_row() {
     }
 }
 
+/// Days of one ISO week are one row, also of logs that are diagnosed together.
 #[test]
-fn object_stores_are_left_to_python() {
-    let urdf = op2();
-    let words = ["s3://bucket/logs", "mount", "sesc.fleet.run in Python"];
-    let found = sesc(&[
-        "fleet",
-        &urdf,
-        "--data",
-        "s3://bucket/logs/*.csv",
-        "--out",
-        "fleet.csv",
-    ]);
-    refused(&found, &words);
+fn a_row_for_each_robot_and_week() {
     let folder = folder();
-    let manifest = at(folder.path(), "manifest.csv");
-    fs::write(&manifest, "path,robot,day\ns3://bucket/logs/a.csv,a,1\n").unwrap();
-    refused(
-        &sesc(&["fleet", &urdf, "--data", &manifest, "--out", "fleet.csv"]),
-        &words,
-    );
+    let folder = folder.path();
+    let hidden = Fleet {
+        postures: 30,
+        ..Fleet::sound(1, 3, 12)
+    };
+    hidden.write(folder).unwrap();
+    // Thursday, Sunday and Monday.
+    for (day, name) in [(1, "2031-05-01"), (2, "20310504"), (3, "2031-05-05")] {
+        let from = folder.join(Fleet::folder(0, day));
+        fs::rename(&from, from.with_file_name(format!("day={name}"))).unwrap();
+    }
+    let (out, store) = (at(folder, "weeks.csv"), at(folder, "rows"));
+    let options = ["--by", "robot,week", "--store", &store, "--out", &out];
+    for from_store in [0, 2] {
+        let json = fleet(folder, "logs/robot=*/day=*/*.csv", &options);
+        assert_eq!(json["from_store"], from_store);
+        let rows = records(&out);
+        let of = |row: &Vec<(String, String)>| {
+            ["robot", "day", "postures", "verdict"].map(|name| field(row, name).to_string())
+        };
+        let rows: Vec<[String; 4]> = rows.iter().map(of).collect();
+        let row = |week: &str, postures: &str| ["r00", week, postures, "none"].map(String::from);
+        assert_eq!(rows, [row("2031-W18", "60"), row("2031-W19", "30")]);
+    }
+    let log = at(folder, "r1_monday.csv");
+    fs::write(&log, "pose\n").unwrap();
+    let words = [
+        "fleet",
+        &op2(),
+        "--data",
+        &log,
+        "--by",
+        "robot,week",
+        "--out",
+        &out,
+    ];
+    refused(&sesc(&words), &["`week`", "`monday`", "2031-05-01"]);
+}
+
+/// Each log stands on the foot that its sidecar says, in a group of both; without one on that of
+/// its column `support`, as `fit` and `diagnose` read it.
+#[test]
+fn logs_stand_where_their_sidecar_or_their_column_says() {
+    let folder = folder();
+    let folder = folder.path();
+    let urdf = op2();
+    let mut lines = vec!["path,robot,day".to_string()];
+    for (foot, seed) in [("r_sole", "1"), ("l_sole", "2")] {
+        let log = at(folder, &format!("{foot}.csv"));
+        let words = [
+            "simulate",
+            &urdf,
+            "--support",
+            foot,
+            "--poses",
+            "60",
+            "--seed",
+            seed,
+        ];
+        stdout(&sesc(
+            &[&words[..], &["--noise", "1e-4", "--out", &log]].concat(),
+        ));
+        lines.push(format!("{foot}.csv,both,1"));
+        let text = fs::read_to_string(&log).unwrap();
+        let rows = text.lines().enumerate();
+        let with = |(k, row): (usize, &str)| match k {
+            0 => format!("{row},support\n"),
+            _ => format!("{row},{foot}\n"),
+        };
+        let column: String = rows.map(with).collect();
+        fs::write(at(folder, &format!("{foot}_1.csv")), column).unwrap();
+        lines.push(format!("{foot}_1.csv,{foot},1"));
+    }
+    fs::write(at(folder, "manifest.csv"), lines.join("\n")).unwrap();
+    let out = at(folder, "fleet.csv");
+    for only in [&["--only", "parameters"][..], &[]] {
+        let options = [&["--out", &out][..], only].concat();
+        fleet(folder, "manifest.csv", &options);
+        let rows = records(&out);
+        for (row, support) in rows.iter().zip(["", "l_sole", "r_sole"]) {
+            assert_eq!(field(row, "error"), "");
+            if !support.is_empty() {
+                assert_eq!(field(row, "support"), support);
+                assert_eq!(field(row, "postures"), "60");
+            }
+        }
+        if !only.is_empty() {
+            assert_eq!(field(&rows[0], "postures"), "120");
+            let error: f64 = field(&rows[0], "held_out_rmse").parse().unwrap();
+            assert!(error < 3e-4, "{error}");
+        }
+    }
+    let log = at(folder, "l_sole_1.csv");
+    for command in ["fit", "diagnose"] {
+        let json = stdout(&sesc(&[command, &urdf, "--data", &log, "--json"]));
+        let json: Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["support"], "l_sole", "{command}");
+    }
 }

@@ -7,7 +7,7 @@ use sesc_identify::diagnose::{FLOOR_M, Report, Request, Verdict, diagnose};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::health::{self, Health};
 use sesc_identify::logs::{LogSource, Sidecar, Table};
-use sesc_identify::observations::postures::Postures;
+use sesc_identify::observations::Postures;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::Snapping;

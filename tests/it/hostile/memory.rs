@@ -244,20 +244,3 @@ fn urdfs_take_memory_in_proportion_to_the_file() {
     let comments = |n: usize| super::sizes::chain(3, false) + &"<!-- - -->\n".repeat(n);
     in_proportion("URDF of comments", 100, sizes(50_000, comments), inspect);
 }
-
-/// A factor file of a format before, which is text.
-#[test]
-fn factor_files_take_memory_in_proportion_to_the_file() {
-    let folder = folder();
-    let part = |text: &str| {
-        let part = write(folder.path(), "a.part", text);
-        peak(&["fit", &part])
-    };
-    for format in 1..=3 {
-        let numbers = |n: usize| {
-            let zeros = "0,".repeat(n);
-            format!("{{\"format\":\"sesc factor {format}\",\"gathered\":[{zeros}0]}}")
-        };
-        in_proportion("factor file", 60, sizes(500_000, numbers), part);
-    }
-}

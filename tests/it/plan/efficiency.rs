@@ -8,8 +8,8 @@ use rand_distr::{Distribution as _, StandardNormal};
 use sesc::OP2_URDF;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::lsq::factor::Factor;
-use sesc_identify::lsq::solve::solve;
+use sesc_identify::lsq::Factor;
+use sesc_identify::lsq::solve;
 use sesc_model::Function;
 use sesc_reference::{Reference, Robot as TrueRobot};
 

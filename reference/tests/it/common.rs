@@ -1,5 +1,4 @@
 //! Robots and postures that several tests share.
-#![allow(dead_code)] // each test binary uses its own part
 
 use sesc_reference::{Error, ErrorKind, Reference, Robot};
 
