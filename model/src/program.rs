@@ -249,6 +249,25 @@ impl Program {
         self.nodes.iter().any(|node| of(node.expr))
     }
 
+    /// Choose other outputs: uses are counted anew, nodes stay where they are.
+    #[doc(hidden)]
+    pub fn keep(&mut self, outputs: Vec<Id>) {
+        self.outputs = outputs;
+        for node in &mut self.nodes {
+            node.uses = 0;
+        }
+        for id in &self.outputs {
+            self.nodes[id.index()].uses += 1;
+        }
+        for k in (0..self.nodes.len()).rev() {
+            if self.nodes[k].uses > 0 {
+                for operand in operands(self.nodes[k].expr) {
+                    self.nodes[operand.index()].uses += 1;
+                }
+            }
+        }
+    }
+
     /// What node `id` is.
     #[doc(hidden)]
     pub fn expr(&self, id: Id) -> Expr {
