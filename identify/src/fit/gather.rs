@@ -39,6 +39,7 @@ use folding::{Folding, Goal, Share, Work};
 
 /// A log that was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LogUsed {
     /// Name of the log.
     pub file: String,
@@ -53,6 +54,7 @@ pub struct LogUsed {
 
 /// A posture that a robust fit trusts less.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DownWeighted {
     /// Name of the log.
     pub file: String,
