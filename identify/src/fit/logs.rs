@@ -369,7 +369,12 @@ mod tests {
             let error = error.unwrap_or_else(|| panic!("pass {odd} of {passes}"));
             assert!(error.contains("the line broke"), "{error}");
         }
-        let (_, error) = gathered(passes - 1, false);
-        assert!(error.is_some_and(|error| error.contains("changed while it was read")));
+        // A pass that opens a log for its sidecar alone sees no rows.
+        let changed = (0..passes).filter_map(|odd| gathered(odd, false).1);
+        let changed: Vec<String> = changed.collect();
+        assert!(!changed.is_empty());
+        for error in changed {
+            assert!(error.contains("changed while it was read"), "{error}");
+        }
     }
 }
