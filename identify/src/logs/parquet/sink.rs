@@ -17,7 +17,7 @@ use parquet::schema::types::Type;
 
 use crate::Error;
 use crate::logs::columns::{POSE, SUPPORT};
-use crate::logs::row::{Row, Written, numbers};
+use crate::logs::writer::{Row, Written, numbers};
 use sesc_model::files::{self, NewFile};
 
 /// Rows of a group.
