@@ -63,6 +63,7 @@ pub mod threads;
 mod tolerances;
 mod watch;
 mod words;
+mod xacro;
 
 pub use error::{Error, ErrorKind};
 #[doc(hidden)]

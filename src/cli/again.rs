@@ -15,6 +15,7 @@ pub(super) const TO_DIAGNOSE: &[&str] = &[
     "support",
     "sole-height",
     "no-snap",
+    "xacro",
     "both-feet",
     "other-foot",
     "degrees",
@@ -24,7 +25,7 @@ pub(super) const TO_DIAGNOSE: &[&str] = &[
 ];
 
 /// Options of `plan` that a fit of the log takes, too, beside the support link.
-pub(super) const TO_FIT: &[&str] = &["no-snap", "both-feet", "other-foot"];
+pub(super) const TO_FIT: &[&str] = &["no-snap", "xacro", "both-feet", "other-foot"];
 
 /// What a further command on this robot and log begins with: of the options that were typed those
 /// that `keep` names. What comes by standard input has no name.

@@ -74,7 +74,7 @@ const OF_LOGS: &[&str] = &[
     "settle",
 ];
 /// Options of drawing the robot, beside.
-const OF_ROBOTS: &[&str] = &["no-snap"];
+const OF_ROBOTS: &[&str] = &["no-snap", "xacro"];
 
 /// Endings of logs.
 const LOGS: [&str; 4] = ["csv", "gz", "parquet", "mcap"];
@@ -100,7 +100,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .writes(Kind::Page, &arguments.report)
         .prints(arguments.json)
         .check_writable()?;
-    let robot = arguments.urdf.as_deref().map(Robot::read).transpose()?;
+    let robot = arguments.urdf.as_deref();
+    let robot = robot
+        .map(|urdf| arguments.standing.robot(urdf))
+        .transpose()?;
     let robot = robot.map(Arc::new);
     let mut models = Vec::new();
     for path in both {

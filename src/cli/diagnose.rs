@@ -19,7 +19,6 @@ use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{self, Recording, Stays};
-use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -180,7 +179,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 }
 
 fn request(arguments: &Arguments) -> Result<Request, Error> {
-    let robot = Arc::new(Robot::read(&arguments.robot.urdf)?);
+    let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
     units::check_mass(arguments.total_mass, cad_mass_kg(&robot))?;
     let mut request = Request::new(robot, streams::log(&arguments.data)?);
     let then = arguments.then.iter().map(|path| streams::log(path));

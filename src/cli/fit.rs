@@ -21,7 +21,6 @@ use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{self, Duplicates, Request};
 use sesc_identify::logs::{self, Stays};
-use sesc_identify::robot::Robot;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc fit robots/op2/op2.urdf --data log.csv --out model.toml\n  \
@@ -233,7 +232,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
             .push((path.display().to_string(), Part::read(path)?));
     }
     request.robot = match robots.first() {
-        Some(path) => Some(Arc::new(Robot::read(path)?)),
+        Some(path) => Some(Arc::new(arguments.standing.robot(path)?)),
         None => None,
     };
     let logs = arguments.data.iter().map(|path| streams::log(path));

@@ -20,7 +20,6 @@ use sesc_identify::feet::Feet;
 use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{self, Fleet, Options, Row, Store};
 use sesc_identify::logs;
-use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::files;
 
@@ -251,7 +250,7 @@ fn request(arguments: &Arguments, inputs: &[fleet::Input]) -> Result<fleet::Requ
     if let Some(Only::Parameters) = arguments.only {
         options.only = fleet::Only::Parameters;
     }
-    let robot = Arc::new(Robot::read(&arguments.robot.urdf)?);
+    let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
     let mut request = fleet::Request::new(robot, fleet::groups(inputs));
     request.options = options;
     request.store = arguments.store.as_ref().map(Store::new);
