@@ -32,6 +32,7 @@ pub mod diagnose;
 mod error;
 pub mod evaluate;
 pub mod feet;
+pub mod files;
 pub mod fit;
 pub mod fleet;
 pub mod health;

@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::{Arg, CommandFactory as _};
 use sesc_identify::next_steps::{CommandLine, NextStep};
 
-use super::{Cli, WORDS, streams};
+use super::{Cli, WORDS, outputs};
 use crate::report::next_steps;
 
 /// Options of `fit` that a diagnosis of the same log takes, too. Priors differ: a diagnosis trusts
@@ -35,7 +35,7 @@ pub(super) fn command_line(
     keep: impl Fn(&str) -> bool,
 ) -> CommandLine {
     let mut line = CommandLine::default();
-    let named = |path: &&Path| !streams::is_standard(path);
+    let named = |path: &&Path| !outputs::is_standard(path);
     if let Some(urdf) = urdf.filter(named) {
         line.urdf = urdf.display().to_string();
     }

@@ -8,15 +8,15 @@ use serde::Serialize;
 use sesc_identify::compare::{self, Comparison};
 use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::feet::Feet;
+use sesc_identify::files;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{LogSource, Stays};
 use sesc_identify::next_steps::NextStep;
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::{ModelFile, files};
+use sesc_model::ModelFile;
 
-use super::kinds::Kind;
-use super::outputs::Files;
+use super::outputs::{Files, Kind};
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Outcome, StandingArguments, StaysArguments, again,
     command_line, message, print_json, show,

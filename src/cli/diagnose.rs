@@ -5,11 +5,10 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::kinds::Kind;
-use super::outputs::{Files, Together};
+use super::outputs::{Files, Kind, Together};
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, again,
-    cad_mass_kg, command_line, message, print_json, show_beside, streams, units,
+    cad_mass_kg, command_line, message, outputs, print_json, show_beside, units,
 };
 use crate::Error;
 use crate::report::diagnose::{Asked, page, text};
@@ -106,8 +105,8 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    let streamed = arguments.out.as_deref().is_some_and(streams::is_standard);
-    if arguments.next.as_deref().is_some_and(streams::is_standard) {
+    let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
+    if arguments.next.as_deref().is_some_and(outputs::is_standard) {
         let sentence = "--next -: the postures have a sidecar; give a file (`./-` is one)";
         return Err(Error::Usage(sentence.to_string()));
     }
@@ -130,7 +129,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let bar = &mut Bar::new("reading");
     let request = request(arguments)?;
     let report = diagnose::diagnose(&request, bar)?;
-    bar.0.finish_and_clear();
+    bar.clear();
     report
         .notes
         .iter()
@@ -181,8 +180,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 fn request(arguments: &Arguments) -> Result<Request, Error> {
     let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
     units::check_mass(arguments.total_mass, cad_mass_kg(&robot))?;
-    let mut request = Request::new(robot, streams::log(&arguments.data)?);
-    let then = arguments.then.iter().map(|path| streams::log(path));
+    let mut request = Request::new(robot, outputs::log(&arguments.data)?);
+    let then = arguments.then.iter().map(|path| outputs::log(path));
     request.then = then.collect::<Result<_, _>>()?;
     request.support = arguments.robot.standing.support()?;
     request.snapping = arguments.robot.standing.snapping();
@@ -197,7 +196,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
     let out = arguments.out.clone();
-    request.model_path = out.filter(|path| !streams::is_standard(path));
+    request.model_path = out.filter(|path| !outputs::is_standard(path));
     request.generate_command = Some(|urdf, support, model| {
         format!("sesc generate {urdf} --support {support} --lang c --model {model}")
     });

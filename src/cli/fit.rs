@@ -6,11 +6,10 @@ use std::sync::Arc;
 use clap::{Args, ValueEnum};
 
 use super::fit_outputs::Outputs;
-use super::kinds::Kind;
-use super::outputs::{Files, Together};
+use super::outputs::{Files, Kind, Together};
 use super::{
     Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, again,
-    message, print_json, show, show_beside, streams,
+    message, outputs, print_json, show, show_beside,
 };
 use crate::Error;
 use crate::report;
@@ -142,7 +141,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let bar = &mut Bar::new("reading");
     if let Some(path) = &arguments.partial {
         let part = fit::gather(&request, bar)?;
-        bar.0.finish_and_clear();
+        bar.clear();
         if let Some(broken) = part.unusable() {
             message(&broken.sentence);
             message(&not_written(path));
@@ -159,7 +158,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let urdf = request.robot.as_ref().and(arguments.inputs.first());
     let folder = urdf.and_then(|path| path.parent());
     let found = fit::fit(&request, bar)?;
-    bar.0.finish_and_clear();
+    bar.clear();
     found
         .notes
         .iter()
@@ -191,7 +190,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if arguments.json {
         print_json(&report)?;
     } else {
-        let streamed = arguments.out.as_deref().is_some_and(streams::is_standard);
+        let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
         show_beside(&report::fit::text(&found.identification), streamed)?;
         if let Some(corrected) = &found.corrected {
             show_beside(&report::fit::corrections(corrected), streamed)?;
@@ -235,7 +234,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         Some(path) => Some(Arc::new(arguments.standing.robot(path)?)),
         None => None,
     };
-    let logs = arguments.data.iter().map(|path| streams::log(path));
+    let logs = arguments.data.iter().map(|path| outputs::log(path));
     request.logs = logs.collect::<Result<_, _>>()?;
     request.support = arguments.standing.support()?;
     request.snapping = arguments.standing.snapping();

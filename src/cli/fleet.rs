@@ -7,21 +7,19 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
-use super::kinds::Kind;
-use super::outputs::Files;
-use super::progress_lines::BarOrLines;
+use super::outputs::{Files, Kind};
 use super::{
-    DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, again, message, print_json,
-    show, streams,
+    Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, again, message,
+    outputs, print_json, show,
 };
 use crate::Error;
 use crate::report::fleet::{ROBOTS, answer, page_of_robot, pages, skeleton, text};
 use sesc_identify::feet::Feet;
+use sesc_identify::files;
 use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{self, Fleet, Options, Row, Store};
 use sesc_identify::logs;
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::files;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc fleet op2.urdf --data 'logs/robot=*/day=*/*.parquet' --by robot,day --out fleet.parquet\n  \
@@ -158,13 +156,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .makes(Kind::Page, &of_robots)
         .writes(Kind::Population, &arguments.prior_out)
         .check_writable()?;
-    let bar = &mut BarOrLines::new("diagnosing");
+    let bar = &mut Bar::or_lines("diagnosing");
     let request = request(arguments, &inputs)?;
     if arguments.prior_out.is_some() {
         fleet::check_population(&request.groups)?;
     }
     let found = fleet::run(&request, bar)?;
-    bar.bar.0.finish_and_clear();
+    bar.clear();
     // What cannot be known is said before anything is written.
     let mut population = None;
     if arguments.prior_out.is_some() {
@@ -220,7 +218,7 @@ fn write_pages(
 
 /// Only files of this machine are read here.
 fn here(path: &str) -> Result<(), Error> {
-    if streams::is_standard(Path::new(path)) {
+    if outputs::is_standard(Path::new(path)) {
         let sentence = "`-`: a fleet reads and writes files; give their names (`./-` is one)";
         return Err(Error::Usage(sentence.to_string()));
     }

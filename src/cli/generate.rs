@@ -8,12 +8,11 @@ use serde::Serialize;
 use sesc_codegen::Servos;
 use sesc_codegen::facts::Facts;
 use sesc_codegen::sources::{self, C99};
+use sesc_identify::files::write_all_if_changed;
 use sesc_identify::next_steps::NextStep;
-use sesc_model::files::write_all_if_changed;
 
-use super::kinds::Kind;
-use super::outputs::Files;
-use super::{Outcome, RobotArguments, again, message, print, print_json, streams};
+use super::outputs::{Files, Kind};
+use super::{Outcome, RobotArguments, again, message, outputs, print, print_json};
 use crate::Error;
 
 /// Write the functions of a robot as source code
@@ -140,7 +139,7 @@ enum Layout {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    if streams::is_standard(&arguments.out) {
+    if outputs::is_standard(&arguments.out) {
         return Err(Error::Usage(
             "--out - is no folder, and source files do not go to standard output; name a folder \
              (`./-` has that name)"

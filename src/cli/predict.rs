@@ -6,9 +6,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::kinds::Kind;
-use super::outputs::Files;
-use super::{Bar, Motion, Outcome, RobotArguments, again, message, print_json, streams};
+use super::outputs::{Files, Kind};
+use super::{Bar, Motion, Outcome, RobotArguments, again, message, outputs, print_json};
 use crate::Error;
 use sesc_identify::logs::{self, Angles, PREDICTED, PredictionWriter, Sidecar};
 use sesc_identify::next_steps::NextStep;
@@ -76,13 +75,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .check_writable()?;
     let stance = arguments.robot.stance(arguments.model.as_deref())?;
     let next_steps = vec![after(arguments, &stance)];
-    let mut request = Request::new(stance, streams::log(&arguments.data)?);
+    let mut request = Request::new(stance, outputs::log(&arguments.data)?);
     request.angles = arguments.degrees.then_some(Angles::Deg);
     request.motion = arguments.motion.into();
     let bar = &mut Bar::new("predicting");
     let file = arguments.out.as_deref();
     match (
-        file.filter(|path| !streams::is_standard(path)),
+        file.filter(|path| !outputs::is_standard(path)),
         arguments.json,
     ) {
         (Some(path), json) => {
@@ -93,7 +92,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                 Ok(table.row(pose, com_m, cop_m)?)
             })?;
             table.finish()?;
-            bar.0.finish_and_clear();
+            bar.clear();
             let file = path.display().to_string();
             message(&format!("wrote {file}"));
             match json {
@@ -110,7 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             next_steps,
         })?,
         (None, false) => {
-            let mut out = streams::output();
+            let mut out = outputs::output();
             let mut begun = false;
             each(&request, bar, |pose, [x, y, z], [cop_x, cop_y]| {
                 if !std::mem::replace(&mut begun, true) {
@@ -119,7 +118,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                 writeln!(out, "{pose},{x},{y},{z},{cop_x},{cop_y}").map_err(Error::Stdout)
             })?;
             out.flush().map_err(Error::Stdout)?;
-            bar.0.finish_and_clear();
+            bar.clear();
             again::next(&next_steps);
         }
     }

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::kinds::Kind;
-use super::outputs::Files;
-use super::{Bar, Motion, Outcome, RobotArguments, again, message, print_json, streams, units};
+use super::outputs::{Files, Kind};
+use super::{Bar, Motion, Outcome, RobotArguments, again, message, outputs, print_json, units};
 use crate::Error;
 use sesc_identify::hide::hide;
 use sesc_identify::next_steps::NextStep;
@@ -103,16 +102,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let bar = &mut Bar::new("simulating");
     let tree = &request.model.tree;
     let support = &tree.links[tree.support].name;
-    if streams::is_standard(&arguments.out) {
-        simulate::stream(&request, streams::OUTPUT, streams::output(), bar)?;
-        bar.0.finish_and_clear();
+    if outputs::is_standard(&arguments.out) {
+        simulate::stream(&request, outputs::OUTPUT, outputs::output(), bar)?;
+        bar.clear();
         message(&format!(
             "note: the robot stands on `{support}`; give --support to what reads this"
         ));
         return Ok(Outcome::Ok);
     }
     let sidecar = simulate::write(&request, &arguments.out, bar)?;
-    bar.0.finish_and_clear();
+    bar.clear();
     let (log, sidecar) = (arguments.out.display(), sidecar.display());
     message(&format!("wrote {log} and {sidecar}"));
     let (urdf, name) = (again::urdf(&arguments.robot.urdf), log.to_string());

@@ -7,7 +7,6 @@ pub mod fleet_costs;
 pub mod fleet_parts;
 mod formats;
 mod keys;
-pub mod kills;
 pub mod regen;
 pub mod study;
 pub mod study_com;

@@ -18,8 +18,6 @@ enum Task {
     Dependencies(xtask::crates::page::Dependencies),
     /// Draw the rows of a large fleet, and print what putting them together costs
     FleetParts(xtask::fleet_parts::FleetParts),
-    /// Kill commands while they write, and fail where a file is neither the old nor the new one
-    Kills(xtask::kills::Kills),
     /// Rewrite `generated/`, the figure of README, pages of effects and tables of formats
     Regen,
     /// Hide effects in virtual robots, ask `sesc diagnose`, and count in docs/study.md
@@ -47,7 +45,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         Task::FleetCosts(costs) => costs.run(root)?,
         Task::Dependencies(page) => page.run(root)?,
         Task::FleetParts(parts) => parts.run()?,
-        Task::Kills(kills) => kills.run()?,
         Task::Regen => {
             let changed = xtask::regen::write(root)?;
             for path in &changed {

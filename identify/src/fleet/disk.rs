@@ -94,7 +94,7 @@ impl Disk for Local {
                 .map_err(|error| Error::write(folder.display().to_string(), error))?;
             // An entry begins with the hash of the rest: one that a power failure damages is
             // made again, and thousands need not wait for the disk.
-            files::write_unsynced(path, bytes)?;
+            crate::files::write_unsynced(path, bytes)?;
         }
         Ok(())
     }

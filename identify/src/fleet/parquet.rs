@@ -13,7 +13,7 @@ use parquet::schema::parser::parse_message_type;
 
 use super::row::{Row, json};
 use crate::Error;
-use sesc_model::files::{self, NewFile};
+use crate::files::{self, NewFile};
 
 /// Rows of a group.
 const GROUP: usize = 10_000;

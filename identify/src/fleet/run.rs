@@ -90,9 +90,6 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
         .threads
         .unwrap_or(cores)
         .clamp(1, groups.len().max(1));
-    if let Some(store) = &request.store {
-        store.sweep();
-    }
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let mut gathering = Gathering::default();
     let total = groups.len() as u64;

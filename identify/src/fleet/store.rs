@@ -49,11 +49,6 @@ impl Store {
         }
     }
 
-    /// Remove what processes that were killed left in the folders of the store.
-    pub(super) fn sweep(&self) {
-        sesc_model::files::sweep_below(&self.folder, 2);
-    }
-
     /// The name of a group's row.
     pub(super) fn key(
         robot: &Robot,

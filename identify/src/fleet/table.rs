@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use sesc_model::files::{self, NewFile};
+use crate::files::{self, NewFile};
 
 use super::row::{Row, by_number, json};
 use crate::Error;

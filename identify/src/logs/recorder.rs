@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sesc_model::files::NewFile;
+use crate::files::NewFile;
 
 use super::recording::Recording;
 use crate::{Error, Watch};

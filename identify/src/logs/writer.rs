@@ -12,7 +12,7 @@ use super::columns::{COP, COP_STD, POSE, SUPPORT, T, check_joints};
 use super::row::{Row, Written, numbers};
 use super::sidecar::Sidecar;
 use crate::Error;
-use sesc_model::files::{self, NewFile};
+use crate::files::{self, NewFile};
 
 /// A log being written.
 pub struct PostureWriter {

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use sesc_model::files::{self, NewFile};
+use crate::files::{self, NewFile};
 
 use super::encode::{self, VECTOR, in_plane, joint_state};
 use super::writer::{McapWriter, Topic};
