@@ -11,16 +11,16 @@ use faer::linalg::solvers::SolveLstsqCore as _;
 use nalgebra::{DMatrix, DVector};
 use sesc::OP2_URDF;
 use sesc_identify::evaluate::Evaluator;
-use sesc_identify::fit::gather::Gathered;
-use sesc_identify::fit::logs::Logs;
+use sesc_identify::fit::Gathered;
+use sesc_identify::fit::Logs;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{MotionModel, Settings, identify};
 use sesc_identify::logs::{
     Block, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written,
 };
-use sesc_identify::lsq::factor::Factor;
-use sesc_identify::lsq::solve::solve;
-use sesc_identify::observations::rows::Measurement;
+use sesc_identify::lsq::Factor;
+use sesc_identify::lsq::solve;
+use sesc_identify::observations::Measurement;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::{Function, Model, Snapping};

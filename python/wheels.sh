@@ -112,6 +112,8 @@ built() {
 for processor in "${processors[@]}"; do
   target=$processor-unknown-linux-gnu
   rustup target add "$target"
+  # `license-files` of pyproject.toml takes it along.
+  release/licences sesc-python "$target" >python/LICENSE-CRATES.txt
   rm -f "$out"/sesc-*_"$processor".whl
   built "$target"
   built "$target" --interpreter python3.14t

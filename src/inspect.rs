@@ -18,30 +18,31 @@ pub use rank::{Rank, RankCheck, numeric_rank};
 
 /// The JSON of `sesc inspect`.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Inspection {
     /// Name of the robot.
     pub robot: String,
-    /// Hash of the URDF, as in generated files and model files.
+    /// Hash of the URDF.
     pub hash: String,
     /// The link on the ground.
     pub support: String,
     /// Total mass, kg.
     pub mass_kg: f64,
-    /// Number of links.
+    /// Links.
     pub links: usize,
-    /// Number of independent joints.
+    /// Independent joints.
     pub dof: usize,
-    /// Number of bodies of the chain: links after fixed joints are folded.
+    /// Bodies of the chain, fixed joints folded.
     pub bodies: usize,
-    /// Number of parameters of the full chain.
+    /// Parameters of the full chain.
     pub full_params: usize,
-    /// Number of base parameters.
+    /// Base parameters.
     pub base_params: usize,
     /// Ranks of the regressors by structure.
     pub rank: Rank,
     /// The same ranks found numerically.
     pub numeric_rank: Rank,
-    /// What the numeric ranks say of the structural ones.
+    /// What numeric ranks say of these.
     pub rank_check: RankCheck,
     /// Independent joints, in the order of `q`.
     pub joints: Vec<String>,
@@ -53,7 +54,7 @@ pub struct Inspection {
     pub unobservable: Vec<Unobservable>,
     /// Right angles that were made exact.
     pub snaps: Vec<Snap>,
-    /// What is odd about the URDF, and what its feet can be used for where they are many.
+    /// What is odd about the URDF and its feet.
     pub notes: Vec<String>,
     /// Operations of each function.
     pub operations: BTreeMap<&'static str, Counts>,
@@ -63,6 +64,7 @@ pub struct Inspection {
 
 /// One body of the chain.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Body {
     /// The link that gives the body its name.
     pub body: String,
@@ -74,7 +76,7 @@ pub struct Body {
     pub rotation: String,
     /// B_i as a product of rotations.
     pub orientation: String,
-    /// CAD value of r_i, m, in the body's link frame.
+    /// CAD value of r_i, m, in the link frame.
     pub r: [f64; 3],
     /// CAD value of s_i of a prismatic body.
     pub s: Option<f64>,
@@ -86,17 +88,19 @@ pub struct Body {
 
 /// One base parameter.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Parameter {
     /// Link and axis.
     pub name: String,
     /// Value from CAD, in `unit`.
     pub cad: f64,
-    /// `m`, or `1` for the mass fraction s of a prismatic joint.
+    /// `m`; `1` for a mass fraction.
     pub unit: &'static str,
 }
 
 /// Proven rounding bounds of one function, m.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rounding {
     /// In double precision, m.
     pub f64: f64,

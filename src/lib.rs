@@ -22,8 +22,6 @@ pub mod cli;
 #[doc(hidden)]
 pub mod demo;
 #[doc(hidden)]
-pub mod effect_pages;
-#[doc(hidden)]
 pub mod error;
 #[doc(hidden)]
 pub mod inspect;

@@ -45,26 +45,26 @@ const BLOCKS: usize = 8;
 
 /// What the comparison found.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verification {
     /// Whether every difference is within its tolerance.
     pub pass: bool,
-    /// Postures compared: random ones and corners of the limits.
+    /// Postures compared, random ones and corners of the limits.
     pub samples: usize,
-    /// Postures left out: gravity does not decide there on which side of its dead band a
-    /// joint rests, or the CoP is off the cells that have effects.
+    /// Postures left out, where a joint may rest on either side of its dead band or the CoP is off
+    /// the cells.
     pub undecided: usize,
-    /// What four rounds of a model's springs leave out, m: measured, and within what is
-    /// proven; beside dead bands what is proven, and part of every bound.
+    /// Part of every bound that four rounds of a model's springs leave out, m; measured within what
+    /// is proven, proven beside dead bands.
     pub springs_left_out: f64,
     /// Largest difference per function, in its unit; regressor rows by the CoM they give, m.
     pub worst_error: BTreeMap<String, f64>,
-    /// What rounding, snapping and springs may explain, in the same units.
+    /// Allowed difference: rounding, snapping, springs.
     pub bound: BTreeMap<String, f64>,
-    /// Functions whose bound is so wide that keeping it verifies nothing: they have to agree to
-    /// a billionth of the robot's reach instead ([`UNPROVEN_OF_REACH`]).
+    /// Functions whose bound is too wide to verify anything; they have to agree to a billionth of
+    /// the robot's reach ([`UNPROVEN_OF_REACH`]).
     pub beyond_use: Vec<String>,
-    /// The widest bound of use, m: a thousandth of the robot's reach ([`USEFUL`]); without what
-    /// springs explain.
+    /// Widest useful bound without springs, m; a thousandth of the robot's reach ([`USEFUL`]).
     pub widest_of_use: f64,
     /// Those units; m of regressor rows.
     #[serde(skip)]

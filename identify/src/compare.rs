@@ -29,6 +29,7 @@ use criteria::{CHANCE, LEAST_CHANCE, LISTED};
 
 /// A number in both models.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Difference {
     /// Its name, which for effects ends in the unit; base parameters are in m.
     pub name: String,
@@ -44,6 +45,7 @@ pub struct Difference {
 
 /// What became of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Change {
     /// In the second model alone.
@@ -60,6 +62,7 @@ pub enum Change {
 
 /// An effect of either model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EffectChange {
     /// Name of the effect: `joint_offset`.
     pub effect: String,
@@ -73,27 +76,27 @@ pub struct EffectChange {
 
 /// Two models of one robot, held against each other.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
     /// Name of the robot.
     pub robot: String,
     /// Link on the ground.
     pub support: String,
-    /// Whether both files are of the same URDF.
+    /// Whether both are of the same URDF.
     pub same_urdf: bool,
-    /// Noise of a reading in the two, m.
+    /// Noise of a reading, m.
     pub noise_floor: [Option<f64>; 2],
-    /// Whether both were identified from the same data, by their hashes.
+    /// Whether both are of the same data.
     pub same_data: bool,
     /// Effects of either.
     pub effects: Vec<EffectChange>,
     /// Base parameters of either, m.
     pub parameters: Vec<Difference>,
-    /// Directions of the base parameters that both determine.
+    /// Base directions that both determine.
     pub directions: usize,
     /// Σ z² over them.
     pub chi2: f64,
-    /// Chance of a difference of the base parameters like this one where nothing changed;
-    /// none where no direction has deviations.
+    /// Chance of such a difference where nothing changed; none where no direction has deviations.
     pub chance: Option<f64>,
     /// Whether anything differs by more than chance.
     pub changed: bool,

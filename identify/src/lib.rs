@@ -23,9 +23,6 @@
 //! tests; it stays out of the documentation and may change in any release.
 
 #![forbid(unsafe_code)]
-// The rooms whose signatures hold matrices are public with the feature `nalgebra` alone; what
-// only our tests and studies ask of them is then used by nobody.
-#![cfg_attr(not(feature = "nalgebra"), allow(dead_code))]
 
 pub mod compare;
 pub mod diagnose;
@@ -39,17 +36,11 @@ pub mod health;
 #[doc(hidden)]
 pub mod hide;
 pub mod logs;
-#[cfg(feature = "nalgebra")]
 #[doc(hidden)]
 pub mod lsq;
-#[cfg(not(feature = "nalgebra"))]
-mod lsq;
 pub mod next_steps;
-#[cfg(feature = "nalgebra")]
 #[doc(hidden)]
 pub mod observations;
-#[cfg(not(feature = "nalgebra"))]
-mod observations;
 pub mod plan;
 mod poses;
 pub mod predict;

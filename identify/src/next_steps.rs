@@ -1,160 +1,139 @@
-//! What to do next, said once: console, pages and JSON print the same list.
+//! What to do next, as data: front ends put it into sentences, and name the command or the call
+//! that does it.
 
-use serde::Serialize;
-
-/// Something to do next.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[non_exhaustive]
-pub struct NextStep {
-    /// What to do, without a full stop.
-    pub what: String,
-    /// What it is good for, without a capital and a full stop.
-    pub why: String,
-    /// The command line that does it, in which words in capitals stand for files that are still to
-    /// come, or that the caller has not named; none where no command does it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub command: Option<String>,
-    /// The file that the command writes; who has asked for it needs no such step.
-    #[serde(skip)]
-    pub makes: Option<Output>,
-}
-
-/// Files that a step writes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Output {
-    /// A model file.
-    Model,
-    /// A page.
-    Page,
-    /// Postures to take next.
-    Postures,
-}
-
-/// What the caller would type to do the same again: next steps have it in their command lines.
+/// Something to do next. It may get further variants: a front end words each of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct CommandLine {
-    /// The URDF; `URDF` unless given.
-    pub urdf: String,
-    /// The log; `LOG` unless given.
-    pub log: String,
-    /// Words of options that the next command takes, too, such as `--support`, `r_sole`; none
-    /// unless given.
-    pub options: Vec<String>,
+pub enum NextStep {
+    /// Repair what is wrong with the data, and record the log again.
+    Repair,
+    /// Choose postures to record on this support link.
+    Plan {
+        /// The link on the ground.
+        support: String,
+    },
+    /// Record a row in each of the planned postures.
+    Record {
+        /// Names of the columns of joint positions.
+        joints: Vec<String>,
+        /// Whether some of them are revolute, rad.
+        revolute: bool,
+        /// Whether some of them are prismatic, m.
+        prismatic: bool,
+        /// The link on the ground.
+        support: String,
+    },
+    /// Fit a log on this support link; the log's own where none is given.
+    Fit {
+        /// The link on the ground.
+        support: Option<String>,
+    },
+    /// Diagnose the log: a fit leaves more than noise.
+    Diagnose,
+    /// Reach postures once more: nothing else tells what visits of one posture differ by.
+    Repeat {
+        /// Their numbers in the log.
+        poses: Vec<i64>,
+    },
+    /// Make the proposed change in one place, then record and diagnose a new log.
+    Change,
+    /// Keep the corrected model in a file.
+    KeepModel,
+    /// Write the postures of the experiment that tells explanations apart.
+    WritePostures {
+        /// The experiment, as a phrase.
+        experiment: String,
+    },
+    /// Take the postures that were written, and diagnose their log with the first.
+    TakePostures {
+        /// The experiment, as a phrase.
+        experiment: String,
+        /// The file of the postures.
+        file: String,
+    },
+    /// Look which explanation holds: no experiment tells them apart.
+    LookAtRobot,
+    /// Give the tolerances of masses that are known better.
+    GivePrior,
+    /// Keep the log, and compare a later one with it.
+    CompareLater,
+    /// Record larger ranges of joints: of this one first.
+    WidenRange {
+        /// The joint.
+        joint: String,
+        /// Its smallest detectable offset, with the unit.
+        detectable: String,
+    },
+    /// Look at the page of the diagnosis.
+    LookAtPage,
+    /// Check that both soles lie flat on one floor.
+    CheckSoles,
+    /// Check a joint whose gravity moment the gap goes with.
+    CheckLoad {
+        /// The joint.
+        joint: String,
+    },
+    /// Check a joint whose position the gap goes with.
+    CheckJoint {
+        /// The joint.
+        joint: String,
+    },
+    /// Check what changed while the log was recorded.
+    CheckRecording,
+    /// Check the edges of the sole, and what touches the ground beside it.
+    CheckContact,
+    /// Compare lengths and axes of the URDF with the robot.
+    CheckLengths,
+    /// Record the log once more.
+    RecordAgain,
+    /// Generate functions as source code.
+    Generate {
+        /// The link on the ground, where the model file does not say it.
+        support: Option<String>,
+        /// The model file, or what the caller calls it.
+        model: Option<String>,
+        /// Why just these.
+        of: Functions,
+    },
+    /// Compare the generated functions with the reference.
+    Verify {
+        /// The link on the ground.
+        support: String,
+        /// The model file whose effects they have.
+        model: Option<String>,
+    },
+    /// Compare them once more, without snapped right angles.
+    VerifyUnsnapped {
+        /// The link on the ground.
+        support: String,
+        /// The model file whose effects they have.
+        model: Option<String>,
+    },
+    /// Nothing changed: go on with the earlier of two models.
+    GoOn {
+        /// What the caller calls it.
+        model: String,
+    },
+    /// Check an effect that changed.
+    CheckChanged {
+        /// Its name.
+        effect: String,
+        /// What it acts on; `-` where it acts on the whole.
+        target: String,
+    },
+    /// Diagnose the later of two logs.
+    DiagnoseLater {
+        /// The log.
+        log: String,
+    },
 }
 
-impl Default for CommandLine {
-    fn default() -> CommandLine {
-        CommandLine {
-            urdf: "URDF".to_string(),
-            log: "LOG".to_string(),
-            options: Vec::new(),
-        }
-    }
-}
-
-impl CommandLine {
-    /// `sesc diagnose op2.urdf --support r_sole --data log.csv --out model.toml`, where `command`
-    /// is `diagnose` and `more` is `--out model.toml`.
-    pub(crate) fn of(&self, command: &str, more: &str) -> String {
-        let mut line = format!("sesc {command} {}", quoted(&self.urdf));
-        line = format!("{line}{} --data {}", self.typed(), quoted(&self.log));
-        match more {
-            "" => line,
-            more => format!("{line} {more}"),
-        }
-    }
-
-    /// `sesc compare log.csv LATER_LOG --urdf op2.urdf --support r_sole`
-    pub(crate) fn compared(&self) -> String {
-        let [log, urdf] = [&self.log, &self.urdf].map(|word| quoted(word));
-        format!("sesc compare {log} LATER_LOG --urdf {urdf}{}", self.typed())
-    }
-
-    /// The options, a blank before each.
-    fn typed(&self) -> String {
-        let words = self.options.iter().map(|word| format!(" {}", quoted(word)));
-        words.collect()
-    }
-
-    /// The same without an option that takes a value, which the next command gives otherwise.
-    pub(crate) fn without(&self, option: &str) -> CommandLine {
-        let mut line = self.clone();
-        let joined = format!("{option}=");
-        line.options.retain(|word| !word.starts_with(&joined));
-        while let Some(at) = line.options.iter().position(|word| word == option) {
-            let end = (at + 2).min(line.options.len());
-            line.options.drain(at..end);
-        }
-        line
-    }
-}
-
-/// A word as a shell takes it.
-///
-/// ```
-/// assert_eq!(sesc_identify::next_steps::quoted("my log.csv"), "'my log.csv'");
-/// ```
-#[doc(hidden)]
-pub fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@".contains(c);
-    match word.chars().all(plain) && !word.is_empty() {
-        true => word.to_string(),
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    }
-}
-
-impl NextStep {
-    /// Something that is done by hand.
-    pub fn by_hand(what: impl Into<String>, why: impl Into<String>) -> NextStep {
-        NextStep {
-            what: what.into(),
-            why: why.into(),
-            command: None,
-            makes: None,
-        }
-    }
-
-    /// Something that a command line does: these words behind `sesc`.
-    ///
-    /// ```
-    /// use sesc_identify::next_steps::NextStep;
-    ///
-    /// let step = NextStep::of_command("Fit the log", "it gives the parameters", &["fit", "a b.urdf"]);
-    /// assert_eq!(step.command.as_deref(), Some("sesc fit 'a b.urdf'"));
-    /// ```
-    pub fn of_command(what: impl Into<String>, why: impl Into<String>, words: &[&str]) -> NextStep {
-        let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
-        NextStep::by_hand(what, why).by(format!("sesc {}", words.join(" ")))
-    }
-
-    /// What broken data leave to be done.
-    pub(crate) fn repair() -> NextStep {
-        NextStep::by_hand(
-            "Repair what is wrong with the data, and record the log again",
-            "nothing that is fitted to broken data is a result",
-        )
-    }
-
-    /// The same, done by this command line.
-    pub(crate) fn by(self, command: String) -> NextStep {
-        NextStep {
-            command: Some(command),
-            ..self
-        }
-    }
-
-    /// The same, which writes a file.
-    pub(crate) fn makes(self, output: Output) -> NextStep {
-        NextStep {
-            makes: Some(output),
-            ..self
-        }
-    }
-
-    /// Both in a sentence: what to do, and what it is good for.
-    pub fn sentence(&self) -> String {
-        format!("{}: {}.", self.what, self.why)
-    }
+/// Functions that are to be generated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Functions {
+    /// They agree with the reference.
+    Verified,
+    /// They predicted the rows of a log.
+    Predicted,
+    /// They are those of the later of two models.
+    Later,
 }

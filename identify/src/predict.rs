@@ -62,6 +62,7 @@ impl Request {
 
 /// Predictions, one entry per row of the log.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Predictions {
     /// The row's pose.

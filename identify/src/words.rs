@@ -50,8 +50,6 @@ pub enum Setting {
     Range,
     /// Loss of a fit that trusts outliers less.
     Robust,
-    /// Postures that are compared.
-    Samples,
     /// Rows of stays alone.
     Settle,
     /// Safety margin of the CoP in standard deviations.
@@ -66,8 +64,6 @@ pub enum Setting {
     TotalMass,
     /// The robot of its type that logs are of.
     Unit,
-    /// Days of a fleet that are put together.
-    Window,
 }
 
 impl Setting {
@@ -94,7 +90,6 @@ impl Setting {
             Setting::Prior => "prior",
             Setting::Range => "range",
             Setting::Robust => "robust",
-            Setting::Samples => "samples",
             Setting::Settle => "settle",
             Setting::Sigmas => "sigmas",
             Setting::Snapping => "snapping",
@@ -102,7 +97,6 @@ impl Setting {
             Setting::Support => "support",
             Setting::TotalMass => "total_mass",
             Setting::Unit => "unit",
-            Setting::Window => "window",
         }
     }
 }

@@ -100,7 +100,7 @@ pub mod wide;
 
 pub use error::{Error, ErrorKind};
 #[doc(hidden)]
-pub use functions::{differentiate_com, motion_parts, motion_rows};
+pub use functions::{motion_parts, motion_rows};
 pub use interface::{Extent, Function, Given, Interface};
 pub use model::{DataUsed, EffectRecord, Information, Model, ModelFile, Parameter, Quantity};
 #[doc(hidden)]

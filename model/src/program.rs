@@ -47,6 +47,7 @@ pub enum Shape {
 /// Operations that only form the argument of a sine and cosine (a constant in
 /// the angle, a mimic's multiplier) belong to it and are counted as `angle`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Counts {
     /// Multiplications.
     pub mul: usize,

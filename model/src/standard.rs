@@ -8,16 +8,13 @@
 //! linear in θ by lengths of the URDF alone, so tolerances of CAD carry over to
 //! them, and parameters seen from two supports are affine in each other.
 
-#[cfg(feature = "nalgebra")]
-use nalgebra::DVector;
-use nalgebra::{DMatrix, DMatrixViewMut};
+use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 
 use crate::robot::Robot;
 
 /// Entries of θ per link: mass fraction, then first moment x, y, z.
 pub const PER_LINK: usize = 4;
 
-#[cfg(feature = "nalgebra")]
 impl Robot {
     /// W: base parameters × 4 per link of [`crate::tree::Tree::links`].
     ///
@@ -64,11 +61,6 @@ impl Robot {
         map
     }
 
-    /// The four columns of W that belong to one link.
-    pub fn standard_map_of(&self, link: usize) -> DMatrix<f64> {
-        self.columns_of(link)
-    }
-
     /// Base parameters of `self` from those of the same robot on another support:
     /// `r = matrix · r_other + offset`, by lengths of the URDF alone.
     ///
@@ -94,11 +86,9 @@ impl Robot {
             offset: sums.column(rows - 1).into_owned(),
         }
     }
-}
 
-impl Robot {
     /// The four columns of W that belong to one link.
-    pub(crate) fn columns_of(&self, link: usize) -> DMatrix<f64> {
+    pub fn standard_map_of(&self, link: usize) -> DMatrix<f64> {
         let mut full = DMatrix::zeros(self.chain.full_params, PER_LINK);
         self.add_full_of_link(link, &mut full.columns_mut(0, PER_LINK));
         let mut map = DMatrix::zeros(self.base.params.len(), PER_LINK);
@@ -139,7 +129,6 @@ impl Robot {
 }
 
 /// How base parameters change with the support: `r = matrix · r_other + offset`.
-#[cfg(feature = "nalgebra")]
 #[derive(Debug, Clone)]
 pub struct Shift {
     /// Base parameters of one support in terms of those of the other.

@@ -96,12 +96,13 @@ impl Dof {
 
 /// A right angle that was made exact.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Snap {
     /// Name of the joint.
     pub joint: String,
     /// Between the written and the exact rotation, rad.
     pub angle_error: f64,
-    /// Largest shift of the robot's CoM that this can cause, m.
+    /// Largest CoM error, m.
     pub com_error: f64,
 }
 

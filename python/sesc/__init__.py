@@ -29,12 +29,11 @@ from ._errors import (
     UrdfError,
 )
 from ._fit import CorrectedUrdf, Fit, Parameter, fit
-from ._health import Finding
+from ._found import Finding
 from ._log import Log
-from ._model import Model
+from ._model import Model, Robot
 from ._part import Part, gather
 from ._postures import Plan, Postures, plan, predict, simulate
-from ._robot import Robot
 from ._sesc import OP2_URDF, __version__
 
 if TYPE_CHECKING:

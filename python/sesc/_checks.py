@@ -10,10 +10,9 @@ from . import _run, _sesc
 from ._diagnose import Diagnosis
 from ._errors import FitError, ModelFileError, check_first
 from ._fit import Fit
-from ._model import Model
-from ._robot import Robot
+from ._found import Found
+from ._model import Model, Robot
 from ._run import Progress
-from ._wording import found_in_python, in_python, page_in_python
 
 __all__ = ["Comparison", "Effect", "Verification", "compare", "effects", "verify"]
 
@@ -74,27 +73,7 @@ def effects() -> dict[str, Effect]:
     return found
 
 
-class _Found:
-    """A result with the keys of the command's JSON."""
-
-    def __init__(self, state: dict[str, Any]) -> None:
-        self._state = state
-        self._found = found_in_python(state["json"])
-
-    def to_dict(self) -> dict[str, Any]:
-        """What the command prints with ``--json``, key by key; next steps are calls.
-
-        Example:
-            >>> sesc.compare(fit, fit).to_dict()["changed"]
-            False
-        """
-        return found_in_python(self._state["json"])
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._state,)
-
-
-class Comparison(_Found):
+class Comparison(Found):
     """Two models of one robot, held against each other. ``str(found)`` is what ``sesc compare``
     prints, with calls for command lines.
 
@@ -186,7 +165,7 @@ class Comparison(_Found):
         return framed(self._state["page"])
 
 
-class Verification(_Found):
+class Verification(Found):
     """What a comparison of the functions with the independent reference found; true where every
     difference is within its bound.
 
@@ -281,7 +260,7 @@ def compare(before: Identified, after: Identified) -> Comparison:
     found, text, page = _sesc.compare_models(
         _given(before, "before"), _given(after, "after"), next(robots, None)
     )
-    return Comparison({"json": found, "text": in_python(text), "page": page_in_python(page)})
+    return Comparison({"json": found, "text": text, "page": page})
 
 
 def _robot_of(model: Identified) -> Robot | None:

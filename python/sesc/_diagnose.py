@@ -11,12 +11,10 @@ import numpy as np
 from . import _run, _sesc
 from ._errors import FitError, check_first
 from ._fit import CorrectedUrdf
-from ._health import Finding
-from ._model import Model, restored
+from ._found import FoundInLogs
+from ._model import Model, Robot, restored
 from ._postures import Postures
-from ._robot import Robot
 from ._run import Progress
-from ._wording import found_in_python, in_python, page_in_python
 
 __all__ = ["Diagnosis", "Quantity", "Step", "diagnose"]
 
@@ -88,7 +86,7 @@ class Step(NamedTuple):
         return table(f"{self.effect}:{self.target}. {self.sentence}", ("parameter", "value", "std"), rows)
 
 
-class Diagnosis:
+class Diagnosis(FoundInLogs):
     """What a diagnosis found. ``str(found)`` is what ``sesc diagnose`` prints, with calls for
     command lines, a notebook shows its report. Every key of the command's JSON is an attribute too: ``found.noise_floor``.
 
@@ -96,10 +94,6 @@ class Diagnosis:
         >>> found.noise_floor == found.to_dict()["noise_floor"]
         True
     """
-
-    def __init__(self, state: dict[str, Any]) -> None:
-        self._state = state
-        self._found = found_in_python(state["json"])
 
     @property
     def verdict(self) -> str:
@@ -145,36 +139,6 @@ class Diagnosis:
             True
         """
         return [list(one) for one in self._found["indistinguishable"]]
-
-    @property
-    def health(self) -> list[Finding]:
-        """What is wrong with the data themselves.
-
-        Example:
-            >>> isinstance(found.health, list)
-            True
-        """
-        return [Finding(f["kind"], f["target"], f["sentence"]) for f in self._found["health"]]
-
-    @property
-    def warnings(self) -> list[str]:
-        """What was odd about the log, a sentence each.
-
-        Example:
-            >>> isinstance(found.warnings, list)
-            True
-        """
-        return list(self._state["warnings"])
-
-    @property
-    def notes(self) -> list[str]:
-        """What is to be known of the robot, a sentence each.
-
-        Example:
-            >>> isinstance(found.notes, list)
-            True
-        """
-        return list(self._state["notes"])
 
     @cached_property
     def model(self) -> Model:
@@ -268,30 +232,9 @@ class Diagnosis:
         text, left_out = _sesc.correct_urdf(state["robot"], state["model_file"], prior, total_mass)
         return CorrectedUrdf(text, [*left_out, *of_the_log])
 
-    def to_dict(self) -> dict[str, Any]:
-        """What ``sesc diagnose --json`` prints, key by key; commands of next steps are calls.
-
-        Example:
-            >>> found.to_dict()["support"]
-            'foot'
-        """
-        return found_in_python(self._state["json"])
-
     def _check_usable(self) -> None:
         if self.verdict == "unusable":
             raise FitError(f"the data cannot be used: {self.sentence}")
-
-    def __getattr__(self, name: str) -> Any:
-        found = self.__dict__.get("_found", {})
-        if name in found:
-            return found[name]
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-
-    def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *self._found})
-
-    def __str__(self) -> str:
-        return str(self._state["text"])
 
     def __repr__(self) -> str:
         effects = ", ".join(f"{step.effect}:{step.target}" for step in self.steps) or "no effect"
@@ -301,9 +244,6 @@ class Diagnosis:
         from ._html import framed
 
         return framed(self._state["page"])
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Diagnosis, (self._state,)
 
 
 def diagnose(
@@ -386,8 +326,8 @@ def diagnose(
     first._robot = first._robot or robot
     state = {
         "json": report.json(),
-        "text": in_python(report.text()),
-        "page": page_in_python(report.page()),
+        "text": report.text(),
+        "page": report.page(),
         "model_file": report.model_file(),
         "robot": robot,
         "prior": os.fspath(prior),

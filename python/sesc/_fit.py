@@ -11,13 +11,11 @@ from typing import Any, NamedTuple
 from . import _run, _sesc
 from ._arrays import Float64
 from ._errors import FitError, check_first
-from ._health import Finding
+from ._found import FoundInLogs
 from ._log import Log
-from ._model import Model, restored
+from ._model import Model, Robot, restored
 from ._part import Part, options_of
-from ._robot import Robot
 from ._run import Progress
-from ._wording import found_in_python, in_python, page_in_python
 
 __all__ = ["CorrectedUrdf", "Fit", "Parameter", "fit"]
 
@@ -119,7 +117,7 @@ class CorrectedUrdf(NamedTuple):
         return f"<sesc.CorrectedUrdf: {len(self.text)} characters, {len(self.left_out)} left out>"
 
 
-class Fit:
+class Fit(FoundInLogs):
     """What a fit found. ``str(fit)`` is what ``sesc fit`` prints, with calls for command
     lines, a notebook shows its report.
 
@@ -131,9 +129,8 @@ class Fit:
     """
 
     def __init__(self, state: dict[str, Any], report: _sesc.FitReport | None = None) -> None:
-        self._state = state
+        super().__init__(state)
         self._report = report
-        self._found = found_in_python(state["json"])
 
     @cached_property
     def parameters(self) -> dict[str, Parameter]:
@@ -205,36 +202,6 @@ class Fit:
         """
         return [direction["sentence"] for direction in self._found["unobservable"]]
 
-    @property
-    def health(self) -> list[Finding]:
-        """What is wrong with the logs themselves.
-
-        Example:
-            >>> isinstance(fit.health, list)
-            True
-        """
-        return [Finding(f["kind"], f["target"], f["sentence"]) for f in self._found["health"]]
-
-    @property
-    def warnings(self) -> list[str]:
-        """What should be known before the result is used, a sentence each.
-
-        Example:
-            >>> isinstance(fit.warnings, list)
-            True
-        """
-        return [*self._found["warnings"], *self._state["warnings"]]
-
-    @property
-    def notes(self) -> list[str]:
-        """What is to be known of the robot, a sentence each.
-
-        Example:
-            >>> isinstance(fit.notes, list)
-            True
-        """
-        return list(self._state["notes"])
-
     @cached_property
     def model(self) -> Model:
         """The robot with the identified parameters.
@@ -296,18 +263,9 @@ class Fit:
         text = _sesc.correct_fit(state["robot"], self._found["support"], *known, state["prior"], total_mass)
         return CorrectedUrdf(text, [])
 
-    def to_dict(self) -> dict[str, Any]:
-        """What ``sesc fit --json`` prints, key by key; commands of next steps are calls.
-
-        Example:
-            >>> fit.to_dict()["support"]
-            'foot'
-        """
-        return found_in_python(self._state["json"])
-
     def _page(self) -> str:
         if self._report is not None:
-            return page_in_python(self._report.page("sesc.fit(…)", None))
+            return self._report.page("sesc.fit(…)", None)
         page: str = self._state["page"]
         return page
 
@@ -317,18 +275,6 @@ class Fit:
             return self._report.masses()
         masses: list[float] | None = self._state["masses"]
         return masses
-
-    def __getattr__(self, name: str) -> Any:
-        found = self.__dict__.get("_found", {})
-        if name in found:
-            return found[name]
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-
-    def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *self._found})
-
-    def __str__(self) -> str:
-        return str(self._state["text"])
 
     def __repr__(self) -> str:
         return (
@@ -429,7 +375,7 @@ def fit(
     urdf, file, snap = report.robot
     state = {
         "json": report.json(),
-        "text": in_python(report.text()),
+        "text": report.text(),
         "params": report.params(),
         "covariance": report.covariance(),
         "model_file": report.model_file(),

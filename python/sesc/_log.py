@@ -13,10 +13,10 @@ import numpy as np
 from . import _arrow, _sesc
 from ._arrays import Float64, unmasked
 from ._errors import ArgumentTypeError, LogError
-from ._health import Finding
+from ._found import Finding
 
 if TYPE_CHECKING:
-    from ._robot import Robot
+    from ._model import Robot
 
 __all__ = ["Log"]
 

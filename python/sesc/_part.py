@@ -8,8 +8,8 @@ from typing import Any
 
 from . import _run, _sesc
 from ._errors import PartError, check_first, unreadable
-from ._health import Finding
-from ._robot import Robot
+from ._found import Finding
+from ._model import Robot
 from ._run import Progress
 
 __all__ = ["Part", "gather", "options_of"]
@@ -128,16 +128,14 @@ class Part:
         return self._inner.unit
 
     @property
-    def options(self) -> dict[str, Any] | None:
-        """The options that shaped the sums: ``motion``, ``stays``, ``robust``; None of a part that
-        an earlier version wrote.
+    def options(self) -> dict[str, Any]:
+        """The options that shaped the sums: ``motion``, ``stays``, ``robust``.
 
         Example:
             >>> part.options["motion"]
             'auto'
         """
-        text = self._inner.options
-        return None if text is None else dict(json.loads(text))
+        return dict(json.loads(self._inner.options))
 
     @property
     def logs(self) -> list[dict[str, Any]]:

@@ -11,11 +11,10 @@ import numpy as np
 from . import _run, _sesc
 from ._arrays import Float64, array_of, positions
 from ._errors import LogError, PlanError, check_first
+from ._found import Found
 from ._log import Log
-from ._model import Model
-from ._robot import Robot
+from ._model import Model, Robot
 from ._run import Progress
-from ._wording import found_in_python, in_python, page_in_python
 
 __all__ = ["Plan", "Postures", "plan", "predict", "simulate"]
 
@@ -137,7 +136,7 @@ class Postures:
         return pictures(drawn, 112) + table(repr(self)[1:-1], tuple(self.joints), rows)
 
 
-class Plan(Postures):
+class Plan(Found, Postures):
     """Postures that tell most about the parameters. ``str(plan)`` is what ``sesc plan`` prints,
     with calls for command lines.
 
@@ -151,9 +150,8 @@ class Plan(Postures):
     _first = 1
 
     def __init__(self, model: Model, q: Float64, state: dict[str, Any]) -> None:
-        super().__init__(model, q)
-        self._state = state
-        self._found = found_in_python(state["json"])
+        Postures.__init__(self, model, q)
+        Found.__init__(self, state)
 
     def _again(self) -> list[int]:
         again = self._found["revisits"]
@@ -176,21 +174,6 @@ class Plan(Postures):
             True
         """
         _run.written(path, self._state["page"])
-
-    def to_dict(self) -> dict[str, Any]:
-        """What ``sesc plan --json`` prints, key by key; commands of next steps are calls.
-
-        Example:
-            >>> plan.to_dict()["poses"]
-            5
-        """
-        return found_in_python(self._state["json"])
-
-    def __getattr__(self, name: str) -> Any:
-        found = self.__dict__.get("_found", {})
-        if name in found:
-            return found[name]
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __str__(self) -> str:
         return str(self._state["text"])
@@ -298,8 +281,7 @@ def plan(
         found = _sesc.plan_postures(robot, standing, log, options, _run.shown(progress))
     finally:
         _run.ended(progress)
-    page = page_in_python(found.page("plan", "sesc.plan(…)"))
-    state = {"json": found.json(), "text": in_python(found.text()), "page": page}
+    state = {"json": found.json(), "text": found.text(), "page": found.page("plan", "sesc.plan(…)")}
     return Plan(standing, found.q(), state)
 
 

@@ -17,7 +17,6 @@ __all__ = [
     "Part",
     "PlanReport",
     "Robot",
-    "Stop",
     "Unusable",
     "__version__",
     "arrow_columns",
@@ -214,7 +213,7 @@ class Part:
     @property
     def unit(self) -> str | None: ...
     @property
-    def options(self) -> str | None: ...
+    def options(self) -> str: ...
     @property
     def logs(self) -> list[tuple[str, str, int]]: ...
     @property
@@ -286,14 +285,6 @@ class PlanReport:
         """Joint positions, posture by posture."""
 
 @final
-class Stop:
-    """Stops the calls that it is given to, from any thread; where it travels, another one arrives."""
-
-    def __new__(cls) -> Self: ...
-    def set(self) -> None:
-        """Stop them."""
-
-@final
 class Unusable:
     """A column that holds neither numbers nor texts: it is in nobody's way until it is used."""
 
@@ -341,7 +332,7 @@ class FleetFound:
     ) -> FleetFound:
         """Work on all groups with the threads of this machine."""
     @staticmethod
-    def gathered(robot: Robot, options: str, done: list[str], disk: Any = None) -> FleetFound:
+    def gathered(robot: Robot, options: str, done: list[str]) -> FleetFound:
         """Put together what groups came to, in any order."""
     @staticmethod
     def unpacked(robot: Robot, options: str, packed: str) -> FleetFound:
@@ -362,15 +353,10 @@ class FleetFound:
         """The file of what is known of the next robot."""
 
 def fleet_groups(
-    data: list[str], table: list[tuple[str, dict[str, str]]], by: list[str], window: int | None = None
+    data: list[str], table: list[tuple[str, dict[str, str]]], by: list[str]
 ) -> list[str]: ...
 def fleet_work(
-    robot: Robot,
-    options: str,
-    group: str,
-    store: str | None = None,
-    disk: Any = None,
-    stop: Stop | None = None,
+    robot: Robot, options: str, group: str, store: str | None = None, show: _Show = None
 ) -> str: ...
 def plan_postures(
     robot: Robot, model: Model, data: Log | None, options: dict[str, Any], show: _Show = None

@@ -9,9 +9,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
-use pyo3::types::PyType;
 use sesc_identify::{Message, Progress, Watch};
 
 use crate::errors::{Failure, keyword};
@@ -82,36 +80,6 @@ impl Signals {
     }
 }
 
-/// Stops the calls that it is given to, from any thread; where it travels, another one arrives.
-#[pyclass(frozen, module = "sesc._sesc")]
-#[derive(Default)]
-pub struct Stop(Arc<AtomicBool>);
-
-impl Stop {
-    /// Whether calls are to end, now and later.
-    pub fn flag(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.0)
-    }
-}
-
-#[pymethods]
-impl Stop {
-    #[new]
-    fn new() -> Stop {
-        Stop::default()
-    }
-
-    /// Stop them.
-    fn set(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// How it travels.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, ()) {
-        (slf.get_type(), ())
-    }
-}
-
 /// What the thread of a long call and the thread that waits for it share.
 #[derive(Default)]
 struct Shared {
@@ -160,17 +128,6 @@ pub fn watched<T: Send + 'static>(
     stopped: Stopped,
     call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
 ) -> PyResult<(T, Vec<String>)> {
-    watched_until(py, show, stopped, &AtomicBool::new(false), call)
-}
-
-/// The same until `stop` is set by another thread: one that is not the main one sees no signal.
-pub fn watched_until<T: Send + 'static>(
-    py: Python<'_>,
-    show: Option<Py<PyAny>>,
-    stopped: Stopped,
-    stop: &AtomicBool,
-    call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
-) -> PyResult<(T, Vec<String>)> {
     let shared = Arc::new(Shared::default());
     let (send, receive) = mpsc::channel();
     // A receiver is of one thread; a lock lets another wait with it.
@@ -202,9 +159,6 @@ pub fn watched_until<T: Send + 'static>(
             }
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(Failure::internal("a thread ended early").raise(py));
-            }
-            Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => {
-                Err(PyKeyboardInterrupt::new_err("the call was stopped"))
             }
             Err(RecvTimeoutError::Timeout) => look(py, show.as_ref(), &shared),
         };

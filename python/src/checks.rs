@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use sesc::report::compare::{page, text};
-use sesc::report::next_steps;
+use sesc::report::next_steps::{self, WithSteps};
 use sesc::verify;
 use sesc_identify::compare;
-use sesc_identify::next_steps::CommandLine;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
@@ -15,8 +14,9 @@ use sesc_model::effects::about::about;
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};
-use crate::model::{Model, WithSteps, json};
+use crate::model::{Model, json};
 use crate::robot::Robot;
+use crate::steps;
 
 /// What `sesc verify --json` prints of the functions of a model, and the unit of each.
 #[pyfunction]
@@ -34,12 +34,11 @@ pub fn verify_model(
         let samples = samples.unwrap_or_else(|| verify::samples(model.dof()));
         let found = verify::verify(&robot, &model, samples, seed, watch);
         let found = found.map_err(|error| Failure::of_command(error, Doing::ModelFile))?;
-        let file = model.file.as_ref().map(|_| "model.toml");
-        let urdf = CommandLine::default().urdf;
-        let step = next_steps::of_verification(&urdf, model.support(), file, found.pass);
+        let file = model.file.as_ref().map(|_| "model.toml".to_string());
+        let step = next_steps::of_verification(model.support(), file, found.pass);
         let printed = json(&WithSteps {
             found: &found,
-            next_steps: &[step],
+            next_steps: &steps::worded([&step], steps::text),
         })?;
         Ok((printed, found.units.into_iter().collect()))
     })?;
@@ -61,6 +60,15 @@ pub fn compare_models(
 ) -> PyResult<(String, String, String)> {
     let robot = robot.as_deref();
     detached(py, || {
+        // Objects are expressions, files are texts.
+        let is_object = |name: &str| {
+            let mut given = [&before, &after].into_iter();
+            given.any(|(text, _, own)| text.is_some() && own == name)
+        };
+        let named = |model: &str| match is_object(model) {
+            true => model.to_string(),
+            false => steps::text(model),
+        };
         let read = |(text, path, _): &Given| {
             let file = match text {
                 Some(text) => ModelFile::parse(text, &path.display().to_string()),
@@ -68,8 +76,8 @@ pub fn compare_models(
             };
             file.map_err(|error| Failure::of_model(error, Doing::ModelFile))
         };
-        let (names, [before, after]) = ([&before.2, &after.2], [read(&before)?, read(&after)?]);
-        let found = compare::compare(&before, &after);
+        let (first, second) = (read(&before)?, read(&after)?);
+        let found = compare::compare(&first, &second);
         let found = found.map_err(|error| Failure::of(&error, Doing::ModelFile))?;
         let drawn = robot.map(|robot| {
             let model = robot.inner.model(&found.support, robot.snapping, None);
@@ -78,12 +86,12 @@ pub fn compare_models(
             Ok(Skeleton::of(&model, description, folder))
         });
         let drawn = drawn.transpose()?;
-        let mut line = CommandLine::default();
-        line.options = vec!["--support".to_string(), found.support.clone()];
-        let steps = next_steps::of_comparison(&found, names.map(String::as_str), &line, false);
+        let (names, support) = ([&*before.2, &*after.2], Some(found.support.clone()));
+        let steps = next_steps::of_comparison(&found, names, support, false);
+        let steps = steps::worded(&steps, named);
         let page = page(
             &found,
-            [&before, &after],
+            [&first, &second],
             &steps,
             drawn.as_ref(),
             "sesc.compare(…)",
@@ -93,8 +101,8 @@ pub fn compare_models(
             found: &found,
             next_steps: &steps,
         })?;
-        let text = text(&found, &before.file, &after.file);
-        let text = format!("{text}\n{}", next_steps::text(&steps, &[]));
+        let text = text(&found, &first.file, &second.file);
+        let text = format!("{text}\n{}", next_steps::text(&steps));
         Ok((printed, text, page))
     })
 }

@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use sesc::report::diagnose::{Asked, page, text};
+use sesc::report::diagnose::{DiagnoseReport, page, text};
 use sesc_identify::Error;
 use sesc_identify::diagnose::{self, Request, Verdict, corrected_urdf};
 use sesc_identify::files::NewFile;
 use sesc_identify::fit::prior::PriorChoice;
 use sesc_identify::logs::Recording;
+use sesc_identify::next_steps::NextStep;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
 
@@ -19,6 +20,7 @@ use crate::log::Log;
 use crate::model::json;
 use crate::options::{angles, motion, stays, taken};
 use crate::robot::Robot;
+use crate::steps;
 
 /// Keywords of a diagnosis, all of them given.
 #[derive(FromPyObject)]
@@ -101,27 +103,42 @@ pub fn diagnose_log(
     Ok(DiagnosisReport { report, warnings })
 }
 
+impl DiagnosisReport {
+    /// Call `show` with the report, its next steps being those that `keep` keeps.
+    fn shown<T>(
+        &self,
+        keep: impl Fn(&&NextStep) -> bool,
+        show: impl FnOnce(&DiagnoseReport<'_>) -> T,
+    ) -> T {
+        let all = self.report.diagnosis.next_steps();
+        show(&DiagnoseReport {
+            found: &self.report.diagnosis,
+            next_steps: &steps::worded(all.iter().filter(keep), steps::text),
+            model_use: None,
+        })
+    }
+}
+
 #[pymethods]
 impl DiagnosisReport {
     /// What `sesc diagnose --json` prints.
     fn json(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || json(&self.report.diagnosis))
+        detached(py, || self.shown(|_| true, |report| json(report)))
     }
 
     /// What `sesc diagnose` prints.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        let asked = Asked {
-            model: true,
-            next: true,
-            page: true,
-        };
-        detached(py, || Ok(text(&self.report.diagnosis, asked)))
+        detached(py, || Ok(self.shown(|_| true, text)))
     }
 
     /// The page of `sesc diagnose --report`.
     fn page(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || match &self.report.view {
-            Some(view) => page(&self.report.diagnosis, view, &self.report.model_file, "")
+            Some(view) => self
+                .shown(
+                    |step| !matches!(step, NextStep::LookAtPage),
+                    |report| page(report, view, &self.report.model_file, ""),
+                )
                 .map_err(|error| Failure::internal(error.to_string())),
             None => Ok(String::new()),
         })

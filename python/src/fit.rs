@@ -5,6 +5,7 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use sesc::report::fit::{FitReport as Printed, Shown, Unusable, corrections, page, text};
+use sesc::report::next_steps::Worded;
 use sesc_identify::fit::corrected::corrected_of;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::{self, Request};
@@ -16,6 +17,7 @@ use crate::model::json;
 use crate::options::{FitOptions, taken};
 use crate::part::Part;
 use crate::robot::Robot;
+use crate::steps;
 
 /// What a fit found, with what is needed to make files of it.
 #[pyclass(frozen, module = "sesc._sesc")]
@@ -27,6 +29,10 @@ pub struct FitReport {
 impl FitReport {
     fn report(&self) -> &fit::Report {
         &self.inner.1
+    }
+
+    fn next_steps(&self) -> Vec<Worded> {
+        steps::worded(&self.report().identification.next_steps(), steps::text)
     }
 }
 
@@ -65,9 +71,10 @@ impl FitReport {
     fn json(&self, py: Python<'_>) -> PyResult<String> {
         let found = &self.report().identification;
         detached(py, || match found.is_usable() {
-            false => json(&Unusable::of(found)),
+            false => json(&Unusable::new(found, &self.next_steps())),
             true => json(&Printed {
                 found,
+                next_steps: &self.next_steps(),
                 corrected: None,
                 shown: None,
             }),
@@ -76,7 +83,9 @@ impl FitReport {
 
     /// What `sesc fit` prints.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || Ok(text(&self.report().identification)))
+        detached(py, || {
+            Ok(text(&self.report().identification, &self.next_steps()))
+        })
     }
 
     /// Warnings about logs, as sentences.
@@ -162,6 +171,7 @@ impl FitReport {
             let shown = Shown::of(report, sample, command, None);
             let page = page(&Printed {
                 found,
+                next_steps: &steps::worded(&found.next_steps(), steps::text),
                 corrected: None,
                 shown: Some(&shown),
             });

@@ -29,6 +29,7 @@ mod part;
 mod postures;
 mod prepared;
 mod robot;
+mod steps;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -39,8 +40,6 @@ mod _sesc {
 
     #[pymodule_export]
     use super::arrow::{Unusable, arrow_columns};
-    #[pymodule_export]
-    use super::calls::Stop;
     #[pymodule_export]
     use super::checks::{compare_models, effects_about, verify_model};
     #[pymodule_export]

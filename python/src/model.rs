@@ -7,8 +7,8 @@ use numpy::{PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
 use serde::Serialize;
 use sesc::inspect::{inspect, notes};
-use sesc::report::next_steps;
-use sesc_identify::next_steps::{CommandLine, NextStep};
+use sesc::report::next_steps::{WithSteps, Worded};
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::robot;
 use sesc_model::{self as model, Function, ModelFile};
 
@@ -18,6 +18,7 @@ use crate::calls::{detached, guarded};
 use crate::errors::{Doing, Failure};
 use crate::prepared::{Functions, READING};
 use crate::robot::Robot;
+use crate::steps;
 
 /// An array-like of joint positions, velocities or accelerations.
 type In<'a, 'py> = &'a Bound<'py, PyAny>;
@@ -40,8 +41,9 @@ pub struct Model {
 
 impl Model {
     /// What comes before the first log.
-    fn next_step(&self) -> NextStep {
-        next_steps::of_inspection(&CommandLine::default().urdf, self.inner.support())
+    fn next_step(&self) -> Vec<Worded> {
+        let support = self.inner.support().to_string();
+        steps::worded([&NextStep::Plan { support }], steps::text)
     }
 
     /// A function of arrays of one shape: positions, and velocities and accelerations where
@@ -277,7 +279,7 @@ impl Model {
         detached(py, || {
             json(&WithSteps {
                 found: &inspect(&self.robot.description, &self.inner),
-                next_steps: &[self.next_step()],
+                next_steps: &self.next_step(),
             })
         })
     }
@@ -285,10 +287,8 @@ impl Model {
     /// What it says to do next.
     fn next_steps(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
-            json(&WithSteps {
-                found: &(),
-                next_steps: &[self.next_step()],
-            })
+            let text = serde_json::to_string(&self.next_step());
+            text.map_err(|error| Failure::internal(error.to_string()))
         })
     }
 
@@ -471,14 +471,6 @@ impl Model {
             threads,
         )
     }
-}
-
-/// A result of the command line with what to do next.
-#[derive(Serialize)]
-pub struct WithSteps<'a, T> {
-    #[serde(flatten)]
-    pub found: &'a T,
-    pub next_steps: &'a [NextStep],
 }
 
 /// A result as the command line prints it.

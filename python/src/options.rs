@@ -3,11 +3,11 @@
 
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
+use sesc_identify::fit::MotionModel;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::PriorChoice;
 use sesc_identify::fit::{Duplicates, Loss, Request};
 use sesc_identify::logs::{Angles, Stays};
-use sesc_identify::observations::motion_use::MotionModel;
 
 use crate::errors::{Doing, Failure};
 use crate::log::Log;

@@ -108,9 +108,8 @@ impl Part {
 
     /// The options that shaped the sums, as JSON.
     #[getter]
-    fn options(&self) -> PyResult<Option<String>> {
-        let options = self.inner.options.as_ref().map(serde_json::to_string);
-        let options = options.transpose();
+    fn options(&self) -> PyResult<String> {
+        let options = serde_json::to_string(&self.inner.options);
         options.map_err(|error| PyRuntimeError::new_err(error.to_string()))
     }
 

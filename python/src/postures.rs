@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use sesc::report;
+use sesc::report::{
+    self,
+    next_steps::{WithSteps, Worded},
+};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::hide::hide;
@@ -23,6 +26,7 @@ use crate::log::Log;
 use crate::model::{Model, json};
 use crate::options::{angles, motion, taken};
 use crate::robot::Robot;
+use crate::steps;
 
 /// Keywords of a plan, all of them given.
 #[derive(FromPyObject)]
@@ -111,22 +115,34 @@ pub fn plan_postures(
     Ok(plan?.0)
 }
 
+impl PlanReport {
+    fn next_steps(&self) -> Vec<Worded> {
+        steps::worded(&self.plan.next_steps(), steps::text)
+    }
+}
+
 #[pymethods]
 impl PlanReport {
     /// What `sesc plan --json` prints.
     fn json(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || json(&self.plan))
+        detached(py, || {
+            json(&WithSteps {
+                found: &self.plan,
+                next_steps: &self.next_steps(),
+            })
+        })
     }
 
     /// What `sesc plan` prints.
     fn text(&self) -> String {
-        report::plan::text(&self.plan)
+        report::plan::text(&self.plan, &self.next_steps())
     }
 
     /// The page of `sesc plan --report`.
     fn page(&self, py: Python<'_>, file: &str, command: &str) -> PyResult<String> {
         detached(py, || {
-            let page = report::plan::page(&self.plan, &self.skeleton, file, command);
+            let (plan, next) = (&self.plan, self.next_steps());
+            let page = report::plan::page(plan, &next, &self.skeleton, file, command);
             page.map_err(|error| Failure::internal(error.to_string()))
         })
     }

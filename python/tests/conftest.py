@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 import os
 import subprocess
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from importlib import import_module
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import sesc
-from sesc._wording import in_python
 
 #: A mass of 2 kg, 1 m above an ankle that is 0.1 m in front of the sole's origin.
 POLE = """<robot name='pole'><link name='foot'/><link name='top'><inertial><origin xyz='0 0 1'/>
@@ -67,14 +73,39 @@ def command_json(command: Any) -> Any:
 
 
 def worded(found: dict[str, Any]) -> dict[str, Any]:
-    """Without command lines of next steps, which say what was typed, and with the words of Python."""
-    steps = [
-        {**step, "why": in_python(step["why"]), "command": step.get("command") is not None}
-        for step in found.get("next_steps", [])
-    ]
+    """Without what does next steps: a command here, a call there."""
+    steps = [{**step, "command": step.get("command") is not None} for step in found.get("next_steps", [])]
     return {**found, "next_steps": steps}
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--engine", default="", help="engines of fleets: executor,dask,ray,spark; else those that are there")
-    parser.addoption("--kill", default="worker,driver", help="what is killed in the middle: worker,driver")
+@contextmanager
+def running(engine: str) -> Iterator[Any]:
+    """An engine with two workers on this machine, as ``sesc.fleet.run`` takes it."""
+    if engine == "executor":
+        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+            yield pool
+    elif engine == "dask":
+        distributed: Any = import_module("distributed")
+        with distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
+            yield client.get_executor()
+    elif engine == "ray":
+        ray: Any = import_module("ray")
+        ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+        try:
+            yield "ray"
+        finally:
+            ray.shutdown()
+    else:
+        # Workers have to find this package. Four tries a task; local[2] alone has one.
+        os.environ.setdefault("PYSPARK_PYTHON", sys.executable)
+        sql: Any = import_module("pyspark.sql")
+        session = sql.SparkSession.builder.master("local[2,4]").getOrCreate()
+        try:
+            yield session
+        finally:
+            session.stop()
+
+
+def without_commands(text: str) -> str:
+    """A text without the lines of commands and calls below its next steps."""
+    return re.sub(r"(?m)^ +(sesc |sesc\.|robot\.).*\n?", "", text).rstrip()

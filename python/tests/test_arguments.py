@@ -45,7 +45,6 @@ WHOLE: dict[str, Callable[[Any, sesc.Log], Any]] = {
     "seed": lambda given, log: plan(seed=given),
     "samples": lambda given, log: sesc.verify(MODEL, samples=given),
     "lanes": lambda given, log: MODEL.c99("nowhere", lanes=given),
-    "window": lambda given, log: sesc.fleet.run(ROBOT, [], window=given),
     "readings_per_pose": lambda given, log: sesc.Log(COLUMNS, readings_per_pose=given),
 }
 NUMBERS: dict[str, Callable[[Any, sesc.Log], Any]] = {

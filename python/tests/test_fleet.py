@@ -8,9 +8,7 @@ import os
 import pickle
 import shutil
 import subprocess
-import sys
-import time
-from concurrent.futures import Executor, Future
+from concurrent.futures import BrokenExecutor, Executor, Future
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -20,7 +18,7 @@ import pytest
 import sesc
 from sesc import fleet
 
-from conftest import POLE
+from conftest import POLE, running
 
 
 @pytest.fixture(scope="module")
@@ -148,30 +146,53 @@ def test_a_second_run_makes_nothing_anew(
         assert digest(again, tmp_path) == digest(first, tmp_path) == digest(table, tmp_path)
 
 
-def test_days_are_put_together_and_a_new_log_is_read_alone(robot: sesc.Robot, tmp_path: Path) -> None:
-    logs, store = tmp_path / "logs", tmp_path / "store"
+def test_days_of_a_week_are_put_together(robot: sesc.Robot, tmp_path: Path) -> None:
+    logs = tmp_path / "logs"
     logs.mkdir()
-
-    def day(name: str, seed: int) -> None:
-        sesc.simulate(robot.on("foot"), 30, noise=2e-4, seed=seed).save(logs / f"a_{name}.csv")
-        # Younger files are read again.
-        time.sleep(2.1)
-
-    day("2031-05-01", 1)
-    day("2031-05-05", 2)
-    how: Any = {"only": "parameters", "window": 7, "store": store}
-    found = fleet.run(robot, logs, **how)
-    assert [(row["day"], row["postures"]) for row in found] == [("2031-04-28", 30), ("2031-05-05", 30)]
-    day("2031-05-03", 3)
-    for engine in (None, Backwards()):
-        found = fleet.run(robot, logs, engine=engine, **how)
-        assert [row["postures"] for row in found] == [60, 30]
-        assert found.to_dict()["logs_read"] == (1 if engine is None else 0)
-        assert digest(found, tmp_path) == digest(fleet.run(robot, logs, **{**how, "store": None}), tmp_path)
-    with pytest.raises(sesc.SescError, match="window.*`day`"):
-        fleet.run(robot, ["a_day.csv"], window=7)
+    for seed, day in enumerate(("2031-05-01", "2031-05-04", "2031-05-05")):
+        sesc.simulate(robot.on("foot"), 30, noise=2e-4, seed=seed).save(logs / f"a_{day}.csv")
+    found = fleet.run(robot, logs, by=("robot", "week"))
+    assert [(row["day"], row["postures"]) for row in found] == [("2031-W18", 60), ("2031-W19", 30)]
+    days = [datetime(2031, 5, day) for day in (1, 4, 5)]
+    table = {"path": sorted(logs.glob("*.csv")), "robot": ["a"] * 3, "day": days}
+    assert fleet.run(robot, table, by="robot,week").rows == found.rows
+    with pytest.raises(sesc.SescError, match="`week`"):
+        fleet.run(robot, ["a_day.csv"], by="robot,week")
     found.report(tmp_path / "none.html", pages=0)
     assert not list((tmp_path / "none").iterdir())
+
+
+@pytest.mark.parametrize("engine", ["executor", "dask"])
+def test_engines_give_the_bytes_of_threads(
+    engine: str, robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
+) -> None:
+    if engine == "dask":
+        pytest.importorskip("distributed")
+    expected = digest(table, tmp_path)
+    with running(engine) as pool:
+        for made in (0, 6):
+            found = fleet.run(robot, glob(logs), store=tmp_path / "store", engine=pool)
+            assert (found.to_dict()["from_store"], digest(found, tmp_path)) == (made, expected)
+
+
+class Broken(Backwards):
+    """Loses a worker after the second group."""
+
+    left = 2
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        self.left -= 1
+        if self.left < 0:
+            raise BrokenExecutor("a process died")
+        return super().submit(fn, *args, **kwargs)
+
+
+def test_groups_that_a_broken_pool_leaves_are_done_here(
+    robot: sesc.Robot, logs: Path, table: fleet.Fleet, tmp_path: Path
+) -> None:
+    with pytest.warns(RuntimeWarning, match="lost a worker"):
+        found = fleet.run(robot, glob(logs), engine=Broken())
+    assert digest(found, tmp_path) == digest(table, tmp_path)
 
 
 def test_a_broken_log_does_not_take_its_day_along(robot: sesc.Robot, logs: Path, tmp_path: Path) -> None:
@@ -275,32 +296,3 @@ def test_what_is_no_fleet_is_said(robot: sesc.Robot, tmp_path: Path) -> None:
         fleet.run(robot, str(tmp_path / "*.csv"))
     (row,) = fleet.run(robot, [tmp_path / "none.csv"])
     assert row["error"].startswith("cannot read none.csv")
-
-
-def test_the_table_of_scaling_reads_every_log_once(tmp_path: Path) -> None:
-    words = ["--table", "2,3", "--postures", "60", "--folder", "here"]
-    command = [sys.executable, "-m", "sesc.fleet.selftest", *words]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    *_, last = done.stdout.splitlines()
-    assert last == "ok"
-    rows = [line.strip("| ").split(" | ") for line in done.stdout.splitlines() if line[:3] in ("| 2", "| 3")]
-    # Logs, processes, and logs that the second run read.
-    assert [(row[0], row[1], row[-1]) for row in rows] == [
-        (logs, processes, "0") for logs in ("2", "3") for processes in ("1", "2")
-    ]
-
-
-@pytest.mark.parametrize("counts", ["x", "10,,5", "0", "-3"])
-def test_a_table_of_no_numbers_is_refused(counts: str) -> None:
-    command = [sys.executable, "-m", "sesc.fleet.selftest", f"--table={counts}"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "is no list of positive numbers, such as 10,100,1000" in done.stderr
-
-
-def test_an_engine_that_is_not_known_is_an_argument_error() -> None:
-    from sesc.fleet import _trials
-
-    with pytest.raises(sesc.ArgumentError, match="no engine `x`; there are"), _trials.engine("x"):
-        pass

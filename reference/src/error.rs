@@ -20,22 +20,20 @@ pub enum ErrorKind {
     NotARobot,
     /// There are no links.
     NoLinks,
-    /// An element or attribute without a sensible default is absent.
-    Missing,
     /// An attribute holds something else than the numbers it should.
     Number,
-    /// A macro expression is left in an attribute that matters.
-    Xacro,
-    /// A joint type outside the URDF vocabulary.
-    UnknownJointKind,
+    /// urdf-rs gives up on the text.
+    Urdf,
+    /// A joint type that the reference does not move.
+    Spherical,
     /// The axis of a moving joint has no direction.
     ZeroAxis,
-    /// A quaternion has no direction.
-    ZeroQuaternion,
+    /// A quaternion is not four numbers, or zero.
+    NoQuaternion,
     /// Both spellings of an orientation are present.
     TwoOrientations,
-    /// A link's mass is negative.
-    NegativeMass,
+    /// A link's mass is negative or not finite.
+    Mass,
     /// Two links or two joints share a name.
     Duplicate,
     /// A joint refers to a link that is not there.
@@ -80,14 +78,13 @@ impl Error {
             Problem::Xml(_) => ErrorKind::Xml,
             Problem::NotARobot { .. } => ErrorKind::NotARobot,
             Problem::NoLinks => ErrorKind::NoLinks,
-            Problem::Missing { .. } => ErrorKind::Missing,
             Problem::Number { .. } => ErrorKind::Number,
-            Problem::Xacro { .. } => ErrorKind::Xacro,
-            Problem::UnknownJointKind { .. } => ErrorKind::UnknownJointKind,
+            Problem::Urdf(_) => ErrorKind::Urdf,
+            Problem::Spherical { .. } => ErrorKind::Spherical,
             Problem::ZeroAxis { .. } => ErrorKind::ZeroAxis,
-            Problem::ZeroQuaternion { .. } => ErrorKind::ZeroQuaternion,
+            Problem::NoQuaternion { .. } => ErrorKind::NoQuaternion,
             Problem::TwoOrientations { .. } => ErrorKind::TwoOrientations,
-            Problem::NegativeMass { .. } => ErrorKind::NegativeMass,
+            Problem::Mass { .. } => ErrorKind::Mass,
             Problem::Duplicate { .. } => ErrorKind::Duplicate,
             Problem::UnknownLinkOfJoint { .. } => ErrorKind::UnknownLinkOfJoint,
             Problem::NotATree { .. } => ErrorKind::NotATree,
@@ -133,35 +130,31 @@ pub(crate) enum Problem {
     /// There are no links.
     #[error("the robot has no links")]
     NoLinks,
-    /// An element or attribute without a sensible default is absent.
-    #[error("{place}: {what} is missing")]
-    Missing { place: String, what: &'static str },
     /// An attribute holds something else than the numbers it should.
-    #[error("{place}: {attribute}=\"{text}\" should hold {expected}")]
+    #[error("{place}: {attribute}=\"{text}\" does not hold the numbers that it should")]
     Number {
         place: String,
         attribute: &'static str,
         text: String,
-        expected: &'static str,
     },
-    /// A macro expression is left in an attribute that matters.
-    #[error("{place}: `{text}` is an unexpanded xacro expression; run xacro over the file first")]
-    Xacro { place: String, text: String },
-    /// A joint type outside the URDF vocabulary.
-    #[error("joint `{joint}`: type `{kind}` is unknown")]
-    UnknownJointKind { joint: String, kind: String },
+    /// urdf-rs gives up on the text.
+    #[error("urdf-rs cannot read the URDF")]
+    Urdf(#[source] urdf_rs::UrdfError),
+    /// A joint type that the reference does not move.
+    #[error("joint `{joint}`: type `spherical` is not supported")]
+    Spherical { joint: String },
     /// The axis of a moving joint has no direction.
     #[error("joint `{joint}`: axis has no direction; give <axis xyz> a finite one other than zero")]
     ZeroAxis { joint: String },
-    /// A quaternion has no direction.
-    #[error("{place}: quat_xyzw is zero and names no orientation")]
-    ZeroQuaternion { place: String },
+    /// A quaternion is not four numbers, or zero.
+    #[error("{place}: quat_xyzw names no orientation; give four numbers, not all zero")]
+    NoQuaternion { place: String },
     /// Both spellings of an orientation are present.
     #[error("{place}: both rpy and quat_xyzw are given; keep one")]
     TwoOrientations { place: String },
-    /// A link's mass is negative.
-    #[error("link `{link}`: mass {mass_kg} kg is negative")]
-    NegativeMass { link: String, mass_kg: f64 },
+    /// A link's mass is negative or not finite.
+    #[error("link `{link}`: mass {mass_kg} kg is negative or not finite")]
+    Mass { link: String, mass_kg: f64 },
     /// Two links or two joints share a name.
     #[error("{place} appears twice")]
     Duplicate { place: String },

@@ -115,8 +115,7 @@ pub struct Joint {
     pub origin: Pose,
     /// Unit axis in the joint frame.
     pub axis: Unit<Vector3<f64>>,
-    /// Lower and upper limit as the file states them, rad or m; an end that
-    /// the file leaves open is infinite.
+    /// Lower and upper limit as the file states them, rad or m; 0 where it states none.
     pub limits: (f64, f64),
     /// The joint it follows; always none where `kind` has no coordinate.
     pub mimic: Option<Mimic>,

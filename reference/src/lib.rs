@@ -10,7 +10,7 @@
 //! link by link: nothing is re-rooted, folded or regrouped. Derivatives are
 //! differences of it, in which a joint moves what it carries as one body; tests
 //! compare them with differences of whole postures. Nothing is shared with the
-//! code that is checked: this crate reads the URDF itself and multiplies matrices.
+//! code that is checked: this crate reads the URDF by urdf-rs and multiplies matrices.
 //!
 //! * [`Robot`]: a URDF, read leniently and exactly.
 //! * [`Reference`]: CoM, link poses, Jacobian and gravity moments by
@@ -47,11 +47,13 @@
 //! ```
 
 mod com;
+mod complete;
 mod dynamics;
 mod error;
 mod jacobian;
 mod joint;
 mod nearby;
+mod quaternion;
 mod regressor;
 mod robot;
 mod tree;

@@ -212,12 +212,12 @@ impl Robot {
     /// it grows as the mass does.
     ///
     /// # Errors
-    /// `ErrorKind::UnknownLink`; `ErrorKind::NegativeMass`.
+    /// `ErrorKind::UnknownLink`; `ErrorKind::Mass`.
     pub fn with_mass(&self, link: &str, mass_kg: f64, com_m: Point3<f64>) -> Result<Self, Error> {
         let mut robot = self.clone();
         let link = &mut robot.links[self.link_index(link)?];
         if mass_kg < 0.0 {
-            return Err(Problem::NegativeMass {
+            return Err(Problem::Mass {
                 link: link.name.clone(),
                 mass_kg,
             }

@@ -4,26 +4,26 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use serde::Serialize;
-use sesc_identify::compare::{self, Comparison};
+use sesc_identify::compare;
 use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::feet::Feet;
 use sesc_identify::files;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{LogSource, Stays};
-use sesc_identify::next_steps::NextStep;
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 
+use super::defaults::Typed;
 use super::outputs::{Files, Kind};
+use super::steps::About;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, StandingArguments, StaysArguments, again,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, StandingArguments, StaysArguments,
     command_line, message, print_json, show,
 };
 use crate::Error;
 use crate::report::compare::{page, text};
-use crate::report::next_steps;
+use crate::report::next_steps::{self, WithSteps};
 
 /// Say what changed between two model files, or two logs, and whether it is more than chance
 #[derive(Args)]
@@ -79,19 +79,9 @@ const OF_ROBOTS: &[&str] = &["no-snap", "xacro"];
 /// Endings of logs.
 const LOGS: [&str; 4] = ["csv", "gz", "parquet", "mcap"];
 
-/// What programs are told.
-#[derive(Serialize)]
-struct Answer<'a> {
-    /// What differs.
-    #[serde(flatten)]
-    comparison: &'a Comparison,
-    /// What to do next, the most useful first.
-    next_steps: &'a [NextStep],
-}
-
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error> {
     let both = [&arguments.before, &arguments.after];
-    refuse_ignored(arguments)?;
+    refuse_ignored(arguments, typed)?;
     Files::default()
         .reads_robots(&arguments.urdf)
         .may_read(&arguments.how.reading.prior)
@@ -116,23 +106,41 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         check_robot(robot, &models)?;
     }
     let comparison = compare::compare(&models[0], &models[1])?;
-    let steps = after(arguments, &comparison);
+    let names = both.map(|path| path.display().to_string());
+    let of_logs = is_log(&arguments.after);
+    let steps = next_steps::of_comparison(
+        &comparison,
+        names.each_ref().map(|name| &**name),
+        None,
+        of_logs,
+    );
+    let about = About {
+        urdf: arguments.urdf.as_deref(),
+        ..About::default()
+    };
+    let next_steps = &about.worded(&steps)[..];
     if let Some(path) = &arguments.report {
         let drawn = robot.map(|robot| skeleton(arguments, &robot, &comparison.support));
         let drawn = drawn.transpose()?;
         let files = [&models[0], &models[1]];
-        let page = page(&comparison, files, &steps, drawn.as_ref(), &command_line());
+        let page = page(
+            &comparison,
+            files,
+            next_steps,
+            drawn.as_ref(),
+            &command_line(),
+        );
         files::write(path, &page.map_err(|error| Error::Report(Box::new(error)))?)?;
         message(&format!("wrote {}", path.display()));
     }
     match arguments.json {
-        true => print_json(&Answer {
-            comparison: &comparison,
-            next_steps: &steps,
-        })?,
+        true => {
+            let found = &comparison;
+            print_json(&WithSteps { found, next_steps })?;
+        }
         false => {
             let text = text(&comparison, &models[0].file, &models[1].file);
-            show(&format!("{text}\n{}", next_steps::text(&steps, &[])))?;
+            show(&format!("{text}\n{}", next_steps::text(next_steps)))?;
         }
     }
     Ok(Outcome::Ok)
@@ -149,26 +157,17 @@ fn check_robot(robot: &Robot, models: &[ModelFile]) -> Result<(), Error> {
     }
 }
 
-/// What the difference of two models leads to.
-fn after(arguments: &Arguments, found: &Comparison) -> Vec<NextStep> {
-    let [before, after] =
-        [&arguments.before, &arguments.after].map(|path| path.display().to_string());
-    let line = again::command_line(arguments.urdf.as_deref(), None, |_| false);
-    let of_logs = is_log(&arguments.after);
-    next_steps::of_comparison(found, [&before, &after], &line, of_logs)
-}
-
 fn is_log(path: &Path) -> bool {
     let end = path.extension().unwrap_or_default().to_string_lossy();
     LOGS.contains(&end.to_lowercase().as_str())
 }
 
 /// Options that two model files leave nothing to do are errors.
-fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
+fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
     if is_log(&arguments.before) || is_log(&arguments.after) {
         return Ok(());
     }
-    if let Some(option) = again::first_typed(OF_LOGS) {
+    if let Some(option) = typed.first(OF_LOGS) {
         return Err(Error::Usage(format!(
             "{option} is for logs, and two model files are compared, which hold what was identified; \
              leave it out, or give the logs with --urdf"
@@ -181,7 +180,7 @@ fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
             "is for the robot on the page, and none is written; leave it out, or add --report"
         }
     };
-    match again::first_typed(OF_ROBOTS) {
+    match typed.first(OF_ROBOTS) {
         Some(option) => Err(Error::Usage(format!("{option} {lacks}"))),
         None => Ok(()),
     }

@@ -108,18 +108,40 @@ impl Given {
     }
 }
 
+/// The options of a command that were typed, apart from those that a file gives.
+pub(super) struct Typed(ArgMatches);
+
+impl Typed {
+    /// The options of these words; none of words that the parser refuses.
+    pub(super) fn new(words: &[OsString]) -> Typed {
+        let matches = Cli::command().try_get_matches_from(words);
+        Typed(matches.unwrap_or_default())
+    }
+
+    /// The first of these options that was typed; their names are those of the parser's fields.
+    pub(super) fn first(&self, options: &[&str]) -> Option<String> {
+        let (_, matches) = self.0.subcommand()?;
+        let typed = |option: &&&str| {
+            let id = option.replace('-', "_");
+            matches.try_contains_id(&id).is_ok() && is_typed(matches, &id)
+        };
+        let first = options.iter().find(typed)?;
+        Some(format!("--{first}"))
+    }
+}
+
 /// `words` with the options that the robot's [`FILE`] gives and they do not, and those.
 ///
 /// # Errors
 /// A file that cannot be used, with its name, the key and the remedy.
-pub(super) fn completed(words: &[OsString]) -> Result<(Vec<OsString>, Option<Given>), Error> {
+pub(super) fn completed(
+    words: &[OsString],
+    typed: &Typed,
+) -> Result<(Vec<OsString>, Option<Given>), Error> {
     let mut words = words.to_vec();
     let command = Cli::command();
     // What is wrong with the words is said by the parser that runs after this.
-    let Ok(matches) = command.clone().try_get_matches_from(&words) else {
-        return Ok((words, None));
-    };
-    let Some((name, matches)) = matches.subcommand() else {
+    let Some((name, matches)) = typed.0.subcommand() else {
         return Ok((words, None));
     };
     let (Some(command), Some(file)) = (command.find_subcommand(name), of_robot(matches)) else {

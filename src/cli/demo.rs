@@ -7,16 +7,16 @@ use clap::Args;
 use serde::Serialize;
 use sesc_identify::files::write_all_if_changed;
 use sesc_identify::hide::hide;
-use sesc_identify::next_steps::NextStep;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate;
 use sesc_model::Snapping;
 
 use super::outputs::{Files, Kind};
-use super::{Bar, Outcome, command_line, message, print_json, show};
+use super::{Bar, Outcome, command_line, message, print_json, show, steps};
 use crate::demo::{self, Demo};
+use crate::report::next_steps::{self, Worded};
 use crate::report::table::{Table, wrapped};
-use crate::report::{DemoReport, html, next_steps};
+use crate::report::{self, DemoReport};
 use crate::{Error, OP2_URDF};
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
@@ -39,7 +39,8 @@ pub(super) struct Arguments {
 
 /// What programs are told.
 #[derive(Serialize)]
-struct Answer<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Answer<'a> {
     /// Whether all generated functions are within their bounds.
     pass: bool,
     /// The page that was written.
@@ -48,7 +49,7 @@ struct Answer<'a> {
     #[serde(flatten)]
     report: &'a DemoReport,
     /// What to do next, the most useful first.
-    next_steps: &'a [NextStep],
+    next_steps: &'a [Worded],
 }
 
 /// Noise of a reading in the logs that are kept, m.
@@ -67,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
     let steps = [after(arguments.keep.as_deref())];
-    let page = html::demo(&demo.report, &steps, &command_line())
+    let page = report::demo::page(&demo.report, &steps, &command_line())
         .map_err(|error| Error::Report(Box::new(error)))?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
     let page = arguments.out.display().to_string();
@@ -80,7 +81,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         })?,
         false => {
             show(&text(&demo))?;
-            let next = next_steps::text(&steps, &[]);
+            let next = next_steps::text(&steps);
             show(&format!("\nreport with figures: {page}\n\n{next}"))?;
         }
     }
@@ -93,21 +94,28 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
 }
 
 /// What to do after the demo: with what it kept, or to keep it.
-fn after(kept: Option<&Path>) -> NextStep {
-    let Some(folder) = kept else {
-        return NextStep::of_command(
+fn after(kept: Option<&Path>) -> Worded {
+    let (what, why, command) = match kept {
+        None => (
             "Write a robot and two logs of it",
             "every command can be tried on them",
-            &["demo", "--keep", "play"],
-        );
+            steps::line(["demo", "--keep", "play"]),
+        ),
+        Some(folder) => {
+            let file = |name: &str| folder.join(name).display().to_string();
+            let (urdf, log) = (file("op2.urdf"), file(SAMPLES[1].0));
+            (
+                "Diagnose the log of the robot whose knee is off",
+                "a diagnosis says what its simulation misses",
+                steps::line(["diagnose", &urdf, "--data", &log]),
+            )
+        }
     };
-    let file = |name: &str| folder.join(name).display().to_string();
-    let (urdf, log) = (file("op2.urdf"), file(SAMPLES[1].0));
-    NextStep::of_command(
-        "Diagnose the log of the robot whose knee is off",
-        "a diagnosis says what its simulation misses",
-        &["diagnose", &urdf, "--data", &log],
-    )
+    Worded {
+        what: what.to_string(),
+        why: why.to_string(),
+        command: Some(command),
+    }
 }
 
 /// Write the OP2, and logs of 200 postures of it read to 0.5 mm.

@@ -6,18 +6,20 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::outputs::{Files, Kind, Together};
+use super::steps::About;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, again,
-    cad_mass_kg, command_line, message, outputs, print_json, show_beside, units,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, cad_mass_kg,
+    command_line, message, outputs, print_json, show_beside, steps, units,
 };
 use crate::Error;
-use crate::report::diagnose::{Asked, page, text};
+use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
 use crate::report::unusable;
 use crate::servos;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{self, Recording, Stays};
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -27,21 +29,6 @@ const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose op2.urdf --data log.csv --mcap diagnosis.mcap\n  \
     sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --prior cad --json";
-
-/// Options that say what is written and not what is found.
-const OUTPUTS: &[&str] = &[
-    "data",
-    "out",
-    "urdf",
-    "total-mass",
-    "next",
-    "report",
-    "mcap",
-    "fail-above",
-    "json",
-    "quiet",
-    "color",
-];
 
 /// What `--fail-above` judges: a robot whose gap an effect explains still is not as simulated.
 const UNCORRECTED: &str = "the error of the uncorrected model";
@@ -135,8 +122,25 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .iter()
         .for_each(|note| message(&format!("note: {note}")));
     let usable = report.diagnosis.verdict != Verdict::Unusable;
+    let steps = report.diagnosis.next_steps();
+    // Who asked for a file needs no such step.
+    let steps = steps.iter().filter(|step| match step {
+        NextStep::KeepModel => arguments.out.is_none(),
+        NextStep::LookAtPage => arguments.report.is_none(),
+        _ => true,
+    });
+    let about = About {
+        urdf: Some(&arguments.robot.urdf),
+        log: Some(&arguments.data),
+        support: request.support.as_deref(),
+    };
+    let printed = DiagnoseReport {
+        found: &report.diagnosis,
+        next_steps: &about.worded(steps),
+        model_use: model_use(arguments, &report),
+    };
     if usable {
-        write(arguments, &report)?;
+        write(arguments, &report, &printed)?;
     } else {
         let named = [
             &arguments.out,
@@ -152,28 +156,40 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
         let mut files = Together::default();
         if let Some(path) = &arguments.report {
-            let found = &report.diagnosis;
-            let drawn = skeleton(&request, &found.support)?;
+            let drawn = skeleton(&request, &report.diagnosis.support)?;
             let (made, line) = (&report.model_file, command_line());
-            let text = unusable::page_of_diagnosis(found, made, Some(&drawn), &line);
+            let text = unusable::page_of_diagnosis(&printed, made, Some(&drawn), &line);
             files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         }
         files.finish()?;
     }
-    let asked = Asked {
-        model: arguments.out.is_some(),
-        next: arguments.next.is_some(),
-        page: arguments.report.is_some(),
-    };
     match arguments.json {
-        true => print_json(&report.diagnosis)?,
-        false => show_beside(&text(&report.diagnosis, asked), streamed)?,
+        true => print_json(&printed)?,
+        false => show_beside(&text(&printed), streamed)?,
     }
     let found = &report.diagnosis;
     let (error, floor) = (found.baseline.rmse, found.noise_floor);
     Ok(match usable {
         true => super::judged(UNCORRECTED, error, floor, arguments.fail_above),
         false => Outcome::Failed,
+    })
+}
+
+/// How the model file is used, where one is written to a path.
+fn model_use(arguments: &Arguments, report: &Report) -> Option<ModelUse> {
+    let found = &report.diagnosis;
+    let written = found.verdict != Verdict::Unusable && found.model_on_log.agrees;
+    let path = arguments.out.as_ref().filter(|_| written);
+    let model = path.filter(|path| !outputs::is_standard(path))?;
+    let model = model.display().to_string();
+    let urdf = arguments.robot.urdf.display().to_string();
+    let words = ["generate", &urdf, "--support", &found.support];
+    let more = ["--lang", "c", "--model", &model];
+    Some(ModelUse {
+        build_rs: format!(".model({model:?})"),
+        generate: steps::line(words.into_iter().chain(more)),
+        c: "NAME_model_com(q, com);",
+        model,
     })
 }
 
@@ -195,17 +211,9 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.feet = Feet::from(&arguments.feet);
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
-    let out = arguments.out.clone();
-    request.model_path = out.filter(|path| !outputs::is_standard(path));
-    request.generate_command = Some(|urdf, support, model| {
-        format!("sesc generate {urdf} --support {support} --lang c --model {model}")
-    });
     if let Some(file) = &arguments.servos {
         request.servos = servos::read(file, &request.robot)?;
     }
-    let (urdf, log) = (&arguments.robot.urdf, &arguments.data);
-    let shapes = |name: &str| !OUTPUTS.contains(&name);
-    request.line = again::command_line(Some(urdf), Some(log), shapes);
     request.corrected_urdf = arguments.corrected.is_some();
     request.total_mass = arguments.total_mass;
     request.view = arguments.report.is_some();
@@ -220,7 +228,11 @@ fn skeleton(request: &Request, support: &str) -> Result<Skeleton, Error> {
     Ok(Skeleton::of(&model, &request.robot.description, folder))
 }
 
-fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
+fn write(
+    arguments: &Arguments,
+    report: &Report,
+    printed: &DiagnoseReport<'_>,
+) -> Result<(), Error> {
     match (&arguments.next, &report.next) {
         (Some(path), Some(next)) => {
             next.write(path)?;
@@ -254,7 +266,7 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), Error> {
         files.add(path, &corrected.text)?;
     }
     if let (Some(path), Some(view)) = (&arguments.report, &report.view) {
-        let text = page(&report.diagnosis, view, &report.model_file, &command_line());
+        let text = page(printed, view, &report.model_file, &command_line());
         files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
     }
     if let (Some(path), Some(recording)) = (&arguments.mcap, &report.recording) {

@@ -4,12 +4,11 @@ use clap::Args;
 use serde::Serialize;
 use sesc_identify::diagnose::MODEL_PAGES;
 use sesc_model::effects::Catalog;
-use sesc_model::effects::about::{EffectAbout, about};
+use sesc_model::effects::about::{EffectAbout, TargetKind, about};
 use sesc_model::urdf::suggestion;
 
 use super::{Outcome, print_json, show};
 use crate::Error;
-use crate::effect_pages::Bench;
 use crate::report::table::Table;
 
 /// What a diagnosis may also name, besides effects.
@@ -32,15 +31,17 @@ pub(super) struct Arguments {
 }
 
 #[derive(Serialize)]
-struct Listed {
-    /// The effects that a diagnosis knows, or the one that was asked for.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Listed {
+    /// The effects, or the one asked for.
     effects: Vec<EffectAbout>,
-    /// What a diagnosis may also name, or the one that was asked for.
+    /// What else a diagnosis may name.
     others: Vec<NoEffect>,
 }
 
 /// What a diagnosis may name that is no effect.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct NoEffect {
     /// Name in reports: `cop_outliers`.
     name: &'static str,
@@ -77,16 +78,34 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         print_json(&Listed { effects, others })?;
         return Ok(Outcome::Ok);
     }
-    match (&arguments.name, others.first()) {
-        (Some(name), Some(other)) => show(&format!("{name}: {}", on_console(other.page)))?,
-        (Some(name), None) => {
-            for page in Bench::new()?.pages(Some(name))? {
-                show(&format!("{name}: {}", on_console(&page.text())))?;
-            }
+    let page = match (&arguments.name, effects.first(), others.first()) {
+        (Some(name), Some(effect), _) => {
+            format!("{name}: {}\n{}", on_console(effect.page), acts_on(effect))
         }
-        (None, _) => show(&(table(&effects) + BESIDE))?,
-    }
+        (Some(name), None, Some(other)) => format!("{name}: {}", on_console(other.page)),
+        _ => table(&effects) + BESIDE,
+    };
+    show(&page)?;
     Ok(Outcome::Ok)
+}
+
+/// `Acts on: joint. Parameters: offset_rad (rad), offset_m (m).`
+fn acts_on(effect: &EffectAbout) -> String {
+    let target = match &effect.target {
+        TargetKind::Whole => "the robot".to_string(),
+        target => target.to_string(),
+    };
+    let parameters = effect.parameters.iter().map(|p| match p.unit {
+        "1" => p.name.to_string(),
+        unit => format!("{} ({unit})", p.name),
+    });
+    let parameters = parameters.collect::<Vec<_>>().join(", ");
+    let parameters = if parameters.is_empty() {
+        "none"
+    } else {
+        &parameters
+    };
+    format!("Acts on: {target}. Parameters: {parameters}.\n")
 }
 
 fn other((name, about, page): (&'static str, &'static str, &'static str)) -> NoEffect {

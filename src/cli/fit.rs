@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
+use super::defaults::Typed;
 use super::fit_outputs::Outputs;
 use super::outputs::{Files, Kind, Together};
+use super::steps::About;
 use super::{
-    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, again,
-    message, outputs, print_json, show, show_beside,
+    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, message,
+    outputs, print_json, show, show_beside,
 };
 use crate::Error;
 use crate::report;
@@ -104,9 +106,9 @@ const OF_PARTS: &[&str] = &["unit", "duplicates"];
 const OF_LOGS: &[&str] = &["both-feet", "other-foot"];
 
 /// Options that nothing would come of are errors.
-fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
+fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
     let parts = arguments.inputs.iter().any(|path| is_part(path));
-    if !parts && let Some(option) = again::first_typed(OF_PARTS) {
+    if !parts && let Some(option) = typed.first(OF_PARTS) {
         let gathers = arguments.partial.is_some() && option == "--unit";
         if !gathers {
             return Err(Error::Usage(format!(
@@ -124,7 +126,7 @@ fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
             )));
         }
     }
-    if let Some(option) = again::first_typed(OF_LOGS).filter(|_| arguments.data.is_empty()) {
+    if let Some(option) = typed.first(OF_LOGS).filter(|_| arguments.data.is_empty()) {
         return Err(Error::Usage(format!(
             "{option} is about reading logs, and none is given: factor files were gathered as \
              their options said; leave it out, or add --data"
@@ -133,8 +135,8 @@ fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
     Ok(())
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    refuse_ignored(arguments)?;
+pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error> {
+    refuse_ignored(arguments, typed)?;
     check_files(arguments)?;
     let request = request(arguments)?;
     check_robots_of_parts(arguments, &request)?;
@@ -163,15 +165,26 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .notes
         .iter()
         .for_each(|note| message(&format!("note: {note}")));
+    let about = About {
+        urdf: urdf.map(PathBuf::as_path),
+        log: match &arguments.data[..] {
+            [log] => Some(log),
+            _ => None,
+        },
+        support: request.support.as_deref(),
+    };
+    let next_steps = &about.worded(&found.identification.next_steps())[..];
     if !found.identification.is_usable() {
         let named = arguments.out.iter().chain(arguments.outputs.urdf());
         named.for_each(|path| message(&not_written(path)));
         let mut files = Together::default();
-        arguments.outputs.write_broken(&found, folder, &mut files)?;
+        arguments
+            .outputs
+            .write_broken(&found, next_steps, folder, &mut files)?;
         files.finish()?;
         match arguments.json {
-            true => print_json(&Unusable::of(&found.identification))?,
-            false => show(&report::fit::text(&found.identification))?,
+            true => print_json(&Unusable::new(&found.identification, next_steps))?,
+            false => show(&report::fit::text(&found.identification, next_steps))?,
         }
         return Ok(Outcome::Failed);
     }
@@ -182,6 +195,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let shown = arguments.outputs.shown(&found, folder);
     let report = FitReport {
         found: &found.identification,
+        next_steps,
         corrected: found.corrected.as_ref(),
         shown: shown.as_ref(),
     };
@@ -191,7 +205,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         print_json(&report)?;
     } else {
         let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
-        show_beside(&report::fit::text(&found.identification), streamed)?;
+        show_beside(
+            &report::fit::text(&found.identification, next_steps),
+            streamed,
+        )?;
         if let Some(corrected) = &found.corrected {
             show_beside(&report::fit::corrections(corrected), streamed)?;
         }
@@ -255,12 +272,6 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         DuplicateParts::Refuse => Duplicates::Refuse,
         DuplicateParts::Skip => Duplicates::Skip,
     };
-    let log = match &arguments.data[..] {
-        [log] => Some(log.as_path()),
-        _ => None,
-    };
-    let urdf = robots.first().map(|path| path.as_path());
-    request.line = again::command_line(urdf, log, |name| again::TO_DIAGNOSE.contains(&name));
     arguments.outputs.ask(&mut request)?;
     Ok(request)
 }

@@ -9,6 +9,7 @@ use super::outputs::{Files, Kind, Together};
 use super::{cad_mass_kg, command_line, units};
 use crate::Error;
 use crate::report::fit::{FitReport, Shown, page};
+use crate::report::next_steps::Worded;
 use crate::report::unusable;
 use sesc_identify::fit::{Report, Request};
 use sesc_identify::skeleton::Skeleton;
@@ -73,13 +74,14 @@ impl Outputs {
     pub(super) fn write_broken(
         &self,
         report: &Report,
+        next: &[Worded],
         folder: Option<&Path>,
         files: &mut Together,
     ) -> Result<(), Error> {
         if let Some(path) = &self.report {
             let drawn = Skeleton::of(report.model(), &report.robot().description, folder);
             let found = &report.identification;
-            let text = unusable::page_of_fit(found, Some(&drawn), &command_line());
+            let text = unusable::page_of_fit(found, next, Some(&drawn), &command_line());
             files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
         }
         Ok(())

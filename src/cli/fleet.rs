@@ -1,16 +1,16 @@
 //! `sesc fleet`
 
 use std::collections::BTreeSet;
-use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
+use super::defaults::Typed;
 use super::outputs::{Files, Kind};
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, again, message,
-    outputs, print_json, show,
+    Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, outputs,
+    print_json, show,
 };
 use crate::Error;
 use crate::report::fleet::{ROBOTS, answer, page_of_robot, pages, skeleton, text};
@@ -23,9 +23,9 @@ use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc fleet op2.urdf --data 'logs/robot=*/day=*/*.parquet' --by robot,day --out fleet.parquet\n  \
-    sesc fleet op2.urdf --data logs/ --store parts/ --out fleet.csv --report fleet.html --json\n  \
+    sesc fleet op2.urdf --data logs/ --store rows/ --out fleet.csv --report fleet.html --json\n  \
     sesc fleet op2.urdf --data manifest.csv --out fleet.parquet\n  \
-    sesc fleet op2.urdf --data logs/ --only parameters --window 7 --store parts/ --out weeks.csv\n\n\
+    sesc fleet op2.urdf --data logs/ --by robot,week --only parameters --store rows/ --out weeks.csv\n\n\
     Robot and day of a log come from the columns of a manifest, from folders such as \
     `robot=17/day=2031-05-01/`, or from the file's name, `<robot>_<day>.csv`. A manifest is a CSV \
     file with a column `path` and any of `robot`, `day`, `urdf`, `support`; a list is a .txt file \
@@ -41,7 +41,8 @@ pub(super) struct Arguments {
     /// Logs: patterns in quotes, folders, files, a list or a manifest
     #[arg(long, value_name = "LOGS", required = true, num_args = 1..)]
     data: Vec<String>,
-    /// What makes a group: the last key is the day, those before it the robot
+    /// What makes a group: the last key is the day, those before it the robot; `robot,week` puts
+    /// the days of each ISO week together
     #[arg(
         long,
         value_name = "KEYS",
@@ -49,13 +50,8 @@ pub(super) struct Arguments {
         default_value = "robot,day"
     )]
     by: Vec<String>,
-    /// Days that are put together: a row for each robot and so many days, named by the first of
-    /// them. Windows begin where the calendar says (those of 7 days on Mondays; numbered days from
-    /// 1 on), whatever days have logs
-    #[arg(long, value_name = "DAYS")]
-    window: Option<NonZeroU32>,
-    /// Folder that keeps rows, and with `--only parameters` what each log contributes, under the
-    /// hash of what they were made from; what is there is not made again
+    /// Folder that keeps rows, each in a file under the hash of what it was made from; what is
+    /// there is not made again
     #[arg(long, value_name = "DIR")]
     store: Option<PathBuf>,
     #[command(flatten)]
@@ -107,8 +103,8 @@ enum Only {
 const OF_DIAGNOSES: &[&str] = &["floor"];
 
 /// Options that nothing would come of are errors.
-fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
-    let unused = arguments.only.and(again::first_typed(OF_DIAGNOSES));
+fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
+    let unused = arguments.only.and(typed.first(OF_DIAGNOSES));
     unused.map_or(Ok(()), |option| {
         Err(Error::Usage(format!(
             "{option} is for diagnoses, and --only parameters makes none; leave one of them out"
@@ -116,34 +112,25 @@ fn refuse_ignored(arguments: &Arguments) -> Result<(), Error> {
     })
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    refuse_ignored(arguments)?;
-    let data = arguments.data.iter().map(String::as_str);
-    let others = [&arguments.out]
-        .into_iter()
-        .chain(&arguments.store)
-        .chain(&arguments.report)
-        .chain(&arguments.prior_out);
-    let others = others.filter_map(|path| path.to_str());
-    data.chain(others).try_for_each(here)?;
-    fleet::check_table(&arguments.out)?;
-    let mut inputs = fleet::inputs(&arguments.data, &arguments.by)?;
-    if let Some(days) = arguments.window {
-        inputs = fleet::windows(inputs, days)?;
+pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error> {
+    refuse_ignored(arguments, typed)?;
+    let outputs = [&arguments.out].into_iter().chain(&arguments.report);
+    let outputs = outputs.chain(&arguments.prior_out).map(PathBuf::as_path);
+    let data = arguments.data.iter().map(Path::new);
+    if data.chain(outputs).any(outputs::is_standard) {
+        let sentence = "`-`: a fleet reads and writes files; give their names (`./-` is one)";
+        return Err(Error::Usage(sentence.to_string()));
     }
-    let places = inputs
-        .iter()
-        .flat_map(|input| [Some(&input.path), input.urdf.as_ref()]);
-    let places = places.flatten().filter_map(|path| path.to_str());
-    places.into_iter().try_for_each(here)?;
+    fleet::check_table(&arguments.out)?;
+    let inputs = fleet::inputs(&arguments.data, &arguments.by)?;
     let logs: Vec<PathBuf> = inputs.iter().map(|input| input.path.clone()).collect();
     let urdfs = inputs.iter().filter_map(|input| input.urdf.as_ref());
     let names: BTreeSet<&str> = inputs.iter().map(|input| input.robot.as_str()).collect();
-    let of_robots = arguments.report.iter().flat_map(|page| {
-        let names = names.iter();
-        names.map(|robot| page_of_robot(page, robot))
-    });
-    let of_robots: Vec<PathBuf> = of_robots.collect();
+    let pages_of = |page: &PathBuf| -> Vec<PathBuf> {
+        let pages = names.iter().map(|robot| page_of_robot(page, robot));
+        pages.collect()
+    };
+    let of_robots: Vec<PathBuf> = arguments.report.iter().flat_map(pages_of).collect();
     Files::default()
         .reads_robots([&arguments.robot.urdf])
         .reads(urdfs)
@@ -181,12 +168,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let drawn = skeleton(&found, &request.robot, &request.options, folder);
         write_pages((path, arguments.pages), &found, &summary, drawn.as_ref())?;
     }
-    match arguments.json {
-        true => print_json(&answer(&found, &summary))?,
-        false => show(&text(&found, &summary))?,
+    if arguments.json {
+        print_json(&answer(&found, &summary))?;
+    } else {
+        show(&text(&found, &summary))?;
     }
-    let none = !found.rows.iter().any(Row::has_result);
-    Ok(if none { Outcome::Failed } else { Outcome::Ok })
+    let any = found.rows.iter().any(Row::has_result);
+    Ok(if any { Outcome::Ok } else { Outcome::Failed })
 }
 
 /// The page of the fleet, and beside it a folder of its name with one for each robot, or for as
@@ -214,21 +202,6 @@ fn write_pages(
         folder.display()
     ));
     Ok(())
-}
-
-/// Only files of this machine are read here.
-fn here(path: &str) -> Result<(), Error> {
-    if outputs::is_standard(Path::new(path)) {
-        let sentence = "`-`: a fleet reads and writes files; give their names (`./-` is one)";
-        return Err(Error::Usage(sentence.to_string()));
-    }
-    match fleet::is_address(path) {
-        false => Ok(()),
-        true => Err(Error::Usage(format!(
-            "{path}: this command reads and writes the files of this machine; mount the object \
-             store, or call sesc.fleet.run in Python, which reads and writes it through fsspec"
-        ))),
-    }
 }
 
 fn request(arguments: &Arguments, inputs: &[fleet::Input]) -> Result<fleet::Request, Error> {

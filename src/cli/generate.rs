@@ -12,8 +12,10 @@ use sesc_identify::files::write_all_if_changed;
 use sesc_identify::next_steps::NextStep;
 
 use super::outputs::{Files, Kind};
-use super::{Outcome, RobotArguments, again, message, outputs, print, print_json};
+use super::steps::About;
+use super::{Outcome, RobotArguments, message, outputs, print, print_json, steps};
 use crate::Error;
+use crate::report::next_steps::Worded;
 
 /// Write the functions of a robot as source code
 #[derive(Args)]
@@ -76,7 +78,8 @@ pub(super) struct Arguments {
 
 /// What is told of a package that was written.
 #[derive(Serialize)]
-struct Answer<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Answer<'a> {
     /// Name of the robot.
     robot: &'a str,
     /// The link on the ground.
@@ -86,10 +89,11 @@ struct Answer<'a> {
     /// What was noticed.
     notes: &'a [String],
     /// What to do next, the most useful first.
-    next_steps: Vec<NextStep>,
+    next_steps: Vec<Worded>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct WrittenFile {
     /// Its path.
     file: String,
@@ -190,21 +194,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
         answer.files.push(WrittenFile { file, changed });
     }
-    let urdf = again::urdf(&arguments.robot.urdf);
-    let mut verify = vec!["verify", &urdf, "--support", model.support()];
-    let file = arguments
-        .model
-        .as_ref()
-        .map(|file| file.display().to_string());
-    verify.extend(file.iter().flat_map(|file| ["--model", file]));
-    answer.next_steps.push(NextStep::of_command(
-        "Compare the functions with an independent reference",
-        "it sums the links of the URDF by itself",
-        &verify,
-    ));
+    let file = arguments.model.as_ref();
+    let verify = NextStep::Verify {
+        support: model.support().to_string(),
+        model: file.map(|file| file.display().to_string()),
+    };
+    let about = About {
+        urdf: Some(&arguments.robot.urdf),
+        ..About::default()
+    };
+    answer.next_steps = about.worded([&verify]);
     match arguments.json {
         true => print_json(&answer)?,
-        false => again::next(&answer.next_steps),
+        false => steps::say(&answer.next_steps),
     }
     Ok(Outcome::Ok)
 }

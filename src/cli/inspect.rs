@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use clap::Args;
-use serde::Serialize;
 use sesc_codegen::emit::header::at_most;
 use sesc_identify::next_steps::NextStep;
 use sesc_model::{Function, Interface};
 
-use super::{Outcome, RobotArguments, again, print_json, show};
+use super::steps::About;
+use super::{Outcome, RobotArguments, print_json, show};
 use crate::Error;
 use crate::inspect::{Inspection, RankCheck, inspect};
-use crate::report::next_steps;
+use crate::report::next_steps::{self, WithSteps};
 use crate::report::table::{Table, wrapped};
 
 /// Tree, chain, base parameters, what is unobservable, operation counts, snaps
@@ -32,16 +32,6 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// What programs are told.
-#[derive(Serialize)]
-struct Answer<'a> {
-    /// What there is to know of the robot.
-    #[serde(flatten)]
-    inspection: &'a Inspection,
-    /// What to do next, the most useful first.
-    next_steps: &'a [NextStep],
-}
-
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let stance = arguments.robot.stance(None)?;
     let model = stance.model()?;
@@ -49,16 +39,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     for note in &inspection.notes {
         super::message(&format!("note: {note}"));
     }
-    let urdf = again::urdf(&arguments.robot.urdf);
-    let steps = [next_steps::of_inspection(&urdf, model.support())];
+    let support = model.support().to_string();
+    let about = About {
+        urdf: Some(&arguments.robot.urdf),
+        ..About::default()
+    };
+    let next_steps = &about.worded([&NextStep::Plan { support }])[..];
     if arguments.json {
-        print_json(&Answer {
-            inspection: &inspection,
-            next_steps: &steps,
-        })?;
+        let found = &inspection;
+        print_json(&WithSteps { found, next_steps })?;
     } else {
         let text = text(&inspection, arguments.long);
-        show(&format!("{text}\n{}", next_steps::text(&steps, &[])))?;
+        show(&format!("{text}\n{}", next_steps::text(next_steps)))?;
     }
     match inspection.rank_check {
         RankCheck::Agrees => Ok(Outcome::Ok),

@@ -1,6 +1,5 @@
 //! The command line: parse, call, print.
 
-mod again;
 mod arguments;
 mod compare;
 mod defaults;
@@ -15,8 +14,11 @@ mod inspect;
 mod outputs;
 mod plan;
 mod predict;
+#[cfg(feature = "schema")]
+pub mod schema;
 mod shell;
 mod simulate;
+mod steps;
 mod terminal;
 mod units;
 mod verify;
@@ -34,7 +36,6 @@ use arguments::{
 };
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Parser, Subcommand};
-use sesc_identify::next_steps::quoted;
 use sesc_model::Model;
 use sesc_model::text::{is_hidden, visible_lines};
 use terminal::Bar;
@@ -92,7 +93,8 @@ pub fn main() -> ExitCode {
 pub fn main_from(words: Vec<OsString>) -> u8 {
     let words = WORDS.get_or_init(|| words);
     let json = json_is_wanted(words);
-    let (words, given) = match defaults::completed(words) {
+    let typed = &defaults::Typed::new(words);
+    let (words, given) = match defaults::completed(words, typed) {
         Ok(completed) => completed,
         Err(error) => return failed(&error, None, json),
     };
@@ -134,11 +136,11 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Predict(arguments) => predict::run(&arguments),
-        Command::Fit(arguments) => fit::run(&arguments),
+        Command::Fit(arguments) => fit::run(&arguments, typed),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Effects(arguments) => effects::run(&arguments),
-        Command::Compare(arguments) => compare::run(&arguments),
-        Command::Fleet(arguments) => fleet::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments, typed),
+        Command::Fleet(arguments) => fleet::run(&arguments, typed),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments),
         Command::Man(arguments) => shell::manual(&arguments),
@@ -205,16 +207,18 @@ fn json_is_wanted(words: &[OsString]) -> bool {
 
 /// What programs are told where a command fails.
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Failure<'a> {
     /// What went wrong.
     error: ErrorAbout<'a>,
 }
 
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ErrorAbout<'a> {
-    /// What kind of error it is, in a word: `usage`, `model`, `log`, `read`, `write` and others.
+    /// Kind of error; `usage`, `model`, `log`, `read`, `write` and others.
     kind: &'a str,
-    /// The sentence that stands on standard error, too, with what caused it.
+    /// The sentence, with its causes.
     message: &'a str,
     /// The file that it is about.
     file: Option<&'a str>,
@@ -390,9 +394,6 @@ fn judged(what: &str, error: f64, floor: f64, most: Option<f64>) -> Outcome {
 /// This command line, as a shell takes it.
 fn command_line() -> String {
     let words = WORDS.get().into_iter().flatten().skip(1);
-    let words = words.map(|word| quoted(&word.to_string_lossy()));
-    std::iter::once("sesc".to_string())
-        .chain(words)
-        .collect::<Vec<_>>()
-        .join(" ")
+    let words: Vec<_> = words.map(|word| word.to_string_lossy()).collect();
+    steps::line(words.iter().map(AsRef::as_ref))
 }

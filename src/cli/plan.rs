@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::outputs::{Files, Kind};
+use super::steps::About;
 use super::{
-    Bar, FeetArguments, Outcome, RobotArguments, again, command_line, message, outputs, print_json,
+    Bar, FeetArguments, Outcome, RobotArguments, command_line, message, outputs, print_json,
     show_beside,
 };
 use crate::Error;
-use crate::report;
+use crate::report::{self, next_steps::WithSteps};
 use sesc_identify::feet::Feet;
 use sesc_identify::files;
 use sesc_identify::fit::prior::Prior;
@@ -119,8 +120,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.log = log.transpose()?;
     request.feet = Feet::from(&arguments.feet);
     request.folder = folder.map(PathBuf::from);
-    let urdf = Some(arguments.robot.urdf.as_path());
-    request.line = again::command_line(urdf, None, |name| again::TO_FIT.contains(&name));
     // A file that cannot be written is better known before than after.
     let dofs = &request.model.tree.dofs;
     let streamed = outputs::is_standard(&arguments.out);
@@ -128,6 +127,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .then(|| PostureWriter::create(&arguments.out, dofs, Written::default()))
         .transpose()?;
     let found = plan(&request, &mut Bar::new("planning"))?;
+    let about = About {
+        urdf: Some(&arguments.robot.urdf),
+        ..About::default()
+    };
+    let next_steps = &about.worded(&found.next_steps())[..];
     let out = arguments.out.display();
     let log = match log {
         Some(log) => log,
@@ -142,14 +146,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if let Some(path) = &arguments.report {
         let (description, folder) = (&request.robot.description, request.folder.as_deref());
         let skeleton = Skeleton::of(&request.model, description, folder);
-        let page = report::plan::page(&found, &skeleton, &out.to_string(), &command_line());
+        let page = report::plan::page(
+            &found,
+            next_steps,
+            &skeleton,
+            &out.to_string(),
+            &command_line(),
+        );
         let page = page.map_err(|error| Error::Report(Box::new(error)))?;
         files::write(path, &page)?;
         message(&format!("wrote {}", path.display()));
     }
     match arguments.json {
-        true => print_json(&found)?,
-        false => show_beside(&report::plan::text(&found), streamed)?,
+        true => print_json(&WithSteps {
+            found: &found,
+            next_steps,
+        })?,
+        false => show_beside(&report::plan::text(&found, next_steps), streamed)?,
     }
     Ok(Outcome::Ok)
 }

@@ -7,11 +7,13 @@ use clap::Args;
 use serde::Serialize;
 
 use super::outputs::{Files, Kind};
-use super::{Bar, Motion, Outcome, RobotArguments, again, message, outputs, print_json};
+use super::steps::About;
+use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps};
 use crate::Error;
+use crate::report::next_steps::{WithSteps, Worded};
 use sesc_identify::logs::{self, Angles, PREDICTED, PredictionWriter, Sidecar};
-use sesc_identify::next_steps::NextStep;
-use sesc_identify::predict::{Predictions, Predictor, Request, predict};
+use sesc_identify::next_steps::{Functions, NextStep};
+use sesc_identify::predict::{Predictor, Request, predict};
 use sesc_identify::stance::Stance;
 
 /// CoM and CoP of every posture in a log
@@ -46,23 +48,14 @@ pub(super) struct Arguments {
 
 /// What is told of a table that was written.
 #[derive(Serialize)]
-struct Written {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Written {
     /// Its path.
     file: String,
     /// Its rows.
     postures: u64,
     /// What to do next, the most useful first.
-    next_steps: Vec<NextStep>,
-}
-
-/// What is told where nothing was written.
-#[derive(Serialize)]
-struct Answer {
-    /// What was predicted.
-    #[serde(flatten)]
-    predictions: Predictions,
-    /// What to do next, the most useful first.
-    next_steps: Vec<NextStep>,
+    next_steps: Vec<Worded>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
@@ -74,7 +67,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .prints(arguments.json)
         .check_writable()?;
     let stance = arguments.robot.stance(arguments.model.as_deref())?;
-    let next_steps = vec![after(arguments, &stance)];
+    let next_steps = after(arguments, &stance);
     let mut request = Request::new(stance, outputs::log(&arguments.data)?);
     request.angles = arguments.degrees.then_some(Angles::Deg);
     request.motion = arguments.motion.into();
@@ -101,12 +94,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                     postures,
                     next_steps,
                 })?,
-                false => again::next(&next_steps),
+                false => steps::say(&next_steps),
             }
         }
-        (None, true) => print_json(&Answer {
-            predictions: predict(&request, bar)?,
-            next_steps,
+        (None, true) => print_json(&WithSteps {
+            found: &predict(&request, bar)?,
+            next_steps: &next_steps,
         })?,
         (None, false) => {
             let mut out = outputs::output();
@@ -119,19 +112,27 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             })?;
             out.flush().map_err(Error::Stdout)?;
             bar.clear();
-            again::next(&next_steps);
+            steps::say(&next_steps);
         }
     }
     Ok(Outcome::Ok)
 }
 
 /// What computes the same on the robot.
-fn after(arguments: &Arguments, stance: &Stance) -> NextStep {
+fn after(arguments: &Arguments, stance: &Stance) -> Vec<Worded> {
     let sidecar = || Sidecar::of(&arguments.data).ok()?.0.support;
     let support = stance.support.clone().or_else(sidecar);
-    let support = support.as_deref().unwrap_or("LINK");
-    let (urdf, model) = (&arguments.robot.urdf, arguments.model.as_deref());
-    again::generating(urdf, support, model, "they compute the same on the robot")
+    let file = arguments.model.as_ref();
+    let generate = NextStep::Generate {
+        support: Some(support.unwrap_or("LINK".to_string())),
+        model: file.map(|file| file.display().to_string()),
+        of: Functions::Predicted,
+    };
+    let about = About {
+        urdf: Some(&arguments.robot.urdf),
+        ..About::default()
+    };
+    about.worded([&generate])
 }
 
 /// Give the pose, CoM and CoP of every row to `take`.

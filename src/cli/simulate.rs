@@ -6,8 +6,10 @@ use clap::Args;
 use serde::Serialize;
 
 use super::outputs::{Files, Kind};
-use super::{Bar, Motion, Outcome, RobotArguments, again, message, outputs, print_json, units};
+use super::steps::About;
+use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps, units};
 use crate::Error;
+use crate::report::next_steps::Worded;
 use sesc_identify::hide::hide;
 use sesc_identify::next_steps::NextStep;
 use sesc_identify::simulate::{self, Request};
@@ -56,7 +58,8 @@ pub(super) struct Arguments {
 
 /// What is told of a log that was written.
 #[derive(Serialize)]
-struct Written<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Written<'a> {
     /// Name of the robot.
     robot: &'a str,
     /// The link on the ground.
@@ -65,7 +68,7 @@ struct Written<'a> {
     postures: usize,
     /// Seed of postures and noise.
     seed: u64,
-    /// Standard deviation of a reading on one axis, m.
+    /// Standard deviation of a reading, m.
     noise: f64,
     /// Rows a second of a robot that moves.
     rate: Option<f64>,
@@ -74,7 +77,7 @@ struct Written<'a> {
     /// Its sidecar.
     sidecar: String,
     /// What to do next, the most useful first.
-    next_steps: &'a [NextStep],
+    next_steps: &'a [Worded],
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
@@ -114,14 +117,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     bar.clear();
     let (log, sidecar) = (arguments.out.display(), sidecar.display());
     message(&format!("wrote {log} and {sidecar}"));
-    let (urdf, name) = (again::urdf(&arguments.robot.urdf), log.to_string());
-    let steps = [NextStep::of_command(
-        "Fit the log",
-        "it gives the parameters, their uncertainty and the error on postures not seen",
-        &["fit", &urdf, "--data", &name],
-    )];
+    let about = About {
+        urdf: Some(&arguments.robot.urdf),
+        log: Some(&arguments.out),
+        ..About::default()
+    };
+    // The sidecar names the support link.
+    let steps = about.worded([&NextStep::Fit { support: None }]);
     if !arguments.json {
-        again::next(&steps);
+        steps::say(&steps);
     }
     if arguments.json {
         print_json(&Written {

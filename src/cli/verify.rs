@@ -3,16 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde::Serialize;
-use sesc_identify::next_steps::NextStep;
-use sesc_model::Model;
 
 use super::outputs::Files;
-use super::{Bar, Outcome, RobotArguments, again, print_json, show};
+use super::steps::About;
+use super::{Bar, Outcome, RobotArguments, print_json, show};
 use crate::Error;
-use crate::report::next_steps;
+use crate::report::next_steps::{self, WithSteps};
 use crate::report::table::Table;
-use crate::verify::{Verification, holds, samples, verify};
+use crate::verify::{holds, samples, verify};
 
 /// Compare the generated functions with the independent reference
 ///
@@ -45,16 +43,6 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// What programs are told.
-#[derive(Serialize)]
-struct Answer<'a> {
-    /// What the comparison found.
-    #[serde(flatten)]
-    verification: &'a Verification,
-    /// What to do next, the most useful first.
-    next_steps: &'a [NextStep],
-}
-
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     Files::default().reads(&arguments.model).check()?;
     let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
@@ -64,12 +52,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     };
     let bar = &mut Bar::new("comparing");
     let found = verify(&robot, &model, samples, arguments.seed, bar)?;
-    let steps = [after(arguments, &model, found.pass)];
+    let file = arguments.model.as_ref();
+    let file = file.map(|file| file.display().to_string());
+    let step = next_steps::of_verification(model.support(), file, found.pass);
+    let about = About {
+        urdf: Some(&arguments.robot.urdf),
+        ..About::default()
+    };
+    let next_steps = &about.worded([&step])[..];
     if arguments.json {
-        print_json(&Answer {
-            verification: &found,
-            next_steps: &steps,
-        })?;
+        let found = &found;
+        print_json(&WithSteps { found, next_steps })?;
     } else {
         let mut table = Table::new(&["function", "worst error", "allowed", "unit", ""]);
         for (name, error) in &found.worst_error {
@@ -115,7 +108,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         show(&format!(
             "{text}{verdict} on {} postures\n\n{}",
             found.samples,
-            next_steps::text(&steps, &[])
+            next_steps::text(next_steps)
         ))?;
     }
     Ok(if found.pass {
@@ -123,14 +116,4 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     } else {
         Outcome::Failed
     })
-}
-
-/// What a comparison leads to.
-fn after(arguments: &Arguments, model: &Model, pass: bool) -> NextStep {
-    let urdf = again::urdf(&arguments.robot.urdf);
-    let file = arguments
-        .model
-        .as_ref()
-        .map(|file| file.display().to_string());
-    next_steps::of_verification(&urdf, model.support(), file.as_deref(), pass)
 }

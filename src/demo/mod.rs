@@ -20,8 +20,7 @@ use crate::report::{CopRow, DemoReport, Errors, FunctionRow, HeightRow, LengthRo
 use crate::verify::{self, Verification};
 use sesc_identify::Watch;
 use sesc_identify::evaluate::Evaluator;
-use sesc_identify::lsq::factor::Factor;
-use sesc_identify::lsq::solve::{self, Estimate};
+use sesc_identify::lsq::{Estimate, Factor, solve};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_identify::threads::both;
@@ -179,7 +178,7 @@ impl<'m> Study<'m> {
         let rows = cop_rows(self.model, function, &self.fitted, POSTURES);
         let mut factor = Factor::new(rows.ncols());
         factor.push(&rows, &self.readings, &[1.0; 2 * POSTURES]);
-        solve::solve(&factor, NOISE, &DVector::zeros(rows.ncols()), None)
+        solve(&factor, NOISE, &DVector::zeros(rows.ncols()), None)
     }
 
     /// Mean |error| against the readings fitted, m.

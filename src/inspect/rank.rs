@@ -32,6 +32,7 @@ const JOINTS: usize = 32;
 
 /// Ranks of stacked regressor rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rank {
     /// From three-dimensional CoM rows.
     pub xyz: usize,
@@ -41,6 +42,7 @@ pub struct Rank {
 
 /// What numeric ranks say of those by structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum RankCheck {

@@ -5,19 +5,13 @@
 //! engine; only the figures, which escape their own texts, pass as they are.
 
 use minijinja::value::{Serde, Value};
-use minijinja::{Environment, Error, Output, State, UndefinedBehavior, context, escape_formatter};
+use minijinja::{Environment, Error, Output, State, UndefinedBehavior, escape_formatter};
 use sesc_model::text::visible_lines;
 
-use super::origin::Origin;
-use super::robot::Shown;
-use super::{CopRow, DemoReport, HiddenAct, diagnose, digest, figures, next_steps, svg, table};
-use sesc_identify::next_steps::NextStep;
-
-/// Outline of the OP2's sole around its sole frame: length, width, m.
-const OP2_SOLE_M: [f64; 2] = [0.105, 0.066];
+use super::{svg, table};
 
 /// What makes pages answer to a pointer; they say the same without it.
-const SCRIPT: [&str; 6] = [
+pub(super) const SCRIPT: [&str; 6] = [
     include_str!("script/pose.js"),
     include_str!("script/robot.js"),
     include_str!("script/controls.js"),
@@ -26,85 +20,8 @@ const SCRIPT: [&str; 6] = [
     include_str!("script/start.js"),
 ];
 
-/// The page of `sesc demo`; `command` makes it again.
-pub fn demo(report: &DemoReport, steps: &[NextStep], command: &str) -> Result<String, Error> {
-    let figure = Value::from_safe_string;
-    let hidden = report.hidden.as_ref();
-    // The robot of the second act is shown in the first one's postures, too.
-    let first = hidden.map_or(0, |hidden| hidden.view.postures.len());
-    let context = context! {
-        report => Serde(report),
-        origin => Origin {
-            robot: [&report.robot, &report.hash],
-            command,
-            ..Origin::default()
-        }
-        .context(),
-        next => next_steps::context(steps, &[]),
-        robot => hidden.map(|hidden| of_hidden(hidden, held_out(report))),
-        sole_mm => OP2_SOLE_M.map(|length| format!("{:.0}", 1e3 * length)).to_vec(),
-        all_within => report.functions.iter().all(|row| row.worst_error_m <= row.bound_m),
-        worst_error_m => report.functions.iter().map(|row| row.worst_error_m).fold(0.0, f64::max),
-        figures => context! {
-            errors => figure(figures::errors(report)),
-            cop_x => figure(figures::cop_over_postures(&report.cop, 0, first)),
-            cop_y => figure(figures::cop_over_postures(&report.cop, 1, first)),
-            plane => figure(figures::cop_plane(&report.cop, OP2_SOLE_M, first)),
-            lengths_full => figure(figures::lengths_full(&report.lengths)),
-            lengths_base => figure(figures::lengths_base(&report.lengths)),
-            height_level => figure(figures::height_level(&report.height, report.height_offset_m, first)),
-            height_shape => figure(figures::height_shape(&report.height, first)),
-            parameters => figure(figures::parameters(report)),
-            course => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::course(&h.view.postures))),
-            waterfall => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::waterfall(&h.view.stages))),
-        },
-    };
-    render("demo.html", context)
-}
-
-/// The robot of the second act, which stands in the postures `apart` where figures ask for it.
-fn of_hidden(hidden: &HiddenAct, apart: Vec<Shown>) -> Value {
-    let mut card = diagnose::card(&hidden.diagnosis, &hidden.view);
-    card.caption = format!("As the last part below finds it. {}", card.caption);
-    card.apart = apart;
-    card.context()
-}
-
-/// The postures of the first act's figures, with what these draw of them.
-fn held_out(report: &DemoReport) -> Vec<Shown> {
-    let signed = |text: String| text.replace('-', "−");
-    let place = |at: [f64; 2]| {
-        let [x, y] = at.map(|x| 1e3 * x);
-        signed(format!("x {x:.2}, y {y:.2} mm"))
-    };
-    let shown = |(k, row): (usize, &CopRow)| {
-        let mut said = vec![
-            format!("true CoP {}", place(row.truth)),
-            format!("identified {}", place(row.identified)),
-        ];
-        said.extend(report.height.get(k).map(|height| {
-            let [truth, level, shape] =
-                [height.truth, height.identified, height.anchored].map(|z| 1e3 * z);
-            signed(format!(
-                "height of the CoM {truth:.2} mm, identified {level:.2} mm, with the constant from \
-                 CAD {shape:.2} mm"
-            ))
-        }));
-        Shown {
-            pose: i64::try_from(row.pose).unwrap_or(i64::MAX),
-            q: row.q.clone(),
-            measured: Some(row.measured),
-            row: Some(format!(
-                "row {} of {} that were held out",
-                k + 1,
-                report.cop.len()
-            )),
-            said,
-            ..Shown::default()
-        }
-    };
-    report.cop.iter().enumerate().map(shown).collect()
-}
+/// The hash of that script by which a browser knows it: it runs no other.
+pub(super) const SCRIPT_HASH: &str = "sha256-2MSyMiNoUEu8vvybFiZu1ng5endqMULbZ7UWYIcCVhI=";
 
 /// A page of this folder in the frame that all share.
 pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
@@ -128,7 +45,7 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     environment.add_global("colors", Serde(svg::PALETTE));
     let script = format!("\n'use strict';\n{}", SCRIPT.concat());
     environment.add_global("version", env!("CARGO_PKG_VERSION"));
-    environment.add_global("policy", digest::source_of(&script));
+    environment.add_global("policy", SCRIPT_HASH);
     environment.add_global("script", Value::from_safe_string(script));
     // The ending of a page's name turns escaping on.
     for (name, source) in [
@@ -200,72 +117,7 @@ fn scientific(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{report, still};
     use super::*;
-
-    #[test]
-    fn the_page_says_the_numbers() {
-        let page = demo(&report(), &[], "sesc demo").unwrap();
-        for text in [
-            "0.72 mm",
-            "3.93 mm",
-            "4.93 mm",
-            "±30°",
-            "42 <small>of 63</small>",
-            "4.4 × 10⁻¹⁶",
-            "500 others",
-        ] {
-            assert!(page.contains(text), "{text}");
-        }
-        assert_eq!(page.matches("class=\"ok\">within").count(), 1);
-        assert_eq!(page.matches("class=\"bad\">exceeded").count(), 1);
-        assert!(page.contains("functions disagree with the reference"));
-        let mut fine = report();
-        fine.functions.truncate(1);
-        assert!(
-            demo(&fine, &[], "sesc demo")
-                .unwrap()
-                .contains("functions agree with the reference")
-        );
-    }
-
-    #[test]
-    fn names_are_escaped() {
-        let page = demo(&report(), &[], "sesc demo").unwrap();
-        for raw in ["op<2>", "<b>&", "<l_knee>"] {
-            assert!(!page.contains(raw), "{raw}");
-        }
-        assert!(page.contains("op&lt;2&gt;") && page.contains("&lt;l_knee&gt;"));
-    }
-
-    #[test]
-    fn the_page_stands_alone_and_is_the_same_every_time() {
-        let page = demo(&report(), &[], "sesc demo").unwrap();
-        still(&page, 1);
-        assert_eq!(page.matches("<svg ").count(), 9);
-        assert_eq!(page, demo(&report(), &[], "sesc demo").unwrap());
-    }
-
-    /// The policy of a page lets its one script run and nothing else, and that is small.
-    #[test]
-    fn a_page_may_run_its_own_script_and_load_nothing() {
-        assert!(SCRIPT.concat().len() < 150_000);
-        let page = demo(&report(), &[], "sesc demo").unwrap();
-        let (_, policy) = page
-            .split_once("Content-Security-Policy\" content=\"")
-            .unwrap();
-        let (policy, _) = policy.split_once('"').unwrap();
-        let (_, script) = page.split_once("<script>").unwrap();
-        let (script, _) = script.split_once("</script>").unwrap();
-        let own = digest::source_of(script);
-        assert_eq!(
-            policy,
-            format!("default-src 'none'; style-src 'unsafe-inline'; script-src '{own}'")
-        );
-        for handler in ["onclick=", "onload=", "javascript:", " style=\""] {
-            assert!(!page.contains(handler), "{handler}");
-        }
-    }
 
     #[test]
     fn names_in_sentences_are_code() {

@@ -6,8 +6,8 @@
 
 pub mod compare;
 mod data;
+pub mod demo;
 pub mod diagnose;
-mod digest;
 pub mod figures;
 pub mod fit;
 pub mod fleet;
@@ -30,6 +30,7 @@ use sesc_identify::feet::ClosureFound;
 
 /// The seed paper's simulation end to end, on one robot.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DemoReport {
     /// Robot, as its URDF calls it.
     pub robot: String,
@@ -41,11 +42,11 @@ pub struct DemoReport {
     pub dof: usize,
     /// Bodies: groups of links joined by fixed joints.
     pub bodies: usize,
-    /// Columns of the full regressor, three per body and one per prismatic joint.
+    /// Columns of the full regressor.
     pub full_params: usize,
-    /// Parameters that CoM rows (x, y, z) can tell apart.
+    /// Parameters that CoM rows tell apart.
     pub base_params: usize,
-    /// Parameters that flat CoP rows (x, y) can tell apart.
+    /// Parameters that flat CoP rows tell apart.
     pub rank_cop: usize,
     /// Postures fitted.
     pub postures: usize,
@@ -53,7 +54,7 @@ pub struct DemoReport {
     pub range_deg: f64,
     /// Standard deviation of one CoP coordinate, m.
     pub noise_m: f64,
-    /// Postures the fit never saw, on which it is judged.
+    /// Held-out postures.
     pub held_out: usize,
     /// Generated functions, compared with the reference.
     pub functions: Vec<FunctionRow>,
@@ -65,9 +66,9 @@ pub struct DemoReport {
     pub cop: Vec<CopRow>,
     /// CoM height of some held-out postures.
     pub height: Vec<HeightRow>,
-    /// The unobservable constant of the height: minimum norm minus CAD, m.
+    /// Minimum-norm height minus CAD's, m.
     pub height_offset_m: f64,
-    /// A sentence for each direction no flat CoP can see.
+    /// Directions that no flat CoP shows.
     pub unobservable: Vec<String>,
     /// The second act; none in reports without it.
     pub hidden: Option<HiddenAct>,
@@ -75,6 +76,7 @@ pub struct DemoReport {
 
 /// Something was hidden in the robot, and found.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HiddenAct {
     /// What the diagnosis says.
     pub sentence: String,
@@ -82,13 +84,13 @@ pub struct HiddenAct {
     pub postures: usize,
     /// Postures never seen that judge.
     pub judged: usize,
-    /// RMS error per axis there of the CoP of CAD's model, m.
+    /// RMS error of CAD's CoP there, m.
     pub before: f64,
-    /// The same error of the corrected model, m.
+    /// The same of the corrected model, m.
     pub after: f64,
-    /// RMS distance there between the CoM of CAD's model and the true one, m.
+    /// RMS error of CAD's CoM there, m.
     pub com_before: f64,
-    /// The same distance of the corrected model's, m.
+    /// The same of the corrected model, m.
     pub com_after: f64,
     /// What its figures show.
     #[serde(skip)]
@@ -100,6 +102,7 @@ pub struct HiddenAct {
 
 /// A generated function: its cost, and its error against the reference.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FunctionRow {
     /// Name of the function.
     pub name: String,
@@ -111,12 +114,13 @@ pub struct FunctionRow {
     pub sin_cos: usize,
     /// Largest difference from the reference, m.
     pub worst_error_m: f64,
-    /// Difference that is proven never to be exceeded, m.
+    /// Proven bound, m.
     pub bound_m: f64,
 }
 
 /// ‖r_i‖ of one body (the paper's Fig. 3a).
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LengthRow {
     /// Name of the body.
     pub body: String,
@@ -126,35 +130,37 @@ pub struct LengthRow {
     pub cad_m: f64,
     /// ‖r_i‖ identified on all columns by pseudo-inverse, m.
     pub full_m: f64,
-    /// Norm of the part data can tell, from CAD, m.
+    /// Norm of the observable part from CAD, m.
     pub base_cad_m: f64,
     /// The same part identified, m.
     pub base_m: f64,
-    /// The part no data can tell ("along the axis of r_knee"), or empty.
+    /// The part that no data show, or empty.
     pub unseen: String,
 }
 
 /// Errors of the identified CoP, m.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
-    /// Mean |error| against noisy readings of held-out postures.
+    /// Mean |error| against held-out readings.
     pub measured_mae_m: f64,
-    /// Mean |error| against the noisy readings that were fitted.
+    /// Mean |error| against fitted readings.
     pub in_sample_mae_m: f64,
     /// Mean |error| the noise alone makes: σ √(2/π).
     pub noise_mae_m: f64,
-    /// RMS error against the true CoP, held out: base columns.
+    /// RMS error against the truth, base columns.
     pub clean_rmse_base_m: f64,
-    /// RMS error against the true CoP, held out: all columns.
+    /// RMS error against the truth, all columns.
     pub clean_rmse_full_m: f64,
-    /// What theory expects of both: σ √(rank / 2N).
+    /// Theory of both; σ √(rank / 2N).
     pub theory_rmse_m: f64,
-    /// RMS error of the CAD parameters against the true CoP.
+    /// RMS error of CAD against the truth.
     pub cad_clean_rmse_m: f64,
 }
 
 /// CoP (x, y) of one held-out posture, m.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CopRow {
     /// Number of the posture.
     pub pose: usize,
@@ -172,6 +178,7 @@ pub struct CopRow {
 
 /// CoM height of one held-out posture, m.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeightRow {
     /// Number of the posture.
     pub pose: usize,

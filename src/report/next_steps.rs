@@ -1,29 +1,281 @@
-//! What to do next, as the console and pages say it.
+//! What to do next, in sentences: console, pages and JSON print the same list.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use minijinja::{Value, context};
+use serde::Serialize;
+use sesc_identify::compare::{Change, Comparison};
+use sesc_identify::next_steps::{Functions, NextStep};
+use sesc_model::text::listed;
 
 use super::table::wrapped_at;
-use sesc_identify::compare::{Change, Comparison};
-use sesc_identify::next_steps::{CommandLine, NextStep, Output};
 
 /// Names stand in a column of this width on the console.
 const NAME: usize = 17;
 /// Letters of a line on the console.
 const WIDTH: usize = 100;
+/// Joints that a sentence names.
+const NAMED: usize = 3;
 
-/// The steps, a sentence each and its command below; without those whose file was asked for.
-pub fn text(steps: &[NextStep], asked: &[Output]) -> String {
+/// A step in words.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "NextStep"))]
+pub struct Worded {
+    /// What to do.
+    pub what: String,
+    /// What it is good for.
+    pub why: String,
+    /// Command that does it, placeholders in capitals; none where no command does it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command: Option<String>,
+}
+
+/// A result with what to do next.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WithSteps<'a, T: Serialize> {
+    /// The result.
+    #[serde(flatten)]
+    pub found: &'a T,
+    /// What to do next.
+    pub next_steps: &'a [Worded],
+}
+
+/// The steps in words; `command` has the command or call of each, where there is one.
+pub fn worded<'s>(
+    steps: impl IntoIterator<Item = &'s NextStep>,
+    command: impl Fn(&NextStep) -> Option<String>,
+) -> Vec<Worded> {
+    let word = |step| {
+        let (what, why) = sentence(step);
+        let command = command(step);
+        Worded { what, why, command }
+    };
+    steps.into_iter().map(word).collect()
+}
+
+/// What to do, and what it is good for.
+fn sentence(step: &NextStep) -> (String, String) {
+    match step {
+        NextStep::Repair => both(
+            "Repair what is wrong with the data, and record the log again",
+            "nothing that is fitted to broken data is a result",
+        ),
+        NextStep::Plan { .. } => both(
+            "Choose postures to record",
+            "a log of them tells most about the parameters",
+        ),
+        NextStep::Record {
+            joints,
+            revolute,
+            prismatic,
+            support,
+        } => both(
+            format!(
+                "Stand in each posture until the robot is still, and log a row of it: `pose`, what \
+                 encoders read under the names of the joints ({}; {}), and the reading as \
+                 `cop_x`, `cop_y` (m, in the frame of `{support}`) or as loads of the foot cells \
+                 `fsr_1`, `fsr_2`, … (N)",
+                listed(joints, NAMED),
+                match (revolute, prismatic) {
+                    (_, false) => "rad",
+                    (true, true) => "rad, of prismatic joints m",
+                    (false, true) => "m",
+                }
+            ),
+            "a fit reads columns of these names",
+        ),
+        NextStep::Fit { .. } => both(
+            "Fit the log",
+            "it gives the parameters, their uncertainty and the error on postures not seen",
+        ),
+        NextStep::Diagnose => both(
+            "Diagnose the log",
+            "the fit leaves more than noise, and a diagnosis says what the model misses",
+        ),
+        NextStep::Repeat { poses } => {
+            let poses: Vec<String> = poses.iter().map(i64::to_string).collect();
+            both(
+                format!(
+                    "Reach poses {} once more, and log their readings under the same `pose`",
+                    poses.join(", ")
+                ),
+                "what a posture that is reached again differs by is noise, which nothing else tells \
+                 here",
+            )
+        }
+        NextStep::Change => both(
+            "Make the change that is proposed, in one place alone, then record a new log and \
+             diagnose it",
+            "nothing should be missing from it",
+        ),
+        NextStep::KeepModel => both(
+            "Keep the corrected model",
+            "predict, simulate, generate and build.rs read it",
+        ),
+        NextStep::WritePostures { experiment } => both(
+            format!("Write the postures that tell most: {experiment}"),
+            "the explanations predict other readings there",
+        ),
+        NextStep::TakePostures { experiment, file } => both(
+            format!(
+                "Take the postures of {} ({experiment}), and diagnose their log with the first",
+                Path::new(file).file_name().unwrap_or_default().display()
+            ),
+            "the explanations predict other readings there",
+        ),
+        NextStep::LookAtRobot => both(
+            "Look on the robot which of the explanations holds",
+            "no experiment that is known here would tell them apart",
+        ),
+        NextStep::GivePrior => both(
+            "Give the tolerances of masses that you trust, or weigh links",
+            "masses that are known better do not hide an effect",
+        ),
+        NextStep::CompareLater => both(
+            "Keep this log, and compare a later one with it",
+            "what changes on the robot shows in the difference",
+        ),
+        NextStep::WidenRange { joint, detectable } => both(
+            format!("Record postures with larger ranges of joints, first of all `{joint}`"),
+            format!("this log shows an offset of it from {detectable} on"),
+        ),
+        NextStep::LookAtPage => both(
+            "Look at the page of the diagnosis",
+            "it shows where the gap is, and what it goes with",
+        ),
+        NextStep::CheckSoles => both(
+            "Check that both soles lie flat on one floor: edges, dirt, carpet, loose soles",
+            "the soles lie otherwise than the joints say",
+        ),
+        NextStep::CheckLoad { joint } => both(
+            format!("Check `{joint}` under load: play, bending, screws, its cables and connectors"),
+            "the gap goes most with the load of this joint",
+        ),
+        NextStep::CheckJoint { joint } => both(
+            format!("Check cables and connectors at `{joint}`, its encoder, its screws and covers"),
+            "the gap goes most with the position of this joint",
+        ),
+        NextStep::CheckRecording => both(
+            "Check what changed while the log was recorded: a battery or cover that moved, a \
+             sensor that warmed up, another floor",
+            "the gap goes most with the place in the log",
+        ),
+        NextStep::CheckContact => both(
+            "Check the edges of the foot sole, and that no cover, cable or support frame touches \
+             the ground or holds the robot",
+            "what carries load beside the sole moves the CoP, and no posture predicts it",
+        ),
+        NextStep::CheckLengths => both(
+            "Compare link lengths and joint axes of the URDF with the robot, and where its battery \
+             sits",
+            "no effect of the list changes a length",
+        ),
+        NextStep::RecordAgain => both(
+            "Record the log once more",
+            "what comes again belongs to the robot, what does not to the recording",
+        ),
+        NextStep::Generate { of, .. } => match of {
+            Functions::Verified => both(
+                "Write the functions as source code",
+                "they are what was compared, in C and in Rust",
+            ),
+            Functions::Predicted => both(
+                "Write the functions as source code",
+                "they compute the same on the robot",
+            ),
+            Functions::Later => both(
+                "Write the functions of the later model",
+                "those of the first are of a robot that has changed",
+            ),
+        },
+        NextStep::Verify { .. } => both(
+            "Compare the functions with an independent reference",
+            "it sums the links of the URDF by itself",
+        ),
+        NextStep::VerifyUnsnapped { .. } => both(
+            "Compare without snapped angles",
+            "what fails even so is no right angle that the URDF has but nearly",
+        ),
+        NextStep::GoOn { model } => both(
+            format!("Go on with {model}"),
+            "nothing differs from it by more than chance, and what was generated from it holds",
+        ),
+        NextStep::CheckChanged { effect, target } => {
+            let effect = effect.replace('_', " ");
+            let of = match target.as_str() {
+                "-" => String::new(),
+                target => format!(" of `{target}`"),
+            };
+            both(
+                format!("Check what became of the {effect}{of} on the robot"),
+                "it changed by more than chance",
+            )
+        }
+        NextStep::DiagnoseLater { .. } => both(
+            "Diagnose the later log",
+            "a diagnosis says what changes in URDF or controller put it right",
+        ),
+    }
+}
+
+fn both(what: impl Into<String>, why: impl Into<String>) -> (String, String) {
+    (what.into(), why.into())
+}
+
+/// What a comparison of two models leads to, which the caller calls `before` and `after`; of logs,
+/// the later one is diagnosed. `support` is named where the command that generates needs it.
+pub fn of_comparison(
+    found: &Comparison,
+    [before, after]: [&str; 2],
+    support: Option<String>,
+    of_logs: bool,
+) -> Vec<NextStep> {
+    if !found.changed {
+        let model = before.to_string();
+        return vec![NextStep::GoOn { model }];
+    }
+    let first = found.effects.iter().find(|own| own.change != Change::Same);
+    let check = first.map(|own| NextStep::CheckChanged {
+        effect: own.effect.clone(),
+        target: own.target.clone(),
+    });
+    let after = after.to_string();
+    let last = match of_logs {
+        true => NextStep::DiagnoseLater { log: after },
+        false => NextStep::Generate {
+            support,
+            model: Some(after),
+            of: Functions::Later,
+        },
+    };
+    check.into_iter().chain([last]).collect()
+}
+
+/// What a comparison of the functions with the reference leads to: they are right (`pass`), or
+/// what was snapped is left out.
+pub fn of_verification(support: &str, model: Option<String>, pass: bool) -> NextStep {
+    let support = support.to_string();
+    match pass {
+        true => NextStep::Generate {
+            support: Some(support),
+            model,
+            of: Functions::Verified,
+        },
+        false => NextStep::VerifyUnsnapped { support, model },
+    }
+}
+
+/// The steps on the console, a sentence each and its command below.
+pub fn text(steps: &[Worded]) -> String {
     let mut out = String::new();
     let indent = " ".repeat(NAME);
-    for step in open(steps, asked) {
-        let _ = writeln!(
-            out,
-            "{:<NAME$}{}",
-            "next",
-            wrapped_at(&step.sentence(), &indent, WIDTH - NAME)
-        );
+    for step in steps {
+        let said = format!("{}: {}.", step.what, step.why);
+        let said = wrapped_at(&said, &indent, WIDTH - NAME);
+        let _ = writeln!(out, "{:<NAME$}{said}", "next");
         if let Some(command) = &step.command {
             let _ = writeln!(out, "{indent}{command}");
         }
@@ -31,93 +283,10 @@ pub fn text(steps: &[NextStep], asked: &[Output]) -> String {
     out
 }
 
-/// What comes before the first log of this robot on its support.
-pub fn of_inspection(urdf: &str, support: &str) -> NextStep {
-    let words = ["plan", urdf, "--support", support];
-    let words = [&words[..], &["--poses", "40", "--out", "poses.csv"]].concat();
-    NextStep::of_command(
-        "Choose postures to record",
-        "a log of them tells most about the parameters",
-        &words,
-    )
-}
-
-/// What a comparison of the functions with the reference leads to: they are right (`pass`), or
-/// what was snapped is left out.
-pub fn of_verification(urdf: &str, support: &str, model: Option<&str>, pass: bool) -> NextStep {
-    if pass {
-        let why = "they are what was compared, for C; `--lang rust` for Rust";
-        return generating(urdf, support, model, why);
-    }
-    let mut words = vec!["verify", urdf, "--support", support];
-    words.extend(model.iter().flat_map(|file| ["--model", file]));
-    words.push("--no-snap");
-    let why = "what fails even so is no right angle that the URDF has but nearly";
-    NextStep::of_command("Compare without snapped angles", why, &words)
-}
-
-/// `generate` for this robot: what computes on it what was looked at here.
-pub fn generating(urdf: &str, support: &str, model: Option<&str>, why: &str) -> NextStep {
-    let mut words = vec!["generate", urdf, "--support", support];
-    words.extend(model.iter().flat_map(|file| ["--model", file]));
-    words.extend(["--lang", "c", "--out", "src"]);
-    NextStep::of_command("Write the functions as source code", why, &words)
-}
-
-/// What the difference of two models leads to, which were called `before` and `after`; `line` has
-/// the URDF, and options of the command that writes the functions of the later model. Of logs,
-/// the later one is diagnosed.
-pub fn of_comparison(
-    found: &Comparison,
-    [before, after]: [&str; 2],
-    line: &CommandLine,
-    of_logs: bool,
-) -> Vec<NextStep> {
-    if !found.changed {
-        return vec![NextStep::by_hand(
-            format!("Go on with {before}"),
-            "nothing differs from it by more than chance, and what was generated from it holds",
-        )];
-    }
-    let mut steps = Vec::new();
-    let first = found.effects.iter().find(|own| own.change != Change::Same);
-    if let Some(own) = first {
-        let what = own.effect.replace('_', " ");
-        let what = match own.target.as_str() {
-            "-" => format!("Check what became of the {what} on the robot"),
-            target => format!("Check what became of the {what} of `{target}` on the robot"),
-        };
-        steps.push(NextStep::by_hand(what, "it changed by more than chance"));
-    }
-    steps.push(match of_logs {
-        true => NextStep::of_command(
-            "Diagnose the later log",
-            "a diagnosis says what changes in URDF or controller put it right",
-            &["diagnose", &line.urdf, "--data", after],
-        ),
-        false => {
-            let mut words = vec!["generate", &line.urdf];
-            words.extend(line.options.iter().map(String::as_str));
-            words.extend(["--model", after, "--lang", "c", "--out", "src"]);
-            NextStep::of_command(
-                "Write the functions of the later model",
-                "those of the first are of a robot that has changed",
-                &words,
-            )
-        }
-    });
-    steps
-}
-
 /// What `next.html` takes.
-pub(super) fn context(steps: &[NextStep], asked: &[Output]) -> Vec<Value> {
-    let row = |step: &NextStep| {
+pub(super) fn context(steps: &[Worded]) -> Vec<Value> {
+    let row = |step: &Worded| {
         context! { what => &step.what, why => &step.why, command => &step.command }
     };
-    open(steps, asked).map(row).collect()
-}
-
-fn open<'s>(steps: &'s [NextStep], asked: &[Output]) -> impl Iterator<Item = &'s NextStep> {
-    let done = move |step: &&NextStep| !step.makes.is_some_and(|output| asked.contains(&output));
-    steps.iter().filter(done)
+    steps.iter().map(row).collect()
 }

@@ -4,16 +4,15 @@
 use minijinja::{Error, Value, context};
 
 use super::data::Data;
+use super::diagnose::DiagnoseReport;
 use super::figures::robot::Marks;
 use super::fleet::standing;
 use super::health::Posed;
 use super::html::render;
-use super::next_steps;
+use super::next_steps::{self, Worded};
 use super::origin::Origin;
-use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::fit::Identification;
 use sesc_identify::health::Finding;
-use sesc_identify::next_steps::{NextStep, Output};
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 
@@ -25,7 +24,7 @@ struct Broken<'a> {
     /// How many rows there are, and what they are worth.
     rows: String,
     health: &'a [Finding],
-    next: &'a [NextStep],
+    next: &'a [Worded],
     origin: Origin<'a>,
     /// The robot, where its URDF is at hand.
     drawn: Option<&'a Skeleton>,
@@ -38,6 +37,7 @@ struct Broken<'a> {
 /// A fault of the page's template.
 pub fn page_of_fit(
     found: &Identification,
+    next: &[Worded],
     drawn: Option<&Skeleton>,
     command: &str,
 ) -> Result<String, Error> {
@@ -48,7 +48,7 @@ pub fn page_of_fit(
         postures: found.postures,
         rows: found.samples.sentence(),
         health: &found.health,
-        next: &found.next_steps,
+        next,
         origin: Origin {
             robot: [&found.robot, &found.hash],
             logs: found
@@ -69,18 +69,19 @@ pub fn page_of_fit(
 /// # Errors
 /// A fault of the page's template.
 pub fn page_of_diagnosis(
-    found: &Diagnosis,
+    report: &DiagnoseReport<'_>,
     made: &ModelFile,
     drawn: Option<&Skeleton>,
     command: &str,
 ) -> Result<String, Error> {
+    let found = report.found;
     page(&Broken {
         robot: &found.robot,
         support: &found.support,
         postures: found.postures as u64,
         rows: found.samples.sentence(),
         health: &found.health,
-        next: &found.next_steps,
+        next: report.next_steps,
         origin: Origin {
             robot: [&made.robot, &made.hash],
             logs: made
@@ -132,7 +133,7 @@ fn page(broken: &Broken<'_>) -> Result<String, Error> {
         support => broken.support,
         log => broken.origin.logs.iter().map(|log| log.0).collect::<Vec<&str>>().join(" + "),
         data => data.context(),
-        next => next_steps::context(broken.next, &[Output::Page]),
+        next => next_steps::context(broken.next),
         origin => broken.origin.context(),
     };
     render("unusable.html", context)

@@ -1,5 +1,4 @@
-//! What `generated/` holds, the figure of README, pages of effects and tables of formats, and how
-//! they are written.
+//! What `generated/` holds, the figure of README and docs/json.md, and how they are written.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +8,8 @@ use sesc_codegen::facts::Facts;
 use sesc_model::{Snapping, files::write_all_if_changed};
 
 use sesc::demo::{self, hidden};
-use sesc::effect_pages;
 use sesc::report::figures::diagnose::course;
 use sesc::{Error, OP2_URDF};
-use sesc_identify::diagnose::MODEL_PAGES;
 use sesc_identify::robot::Robot;
 
 /// Robots with checked-in code: folder under `robots/`, support link, module.
@@ -36,53 +33,6 @@ fn figure() -> Result<String, Error> {
     let model = robot.model("r_sole", Snapping::default(), None)?;
     let hidden = hidden::run(&robot, &model, demo::SEED)?;
     Ok(course(&hidden.view.postures))
-}
-
-/// A page for each effect that a diagnosis knows, its figures, and the list of them.
-fn effect_pages() -> Result<Vec<(PathBuf, String)>, Error> {
-    let folder = Path::new("docs/effects");
-    let mut files = Vec::new();
-    let mut list = String::from(
-        "# Effects\n\n\
-         What a real robot does that its URDF does not say, and what a diagnosis can name. Each page \
-         has the equation, what the effect does to the CoP of the OP2, which other effects do much \
-         the same, and in which postures they differ; `sesc effects NAME` prints it. The pages are \
-         computed and written by `cargo regen`.\n\n\
-         In their tables, *masses take* is the share of the effect's mean square that masses within \
-         the priors `tight` and `cad` explain; *imitated by* names the best effect of each kind, and \
-         the share that it takes of what masses within `tight` leave. An effect of which another \
-         takes 99 % needs many postures, or another experiment, to be told from it.\n\n\
-         | effect | acts on | what it is |\n|---|---|---|\n",
-    );
-    let bench = effect_pages::Bench::new()?;
-    for page in bench.pages(None)? {
-        let about = &page.about;
-        let name = about.name;
-        list += &format!(
-            "| [{name}]({name}.md) | {} | {} |\n",
-            effect_pages::acts_on(about),
-            about.sentence
-        );
-        files.push((folder.join(format!("{name}.md")), page.markdown()));
-        if let Some([does, left]) = page.figures() {
-            files.push((folder.join(format!("{name}.svg")), does));
-            files.push((folder.join(format!("{name}-left.svg")), left));
-        }
-    }
-    list += "\nA diagnosis may also name what is no effect: a wider prior of masses, or noise of two \
-             widths.\n\n| name | about | what it is |\n|---|---|---|\n";
-    for (name, about, page) in MODEL_PAGES {
-        let sentence = page.lines().next().unwrap_or_default();
-        let picture = bench.picture(name);
-        list += &format!("| [{name}]({name}.md) | {about} | {sentence} |\n");
-        files.push((
-            folder.join(format!("{name}.md")),
-            format!("# {name}\n\n{page}\n![{}]({name}.svg)\n", picture.label),
-        ));
-        files.push((folder.join(format!("{name}.svg")), picture.svg));
-    }
-    files.push((folder.join("index.md"), list));
-    Ok(files)
 }
 
 /// Every file that is written by `cargo regen`, relative to the project's root, with its text.
@@ -113,8 +63,7 @@ pub fn files(root: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
         files.push((path("c"), package.source));
     }
     files.push((PathBuf::from(FIGURE), figure()?));
-    files.extend(effect_pages()?);
-    files.extend(crate::formats::pages(root)?);
+    files.push((PathBuf::from("docs/json.md"), crate::json::page()));
     Ok(files)
 }
 

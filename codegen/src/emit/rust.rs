@@ -6,7 +6,7 @@
 //!
 //! Bodies stand in the implementation of the runtime's hidden traits, forced inline: the
 //! SIMD layer compiles them for registers that no call can carry. Without that, a posture of a
-//! batch takes up to 41 times as long (`docs/perf.md`, "Every set of instructions"). The
+//! batch takes up to 41 times as long (`docs/dev/performance.md`, "Every set of instructions"). The
 //! functions that a controller calls forward to them through the public traits and are inlined
 //! where the compiler finds it worth while.
 //!

@@ -23,7 +23,7 @@ pub const OVER_NOTHING: f64 = 4.0;
 pub const ADDED_EFFECT: f64 = 3.0;
 /// This many effects at once are less likely than one outside the list: the verdict is
 /// "unexplained". Calibrated on faults outside the list that crowds imitate
-/// (`tests/hidden_effect.rs`, unmodelled effects).
+/// (`tests/it/hidden_effect.rs`, unmodelled effects).
 pub const TOO_MANY_EFFECTS: usize = 4;
 /// Outliers are at most this part of the postures; with more, the rule itself is wrong. Chosen:
 /// twice as much, and a log of two states of a robot may pass for one with outliers; half, and
@@ -49,22 +49,6 @@ pub const LEFTOVER_RATIO: f64 = 1.15;
 /// The same where noise is known from the residuals of free masses alone. Chosen: half of it
 /// calls noise that masses absorbed a gap; twice as much misses gaps of twice the noise.
 pub const LEFTOVER_RATIO_OF_RESIDUALS: f64 = 3.0;
-/// Terms of a formula for what is left, at most. Chosen: with twice as many terms a formula
-/// follows noise.
-pub const FORMULA_TERMS: usize = 3;
-/// A formula is reported if it explains this part of what is more than noise. Chosen: half of
-/// it reports formulas that explain a third of the rest.
-pub const FORMULA_SHARE: f64 = 0.6;
-/// A formula has to beat the best effects by this score: its library is larger than its penalty
-/// says. Chosen: half of it prefers a formula to two effects; twice as much reports a formula
-/// in larger gaps alone.
-pub const FORMULA_SCORE: f64 = 20.0;
-/// Single effects that a formula is tried beside. Chosen: it costs time; with fewer the effect
-/// beside a formula may be missed.
-pub const FORMULA_BESIDE: usize = 3;
-/// A formula is also looked for beside explanations of more effects than this. Chosen: it costs
-/// time; with one more a formula is not tried beside three effects.
-pub const FORMULA_EFFECTS: usize = 2;
 
 // What a log shows.
 
@@ -195,7 +179,7 @@ pub const HELD_OUT_TIMES: f64 = 4.0;
 // Experiments.
 
 /// χ² from which an experiment tells two explanations apart: what noise leaves of it in nine of
-/// ten logs, `S − 1.28 · 2 √S`, is then beyond [`CLASS_SCORE`]. Calibrated on 45 classes of the
+/// ten logs, `S − 1.28 · 2 √S`, is then [`CLASS_SCORE`]. Calibrated on 45 classes of the
 /// study: 43 first experiments exclude as many as they say, 36 from 9 on.
 pub const TOLD_APART: f64 = 22.0;
 /// χ² at which pages of effects say that two explanations are told apart. Closed form: five

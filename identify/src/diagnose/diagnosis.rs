@@ -7,7 +7,7 @@ use super::findings::{About, Diagnosis, Explained, Gap, ModelOnLog, NextPostures
 use super::further_logs::{self, FurtherLog};
 use super::held_out::{self, HeldOut};
 use super::hypothesis::Term;
-use super::leftover::{self, Formula, Misfit};
+use super::leftover::Misfit;
 use super::noise;
 use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
@@ -51,16 +51,12 @@ pub fn find<'m>(
     let mut class = class(&best, ranked);
     let problem = search.problem();
     let misfit = misfit(problem, &best, further);
-    let (best, formula) = match about.usable {
-        true => with_formula(misfit, best, &mut search, further),
-        false => (best, None),
-    };
     // Noise that was taken from what free masses leave says it where far more is left.
     let known = problem.data.noise_source != NoiseSource::Residuals
         || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let soles = about.usable && closure::is_open(search.problem(), &best);
-    let no_known = known && misfit.is_clear() || formula.is_some() || soles;
+    let no_known = known && misfit.is_clear() || soles;
     let unexplained = no_known || crowd || implausible.is_some();
     let problem = search.problem();
     if unexplained {
@@ -119,6 +115,7 @@ pub fn find<'m>(
     };
     let told = told(problem, &best, &steps, &start, &held, &evidence);
     let (told, steps): (Vec<usize>, Vec<Step>) = told.into_iter().unzip();
+    let (leftover, suspects) = rest(problem, &best, unexplained);
     let diagnosis = Diagnosis {
         verdict,
         health: about.health.clone(),
@@ -152,15 +149,14 @@ pub fn find<'m>(
         class: members,
         absorbed_by_masses: absorbed(problem, &best),
         unexplained,
+        suspects,
         implausible,
         model_on_log: ModelOnLog::default(),
-        leftover: rest(problem, &best, formula),
+        leftover,
         outliers: outliers(problem, &best),
         blind: blind_spots(problem, &blind),
         hypotheses_fitted: counted,
         next_postures: NextPostures::default(),
-        next_steps: Vec::new(),
-        model_use: None,
         left_out_of_urdf: None,
     };
     let mut found = Explained {
@@ -171,7 +167,6 @@ pub fn find<'m>(
         baseline,
     };
     com_spread::state(problem, &mut found);
-    found.diagnosis.sentence = super::verdict::sentence(problem, &found);
     Ok(found)
 }
 
@@ -300,45 +295,6 @@ fn too_many_outliers(fit: &Fit) -> bool {
     fit.outliers
         .as_ref()
         .is_some_and(|o| share(o) > criteria::OUTLIER_SHARE)
-}
-
-/// A short formula that explains the gap better than any effects do, with the
-/// plain hypothesis that it completes; looked for only where effects leave
-/// something over, or explain it by outliers or by a crowd of them.
-fn with_formula(
-    misfit: Misfit,
-    best: Fit,
-    search: &mut Search,
-    further: &[FurtherLog],
-) -> (Fit, Option<Formula>) {
-    let crowd = best.terms.len() > criteria::FORMULA_EFFECTS || best.outliers.is_some();
-    if !(misfit.is_clear() || crowd) {
-        return (best, None);
-    }
-    let null = search.fit(&[], None);
-    let ranked = search.ranked();
-    let singles = ranked
-        .iter()
-        .filter(|fit| fit.terms.len() == 1 && fit.outliers.is_none())
-        .filter(|fit| implausible(search.problem(), fit).is_none());
-    let singles: Vec<Fit> = singles.take(criteria::FORMULA_BESIDE).cloned().collect();
-    let problem = search.problem();
-    let alone = [null].into_iter().chain(singles);
-    let together = alone.map(|fit| further_logs::together(problem, fit, further));
-    let tried = together.chain([best.clone()]);
-    let formulas = tried.map(|fit| {
-        let formula = leftover::formula(problem, &fit);
-        (fit, formula)
-    });
-    let found = formulas.min_by(|a, b| a.1.score.total_cmp(&b.1.score));
-    match found {
-        Some((fit, formula))
-            if formula.is_reported() && formula.score < best.score() - criteria::FORMULA_SCORE =>
-        {
-            (fit, Some(formula))
-        }
-        _ => (best, None),
-    }
 }
 
 /// χ² of the robot with CAD masses.

@@ -116,15 +116,6 @@ impl Dictionary {
         self.candidates.iter().map(of).collect()
     }
 
-    /// Unknowns of ordinary size, at which [`Dictionary::scaled`] states a term.
-    pub fn ordinary(&self, problem: &Problem, term: &Term) -> Vec<f64> {
-        let starts = term.starts(&problem.context);
-        match starts.len() {
-            1 => term.scales(&problem.context),
-            _ => starts[starts.len() / 3].clone(),
-        }
-    }
-
     /// Whitened columns of the candidate that is `wanted`, for unknowns of ordinary size, and S
     /// times them.
     pub fn scaled(

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! the χ² by which explanation j would fail, its unknowns fitted again, if i
-//! were true. Nine is enough to tell, as in the class itself.
+//! were true. From [`TOLD_APART`](super::criteria::TOLD_APART) on it tells the two apart.
 
 use super::hypothesis::Term;
 use nalgebra::{DMatrix, DVector};

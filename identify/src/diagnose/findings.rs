@@ -1,6 +1,7 @@
 //! What a diagnosis says, and what it was made of.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::{Serialize, Serializer};
 use sesc_model::effects::{EffectContext, Fitted, Target};
@@ -10,7 +11,6 @@ use super::hypothesis::Term;
 use super::problem::Fit;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
-use crate::next_steps::NextStep;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
@@ -19,6 +19,11 @@ use crate::observations::samples::Samples;
 
 /// What a diagnosis comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename_all = "snake_case")
+)]
 pub enum Verdict {
     /// Simulation and data agree.
     None,
@@ -73,19 +78,21 @@ impl Serialize for Verdict {
 
 /// How far readings are from predictions, m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gap {
-    /// RMS over both axes.
+    /// RMS over both axes, m.
     pub rmse: f64,
     /// RMS along x.
     pub rmse_x: f64,
     /// RMS along y.
     pub rmse_y: f64,
-    /// Mean of reading − prediction, x and y.
+    /// Mean of reading − prediction.
     pub bias: [f64; 2],
 }
 
 /// An estimate with its standard deviation, in the unit that its name ends in.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Quantity {
     /// The estimate.
     pub value: f64,
@@ -95,6 +102,7 @@ pub struct Quantity {
 
 /// One effect of the explanation, in the order in which they close the gap.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Step {
     /// Name of the effect: `joint_offset`.
     pub effect: &'static str,
@@ -108,11 +116,11 @@ pub struct Step {
     /// What is fitted for each of them: zero where there is no effect.
     #[serde(skip)]
     pub fitted: BTreeMap<&'static str, Fitted>,
-    /// Held-out, without and with it (beside the steps before), m.
+    /// Held-out error without it, m; with the steps before.
     pub rmse_before: f64,
-    /// Held-out RMS error with it, m; the next step begins there.
+    /// Held-out error with it, m; the next step begins there.
     pub rmse_after: f64,
-    /// Rise of −2 log evidence without this effect, less its penalty.
+    /// Rise of −2 log evidence without it, less its penalty.
     pub evidence: f64,
     /// The step as a sentence.
     pub sentence: String,
@@ -154,6 +162,7 @@ impl ActsOn {
 
 /// A number before and after.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
 pub struct Change<T> {
     /// The value as it is.
     pub before: T,
@@ -163,10 +172,11 @@ pub struct Change<T> {
 
 /// Elements of the URDF before and after.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct UrdfChange {
-    /// Line of the first of them in the file, from 1.
+    /// Line of the first, from 1.
     pub line: usize,
-    /// The lines as they are, one tag a line; empty where something is added.
+    /// The lines as they are; one tag a line, empty where something is added.
     pub before: String,
     /// The lines as they should be.
     pub after: String,
@@ -174,8 +184,9 @@ pub struct UrdfChange {
 
 /// What to change about one effect. Servo settings take in every effect on their joint.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Remedy {
-    /// With sign and unit: `true angle of l_knee = reading + 1.517°`.
+    /// With sign and unit; `true angle of l_knee = reading + 1.517°`.
     pub sentence: String,
     /// Ticks at zero.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -186,7 +197,7 @@ pub struct Remedy {
     /// Ticks a turn, where they change.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo_resolution: Option<Change<f64>>,
-    /// Stroke of one tick of a prismatic joint, m, where it changes.
+    /// Stroke of a tick of a prismatic joint, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo_metres_per_tick: Option<Change<f64>>,
     /// What a URDF holds of it.
@@ -197,21 +208,9 @@ pub struct Remedy {
     pub not_in_urdf: Option<String>,
 }
 
-/// How the model file is used, where one is written.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ModelUse {
-    /// The file.
-    pub model: String,
-    /// The line of a `build.rs`.
-    pub build_rs: String,
-    /// What generates C: the command as the request words it, or the call of the builder.
-    pub generate: String,
-    /// The call in C: the CoM of the robot as its encoders read it.
-    pub c: String,
-}
-
 /// Held-out errors of the whole explanation, m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Last {
     /// Held-out, m.
     pub rmse: f64,
@@ -219,21 +218,20 @@ pub struct Last {
     pub rmse_x: f64,
     /// RMS along y.
     pub rmse_y: f64,
-    /// Postures not judged by: outliers, and joints on the unlikely side of a
-    /// dead band.
+    /// Postures not judged by; outliers, and joints on the unlikely side of a dead band.
     pub left_out: usize,
 }
 
 /// What the diagnosis states of the log, and what its model file predicts, both in sample:
 /// neither says how good the model is elsewhere.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ModelOnLog {
     /// Gap that the diagnosis leaves, m.
     pub stated_rmse: f64,
     /// Gap to what the file predicts, m.
     pub predicted_rmse: f64,
-    /// Postures in which a loose joint rests on a side that the log knows and a posture
-    /// alone does not; not counted in either.
+    /// Postures left out of both, where only the log knows the side of a loose joint.
     pub left_out: usize,
     /// Whether the two agree to 1 %.
     pub agrees: bool,
@@ -241,64 +239,93 @@ pub struct ModelOnLog {
 
 /// A complete explanation that the data allow.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Member {
     /// Effects with their targets: `joint_offset:l_knee`.
     pub effects: Vec<String>,
-    /// −2 log evidence above the best of the class.
+    /// −2 log evidence above the best.
     pub score_difference: f64,
     /// The explanation as a sentence.
     pub sentence: String,
-    /// RMS distance of its CoM from that of the first explanation over the log's postures, m.
+    /// RMS distance of its CoM from that of the first, m.
     #[serde(rename = "com_apart_m")]
     pub com_apart: Option<f64>,
 }
 
 /// An effect that this log can hardly show.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Blind {
     /// The effect with its target: `joint_offset:l_knee`.
     pub effect: String,
     /// The joint.
     #[serde(skip)]
     pub target: String,
-    /// From this size on it would be seen.
+    /// Smallest detectable offset, rad or m.
     pub from: f64,
-    /// The smallest that would be detected, as people read it.
+    /// The same as people read it.
     pub size: String,
 }
 
 /// What the explanation leaves over.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Leftover {
     /// χ² of the residuals.
     pub chi2: f64,
     /// χ² that noise alone would leave.
     pub expected: f64,
-    /// What the rest goes with most, and its share.
-    pub strongest: Option<String>,
-    /// Part of what is left that goes with it, 0 to 1.
-    pub strongest_share: f64,
-    /// Found, not physical.
-    pub formula: Option<String>,
-    /// Part of what is left that the formula explains, 0 to 1.
-    pub formula_share: Option<f64>,
+    /// Share of the scatter that goes with the first suspect.
+    pub suspect_share: f64,
+}
+
+/// A quantity that an unexplained gap goes with.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(into = "String")]
+#[non_exhaustive]
+pub enum Suspect {
+    /// Position of a joint.
+    Position(String),
+    /// Gravity moment of a joint.
+    Moment(String),
+    /// Place in the log.
+    Place,
+}
+
+impl fmt::Display for Suspect {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Suspect::Position(joint) => write!(f, "position of {joint}"),
+            Suspect::Moment(joint) => write!(f, "gravity moment of {joint}"),
+            Suspect::Place => f.write_str("place in the log"),
+        }
+    }
+}
+
+impl From<Suspect> for String {
+    fn from(suspect: Suspect) -> String {
+        suspect.to_string()
+    }
 }
 
 /// One experiment and what it would do to the class.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExperimentProposal {
-    /// What is to be done, as a sentence.
+    /// What to do, as a sentence.
     pub what: String,
-    /// Explanations other than the first that it would exclude.
+    /// Explanations that it would exclude.
     pub splits: usize,
-    /// χ² against the nearest that it would exclude, and for each member of the class.
+    /// χ² against the nearest excluded one, then against each member.
     pub separations: Vec<f64>,
 }
 
 /// What next postures are for, and where they were written.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NextPostures {
-    /// Why this experiment is proposed, as a sentence.
+    /// Why it is proposed, as a sentence.
     pub why: String,
     /// The file of its postures, where one is written.
     pub file: Option<String>,
@@ -308,18 +335,19 @@ pub struct NextPostures {
 
 /// Everything that is said of a log. Lengths in m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Diagnosis {
     /// What the diagnosis comes to.
     pub verdict: Verdict,
-    /// What is wrong with the data themselves.
+    /// What is wrong with the data.
     pub health: Vec<Finding>,
-    /// How much the log is worth.
+    /// Independent samples in the log.
     pub samples: Samples,
-    /// How the motion of the joints counted.
+    /// How motion of the joints counted.
     pub motion: MotionUse,
-    /// What postures that were visited again differ by; none where none was.
+    /// Scatter between visits of a posture; none if no posture was visited again.
     pub visits: Option<Visits>,
-    /// How the soles of both feet lie on one floor, where the log is of both.
+    /// How the soles of both feet lie on one floor; none of a log of one foot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closure: Option<ClosureFound>,
     /// Postures to reach once more, where nothing tells the noise.
@@ -333,60 +361,57 @@ pub struct Diagnosis {
     pub support: String,
     /// Name of the log.
     pub log: String,
-    /// First and last `t` of the logs, s; none where they have no `t`.
+    /// First and last `t`, s; none of logs without `t`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub times: Option<[f64; 2]>,
     /// Postures in the log.
     pub postures: usize,
     /// Postures that were used; long logs are thinned out.
     pub postures_used: usize,
-    /// The tolerances of CAD masses that were assumed.
+    /// Tolerances of CAD masses.
     pub prior: String,
-    /// Noise of a posture on one axis without the floor, m.
+    /// Noise of a posture without the floor, m.
     pub noise: f64,
     /// The same with the floor, m.
     pub noise_floor: f64,
     /// Where the noise was taken from.
     pub noise_source: NoiseSource,
-    /// Errors of the robot with CAD masses and without effects.
+    /// Errors of CAD without effects.
     pub baseline: Gap,
     /// χ² of these errors.
     pub baseline_chi2: f64,
-    /// The explanation effect by effect, in the order in which they close the gap.
+    /// The explanation, effect by effect.
     pub steps: Vec<Step>,
     /// Held-out errors of the whole explanation.
     #[serde(rename = "final")]
     pub last: Last,
-    /// Effects of each explanation of the class, the best first.
+    /// Effects of each of them.
     pub indistinguishable: Vec<Vec<String>>,
-    /// The explanations that these data cannot tell apart, the best first.
+    /// Explanations that these data cannot tell apart, best first.
     pub class: Vec<Member>,
-    /// RMS of what masses within their prior take of the gap, m.
+    /// RMS that masses within their prior take, m.
     pub absorbed_by_masses: f64,
-    /// Whether more is missing than the known effects explain.
+    /// Whether more is missing than known effects explain.
     pub unexplained: bool,
-    /// What would explain the log best, and why no robot has it: a sentence.
+    /// What an unexplained gap may have to do with; the likeliest first, not in the model file.
+    pub suspects: Vec<Suspect>,
+    /// Why the best explanation is beyond a physical bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub implausible: Option<String>,
-    /// The model file on the log that it came from.
+    /// The model file on its own log.
     pub model_on_log: ModelOnLog,
     /// What the explanation leaves over.
     pub leftover: Leftover,
     /// Poses that are rather outliers.
     pub outliers: Vec<i64>,
-    /// Joint offsets that the log hardly shows, with the smallest detectable size.
+    /// Smallest detectable joint offsets.
     pub blind: Vec<Blind>,
     /// How many explanations were fitted.
     pub hypotheses_fitted: usize,
     /// The experiments that would separate the class.
     pub next_postures: NextPostures,
-    /// What to do next, the most useful first.
-    pub next_steps: Vec<NextStep>,
-    /// How the model file is used, where one is written that predicts the log.
-    #[serde(rename = "use", skip_serializing_if = "Option::is_none")]
-    pub model_use: Option<ModelUse>,
-    /// What of the explanation the corrected URDF does not hold, a sentence each, where a URDF
-    /// was asked for.
+    /// Parts of the explanation that the corrected URDF does not hold, a sentence each; none
+    /// without a corrected URDF.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out_of_urdf: Option<Vec<String>>,
 }

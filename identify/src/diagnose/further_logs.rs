@@ -19,12 +19,11 @@ use nalgebra::{DMatrix, DVector};
 
 use sesc_model::effects::Experiment;
 
-use super::backlash_sides;
 use super::exact::{Exact, masses_of};
 use super::experiment::{self, CarriedExplanation};
 use super::hypothesis::Term;
 use super::nuisance::Nuisance;
-use super::problem::{ALL, Fit, Problem, State};
+use super::problem::{ALL, Fit, Problem, State, backlash_sides};
 use crate::lsq::damped::{self, Expansion};
 
 /// A log of an experiment, on the support that it was taken on.

@@ -1,18 +1,23 @@
-//! What no effect of the list explains: how much, where, and a short formula.
+//! What no effect of the list explains: how much is left, and what it goes with.
 //!
 //! ```text
-//! residual ≈ Σ_k (a_k, b_k) f_k(q, τ, u)        a few f from a library, by least
-//!                                               squares, each paid for
+//! share = 1 − Σ_bins Σ (e − ē_bin)² / Σ (e − ē)² · (n − 1)/(n − bins)
 //! ```
 //!
-//! Found, not physical: a formula says what the gap follows, not why.
+//! Postures are sorted by the position of a joint, by its gravity moment or by their place in the
+//! log, and cut into bins of equally many; e are residuals in units of their noise.
 
-use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::PostureContext;
 
+use super::findings::Suspect;
 use super::problem::{Fit, Problem};
 use super::{criteria, held_out};
-use crate::lsq::factor_normal;
+
+/// Bins, at most, and the postures that each has to have.
+const BINS: usize = 10;
+const PER_BIN: usize = 6;
+/// Suspects that are listed.
+const LISTED: usize = 3;
 
 /// χ² of what is left against what noise leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,184 +63,60 @@ impl Misfit {
     }
 }
 
-/// One function of a posture with its weight on each axis, m.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Term {
-    pub name: String,
-    pub weight: [f64; 2],
+/// Residuals (whitened, without what masses take) of the postures that judge, each with its
+/// posture.
+fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
+    let shift = problem.mass_shift(fit);
+    let apart = held_out::apart(problem, fit);
+    let postures = (0..apart.len()).filter(|&k| !apart[k]);
+    let left = |row: usize| fit.residual[row] - shift[row];
+    postures
+        .map(|k| (k, [left(2 * k), left(2 * k + 1)]))
+        .collect()
 }
 
-/// A short formula for the residual.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Formula {
-    pub terms: Vec<Term>,
-    /// Share of what is above the noise that it explains.
-    pub share: f64,
-    /// Score of fit and formula together.
-    pub score: f64,
-}
-
-impl Formula {
-    pub fn is_reported(&self) -> bool {
-        !self.terms.is_empty() && self.share > criteria::FORMULA_SHARE
+/// What the residual goes with, each with its share of the scatter, the strongest first.
+pub fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
+    let residuals = residuals(problem, fit);
+    let (data, layout) = (&problem.data, PostureContext::of(problem.context.robot));
+    let dofs = &problem.context.robot.tree.dofs;
+    let moments = problem.moments_at(&data.q);
+    let place = |k: usize| data.posture_context[k * layout.len() + layout.place()];
+    let mut found = vec![(Suspect::Place, share(&residuals, place))];
+    for (j, dof) in dofs.iter().enumerate() {
+        let position = |k: usize| data.q[k * dofs.len() + j];
+        let moment = |k: usize| moments[k * 3 * dofs.len() + j];
+        let joint = || dof.joint.clone();
+        found.push((Suspect::Position(joint()), share(&residuals, position)));
+        found.push((Suspect::Moment(joint()), share(&residuals, moment)));
     }
+    found.retain(|(_, share)| *share > 0.0);
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    found.truncate(LISTED);
+    found
+}
 
-    /// `x: 2.98 mm sin(3 r_knee), y: …`
-    pub fn text(&self) -> String {
+/// Share of the residuals' scatter that the means of bins of a quantity explain.
+fn share(residuals: &[(usize, [f64; 2])], of: impl Fn(usize) -> f64) -> f64 {
+    let mut sorted = residuals.to_vec();
+    sorted.sort_by(|a, b| of(a.0).total_cmp(&of(b.0)));
+    let (n, bins) = (sorted.len(), (sorted.len() / PER_BIN).clamp(1, BINS));
+    let scatter = |rows: &[(usize, [f64; 2])]| -> f64 {
         let axis = |a: usize| {
-            let terms = self
-                .terms
-                .iter()
-                .map(|t| format!("{:+.2} mm {}", 1e3 * t.weight[a], t.name));
-            terms.collect::<Vec<_>>().join(" ")
-        };
-        format!("x: {}; y: {}", axis(0), axis(1))
-    }
-}
-
-/// The formula that explains most of what `fit` leaves.
-pub fn formula(problem: &Problem, fit: &Fit) -> Formula {
-    let library = library(problem);
-    let n = problem.data.len();
-    let misfit = Misfit::of(problem, fit);
-    let mut target = fit.residual.as_ref().clone();
-    target -= problem.mass_shift(fit);
-    for (k, apart) in held_out::apart(problem, fit).into_iter().enumerate() {
-        if apart {
-            target[2 * k] = 0.0;
-            target[2 * k + 1] = 0.0;
-        }
-    }
-    let penalty = 2.0 * (2.0 * n as f64).ln() + 2.0 * (library.len() as f64).ln();
-    let column = |f: &[f64], axis: usize| {
-        DVector::from_fn(2 * n, |row, _| match row % 2 == axis {
-            true => f[row / 2] * problem.weight[row],
-            false => 0.0,
-        })
-    };
-    let mut chosen: Vec<usize> = Vec::new();
-    let mut weights = DVector::zeros(0);
-    let mut left = target.clone();
-    while chosen.len() < criteria::FORMULA_TERMS {
-        // The function most like what is left, on both axes together.
-        let worth = |f: &[f64]| {
-            (0..2)
-                .map(|axis| {
-                    let c = column(f, axis);
-                    let square = c.norm_squared();
-                    if square > 1e-9 {
-                        c.dot(&left).powi(2) / square
-                    } else {
-                        0.0
-                    }
-                })
+            let mean = rows.iter().map(|row| row.1[a]).sum::<f64>() / rows.len() as f64;
+            rows.iter()
+                .map(|row| (row.1[a] - mean).powi(2))
                 .sum::<f64>()
         };
-        let best = (0..library.len())
-            .filter(|k| !chosen.contains(k))
-            .map(|k| (k, worth(&library[k].1)))
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((k, _)) = best else { break };
-        let mut tried = chosen.clone();
-        tried.push(k);
-        let columns: Vec<DVector<f64>> = tried
-            .iter()
-            .flat_map(|&k| [column(&library[k].1, 0), column(&library[k].1, 1)])
-            .collect();
-        let matrix = DMatrix::from_columns(&columns);
-        let Some(factor) = factor_normal(matrix.tr_mul(&matrix)) else {
-            break;
-        };
-        let solution = factor.solve(&matrix.tr_mul(&target));
-        let rest = &target - &matrix * &solution;
-        if left.norm_squared() - rest.norm_squared() < penalty {
-            break;
-        }
-        (chosen, weights, left) = (tried, solution, rest);
-    }
-    let gained = target.norm_squared() - left.norm_squared();
-    Formula {
-        terms: chosen
-            .iter()
-            .enumerate()
-            .map(|(at, &k)| Term {
-                name: library[k].0.clone(),
-                weight: [weights[2 * at], weights[2 * at + 1]],
-            })
-            .collect(),
-        share: gained / (misfit.chi2 - misfit.expected).max(1.0),
-        score: fit.score() - gained + penalty * chosen.len() as f64,
-    }
-}
-
-/// Functions of a posture that a gap may follow.
-fn library(problem: &Problem) -> Vec<(String, Vec<f64>)> {
-    let (n, dof) = (problem.data.len(), problem.context.robot.dof());
-    let dofs = &problem.context.robot.tree.dofs;
-    let moments = problem.moments_at(&problem.data.q);
-    let layout = PostureContext::of(problem.context.robot);
-    let mut library: Vec<(String, Vec<f64>)> = Vec::new();
-    let mut add =
-        |name: String, f: &dyn Fn(usize) -> f64| library.push((name, (0..n).map(f).collect()));
-    add("1".to_string(), &|_| 1.0);
-    let place = |k: usize| problem.data.posture_context[k * layout.len() + layout.place()];
-    add("place in the log".to_string(), &place);
-    add("place in the log²".to_string(), &|k| place(k).powi(2));
-    for (j, joint) in dofs.iter().enumerate() {
-        let name = &joint.joint;
-        let q = |k: usize| problem.data.q[k * dof + j];
-        let moment = |k: usize| moments[k * 3 * dof + j];
-        add(name.clone(), &q);
-        add(format!("{name}²"), &|k| q(k).powi(2));
-        add(format!("{name}³"), &|k| q(k).powi(3));
-        add(format!("|{name}|"), &|k| q(k).abs());
-        if !joint.prismatic {
-            for times in 1..=4 {
-                let factor = f64::from(times);
-                let prefix = if times == 1 {
-                    String::new()
-                } else {
-                    format!("{times} ")
-                };
-                add(format!("sin({prefix}{name})"), &|k| (factor * q(k)).sin());
-                add(format!("cos({prefix}{name})"), &|k| (factor * q(k)).cos());
-            }
-        }
-        add(format!("moment of {name}"), &moment);
-        add(format!("|moment of {name}|"), &|k| moment(k).abs());
-        add(format!("moment of {name}²"), &|k| moment(k).powi(2));
-        add(format!("sign of the moment of {name}"), &|k| {
-            moment(k).signum()
-        });
-    }
-    library
-}
-
-/// Where the residual is strongest: which joint or moment it goes with.
-pub fn strongest(problem: &Problem, fit: &Fit) -> Option<(String, f64)> {
-    let n = problem.data.len();
-    let whole = fit.residual.norm_squared();
-    let share = |f: &[f64]| {
-        let mean = f.iter().sum::<f64>() / n as f64;
-        (0..2)
-            .map(|axis| {
-                let c: Vec<f64> = (0..n)
-                    .map(|k| (f[k] - mean) * problem.weight[2 * k + axis])
-                    .collect();
-                let square: f64 = c.iter().map(|x| x * x).sum();
-                let dot: f64 = (0..n).map(|k| c[k] * fit.residual[2 * k + axis]).sum();
-                if square > 1e-12 {
-                    dot * dot / square
-                } else {
-                    0.0
-                }
-            })
-            .sum::<f64>()
-            / whole
+        axis(0) + axis(1)
     };
-    library(problem)
-        .iter()
-        .skip(1)
-        .map(|(name, f)| (name.clone(), share(f)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
+    let cut = |bin: usize| bin * n / bins;
+    let within: f64 = (0..bins)
+        .map(|b| scatter(&sorted[cut(b)..cut(b + 1)]))
+        .sum();
+    let whole = scatter(&sorted);
+    if n <= bins || whole <= 0.0 {
+        return 0.0;
+    }
+    (1.0 - within / whole * (n - 1) as f64 / (n - bins) as f64).max(0.0)
 }

@@ -5,7 +5,6 @@
 //!                                                        └→ experiments, next postures
 //! ```
 
-mod backlash_sides;
 mod closure;
 mod com_spread;
 pub mod corrected_urdf;
@@ -15,8 +14,6 @@ mod dictionary;
 mod exact;
 mod experiment;
 mod findings;
-#[doc(hidden)]
-pub mod footprint;
 mod further_logs;
 mod held_out;
 mod hypothesis;
@@ -55,7 +52,7 @@ pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use criteria::{CLASS_SCORE, FIVE_DEVIATIONS, FLOOR_M, OVER_NOTHING};
 pub use findings::{
     ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
-    ModelUse, NextPostures, Quantity, Remedy, Step, UrdfChange, Verdict,
+    NextPostures, Quantity, Remedy, Step, Suspect, UrdfChange, Verdict,
 };
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]

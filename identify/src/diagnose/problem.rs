@@ -1,5 +1,6 @@
 //! Hypotheses about one log: what they predict, and what they cost.
 
+pub mod backlash_sides;
 mod closing;
 mod fitting;
 mod readings;

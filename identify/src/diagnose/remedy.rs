@@ -10,14 +10,13 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use std::path::Path;
 
 use sesc_model::effects::{EncoderMap, Target};
 use sesc_model::urdf::Description;
 
 use super::corrected_urdf::edited;
+use super::findings::Explained;
 pub use super::findings::{Change, Remedy, UrdfChange};
-use super::findings::{Explained, ModelUse};
 use super::hypothesis::Term;
 use super::problem::Problem;
 use super::words;
@@ -267,20 +266,4 @@ fn elements(text: &str) -> Vec<(usize, &str)> {
         out.push((line, text[pair[0]..pair[1]].trim()));
     }
     out
-}
-
-/// How the model file at `path` is used; `generate` says what makes C with it.
-pub(super) fn model_use(path: &Path, generate: impl Fn(&str) -> String) -> ModelUse {
-    let model = path.display().to_string();
-    ModelUse {
-        build_rs: format!(".model({model:?})"),
-        generate: generate(&model),
-        c: "NAME_model_com(q, com);".to_string(),
-        model,
-    }
-}
-
-/// The call that makes C of the robot in the file `urdf`.
-pub(super) fn builder_call(urdf: &str, support: &str, model: &str) -> String {
-    format!("Builder::new({urdf:?}).support({support:?}).model({model:?}).c99(folder).emit()")
 }

@@ -25,13 +25,12 @@ use super::recording;
 use super::remedy::{self, Servo};
 use super::report::{Report, next_log};
 use super::view::DiagnosisView;
-use super::{closure, experiment, model_check, motion, next_steps, noise, samples, verdict};
+use super::{closure, experiment, model_check, motion, noise, samples, verdict};
 use crate::feet::Feet;
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health::{self, Finding, Health};
-use crate::logs::{Angles, LogSource, Options, Readings, Sidecar, Stays};
-use crate::next_steps::CommandLine;
+use crate::logs::{Angles, LogSource, Options, PostureReader, Readings, Sidecar, Stays};
 use crate::observations::motion_use::{MotionModel, MotionUse};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
@@ -74,13 +73,6 @@ pub struct Request {
     pub meshes: Option<PathBuf>,
     /// Where the caller will write the next postures; the diagnosis names it.
     pub next_file: Option<PathBuf>,
-    /// Where the caller will write the model file; the diagnosis says how it is used.
-    pub model_path: Option<PathBuf>,
-    /// How the caller words what generates C from a URDF, on a support link, with a model file;
-    /// the call of `sesc_codegen::Builder` unless given.
-    pub generate_command: Option<fn(urdf: &str, support: &str, model: &str) -> String>,
-    /// What the caller typed, for the command lines of next steps.
-    pub line: CommandLine,
     /// Servos by joint; [`Servo::default`] of revolute joints that are not named.
     pub servos: BTreeMap<String, Servo>,
     /// Whether the corrected URDF is wanted.
@@ -114,9 +106,6 @@ impl Request {
             feet: Feet::default(),
             meshes: None,
             next_file: None,
-            model_path: None,
-            generate_command: None,
-            line: CommandLine::default(),
             servos: BTreeMap::new(),
             corrected_urdf: false,
             total_mass: None,
@@ -172,9 +161,8 @@ fn rows_hash(postures: &Postures) -> u64 {
 pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     check_noise(request)?;
     let robot = &request.robot;
-    let (sidecar, odd) = request.log.sidecar()?;
-    let support = request.support.clone().or(sidecar.support.clone());
-    let support = support.ok_or_else(|| robot.no_support(&odd))?;
+    let (sidecar, _) = request.log.sidecar()?;
+    let support = support_of(request)?;
     let model = robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
@@ -255,18 +243,14 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             .chain(further.iter().map(|f| &f.problem)),
     );
     let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
-    let telling = next.telling().map(|best| best.what.clone());
     found.diagnosis.next_postures = NextPostures {
         why: next_postures::why(&next, &found),
-        file: match (&telling, &request.next_file) {
-            (Some(_), Some(path)) => Some(path.display().to_string()),
-            _ => None,
-        },
+        file: next
+            .telling()
+            .and(request.next_file.as_ref())
+            .map(|path| path.display().to_string()),
         experiments: next.proposals.clone(),
     };
-    let dofs = &model.tree.dofs;
-    let (diagnosis, telling) = (&found.diagnosis, telling.as_deref());
-    found.diagnosis.next_steps = next_steps::after(diagnosis, dofs, telling, &request.line);
     let corrected = request
         .corrected_urdf
         .then(|| {
@@ -281,15 +265,6 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         check_result(&model_file)?;
     }
     let on_log = model_check::check(&problem, &found, &model_file)?;
-    let usable = found.diagnosis.verdict != Verdict::Unusable;
-    let path = request
-        .model_path
-        .as_ref()
-        .filter(|_| usable && on_log.agrees);
-    let (urdf, support) = (&robot.description.file, &found.diagnosis.support);
-    let generate = request.generate_command.unwrap_or(remedy::builder_call);
-    found.diagnosis.model_use =
-        path.map(|path| remedy::model_use(path, |model| generate(urdf, support, model)));
     found.diagnosis.model_on_log = on_log;
     found.diagnosis.sentence = verdict::sentence(&problem, &found);
     Ok(Report {
@@ -318,14 +293,26 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
 /// As [`diagnose`].
 pub fn look(request: &Request, watch: &mut dyn Watch) -> Result<Vec<Finding>, Error> {
     check_noise(request)?;
-    let (sidecar, odd) = request.log.sidecar()?;
-    let support = request.support.clone().or(sidecar.support);
-    let support = support.ok_or_else(|| request.robot.no_support(&odd))?;
+    let support = support_of(request)?;
     let model = request.robot.model(&support, request.snapping, None)?;
     let prior = request.prior.of(&model)?;
     let (_, rows, data) = screened(request, &model, &prior, watch)?;
     let (_, health) = examined(request, &model, (&data, request.motion));
     Ok(health.after(rows).findings)
+}
+
+/// The link on the ground: as was asked, else as the sidecar says, else that of the first row.
+fn support_of(request: &Request) -> Result<String, Error> {
+    let (robot, log) = (&request.robot, &request.log);
+    let (sidecar, odd) = log.sidecar()?;
+    let mut support = request.support.clone().or(sidecar.support);
+    if support.is_none() && log.can_be_read_again() {
+        let options = reading(request, None);
+        let reader = PostureReader::open(log, &robot.description.dofs(), &options)?;
+        support = reader.first_support()?.map(|link| link.to_string());
+    }
+    let support = support.filter(|link| !link.is_empty());
+    support.ok_or_else(|| robot.no_support(&odd))
 }
 
 /// What is wrong with postures, and these compared with the ZMP where that alone shows a stuck
@@ -376,12 +363,18 @@ fn check_noise(request: &Request) -> Result<(), Error> {
 
 /// How a log on the model's support is read.
 fn options(request: &Request, model: &Model) -> Options {
+    let support = &model.tree.links[model.tree.support];
+    reading(request, Some(support.name.clone()))
+}
+
+/// How a log is read whose rows stand on `support` where they do not say.
+fn reading(request: &Request, support: Option<String>) -> Options {
     let links = request.robot.description.links.iter();
     Options {
         angles: request.angles,
         readings: Readings::Required,
         links: links.map(|link| link.name.clone()).collect(),
-        support: Some(model.tree.links[model.tree.support].name.clone()),
+        support,
         any_unit: true,
         stays: request.stays,
         soles: request.feet.soles(&request.robot, request.snapping),

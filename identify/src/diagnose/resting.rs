@@ -15,12 +15,11 @@ use std::sync::Arc;
 use sesc_model::effects::{self, Instance, PostureContext};
 use sesc_model::tape::{Tape, Values};
 
-use super::backlash_sides;
 use super::criteria::resting::{FLIPPED, GAIN, MOST, SHORTEST};
 use super::exact::{Exact, masses_of};
 use super::further_logs::{self, FurtherLog};
 use super::hypothesis::effects_of;
-use super::problem::{Fit, Problem};
+use super::problem::{Fit, Problem, backlash_sides};
 use crate::evaluate::FASTEST;
 
 /// Rounds, at most.

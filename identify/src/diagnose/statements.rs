@@ -6,10 +6,10 @@ use std::f64::consts::FRAC_PI_2;
 use sesc_model::effects::Unit;
 
 use super::criteria;
-use super::findings::{ActsOn, Blind, Last, Leftover, Member, Quantity, Step};
+use super::findings::{ActsOn, Blind, Last, Leftover, Member, Quantity, Step, Suspect};
 use super::held_out::HeldOut;
 use super::hypothesis::Term;
-use super::leftover::{self, Formula, Misfit};
+use super::leftover::{self, Misfit};
 use super::problem::{Fit, Problem};
 use super::remedy::Remedy;
 use super::words::{self, capital};
@@ -124,19 +124,20 @@ pub(super) fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
         .collect()
 }
 
-/// What the best explanation leaves.
-pub(super) fn rest(problem: &Problem, best: &Fit, formula: Option<Formula>) -> Leftover {
+/// What the best explanation leaves, and what that goes with where it is unexplained.
+pub(super) fn rest(problem: &Problem, best: &Fit, unexplained: bool) -> (Leftover, Vec<Suspect>) {
     let now = Misfit::of(problem, best);
-    let strongest = leftover::strongest(problem, best);
-    let clear = now.is_clear();
-    Leftover {
+    let suspects = match unexplained && now.is_clear() {
+        true => leftover::suspects(problem, best),
+        false => Vec::new(),
+    };
+    let leftover = Leftover {
         chi2: now.chi2,
         expected: now.expected,
-        strongest: strongest.as_ref().filter(|_| clear).map(|s| s.0.clone()),
-        strongest_share: strongest.filter(|_| clear).map_or(0.0, |s| s.1),
-        formula_share: formula.as_ref().map(|f| f.share),
-        formula: formula.map(|f| f.text()),
-    }
+        suspect_share: suspects.first().map_or(0.0, |first| first.1),
+    };
+    let suspects = suspects.into_iter().map(|(suspect, _)| suspect);
+    (leftover, suspects.collect())
 }
 
 /// Postures that are put aside as outliers.

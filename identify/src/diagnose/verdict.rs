@@ -100,15 +100,11 @@ pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
                     capital(&clauses.join(", and "))
                 ));
             }
-            match (&d.leftover.formula, &d.leftover.strongest) {
-                (Some(formula), _) => said.push(format!(
-                    "The rest follows {formula} (found by regression, not physical)."
-                )),
-                (None, Some(strongest)) => said.push(format!(
-                    "The rest goes most with {strongest} ({:.0} % of it).",
-                    100.0 * d.leftover.strongest_share
-                )),
-                (None, None) => {}
+            if let Some(suspect) = d.suspects.first() {
+                said.push(format!(
+                    "The rest goes most with the {suspect} ({:.0} % of it).",
+                    100.0 * d.leftover.suspect_share
+                ));
             }
         }
     }

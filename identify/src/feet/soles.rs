@@ -4,12 +4,13 @@ use serde::{Deserialize, Serialize};
 
 /// How a sole lies on the floor, or how well that is known.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Lies {
-    /// About the x axis of its frame, rad.
+    /// Roll, rad.
     pub roll_rad: f64,
-    /// About its y axis, rad.
+    /// Pitch, rad.
     pub pitch_rad: f64,
-    /// Height of its origin over the floor, m.
+    /// Height over the floor, m.
     pub height_m: f64,
 }
 
@@ -27,6 +28,7 @@ impl Lies {
 
 /// What an encoder is off by.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Offset {
     /// The joint.
     pub joint: String,
@@ -66,30 +68,31 @@ impl Offset {
 
 /// How two soles of a log of both feet close.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ClosureFound {
-    /// Link on the ground, whose sole is the floor.
+    /// Link whose sole is the floor.
     pub support: String,
     /// The link that is the other sole.
     pub other_foot: String,
     /// Postures that were looked at.
     pub postures: usize,
-    /// RMS of roll, pitch and height by CAD.
+    /// RMS of roll, pitch, height by CAD.
     pub before: Lies,
     /// The same with the explanation.
     pub after: Lies,
     /// Standard deviation in one posture.
     pub noise: Lies,
-    /// Whether the log has this noise: else it is the least that is believed.
+    /// Whether the log has this noise; else it is the least that is believed.
     pub noise_from_log: bool,
-    /// What soles and floor may be off by in every posture alike.
+    /// Tolerance in every posture alike.
     pub tolerance: Lies,
     /// χ² of what the explanation leaves.
     pub chi2: f64,
     /// χ² that noise leaves.
     pub expected: f64,
-    /// Whether what is left is no more than noise.
+    /// Whether only noise is left.
     pub closes: bool,
-    /// Joints whose offset explains it alone, the likeliest first.
+    /// Joints whose offset explains it alone, likeliest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub explained_by: Vec<Offset>,
     /// The whole in words.

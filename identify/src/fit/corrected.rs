@@ -20,6 +20,7 @@ const EXACT: f64 = 1e-11;
 
 /// A corrected description.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Corrected {
     /// Mass of the robot, kg.
     pub total_mass: f64,
@@ -34,12 +35,17 @@ pub struct Corrected {
 
 /// What a link weighs and where, in CAD and as corrected.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "LinkChange")
+)]
 pub struct Change {
     /// Name of the link.
     pub link: String,
-    /// Its mass in CAD and as corrected, kg.
+    /// Mass in CAD and as corrected, kg.
     pub mass: [f64; 2],
-    /// Its CoM in CAD and as corrected, in the link frame, m.
+    /// CoM in CAD and as corrected, m.
     pub com: [[f64; 3]; 2],
 }
 

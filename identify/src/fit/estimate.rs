@@ -7,7 +7,6 @@ use sesc_model::Model;
 use super::gather::{Fold, Gathered};
 use super::identification::{Identification, ParameterFound, Settings};
 use super::limits::Limits;
-use super::next_steps;
 use super::physical;
 use super::prior::{Prior, Tolerances};
 use super::summary::{
@@ -21,7 +20,6 @@ use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::noise::{FreeResiduals, Noise, NoiseSource, widening};
 
 /// Fit `gathered` and say what was found.
-#[cfg(any(test, feature = "nalgebra"))]
 pub fn identify(
     model: &Model,
     supports: &[&str],
@@ -175,7 +173,7 @@ pub(super) fn identify_within(
     let parameters = parameters(model, &estimate, &std, prior_std.as_deref(), &cad);
     let r = plain.r();
     let data_error = (&r * &covariance * r.transpose()).trace();
-    let mut found = Identification {
+    Identification {
         robot: model.tree.robot.clone(),
         hash: model.tree.hash.clone(),
         support: model.tree.links[model.tree.support].name.clone(),
@@ -224,21 +222,18 @@ pub(super) fn identify_within(
             Some(range) => format!("±{:.0}° within the joint limits", range.to_degrees()),
             None => "the joint limits".to_string(),
         },
-        com_height_constant: height(&parameters),
+        com_height_constant: height(model, &parameters),
         bodies: bodies(model, &estimate, &cad, &std),
         correlations: correlations(model, &estimate.covariance),
         parameters,
         down_weighted: gathered.down_weighted.clone(),
         health,
         warnings,
-        next_steps: Vec::new(),
         active_bounds: masses.as_ref().map(|masses| masses.active.clone()),
         estimate,
         information,
         masses,
-    };
-    found.next_steps = next_steps::after(&found, &settings.line);
-    found
+    }
 }
 
 /// Whether masses are so much other than CAD's that what is linear about CAD no longer tells

@@ -40,6 +40,7 @@ use folding::{Goal, Share, Work};
 
 /// A log that was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LogUsed {
     /// Name of the log.
     pub file: String,
@@ -54,6 +55,7 @@ pub struct LogUsed {
 
 /// A posture that a robust fit trusts less.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DownWeighted {
     /// Name of the log.
     pub file: String,

@@ -9,7 +9,7 @@ use super::prior::Prior;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
-use crate::next_steps::{CommandLine, NextStep};
+use crate::next_steps::NextStep;
 use crate::observations::motion::Plan;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
@@ -27,8 +27,6 @@ pub struct Settings {
     pub noise: Option<f64>,
     /// Range over which errors are expected: ±rad about zero within the limits.
     pub range: Option<f64>,
-    /// What the caller typed.
-    pub line: CommandLine,
 }
 
 impl Settings {
@@ -38,20 +36,20 @@ impl Settings {
             prior,
             noise: None,
             range: None,
-            line: CommandLine::default(),
         }
     }
 }
 
 /// One base parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParameterFound {
     /// Name of the base parameter.
     pub name: String,
     /// What was identified, m.
     pub value: f64,
-    /// Its standard deviation, m, ± 1.96 of them hold 95 %; none where neither data nor prior say
-    /// anything.
+    /// Standard deviation, m; ± 1.96 of them hold 95 %, none where neither data nor prior determine
+    /// it.
     pub std: Option<f64>,
     /// Its value by CAD, m.
     pub cad: f64,
@@ -61,6 +59,7 @@ pub struct ParameterFound {
 
 /// Two parameters that are known less well apart than together.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Correlation {
     /// Name of one parameter.
     pub a: String,
@@ -72,6 +71,7 @@ pub struct Correlation {
 
 /// ‖base part of r_i‖ of one body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BodyLength {
     /// Name of the body.
     pub body: String,
@@ -87,6 +87,7 @@ pub struct BodyLength {
 
 /// The constant that flat single-foot CoP never tells.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeightConstant {
     /// Name of the base parameter.
     pub name: String,
@@ -100,6 +101,7 @@ pub struct HeightConstant {
 
 /// A direction that cannot be seen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unseen {
     /// The parameter that it moves most.
     pub name: String,
@@ -109,6 +111,7 @@ pub struct Unseen {
 
 /// Everything a fit found.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identification {
     /// File of the robot's description.
     pub robot: String,
@@ -126,49 +129,49 @@ pub struct Identification {
     pub readings: u64,
     /// Number of base parameters.
     pub base_params: usize,
-    /// Directions in parameter space that data determine.
+    /// Directions that data determine.
     pub rank: usize,
-    /// Largest over smallest singular value that data determine.
+    /// Condition number of what data determine.
     pub condition_number: f64,
-    /// Never seen by such data, and not seen by these.
+    /// Directions that these data do not show.
     pub unobservable: Vec<Unseen>,
-    /// The tolerances of CAD masses that were assumed.
+    /// Tolerances of CAD masses.
     pub prior: String,
-    /// Noise of a reading on one axis, m.
+    /// Noise of a reading, m.
     pub noise_floor: f64,
     /// The same of x and y, m.
     pub noise_axes: [f64; 2],
-    /// How many independent samples the rows are worth.
+    /// Independent samples in the logs.
     pub samples: Samples,
-    /// How the motion of the joints counted.
+    /// How motion of the joints counted.
     pub motion: MotionUse,
-    /// What postures that were visited again differ by; none where none was.
+    /// Scatter between visits of a posture; none if no posture was visited again.
     pub visits: Option<Visits>,
     /// Where the noise was taken from.
     pub noise_source: NoiseSource,
     /// Degrees of freedom it was estimated with; none where it is stated or guessed.
     pub noise_df: Option<f64>,
-    /// Test of what the fit leaves against the noise; none without one.
+    /// Test of the residual against noise; none without a noise estimate.
     pub lack_of_fit: Option<LackOfFit>,
-    /// Deviations of parameters are larger by this, because the model leaves more than noise.
+    /// Factor on standard deviations where the model leaves more than noise.
     pub inflation: f64,
-    /// RMS per axis on postures that the fit did not see, m.
+    /// RMS on held-out postures, m.
     pub held_out_rmse: f64,
     /// Standard error of that, m.
     pub held_out_error: f64,
     /// Folds of the cross-validation.
     pub folds: usize,
-    /// RMS per axis on the postures fitted, m: never the accuracy.
+    /// RMS on the fitted postures, m; never the accuracy.
     pub in_sample_rmse: f64,
-    /// RMS per axis of CAD's prediction, m.
+    /// RMS of CAD's prediction, m.
     pub cad_rmse: f64,
-    /// Expected RMS error of the prediction per axis where data were taken, m.
+    /// Expected RMS error where data were taken, m.
     pub expected_error_data: f64,
-    /// The same over the joint range, m.
+    /// Expected RMS error over the joint range, m.
     pub expected_error_range: f64,
     /// What that range is.
     pub range: String,
-    /// Where the constant height of the CoM comes from.
+    /// The constant height of the CoM.
     pub com_height_constant: HeightConstant,
     /// The base parameters.
     pub parameters: Vec<ParameterFound>,
@@ -181,17 +184,15 @@ pub struct Identification {
     /// Postures to reach once more, where nothing tells the noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub again: Option<Again>,
-    /// How the soles of both feet lie on one floor, of the log in which they lie worst; none
-    /// of robots that stand on one foot.
+    /// How the soles of both feet lie on one floor; of the log in which they lie worst, none of
+    /// robots that stand on one foot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closure: Option<ClosureFound>,
-    /// What is wrong with the data themselves.
+    /// What is wrong with the data.
     pub health: Vec<Finding>,
     /// Warnings as sentences.
     pub warnings: Vec<String>,
-    /// What to do next, the most useful first.
-    pub next_steps: Vec<NextStep>,
-    /// Bounds of physical masses that hold the fit back; none where it was not bounded.
+    /// Bounds on physical masses that are reached; none where the fit was not bounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active_bounds: Option<Vec<String>>,
     /// How each log knows its motion.
@@ -219,6 +220,16 @@ impl Identification {
     /// Whether the data can be used: what was fitted to others is no result.
     pub fn is_usable(&self) -> bool {
         !self.health.iter().any(|f| f.kind.makes_unusable())
+    }
+
+    /// What to do next, the most useful first; empty where nothing is left to do.
+    pub fn next_steps(&self) -> Vec<NextStep> {
+        if !self.is_usable() {
+            return vec![NextStep::Repair];
+        }
+        let diagnose = self.misses_something().then_some(NextStep::Diagnose);
+        let repeat = self.again.as_ref().map(Again::step);
+        diagnose.into_iter().chain(repeat).collect()
     }
 
     /// Correlations of the parameters with each other; NaN where one has no deviation.

@@ -100,7 +100,8 @@ fn check_settled(request: &Request, whole: &Part) -> Result<(), Error> {
         let why = ", but the parts were gathered with right angles made exact: leave it out";
         return settled!(Setting::Snapping, why);
     }
-    if let Some(own) = whole.options.filter(|_| request.logs.is_empty()) {
+    if request.logs.is_empty() {
+        let own = whole.options;
         let why = ", but the parts were gathered otherwise: leave it out";
         if request.motion != MotionModel::Auto && request.motion != own.motion {
             return settled!(Setting::Motion, why);

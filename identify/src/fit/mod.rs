@@ -10,24 +10,15 @@ mod criteria;
 mod estimate;
 #[cfg(test)]
 mod freed_tests;
-#[cfg(feature = "nalgebra")]
-#[doc(hidden)]
-pub mod gather;
-#[cfg(not(feature = "nalgebra"))]
 mod gather;
 mod identification;
 mod joined;
 mod limits;
-#[cfg(feature = "nalgebra")]
-#[doc(hidden)]
-pub mod logs;
-#[cfg(not(feature = "nalgebra"))]
 mod logs;
 mod looked;
 #[cfg(test)]
 mod mass_tests;
 pub(crate) mod masses;
-mod next_steps;
 #[cfg(test)]
 mod noise_tests;
 pub mod part;
@@ -49,15 +40,18 @@ pub use crate::observations::noise::NoiseSource;
 pub use crate::observations::repeats::{LackOfFit, Visits};
 pub use crate::observations::revisits::Again;
 pub use crate::observations::samples::Samples;
-#[cfg(any(test, feature = "nalgebra"))]
 #[doc(hidden)]
 pub use estimate::identify;
 #[cfg(test)]
 use estimate::identify_within;
+#[doc(hidden)]
+pub use gather::Gathered;
 pub use gather::{DownWeighted, LogUsed};
 pub use identification::{
     BodyLength, Correlation, HeightConstant, Identification, ParameterFound, Settings, Unseen,
 };
+#[doc(hidden)]
+pub use logs::Logs;
 pub use looked::gather;
 pub(crate) use looked::gather_as;
 pub(crate) use report::check_result;

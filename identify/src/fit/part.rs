@@ -3,24 +3,44 @@
 //! `sesc fit --partial` writes one; `sesc fit a.part b.part` combines them and
 //! gives the answer that all logs together would give. A file carries the robot
 //! it is about, so that nothing else is needed.
+//!
+//! ```text
+//! gzip of {"format":"sesc factor 4", robot, unit, options, logs, folds: parameters and rows of factors …}
+//! upper triangles row by row, 64-bit floats, little-endian: fold by fold, weighted, then plain
+//! ```
+//!
+//! The header may also stand as it is, with a newline behind it. Parts of other options are not of
+//! one fit: a fit of all their logs has one of each. Units of joints and feet on the floor belong
+//! to each log, and sums know nothing of CAD's tolerances.
 
+use std::io::{Read as _, Write as _};
 use std::path::Path;
 
+use flate2::Compression;
+use flate2::bufread::GzDecoder;
+use flate2::write::GzEncoder;
 use serde::{Deserialize, Serialize};
-
 use sesc_model::tree::is_support;
 use sesc_model::{Model, Snapping, files};
 
-use super::gather::{Gathered, LogUsed};
+use super::gather::{Fold, Gathered, LogUsed};
+use super::robust::Loss;
 use crate::health::Finding;
+use crate::logs::Stays;
 use crate::logs::names::short;
+use crate::lsq::factor::Factor;
+use crate::observations::motion_use::MotionModel;
 use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
 
-mod layout;
-mod options;
-
-pub use options::PartOptions;
+/// First words of every file of this kind, with the version of its layout.
+const FORMAT: &str = "sesc factor 4";
+/// First bytes of gzip.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// A packed header is at most so many times larger unpacked, beyond a mebibyte.
+const PACKED: u64 = 64;
+/// Bytes of one number.
+const NUMBER: usize = size_of::<f64>();
 
 /// A contribution to a fit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -42,9 +62,8 @@ pub struct Part {
     /// The robot of its type that the logs are of, such as its serial number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
-    /// The options that shaped the sums; parts of formats before 4 do not say.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub options: Option<PartOptions>,
+    /// The options that shaped the sums.
+    pub options: PartOptions,
     /// The sums.
     pub(crate) gathered: Gathered,
 }
@@ -74,7 +93,7 @@ impl Part {
     /// The part of a robot's `gathered` logs.
     pub(crate) fn new(about: About, gathered: Gathered) -> Part {
         Part {
-            format: layout::FORMAT.to_string(),
+            format: FORMAT.to_string(),
             hash: about.hash,
             urdf_file: about.urdf_file,
             urdf: about.urdf,
@@ -82,7 +101,7 @@ impl Part {
             supports: about.supports,
             snapped: about.snapped,
             unit: about.unit,
-            options: Some(about.options),
+            options: about.options,
             gathered,
         }
     }
@@ -124,7 +143,7 @@ impl Part {
     /// When it is no part, or is damaged.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Part, Error> {
         let bad = |message: String| Error::log(name, None, message);
-        let part = layout::read(bytes).map_err(bad)?;
+        let part = read(bytes).map_err(bad)?;
         if part.gathered.folds.len() < 2 {
             return Err(bad("it has no folds; gather the log again".into()));
         }
@@ -132,7 +151,7 @@ impl Part {
             return Err(bad(format!("{reason}; gather the log again")));
         }
         let params = part.gathered.params();
-        let agree = |fold: &super::gather::Fold| {
+        let agree = |fold: &Fold| {
             fold.weighted.params() == params
                 && fold
                     .plain
@@ -152,7 +171,7 @@ impl Part {
     /// # Errors
     /// When it cannot be written down.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
-        layout::written(self).map_err(Error::serialise)
+        written(self).map_err(Error::serialise)
     }
 
     /// Whether the sums are about this robot, read from the part's own text, on its support.
@@ -194,9 +213,10 @@ impl Part {
             return Ok(());
         }
         let robot = Robot::parse(&self.urdf, &self.urdf_file)?;
-        let snapping = match self.snapped {
-            true => Snapping::default(),
-            false => Snapping::Off,
+        let snapping = if self.snapped {
+            Snapping::default()
+        } else {
+            Snapping::Off
         };
         let here = robot.model(&self.support, snapping, None)?;
         self.check_robot(&robot, &here)?;
@@ -222,7 +242,6 @@ impl Part {
         let bad = |message: Message| Error::log(name, None, message);
         self.gathered.merge(other.gathered).map_err(bad)?;
         self.unit = self.unit.take().or(other.unit);
-        self.options = self.options.or(other.options);
         Ok(())
     }
 
@@ -299,10 +318,278 @@ impl Part {
                 ", one without"
             ]));
         }
-        let options = self.options.as_ref().zip(other.options.as_ref());
-        match options.and_then(|(own, its)| own.difference(its)) {
+        match self.options.difference(&other.options) {
             Some(difference) => Err(bad(difference)),
             None => Ok(()),
         }
+    }
+}
+
+/// The options of a fit that shaped the sums of a part.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct PartOptions {
+    /// Whether the motion of the joints counts.
+    pub motion: MotionModel,
+    /// What becomes of rows in which the robot holds still.
+    pub stays: Stays,
+    /// The loss that trusts outliers less, where one was asked for.
+    pub robust: Option<Loss>,
+}
+
+impl PartOptions {
+    /// The first one that differs, as a sentence with the remedy.
+    fn difference(&self, other: &PartOptions) -> Option<Message> {
+        let [own, its] = [self, other].map(PartOptions::named);
+        let pairs = own.into_iter().zip(its);
+        let mut different = pairs.filter(|(own, its)| own.1 != its.1);
+        different.next().map(|((setting, own), (_, its))| {
+            message![
+                "gathered with ",
+                setting,
+                format!(" {its}, the first part with {own}; gather both alike")
+            ]
+        })
+    }
+
+    fn named(&self) -> [(Setting, String); 3] {
+        let motion = match self.motion {
+            MotionModel::Auto => "auto",
+            MotionModel::Off => "off",
+        };
+        let stays = match self.stays {
+            Stays::Pooled => "none".to_string(),
+            Stays::Apart => "rows apart".to_string(),
+            Stays::Moving => "0 s".to_string(),
+            Stays::Alone(seconds) => format!("{seconds} s"),
+        };
+        let robust = match self.robust {
+            None => "none",
+            Some(Loss::Huber) => "huber",
+            Some(Loss::Tukey) => "tukey",
+        };
+        [
+            (Setting::Motion, motion.to_string()),
+            (Setting::Settle, stays),
+            (Setting::Robust, robust.to_string()),
+        ]
+    }
+}
+
+#[derive(Deserialize)]
+struct Kind {
+    format: String,
+}
+
+/// How many numbers a header says that follow it.
+#[derive(Deserialize)]
+struct Sizes {
+    gathered: Folds,
+}
+
+#[derive(Deserialize)]
+struct Folds {
+    folds: Vec<FoldSizes>,
+}
+
+#[derive(Deserialize)]
+struct FoldSizes {
+    weighted: Size,
+    plain: Option<Size>,
+}
+
+#[derive(Deserialize)]
+struct Size {
+    params: usize,
+}
+
+impl Sizes {
+    /// None where they cannot be counted.
+    fn bytes(&self) -> Option<usize> {
+        let folds = self.gathered.folds.iter();
+        let mut sizes = folds.flat_map(|fold| [Some(&fold.weighted), fold.plain.as_ref()]);
+        let sum = sizes.try_fold(0_usize, |sum, size| match size {
+            Some(size) => sum.checked_add(Factor::numbers_of(size.params)?),
+            None => Some(sum),
+        });
+        sum?.checked_mul(NUMBER)
+    }
+}
+
+/// The bytes of a part.
+fn written(part: &Part) -> Result<Vec<u8>, serde_json::Error> {
+    let header = serde_json::to_vec(part)?;
+    let mut packed = GzEncoder::new(Vec::new(), Compression::default());
+    let packed = packed.write_all(&header).and_then(|()| packed.finish());
+    let mut bytes = match packed {
+        Ok(packed) if header.len() as u64 <= most_unpacked(packed.len()) => packed,
+        _ => [&header[..], b"\n"].concat(),
+    };
+    for fold in &part.gathered.folds {
+        for factor in [Some(&fold.weighted), fold.plain.as_ref()] {
+            let numbers = factor.into_iter().flat_map(Factor::numbers);
+            bytes.extend(numbers.flat_map(f64::to_le_bytes));
+        }
+    }
+    Ok(bytes)
+}
+
+/// Largest header that so many packed bytes may hold.
+fn most_unpacked(packed: usize) -> u64 {
+    (1 << 20) + PACKED * packed as u64
+}
+
+/// A part from its bytes.
+fn read(bytes: &[u8]) -> Result<Part, String> {
+    if bytes.starts_with(&GZIP) {
+        let mut decoder = GzDecoder::new(bytes);
+        let (mut header, most) = (Vec::new(), most_unpacked(bytes.len()));
+        let read = decoder.by_ref().take(most + 1).read_to_end(&mut header);
+        read.map_err(damaged)?;
+        if header.len() as u64 > most {
+            return Err(damaged("its header is too long"));
+        }
+        return parsed(&header, decoder.into_inner());
+    }
+    let mut kinds = serde_json::Deserializer::from_slice(bytes).into_iter::<Kind>();
+    match kinds.next() {
+        Some(Ok(_)) => {
+            let (header, rest) = bytes.split_at(kinds.byte_offset());
+            parsed(header, rest.strip_prefix(b"\n").unwrap_or(rest))
+        }
+        Some(Err(error)) => Err(format!(
+            "no factor file of a fit that only gathers: {error}"
+        )),
+        None => Err("no factor file of a fit that only gathers: it is empty".to_string()),
+    }
+}
+
+fn damaged(reason: impl std::fmt::Display) -> String {
+    format!("a damaged factor file: {reason}; gather the log again")
+}
+
+/// A part from its header and the numbers behind it.
+fn parsed(header: &[u8], numbers: &[u8]) -> Result<Part, String> {
+    let kind: Kind = serde_json::from_slice(header).map_err(damaged)?;
+    if kind.format != FORMAT {
+        return Err(format!(
+            "it is `{}`, and this version of sesc reads `{FORMAT}`; take the version that wrote \
+             it, or gather the log again",
+            short(&kind.format)
+        ));
+    }
+    // Counted before anything as large is made.
+    let sizes: Sizes = serde_json::from_slice(header).map_err(damaged)?;
+    if sizes.bytes() != Some(numbers.len()) {
+        return Err(damaged(format!(
+            "{} bytes of numbers follow its header, which says {}",
+            numbers.len(),
+            sizes.bytes().map_or("more".to_string(), |n| n.to_string())
+        )));
+    }
+    let mut part: Part = serde_json::from_slice(header).map_err(damaged)?;
+    let (numbers, _) = numbers.as_chunks::<NUMBER>();
+    let mut numbers = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes));
+    for fold in &mut part.gathered.folds {
+        for factor in [Some(&mut fold.weighted), fold.plain.as_mut()] {
+            let Some(factor) = factor else { continue };
+            let count = Factor::numbers_of(factor.params()).unwrap_or(0);
+            factor.fill(numbers.by_ref().take(count));
+        }
+    }
+    Ok(part)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use serde_json::Value;
+
+    use super::*;
+    use crate::fit::{Request, gather};
+    use crate::logs::Table;
+    use crate::robot::ROD;
+
+    /// Twenty postures of a pole of 2 kg.
+    fn monday() -> Part {
+        let hip: Vec<f64> = (0..20).map(|k| 0.6 * (0.7 * f64::from(k)).sin()).collect();
+        let cop = |rate: f64| -> Vec<f64> { hip.iter().map(|q| rate * q.sin()).collect() };
+        let log = Table::new("monday")
+            .numbers("cop_x", cop(0.11))
+            .numbers("cop_y", cop(0.001))
+            .numbers("hip", hip.clone());
+        let request = Request {
+            robot: Some(Arc::new(Robot::parse(ROD, "rod.urdf").unwrap())),
+            logs: vec![log.into()],
+            support: Some("foot".into()),
+            noise: Some(1e-4),
+            ..Request::default()
+        };
+        gather(&request, &mut ()).unwrap()
+    }
+
+    /// The packed header of a part, as JSON, and the numbers behind it.
+    fn header(bytes: &[u8]) -> (Value, Vec<u8>) {
+        let mut decoder = GzDecoder::new(bytes);
+        let mut text = String::new();
+        decoder.read_to_string(&mut text).unwrap();
+        let numbers = decoder.into_inner().to_vec();
+        (serde_json::from_str(&text).unwrap(), numbers)
+    }
+
+    fn with_header(header: &Value, numbers: &[u8]) -> Vec<u8> {
+        [header.to_string().as_bytes(), b"\n", numbers].concat()
+    }
+
+    #[test]
+    fn a_part_is_read_back_to_the_bit_packed_or_not() {
+        let part = monday();
+        let bytes = part.to_bytes().unwrap();
+        let (header, numbers) = header(&bytes);
+        for bytes in [bytes, with_header(&header, &numbers)] {
+            let again = Part::from_bytes(&bytes, "monday.part").unwrap();
+            assert_eq!(again.gathered.folds, part.gathered.folds);
+            assert_eq!((again.postures(), again.support.as_str()), (20, "foot"));
+            assert_eq!(
+                (again.options, again.urdf),
+                (part.options, part.urdf.clone())
+            );
+        }
+    }
+
+    #[test]
+    fn parts_of_other_formats_are_refused() {
+        let (whole, numbers) = header(&monday().to_bytes().unwrap());
+        for format in ["sesc factor 1", "sesc factor 3", "sesc factor 5"] {
+            let mut header = whole.clone();
+            header["format"] = format.into();
+            let said = read(&with_header(&header, &numbers)).unwrap_err();
+            assert!(said.contains(&format!("it is `{format}`")), "{said}");
+            assert!(said.contains("gather the log again"), "{said}");
+        }
+    }
+
+    #[test]
+    fn damaged_parts_are_refused_before_memory_is_taken() {
+        let bytes = monday().to_bytes().unwrap();
+        let (whole, numbers) = header(&bytes);
+        for cut in [1, 8, numbers.len() + 3, bytes.len() - 5] {
+            let said = read(&bytes[..bytes.len() - cut]).unwrap_err();
+            assert!(said.contains("damaged"), "{cut}: {said}");
+        }
+        let mut changed = whole.clone();
+        changed["gathered"]["folds"][0]["weighted"]["params"] = 1_000_000_000_u64.into();
+        let said = read(&with_header(&changed, &numbers)).unwrap_err();
+        let count = format!("{} bytes of numbers", numbers.len());
+        assert!(said.contains(&count), "{said}");
+        let mut odd = numbers.clone();
+        odd[..8].copy_from_slice(&f64::NAN.to_le_bytes());
+        let said = Part::from_bytes(&with_header(&whole, &odd), "odd.part").unwrap_err();
+        assert!(said.to_string().contains("`triangle`"), "{said}");
+        let mut bomb = GzEncoder::new(Vec::new(), Compression::best());
+        bomb.write_all(&vec![b' '; 1 << 24]).unwrap();
+        let said = read(&bomb.finish().unwrap()).unwrap_err();
+        assert!(said.contains("too long"), "{said}");
     }
 }

@@ -25,6 +25,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// Mean and covariance of the base parameters of robots of one URDF on one support.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Population {

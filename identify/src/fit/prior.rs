@@ -139,7 +139,7 @@ impl Prior {
     }
 
     /// S with S Sᵀ the covariance of the base parameters of `model`; `None` when free.
-    #[cfg(feature = "nalgebra")]
+    #[doc(hidden)]
     pub fn factor(&self, model: &Model) -> Option<DMatrix<f64>> {
         self.covariance_factor(model)
     }

@@ -205,7 +205,6 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     let settings = Settings {
         noise: request.noise,
         range: request.range,
-        line: request.line.clone(),
         ..Settings::new(request.prior.of(&model)?)
     };
     if request.physical && matches!(settings.prior, Prior::Population(_)) {

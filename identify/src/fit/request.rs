@@ -9,7 +9,6 @@ use super::prior::PriorChoice;
 use super::robust::Loss;
 use crate::feet::Feet;
 use crate::logs::{Angles, LogSource, Stays};
-use crate::next_steps::CommandLine;
 use crate::observations::motion_use::MotionModel;
 use crate::robot::Robot;
 
@@ -63,8 +62,6 @@ pub struct Request {
     pub unit: Option<String>,
     /// What becomes of logs that are in a part already.
     pub duplicates: Duplicates,
-    /// What the caller typed, for the command lines of next steps.
-    pub line: CommandLine,
 }
 
 /// What becomes of logs that are in a part already.

@@ -19,6 +19,7 @@ pub const MOST: usize = 2000;
 
 /// A reading and its predictions, m, on the sole it was taken on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Residual {
     /// Its number in the log.
     pub pose: i64,

@@ -3,6 +3,7 @@
 use super::criteria::CORRELATED;
 use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
+use sesc_model::base::Column;
 
 use super::gather::{Fold, Gathered};
 use super::identification::{BodyLength, Correlation, HeightConstant, ParameterFound, Unseen};
@@ -128,9 +129,13 @@ pub(super) fn parameters(
     model.base.params.iter().enumerate().map(found).collect()
 }
 
-/// r_0 along z: the third parameter of body 0.
-pub(super) fn height(parameters: &[ParameterFound]) -> HeightConstant {
-    let found = &parameters[2.min(parameters.len() - 1)];
+/// r_0 along z, which flat readings of one foot never tell. Regrouping keeps it: it drops columns
+/// that come after those which make them up.
+pub(super) fn height(model: &Model, parameters: &[ParameterFound]) -> HeightConstant {
+    let r_0z = Column::Axis { body: 0, axis: 2 };
+    let all = model.base.params.iter().zip(parameters);
+    let found = all.into_iter().find(|(param, _)| param.column == r_0z);
+    let (_, found) = found.expect("r_0 along z is a base parameter of every robot");
     HeightConstant {
         name: found.name.clone(),
         value: found.value,
@@ -185,10 +190,11 @@ pub(super) fn bodies(
     cad: &DVector<f64>,
     std: &[Option<f64>],
 ) -> Vec<BodyLength> {
-    let of_body = |body: &sesc_model::chain::Body| {
+    let of_body = |(at, body): (usize, &sesc_model::chain::Body)| {
         let own = |k: &usize| {
-            let name = model.base.params[*k].name.rsplit_once('.');
-            name.is_some_and(|(link, _)| link == body.name)
+            let (Column::Axis { body, .. } | Column::Prismatic { body }) =
+                model.base.params[*k].column;
+            body == at
         };
         let own: Vec<usize> = (0..cad.len()).filter(own).collect();
         let norm =
@@ -209,7 +215,7 @@ pub(super) fn bodies(
             std: seen.then(|| variance.max(0.0).sqrt() / length),
         }
     };
-    model.chain.bodies.iter().map(of_body).collect()
+    model.chain.bodies.iter().enumerate().map(of_body).collect()
 }
 
 pub(super) fn correlations(model: &Model, covariance: &DMatrix<f64>) -> Vec<Correlation> {
@@ -255,4 +261,42 @@ pub(super) fn over_range(model: &Model, range: Option<f64>) -> DMatrix<f64> {
 /// √ of the mean of tr(φ C φᵀ)/2 over the postures of [`over_range`], m.
 pub(super) fn range_error(r: &DMatrix<f64>, covariance: &DMatrix<f64>) -> f64 {
     ((r * covariance * r.transpose()).trace() / (2 * SAMPLES) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::Robot;
+    use sesc_model::Snapping;
+
+    #[test]
+    fn the_height_constant_is_r_0_along_z_wherever_it_stands() {
+        let urdf = "<robot name='r'><link name='a.b'><inertial><origin xyz='1 2 3'/>\
+                    <mass value='1'/></inertial></link></robot>";
+        let robot = Robot::parse(urdf, "r.urdf").unwrap();
+        let mut model = robot.model("a.b", Snapping::default(), None).unwrap();
+        let found = |model: &Model| {
+            let all = model.base.params.iter().map(|param| ParameterFound {
+                name: param.name.clone(),
+                value: param.cad,
+                std: None,
+                cad: param.cad,
+                source: "cad",
+            });
+            height(model, &all.collect::<Vec<_>>())
+        };
+        assert_eq!(
+            (found(&model).name.as_str(), found(&model).value),
+            ("a.b.z", 3.0)
+        );
+        // Another parameter is then third, or last.
+        for order in [[2, 0, 1], [0, 2, 1]] {
+            let params = order.map(|k: usize| model.base.params[k].clone());
+            let mut other = model.clone();
+            other.base.params = params.to_vec();
+            assert_eq!(found(&other).name, "a.b.z", "{order:?}");
+        }
+        model.base.params.remove(0);
+        assert_eq!(found(&model).name, "a.b.z");
+    }
 }

@@ -1,24 +1,36 @@
 //! The row of a group: a pure function of its URDF, its options and what its logs hold.
+//!
+//! ```text
+//! logs, sorted by the hash of their content ─▶ one log  ─▶ diagnosis
+//!                                           └▶ part of each log ─▶ one part ─▶ fit
+//! ```
 
 use std::sync::Arc;
 
-use super::content::{Content, Log, each_once};
-use super::failed::without_path;
-use super::joined_logs::together;
+use super::log::{Log, each_once, name_of_log, without_path};
 use super::options::{Only, Options};
-use super::part_of_log::{Contribution, Gathering, prior, request, support_said};
 use super::row::Row;
-use crate::diagnose::{Request, diagnose};
-use crate::fit::fit;
+use crate::diagnose::diagnose;
 use crate::fit::part::Part;
-use crate::fit::prior::Prior;
-use crate::logs::{LogSource, Options as Reading, PostureReader, Readings};
+use crate::fit::prior::{Prior, PriorChoice};
+use crate::fit::{fit, gather_as};
+use crate::health::Kind;
+use crate::logs::{Block, LogSource, Options as Reading, PostureReader, Readings, Sidecar, Table};
 use crate::robot::Robot;
 use crate::watch::Watch;
-use crate::{Error, ErrorKind, Message};
+use crate::{Error, ErrorKind, Message, diagnose as diagnosis, fit as fitting};
 
-/// Rows read at once where a log is only looked at.
-const BLOCK: usize = 4096;
+/// More rows than a log has.
+const WHOLE: usize = usize::MAX / 2;
+/// Time between two logs of a group, s: longer than any correlation between their readings.
+const PAUSE_S: f64 = 3600.0;
+
+/// A log and the link on the ground in rows that do not say.
+struct Standing {
+    name: String,
+    log: LogSource,
+    support: Option<String>,
+}
 
 /// What the logs of one robot on one day come to. Logs are sorted by what they hold, and one
 /// that comes twice counts once; those that cannot be read are named in the row's error, and
@@ -29,257 +41,199 @@ const BLOCK: usize = 4096;
 pub fn row(
     robot: &Arc<Robot>,
     options: &Options,
-    name: (&str, &str),
+    (name, day): (&str, &str),
     logs: &[Log],
     watch: &mut dyn Watch,
 ) -> Result<Row, Error> {
     let logs = each_once(logs);
-    let contents: Vec<Content> = logs.iter().map(Log::content).collect();
-    let mut from_memory = FromMemory(&logs);
-    let group = Group {
-        robot,
-        options,
-        logs: &contents,
+    let mut row = Row {
+        robot: name.to_string(),
+        day: day.to_string(),
+        urdf_hash: robot.description.hash.clone(),
+        support: options.support.clone().unwrap_or_default(),
+        inputs: logs.iter().map(|log| log.hash.clone()).collect(),
+        version: env!("CARGO_PKG_VERSION").to_string(),
+        ..Row::default()
     };
-    if options.only == Only::Parameters {
-        return group.row_of_parts(name, &mut from_memory, watch);
-    }
-    let mut row = group.row(name);
-    let (mut errors, mut sources) = (Vec::new(), Vec::new());
-    // What is wrong with a log is said before a support is missed.
-    let single = logs.len() == 1 && group.supports().of_group.is_ok();
-    for log in &logs {
-        let source = log.source().and_then(|source| match single {
-            // The diagnosis will say what is wrong with it.
-            true => Ok(source),
-            false => readable(robot, options, &source).map(|()| source),
-        });
-        match source {
-            Ok(source) => sources.push((log.content(), source)),
-            Err(error) => errors.push(without_path(&error, robot)),
+    let group = Evaluation { robot, options };
+    let mut errors = Vec::new();
+    let mut noted = |error: Error| match error.kind() {
+        ErrorKind::Interrupted => Err(error),
+        _ => {
+            errors.push(without_path(&error, robot));
+            Ok(())
         }
-    }
-    let (readable, sources): (Vec<Content>, Vec<LogSource>) = sources.into_iter().unzip();
-    let group = Group {
-        logs: &readable,
-        ..group
     };
-    let made = group.diagnosed(&sources, &mut row, watch);
-    let made = made.and_then(|is_usable| match is_usable {
-        true => group.fitted(&mut row, &mut from_memory, watch),
-        false => Ok(Vec::new()),
-    });
-    match made {
-        Ok(faults) => errors.extend(faults),
-        Err(error) if error.kind() == ErrorKind::Interrupted => return Err(error),
-        Err(error) => errors.push(without_path(&error, robot)),
+    let mut odd = Vec::new();
+    let standing = each(logs, &mut noted, |log| group.standing(log, &mut odd))?;
+    let standing: Vec<Standing> = standing.into_iter().map(|(_, log)| log).collect();
+    match standing.iter().find_map(|log| log.support.clone()) {
+        Some(support) => {
+            row.support.clone_from(&support);
+            group.evaluate(standing, &support, &mut row, &mut noted, watch)?;
+        }
+        None if standing.is_empty() => {}
+        None => noted(robot.no_support_of_fleet(&odd))?,
     }
     row.set_errors(errors);
     Ok(row)
 }
 
-/// Where the parts of logs come from.
-pub(super) trait Parts {
-    /// What a log contributes.
-    ///
-    /// # Errors
-    /// The kind `Interrupted` where `watch` stops it; when a store cannot be written.
-    fn part(
-        &mut self,
-        how: &Gathering,
-        log: &Content,
-        watch: &mut dyn Watch,
-    ) -> Result<Contribution, Error>;
+/// Keeps what is wrong with a log; an error is the end of the call.
+type Noted<'n> = &'n mut dyn FnMut(Error) -> Result<(), Error>;
 
-    /// The log itself; none where it cannot be read, which is noted elsewhere.
-    fn log(&mut self, log: &Content) -> Option<Log>;
-}
-
-/// Parts of logs that are in memory.
-struct FromMemory<'a>(&'a [Log]);
-
-impl Parts for FromMemory<'_> {
-    fn part(
-        &mut self,
-        how: &Gathering,
-        log: &Content,
-        watch: &mut dyn Watch,
-    ) -> Result<Contribution, Error> {
-        match self.log(log) {
-            Some(log) => Contribution::of(how, &log, watch),
-            None => Ok(Contribution::Fault(format!("{} is not here", log.name()))),
+/// What comes of each of some things; where nothing does, the error is noted.
+fn each<T, R>(
+    all: Vec<T>,
+    noted: Noted,
+    mut of: impl FnMut(&T) -> Result<R, Error>,
+) -> Result<Vec<(T, R)>, Error> {
+    let mut found = Vec::new();
+    for one in all {
+        match of(&one) {
+            Ok(made) => found.push((one, made)),
+            Err(error) => noted(error)?,
         }
     }
-
-    fn log(&mut self, log: &Content) -> Option<Log> {
-        let is_it = |own: &&Log| own.hash == log.hash && own.sidecar == log.sidecar;
-        self.0.iter().find(is_it).cloned()
-    }
+    Ok(found)
 }
 
-/// The links on the ground of a group.
-struct Supports<'a> {
-    /// Logs whose sidecars can be read, with the link that options or sidecar say.
-    of_logs: Vec<(&'a Content, Option<String>)>,
-    /// The first of these; where there is none, what is missing.
-    of_group: Result<String, Error>,
-    /// What is wrong with other sidecars.
-    faults: Vec<String>,
+/// A robot and how its logs are looked at.
+struct Evaluation<'a> {
+    robot: &'a Arc<Robot>,
+    options: &'a Options,
 }
 
-/// Logs of one robot and day, each once and sorted by what they hold.
-#[derive(Clone, Copy)]
-pub(super) struct Group<'a> {
-    pub robot: &'a Arc<Robot>,
-    pub options: &'a Options,
-    pub logs: &'a [Content],
-}
-
-impl Group<'_> {
-    /// The row, of parameters alone, of what logs contribute.
-    ///
-    /// # Errors
-    /// The kind `Interrupted` where `watch` stops it; those of `parts`.
-    pub fn row_of_parts(
+impl Evaluation<'_> {
+    /// Fill a row from logs of which some say where they stand; `noted` keeps what is wrong.
+    fn evaluate(
         &self,
-        name: (&str, &str),
-        parts: &mut dyn Parts,
-        watch: &mut dyn Watch,
-    ) -> Result<Row, Error> {
-        let mut row = self.row(name);
-        let faults = self.fitted(&mut row, parts, watch)?;
-        row.set_errors(faults);
-        Ok(row)
-    }
-
-    /// A row that says whose it is and nothing else.
-    pub fn row(&self, (name, day): (&str, &str)) -> Row {
-        Row {
-            robot: name.to_string(),
-            day: day.to_string(),
-            urdf_hash: self.robot.description.hash.clone(),
-            support: self.options.support.clone().unwrap_or_default(),
-            inputs: self.logs.iter().map(|log| log.hash.clone()).collect(),
-            version: env!("CARGO_PKG_VERSION").to_string(),
-            ..Row::default()
-        }
-    }
-
-    fn supports(&self) -> Supports<'_> {
-        let (mut of_logs, mut odd, mut faults) = (Vec::new(), Vec::<Message>::new(), Vec::new());
-        for log in self.logs {
-            match support_said(self.options, log) {
-                Ok((support, of_log)) => {
-                    of_logs.push((log, support));
-                    odd.extend(of_log);
-                }
-                Err(error) => faults.push(without_path(&error, self.robot)),
-            }
-        }
-        let first = of_logs.iter().find_map(|(_, support)| support.clone());
-        Supports {
-            of_group: first.ok_or_else(|| self.robot.no_support_of_fleet(&odd)),
-            of_logs,
-            faults,
-        }
-    }
-
-    /// Fit what the logs contribute; gives what is wrong with those that contribute nothing.
-    fn fitted(
-        &self,
+        mut logs: Vec<Standing>,
+        support: &str,
         row: &mut Row,
-        parts: &mut dyn Parts,
+        noted: Noted,
         watch: &mut dyn Watch,
-    ) -> Result<Vec<String>, Error> {
-        let Supports {
-            of_logs: logs,
-            of_group: support,
-            mut faults,
-        } = self.supports();
-        if logs.is_empty() {
-            return Ok(faults);
-        }
-        let support = match support {
-            Ok(support) => support,
-            Err(error) => {
-                // What is wrong with a log is said before a support is missed.
-                let unreadable = self.unreadable(&logs, parts);
-                let all = unreadable.len() == logs.len();
-                faults.extend(unreadable);
-                if !all {
-                    faults.push(without_path(&error, self.robot));
-                }
-                return Ok(faults);
+    ) -> Result<(), Error> {
+        if self.options.only == Only::All {
+            // Several are diagnosed as one, of which each has to be read.
+            let mut blocks = Vec::new();
+            if logs.len() > 1 {
+                let read = each(logs, noted, |log| self.read(&log.log))?;
+                (logs, blocks) = read.into_iter().unzip();
             }
-        };
-        row.support.clone_from(&support);
-        let mut gathered = Vec::new();
-        for (log, own) in logs {
-            let own = own.unwrap_or_else(|| support.clone());
-            match parts.part(&self.gathering(&own, true), log, watch)? {
-                Contribution::Fault(fault) if faults.contains(&fault) => {}
-                Contribution::Fault(fault) => faults.push(fault),
-                part => gathered.push((log, own, part)),
+            match self.diagnose(&logs, blocks, support, row, watch) {
+                Ok(true) => {}
+                Ok(false) => return Ok(()),
+                Err(error) => return noted(error),
             }
         }
-        let several = gathered.len() > 1;
+        let parts = each(logs, noted, |log| self.gather(log, support, true, watch))?;
+        let several = parts.len() > 1;
         let mut whole: Option<Part> = None;
-        for (log, own, part) in gathered {
-            let part = match part.depends_on_others() && several {
-                true => parts.part(&self.gathering(&own, false), log, watch)?,
-                false => part,
-            };
-            let part = match part {
-                Contribution::Part(part) => *part,
-                Contribution::Fault(fault) => {
-                    faults.push(fault);
-                    continue;
+        for (log, mut part) in parts {
+            // Rows that state no deviations are told some where an encoder is stuck, which rows
+            // of several logs cannot be.
+            if several && part.health().iter().any(|f| f.kind == Kind::EncoderStuck) {
+                match self.gather(&log, support, false, watch) {
+                    Ok(again) => part = again,
+                    Err(error) => {
+                        noted(error)?;
+                        continue;
+                    }
                 }
-            };
+            }
             let merged = match &mut whole {
                 None => {
                     whole = Some(part);
                     Ok(())
                 }
-                Some(whole) => whole.merge(part, &log.name()),
+                Some(whole) => whole.merge(part, &log.name),
             };
             if let Err(error) = merged {
-                faults.push(without_path(&error, self.robot));
-                return Ok(faults);
+                return noted(error);
             }
         }
-        if let Some(whole) = whole
-            && let Err(error) = self.fit(&support, whole, row, watch)
-        {
-            if error.kind() == ErrorKind::Interrupted {
-                return Err(error);
-            }
-            faults.push(without_path(&error, self.robot));
+        match whole.map(|whole| self.fit(support, whole, row, watch)) {
+            Some(Err(error)) => noted(error),
+            Some(Ok(())) | None => Ok(()),
         }
-        Ok(faults)
     }
 
-    /// What is wrong with logs of which nobody says where they stand.
-    fn unreadable(
+    /// A log and where it stands: as the options say, else its sidecar, else its first row.
+    fn standing(&self, log: &Log, odd: &mut Vec<Message>) -> Result<Standing, Error> {
+        let (source, sidecar, of_sidecar) = log.source()?;
+        odd.extend(of_sidecar);
+        let mut support = self.options.support.clone().or(sidecar.support);
+        if support.is_none() {
+            let first = self.open(&source)?.first_support()?;
+            support = first.map(|link| link.to_string());
+        }
+        Ok(Standing {
+            name: name_of_log(&log.hash),
+            log: source,
+            support: support.filter(|link| !link.is_empty()),
+        })
+    }
+
+    fn open(&self, log: &LogSource) -> Result<PostureReader, Error> {
+        let about = &self.robot.description;
+        let reading = Reading {
+            angles: self.options.angles,
+            readings: Readings::Required,
+            links: about.link_names().map(str::to_string).collect(),
+            support: self.options.support.clone(),
+            ..Reading::default()
+        };
+        PostureReader::open(log, &about.dofs(), &reading)
+    }
+
+    /// All rows of a log, with what of its sidecar is about them.
+    fn read(&self, log: &LogSource) -> Result<(Sidecar, Block), Error> {
+        let mut reader = self.open(log)?;
+        let block = reader.block(WHOLE)?;
+        let sidecar = Sidecar {
+            robot: None,
+            support: None,
+            angles: None,
+            cells: None,
+            gravity: None,
+            topic: None,
+            columns: None,
+            ..reader.sidecar
+        };
+        Ok((sidecar, block))
+    }
+
+    fn prior(&self, usual: &str) -> PriorChoice {
+        PriorChoice::from(self.options.prior.as_deref().unwrap_or(usual))
+    }
+
+    /// What is asked of the fit of a group, its logs aside.
+    fn request(&self, support: &str) -> fitting::Request {
+        fitting::Request {
+            robot: Some(Arc::clone(self.robot)),
+            support: Some(support.to_string()),
+            snapping: self.options.snapping(),
+            angles: self.options.angles,
+            prior: self.prior(Prior::DEFAULT),
+            noise: self.options.noise,
+            motion: self.options.motion_model(),
+            feet: self.options.feet(),
+            ..fitting::Request::default()
+        }
+    }
+
+    /// What a log contributes to the fit; `alone` where it is fitted without other logs.
+    fn gather(
         &self,
-        logs: &[(&Content, Option<String>)],
-        parts: &mut dyn Parts,
-    ) -> Vec<String> {
-        let found = logs.iter().filter_map(|(log, _)| {
-            let source = parts.log(log)?.source();
-            let read = source.and_then(|source| readable(self.robot, self.options, &source));
-            read.err().map(|error| without_path(&error, self.robot))
-        });
-        found.collect()
-    }
-
-    fn gathering<'s>(&'s self, support: &'s str, alone: bool) -> Gathering<'s> {
-        Gathering {
-            robot: self.robot,
-            options: self.options,
-            support,
-            alone,
-        }
+        log: &Standing,
+        support: &str,
+        alone: bool,
+        watch: &mut dyn Watch,
+    ) -> Result<Part, Error> {
+        let mut request = self.request(log.support.as_deref().unwrap_or(support));
+        request.logs = vec![log.log.clone()];
+        gather_as(&request, alone, watch)
     }
 
     /// Fit the part of all logs.
@@ -290,7 +244,7 @@ impl Group<'_> {
         row: &mut Row,
         watch: &mut dyn Watch,
     ) -> Result<(), Error> {
-        let mut request = request(self.robot, self.options, support);
+        let mut request = self.request(support);
         // Sums are in SI units.
         request.angles = None;
         request.parts = vec![("the logs of this group".to_string(), whole)];
@@ -305,7 +259,7 @@ impl Group<'_> {
         let finite = |x: &f64| x.is_finite();
         let parameters = found.parameters.iter();
         row.std = parameters.map(|p| p.std.filter(finite)).collect();
-        // What comes and goes in diagnoses is held against it.
+        // Effects that come and go in diagnoses are compared with it.
         if self.options.information || self.options.only == Only::All {
             let covariance = &found.estimate.covariance;
             let lower =
@@ -315,52 +269,115 @@ impl Group<'_> {
         Ok(())
     }
 
-    /// Diagnose the logs; gives whether they are fit for a fit.
-    fn diagnosed(
+    /// Diagnose the logs as one; gives whether they are fit for a fit.
+    fn diagnose(
         &self,
-        sources: &[LogSource],
+        logs: &[Standing],
+        blocks: Vec<(Sidecar, Block)>,
+        support: &str,
         row: &mut Row,
         watch: &mut dyn Watch,
     ) -> Result<bool, Error> {
-        let (robot, options) = (self.robot, self.options);
-        if sources.is_empty() {
-            return Ok(false);
-        }
-        row.support = self.supports().of_group?;
-        let log = match sources {
-            [one] => one.clone(),
-            several => together(several, &robot.description.dofs(), &reading(robot, options))?,
+        let log = match logs {
+            [] => return Ok(false),
+            [one] => one.log.clone(),
+            several => self.one_log(several, blocks)?,
         };
-        let mut request = Request::new(Arc::clone(robot), log);
-        request.support = Some(row.support.clone());
-        request.snapping = options.snapping();
+        let mut request = diagnosis::Request::new(Arc::clone(self.robot), log);
+        request.support = Some(support.to_string());
+        request.snapping = self.options.snapping();
         // Several logs were put together in SI units.
-        request.angles = options.angles.filter(|_| sources.len() == 1);
-        request.prior = prior(options, Prior::OF_DIAGNOSES);
-        request.noise = options.noise;
-        request.floor = options.floor;
-        request.motion = options.motion_model();
-        request.feet = options.feet();
-        let report = diagnose(&request, watch)?;
-        row.diagnosed(&report.diagnosis);
-        Ok(row.is_usable())
+        request.angles = self.options.angles.filter(|_| logs.len() == 1);
+        request.prior = self.prior(Prior::OF_DIAGNOSES);
+        request.noise = self.options.noise;
+        request.floor = self.options.floor;
+        request.motion = self.options.motion_model();
+        request.feet = self.options.feet();
+        let found = diagnose(&request, watch)?.diagnosis;
+        row.diagnosed(&found);
+        Ok(found.verdict != diagnosis::Verdict::Unusable)
+    }
+
+    /// Several logs as one: postures are numbered on, times run on after a pause, and the CoP is
+    /// in place of foot cells.
+    fn one_log(&self, logs: &[Standing], all: Vec<(Sidecar, Block)>) -> Result<LogSource, Error> {
+        let (sidecars, mut blocks): (Vec<Sidecar>, Vec<Block>) = all.into_iter().unzip();
+        let mut sidecar = sidecars.first().cloned().unwrap_or_default();
+        if let Some(at) = sidecars.iter().position(|other| *other != sidecar) {
+            let differs = "its sidecar differs from that of another log of the same group; give \
+                           them groups of their own";
+            return Err(Error::log(&*logs[at].name, None, differs));
+        }
+        let (mut numbered, mut later) = (0, None);
+        for block in &mut blocks {
+            // Numbers need not begin at zero.
+            let least = block.pose.iter().copied().min().unwrap_or(0);
+            for pose in &mut block.pose {
+                *pose = pose.saturating_sub(least).saturating_add(numbered);
+            }
+            numbered = block.pose.iter().max().map_or(numbered, |last| last + 1);
+            if let Some(t) = &mut block.t {
+                let start = t.first().copied().unwrap_or(0.0);
+                let from = later.unwrap_or(start);
+                t.iter_mut().for_each(|t| *t = *t - start + from);
+                later = t.iter().copied().reduce(f64::max).map(|t| t + PAUSE_S);
+            }
+        }
+        let std = column(&mut blocks, "standard deviations", |b| b.std.take())?;
+        let gravity = column(&mut blocks, "gravity", |b| b.gravity.take())?;
+        let support = column(&mut blocks, "a support", |b| b.support.take())?;
+        let t = column(&mut blocks, "times", |b| b.t.take()).ok().flatten();
+        if std.is_some() {
+            // Deviations are those of rows already.
+            sidecar.readings_per_pose = None;
+        }
+        let q: Vec<f64> = blocks.iter().flat_map(|b| &b.q).copied().collect();
+        let reading = blocks.iter().filter_map(|b| b.reading.as_ref());
+        let reading: Vec<[f64; 2]> = reading.flatten().copied().collect();
+        let pose: Vec<i64> = blocks.iter().flat_map(|b| &b.pose).copied().collect();
+        let mut table = Table::new("the logs of this group").integers("pose", pose);
+        if let Some(t) = t {
+            table = table.numbers("t", t);
+        }
+        if let Some(support) = support {
+            table = table.texts("support", support);
+        }
+        let dofs = self.robot.description.dofs();
+        for (k, joint) in dofs.iter().enumerate() {
+            let column: Vec<f64> = q.iter().skip(k).step_by(dofs.len()).copied().collect();
+            table = table.numbers(&joint.joint, column);
+        }
+        table = with_axes(table, ["cop_x", "cop_y"], &reading);
+        if let Some(std) = std {
+            table = with_axes(table, ["cop_x_std", "cop_y_std"], &std);
+        }
+        if let Some(gravity) = gravity {
+            table = with_axes(table, ["gravity_x", "gravity_y", "gravity_z"], &gravity);
+        }
+        Ok(LogSource::from(table).with_sidecar(sidecar))
     }
 }
 
-fn reading(robot: &Robot, options: &Options) -> Reading {
-    Reading {
-        angles: options.angles,
-        readings: Readings::Required,
-        links: robot.description.link_names().map(str::to_string).collect(),
-        support: options.support.clone(),
-        ..Reading::default()
+/// A column of all logs; none where none has it.
+fn column<T>(
+    blocks: &mut [Block],
+    what: &str,
+    of: fn(&mut Block) -> Option<Vec<T>>,
+) -> Result<Option<Vec<T>>, Error> {
+    let found: Vec<Vec<T>> = blocks.iter_mut().filter_map(of).collect();
+    match (found.len(), blocks.len()) {
+        (0, _) => Ok(None),
+        (has, all) if has == all => Ok(Some(found.into_iter().flatten().collect())),
+        (has, all) => Err(Error::request(format!(
+            "{has} of {all} logs of this group have {what}; give all of them or none"
+        ))),
     }
 }
 
-/// Whether a log can be read to its end.
-fn readable(robot: &Robot, options: &Options, log: &LogSource) -> Result<(), Error> {
-    let dofs = robot.description.dofs();
-    let mut reader = PostureReader::open(log, &dofs, &reading(robot, options))?;
-    while !reader.block(BLOCK)?.is_empty() {}
-    Ok(())
+/// A column for each axis of some vectors.
+fn with_axes<const N: usize>(table: Table, names: [&str; N], rows: &[[f64; N]]) -> Table {
+    (0..N).fold(table, |table, axis| {
+        let column: Vec<f64> = rows.iter().map(|row| row[axis]).collect();
+        table.numbers(names[axis], column)
+    })
 }

@@ -1,29 +1,224 @@
-//! Which logs a fleet has, and which robot and day each belongs to.
+//! Which logs a fleet has, and which robot, day and URDF each belongs to.
 //!
 //! A log is named by a pattern (`logs/robot=*/day=*/*.parquet`), a folder, a list or a
 //! manifest. Its robot and day are, the first that says so: columns of the manifest; folders
 //! such as `robot=17`; the name of the file, `<robot>_<day>`, or all of it where one of the
-//! two is missing.
+//! two is missing. The key `week` is the ISO week of the day.
 //!
 //! * A **list** ends in `.txt` or `.list` and has a path a line, `#` before remarks.
-//! * A **manifest** is a CSV file with a column `path` and any of the keys, `urdf`, `support`.
+//! * A **manifest** is a CSV file with a column `path` and any of the keys, `urdf`, `support`; a
+//!   byte order mark, `;` or tabs between fields and names in capitals are fine.
 //! * A URDF of a robot's own is named by the manifest, or is a file `robot.urdf` beside its
 //!   logs or in one of the folders `name=value` above.
 //!
-//! Paths in a list or manifest are relative to it.
+//! Paths in a list or manifest are relative to it. Files and folders whose names begin with a dot
+//! are left out, unless a pattern says the dot: systems keep notes of their own in such,
+//! `._r1.csv` beside `r1.csv`. A name that is no UTF-8 has `\u{fffd}` where it is none; no file
+//! has that name, and its row says so.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
-use super::input::Input;
-use super::manifest::{is_manifest, list, manifest};
-use super::named_files::expanded;
+use glob::Pattern;
+use serde::{Deserialize, Serialize};
+use sesc_model::files;
+use sesc_model::text::visible;
+
 use crate::Error;
+use crate::logs::delimiter;
+
+/// Endings of logs that are looked for in folders, and that are no part of a robot's name or day.
+const ENDINGS: [&str; 4] = [".csv.gz", ".csv", ".parquet", ".mcap"];
+/// Endings of sidecars and URDFs, which a pattern such as `**/*` would take for logs.
+const ASIDE: [&str; 3] = [".toml", ".urdf", ".xacro"];
+/// Largest list or manifest, MiB.
+const LIST: u64 = 1024;
+/// The key that is made of the day, and the day.
+const WEEK: &str = "week";
+const DAY: &str = "day";
+
+/// A log with what it belongs to.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub struct Input {
+    /// The log.
+    pub path: PathBuf,
+    /// Its robot.
+    pub robot: String,
+    /// Its day.
+    pub day: String,
+    /// The URDF, where it is not the fleet's.
+    pub urdf: Option<PathBuf>,
+    /// Link on the ground, where the manifest says it.
+    pub support: Option<String>,
+}
+
+impl Input {
+    /// A log with its keys from what is said of it (keys, `urdf`, `support`), from its folders
+    /// and its name. The last of `by` is the day, those before it the robot; `week` is the ISO
+    /// week of `day`, `2031-W18`, where nothing says it.
+    ///
+    /// # Errors
+    /// Where a week is asked for and the day is no date, and of an address such as `s3://…`.
+    pub fn new(
+        path: PathBuf,
+        said: &BTreeMap<String, String>,
+        by: &[String],
+    ) -> Result<Input, Error> {
+        check_is_here(&path)?;
+        let folders = partitions(&path);
+        // An empty cell of a manifest says nothing.
+        let told = |key: &str| said.get(key).filter(|text| !text.is_empty()).cloned();
+        let known = |key: &str| told(key).or_else(|| folders.get(key).cloned());
+        let is_of_day = |key: &String| key == WEEK && known(WEEK).is_none();
+        let value = |key: &String| known(if is_of_day(key) { DAY } else { key });
+        let mut keys: Vec<Option<String>> = by.iter().map(value).collect();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let without = |end: &&str| name.strip_suffix(*end);
+        let stem = ENDINGS.iter().find_map(without).unwrap_or(&name);
+        let missing = keys.iter().filter(|key| key.is_none()).count();
+        // A name of more parts than keys has them in the first.
+        let mut parts: Vec<&str> = match missing {
+            0 => Vec::new(),
+            count => stem.rsplitn(count, '_').collect(),
+        };
+        for key in keys.iter_mut().filter(|key| key.is_none()) {
+            *key = Some(parts.pop().unwrap_or_default().to_string());
+        }
+        let mut keys: Vec<String> = keys.into_iter().flatten().collect();
+        for (key, text) in by.iter().zip(&mut keys).filter(|(key, _)| is_of_day(key)) {
+            *text = iso_week(text).ok_or_else(|| {
+                Error::request(format!(
+                    "`{key}` is the ISO week of a day, and the day of {} is `{}`; give dates such \
+                     as 2031-05-01",
+                    visible(&path.display().to_string()),
+                    visible(text)
+                ))
+            })?;
+        }
+        let day = match keys.len() {
+            0 | 1 => String::new(),
+            _ => keys.pop().unwrap_or_default(),
+        };
+        Ok(Input {
+            robot: keys.join("/"),
+            day,
+            urdf: told("urdf")
+                .map(PathBuf::from)
+                .or_else(|| urdf_beside(&path)),
+            support: told("support"),
+            path,
+        })
+    }
+}
+
+/// The keys of folders `name=value`, the innermost of each name.
+fn partitions(path: &Path) -> BTreeMap<String, String> {
+    let folders = path.parent().into_iter().flat_map(Path::components);
+    let folders = folders.filter_map(|part| part.as_os_str().to_str()?.split_once('='));
+    folders
+        .map(|(key, value)| (unescaped(key), unescaped(value)))
+        .collect()
+}
+
+/// A text with `%C3` for its byte, as Spark and Hive write names of folders; what comes to no
+/// text is as it was.
+fn unescaped(text: &str) -> String {
+    let (bytes, mut out) = (text.as_bytes(), Vec::new());
+    let digit = |at: usize| char::from(*bytes.get(at)?).to_digit(16);
+    let mut at = 0;
+    while let Some(byte) = bytes.get(at) {
+        let pair = (*byte == b'%').then(|| Some((digit(at + 1)?, digit(at + 2)?)));
+        let own = pair.flatten().map(|(high, low)| (16 * high + low) as u8);
+        out.push(own.unwrap_or(*byte));
+        at += if own.is_some() { 3 } else { 1 };
+    }
+    String::from_utf8(out).unwrap_or_else(|_| text.to_string())
+}
+
+/// `robot.urdf` beside a log, or in a folder above as long as folders are `name=value`.
+fn urdf_beside(path: &Path) -> Option<PathBuf> {
+    let mut folder = path.parent()?;
+    loop {
+        let urdf = folder.join("robot.urdf");
+        if urdf.is_file() {
+            return Some(urdf);
+        }
+        let name = folder.file_name()?.to_str()?;
+        folder = folder.parent().filter(|_| name.contains('='))?;
+        if !folder.file_name()?.to_str()?.contains('=') {
+            return None;
+        }
+    }
+}
+
+/// `2031-W18` of a date: `2031-05-01`, `20310501`, also with a time of the day behind it.
+fn iso_week(day: &str) -> Option<String> {
+    let date = match day.split_once([' ', 'T']) {
+        Some((date, time)) if time.starts_with(|c: char| c.is_ascii_digit()) => date,
+        _ => day,
+    };
+    let dashes = date.len() == 10 && date.get(4..5) == Some("-") && date.get(7..8) == Some("-");
+    let digits = if dashes {
+        date.replace('-', "")
+    } else {
+        date.to_string()
+    };
+    if digits.len() != 8 || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    let number = |from: usize, to: usize| digits[from..to].parse::<usize>().ok();
+    let (year, month, day) = (number(0, 4)?, number(4, 6)?, number(6, 8)?);
+    let is_leap = year % 4 == 0 && year % 100 != 0 || year % 400 == 0;
+    let months = [
+        31,
+        28 + usize::from(is_leap),
+        31,
+        30,
+        31,
+        30,
+        31,
+        31,
+        30,
+        31,
+        30,
+        31,
+    ];
+    let length = *months.get(month.checked_sub(1)?)?;
+    if year == 0 || day == 0 || day > length {
+        return None;
+    }
+    // Days from Monday, 0001-01-01, to the first of a year, and to this one.
+    let before = |year: usize| {
+        let years = year - 1;
+        365 * years + years / 4 - years / 100 + years / 400
+    };
+    let days = before(year) + months[..month - 1].iter().sum::<usize>() + day - 1;
+    // A week belongs to the year of its Thursday.
+    let thursday = days - days % 7 + 3;
+    let of = (year.max(2) - 1..=year + 1).rfind(|year| before(*year) <= thursday)?;
+    let week = (thursday - before(of)) / 7 + 1;
+    Some(format!("{of:04}-W{week:02}"))
+}
+
+/// Only files of this machine are read.
+fn check_is_here(path: &Path) -> Result<(), Error> {
+    let path = path.to_string_lossy();
+    match path.contains("://") {
+        true => Err(Error::request(format!(
+            "{path}: a fleet reads the files of this machine; mount the store, or copy its logs"
+        ))),
+        false => Ok(()),
+    }
+}
 
 /// All logs that `data` names. The last of `by` is the day, those before it the robot.
 ///
 /// # Errors
-/// A pattern or file that names nothing, and lists that cannot be read.
+/// A pattern or file that names nothing, lists that cannot be read, addresses of object stores,
+/// and days without a week where that is asked for.
 pub fn inputs(data: &[String], by: &[String]) -> Result<Vec<Input>, Error> {
     if by.is_empty() || by.iter().any(|key| key.trim().is_empty()) {
         return Err(Error::request("no key to group logs by; give robot,day"));
@@ -31,14 +226,17 @@ pub fn inputs(data: &[String], by: &[String]) -> Result<Vec<Input>, Error> {
     let mut found = Vec::new();
     for item in data {
         let path = Path::new(item);
-        let end = |end: &str| item.ends_with(end);
-        if is_manifest(path) {
-            manifest(path, by, &mut found)?;
-        } else if (end(".txt") || end(".list")) && path.is_file() {
-            list(path, by, &mut found)?;
-        } else {
+        let is_list = item.ends_with(".txt") || item.ends_with(".list");
+        check_is_here(path)?;
+        if is_list && path.is_file() {
+            let text = read_list(path)?;
+            let lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
+            for line in lines.filter(|line| !line.is_empty() && !line.starts_with('#')) {
+                found.push(Input::new(beside(path, line), &BTreeMap::new(), by)?);
+            }
+        } else if !manifest(path, by, &mut found)? {
             for path in expanded(item)? {
-                found.push(Input::new(path, &BTreeMap::new(), by));
+                found.push(Input::new(path, &BTreeMap::new(), by)?);
             }
         }
     }
@@ -47,10 +245,212 @@ pub fn inputs(data: &[String], by: &[String]) -> Result<Vec<Input>, Error> {
     Ok(found)
 }
 
+fn read_list(path: &Path) -> Result<String, Error> {
+    files::read_text(path, LIST).map_err(|error| Error::read(path.display().to_string(), error))
+}
+
+/// A path that a list or manifest names.
+fn beside(list: &Path, text: &str) -> PathBuf {
+    list.parent().unwrap_or(Path::new(".")).join(text)
+}
+
+/// Take over the logs of a manifest; whether the file is one: a log has no column `path`.
+fn manifest(path: &Path, by: &[String], found: &mut Vec<Input>) -> Result<bool, Error> {
+    // Opening a pipe would block.
+    if path.extension().is_none_or(|end| end != "csv") || !path.is_file() {
+        return Ok(false);
+    }
+    let known = ["path", "urdf", "support", DAY, WEEK];
+    let known: Vec<&str> = by.iter().map(String::as_str).chain(known).collect();
+    let ours = |name: &str| {
+        let name = name.trim_start_matches('\u{feff}').trim_matches('"').trim();
+        let exact = known.iter().find(|own| **own == name);
+        exact.or_else(|| known.iter().find(|own| own.eq_ignore_ascii_case(name)))
+    };
+    let mut head = Vec::new();
+    let read = fs::File::open(path)
+        .and_then(|file| BufReader::new(file.take(1 << 16)).read_until(b'\n', &mut head));
+    let (Ok(_), Ok(between)) = (read, delimiter(&head)) else {
+        return Ok(false);
+    };
+    let head = String::from_utf8_lossy(&head);
+    let mut names = head.trim_end().split(char::from(between));
+    if !names.any(|name| ours(name) == Some(&"path")) {
+        return Ok(false);
+    }
+    let file = path.display().to_string();
+    let bad = |line: Option<&csv::Position>, what: &str| {
+        Error::log(
+            file.clone(),
+            line.map(csv::Position::line),
+            what.to_string(),
+        )
+    };
+    let uneven = |error: csv::Error| {
+        let what = "is no manifest: a row has more or fewer fields than the header";
+        bad(error.position(), what)
+    };
+    let text = read_list(path)?;
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .delimiter(between)
+        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+    let header = reader.headers().map_err(uneven)?.clone();
+    for record in reader.records() {
+        let record = record.map_err(uneven)?;
+        let fields = header.iter().zip(&record);
+        let said =
+            fields.filter_map(|(name, text)| Some((ours(name)?.to_string(), text.to_string())));
+        let mut said: BTreeMap<String, String> = said.collect();
+        let log = said.remove("path").filter(|log| !log.is_empty());
+        let nothing = "this row of the manifest has no path";
+        let log = log.ok_or_else(|| bad(record.position(), nothing))?;
+        if let Some(urdf) = said.get_mut("urdf").filter(|urdf| !urdf.is_empty()) {
+            *urdf = beside(path, urdf).display().to_string();
+        }
+        found.push(Input::new(beside(path, &log), &said, by)?);
+    }
+    Ok(true)
+}
+
+/// The files of a pattern, a folder, or a file.
+fn expanded(item: &str) -> Result<Vec<PathBuf>, Error> {
+    let path = Path::new(item);
+    let failed = |error: io::Error| Error::read(item, error);
+    let wrong = |what: String| Error::request(format!("{item}: {what}"));
+    let ends = |path: &Path, ends: &[&str]| {
+        let name = path.to_string_lossy();
+        ends.iter().any(|end| name.ends_with(end))
+    };
+    let mut found = Vec::new();
+    if path.is_dir() {
+        let all = ["**", "*"].map(|part| Pattern::new(part).unwrap_or_default());
+        walk(path, &all, &mut found).map_err(failed)?;
+        found.retain(|path| ends(path, &ENDINGS));
+        if found.is_empty() {
+            let ends = ENDINGS.join(", ");
+            return Err(wrong(format!("no log in this folder; logs end in {ends}")));
+        }
+        return Ok(found);
+    }
+    let is_plain = |part: &str| !part.contains(['*', '?', '[']);
+    if is_plain(item) || path.exists() {
+        // What cannot be read is the error of its row.
+        return Ok(vec![path.to_path_buf()]);
+    }
+    let parts = path.components().map(|part| part.as_os_str().to_str());
+    let parts: Vec<&str> = parts.map(Option::unwrap_or_default).collect();
+    let plain = parts.iter().take_while(|part| is_plain(part)).count();
+    let root: PathBuf = parts[..plain].iter().collect();
+    let rest: Result<Vec<Pattern>, _> = parts[plain..].iter().map(|p| Pattern::new(p)).collect();
+    let rest = rest.map_err(|error| wrong(error.to_string()))?;
+    let folder = if plain == 0 { Path::new(".") } else { &root };
+    if folder.is_dir() {
+        walk(folder, &rest, &mut found).map_err(failed)?;
+    }
+    found.retain(|path| !ends(path, &ASIDE));
+    if plain == 0 {
+        let bare = |path: PathBuf| {
+            path.strip_prefix(".")
+                .map(Path::to_path_buf)
+                .unwrap_or(path)
+        };
+        found = found.into_iter().map(bare).collect();
+    }
+    if found.is_empty() {
+        let what = "no file has such a name; quote the pattern, so that the shell leaves it alone";
+        return Err(wrong(what.to_string()));
+    }
+    Ok(found)
+}
+
+/// Files below a folder that the rest of a pattern means. `**` is any number of folders, of
+/// which links are none, for a walk of links might have no end.
+fn walk(folder: &Path, rest: &[Pattern], found: &mut Vec<PathBuf>) -> io::Result<()> {
+    let Some((first, after)) = rest.split_first() else {
+        return Ok(());
+    };
+    let is_deep = first.as_str() == "**";
+    if is_deep {
+        walk(folder, after, found)?;
+    }
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let (path, name) = (entry.path(), entry.file_name());
+        let name = name.to_string_lossy();
+        let is_hidden = name.starts_with('.') && !first.as_str().starts_with('.');
+        if is_hidden || !is_deep && !first.matches(&name) {
+            continue;
+        }
+        if !is_deep && after.is_empty() {
+            if path.is_file() {
+                found.push(PathBuf::from(path.to_string_lossy().into_owned()));
+            }
+        } else if path.is_dir() && !(is_deep && entry.file_type()?.is_symlink()) {
+            walk(&path, if is_deep { rest } else { after }, found)?;
+        }
+    }
+    Ok(())
+}
+
+/// Logs of one robot on one day, with one URDF.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Group {
+    /// The robot.
+    pub robot: String,
+    /// The day; empty where logs are grouped by robot alone.
+    pub day: String,
+    /// The URDF, where it is not the fleet's.
+    pub urdf: Option<PathBuf>,
+    /// The logs, sorted; a path that was given twice is here once.
+    pub logs: Vec<PathBuf>,
+    /// Link on the ground, where the manifest says it.
+    pub support: Option<String>,
+}
+
+/// The groups of all inputs, sorted by robot, day and URDF. What a terminal would obey in the
+/// name of a folder is spelled out (`\u{1b}`), for the name goes into tables and pages.
+///
+/// ```
+/// use sesc_identify::fleet::{groups, inputs};
+///
+/// # let folder = std::env::temp_dir().join(format!("sesc-groups-{}", std::process::id()));
+/// # std::fs::create_dir_all(&folder).unwrap();
+/// for name in ["r17_2031-05-01.csv", "r17_2031-05-05.csv", "r18_2031-05-01.csv"] {
+///     std::fs::write(folder.join(name), "cop_x,cop_y,hip\n").unwrap();
+/// }
+/// let data = [folder.join("*.csv").display().to_string()];
+/// let days = groups(&inputs(&data, &["robot".into(), "day".into()])?);
+/// assert_eq!((days[1].robot.as_str(), days[1].day.as_str()), ("r17", "2031-05-05"));
+/// let weeks = groups(&inputs(&data, &["robot".into(), "week".into()])?);
+/// assert_eq!((weeks[1].robot.as_str(), weeks[1].day.as_str()), ("r17", "2031-W19"));
+/// # std::fs::remove_dir_all(&folder).unwrap();
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
+pub fn groups(inputs: &[Input]) -> Vec<Group> {
+    let mut found: BTreeMap<_, Vec<PathBuf>> = BTreeMap::new();
+    for input in inputs.iter().cloned() {
+        let names = (visible(&input.robot), visible(&input.day));
+        let key = (names, input.urdf, input.support);
+        found.entry(key).or_default().push(input.path);
+    }
+    let group = |(((robot, day), urdf, support), mut logs): (_, Vec<PathBuf>)| {
+        logs.sort();
+        logs.dedup();
+        Group {
+            robot,
+            day,
+            urdf,
+            logs,
+            support,
+        }
+    };
+    found.into_iter().map(group).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
 
     fn by(keys: &[&str]) -> Vec<String> {
@@ -58,7 +458,7 @@ mod tests {
     }
 
     fn keys(path: &str, by: &[String]) -> (String, String) {
-        let input = Input::new(PathBuf::from(path), &BTreeMap::new(), by);
+        let input = Input::new(PathBuf::from(path), &BTreeMap::new(), by).unwrap();
         (input.robot, input.day)
     }
 
@@ -95,21 +495,66 @@ mod tests {
     }
 
     #[test]
+    fn a_week_is_that_of_the_day_whatever_says_it() {
+        let weeks = by(&["robot", "week"]);
+        for (path, week) in [
+            ("robot=17/day=2031-05-01/log.csv", "2031-W18"),
+            ("17_2031-05-05.csv", "2031-W19"),
+            ("17_20310504 23:59.csv", "2031-W18"),
+            // What folders say of weeks is theirs.
+            ("robot=17/week=spring/day=1/log.csv", "spring"),
+        ] {
+            assert_eq!(keys(path, &weeks), ("17".into(), week.into()), "{path}");
+        }
+        let said = [("day".to_string(), "2031-05-01".to_string())].into();
+        let input = Input::new("17.csv".into(), &said, &weeks).unwrap();
+        assert_eq!((&*input.robot, &*input.day), ("17", "2031-W18"));
+        for path in [
+            "17_monday.csv",
+            "17.csv",
+            "17_2031-02-29.csv",
+            "17_12.csv",
+            "17_ä031-5-1.csv",
+        ] {
+            let said = Input::new(path.into(), &BTreeMap::new(), &weeks).unwrap_err();
+            assert!(said.to_string().contains("2031-05-01"), "{said}");
+        }
+    }
+
+    /// From tables of ISO 8601: years of 53 weeks, and days of another year's week.
+    #[test]
+    fn weeks_are_those_of_iso_8601() {
+        for (day, week) in [
+            ("2005-01-01", "2004-W53"),
+            ("2005-01-02", "2004-W53"),
+            ("2005-12-31", "2005-W52"),
+            ("2006-01-01", "2005-W52"),
+            ("2007-01-01", "2007-W01"),
+            ("2008-12-29", "2009-W01"),
+            ("2009-12-31", "2009-W53"),
+            ("2010-01-03", "2009-W53"),
+            ("2020-02-29T12:00Z", "2020-W09"),
+        ] {
+            assert_eq!(iso_week(day).as_deref(), Some(week), "{day}");
+        }
+    }
+
+    #[test]
     fn patterns_folders_lists_and_manifests_name_the_same_logs() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         for day in ["1", "2"] {
             let own = at(&format!("logs/robot=a/day={day}"));
-            std::fs::create_dir_all(&own).unwrap();
-            std::fs::write(own.join("log.csv"), "x").unwrap();
-            std::fs::write(own.join("log.csv.toml"), "").unwrap();
+            fs::create_dir_all(&own).unwrap();
+            fs::write(own.join("log.csv"), "x").unwrap();
+            fs::write(own.join("log.csv.toml"), "").unwrap();
         }
-        std::fs::write(at("logs/robot=a/day=2/robot.urdf"), "<robot/>").unwrap();
+        fs::write(at("logs/robot=a/day=2/robot.urdf"), "<robot/>").unwrap();
         let lines = "# logs\nlogs/robot=a/day=1/log.csv\nlogs/robot=a/day=2/log.csv\n";
-        std::fs::write(at("list.txt"), lines).unwrap();
+        fs::write(at("list.txt"), lines).unwrap();
         let manifest = "path,robot,day\nlogs/robot=a/day=1/log.csv,a,1\n\
                         logs/robot=a/day=2/log.csv,a,2\n";
-        std::fs::write(at("manifest.csv"), manifest).unwrap();
+        fs::write(at("manifest.csv"), manifest).unwrap();
         let both = by(&["robot", "day"]);
         let of = |name: &str| inputs(&[at(name).display().to_string()], &both).unwrap();
         let expected = of("logs/robot=*/day=*/*");
@@ -119,7 +564,7 @@ mod tests {
         // As spreadsheets write it.
         let sheet = "\u{feff}\"Path\";Robot;DAY;note\r\nlogs/robot=a/day=1/log.csv;a;1;x\r\n\
                      logs/robot=a/day=2/log.csv;;2;\r\n";
-        std::fs::write(at("sheet.csv"), sheet).unwrap();
+        fs::write(at("sheet.csv"), sheet).unwrap();
         for name in [
             "logs",
             "logs/**/*.csv",
@@ -129,11 +574,11 @@ mod tests {
         ] {
             assert_eq!(of(name), expected, "{name}");
         }
-        std::fs::write(at("gap.csv"), "robot,path\na,x.csv\nb,\n").unwrap();
+        fs::write(at("gap.csv"), "robot,path\na,x.csv\nb,\n").unwrap();
         let said = inputs(&[at("gap.csv").display().to_string()], &both).unwrap_err();
+        let said = said.to_string();
         assert!(
-            said.to_string()
-                .ends_with("gap.csv:3: this row of the manifest has no path"),
+            said.ends_with("gap.csv:3: this row of the manifest has no path"),
             "{said}"
         );
     }
@@ -143,9 +588,9 @@ mod tests {
     fn files_and_folders_with_a_dot_in_front_are_left_out() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name).display().to_string();
-        std::fs::create_dir_all(at(".trash")).unwrap();
+        fs::create_dir_all(at(".trash")).unwrap();
         for name in ["a_1.csv", "._a_1.csv", ".trash/a_2.csv"] {
-            std::fs::write(at(name), "x").unwrap();
+            fs::write(at(name), "x").unwrap();
         }
         let names = |item: &str| -> Vec<String> {
             let found = inputs(&[item.to_string()], &by(&["robot", "day"])).unwrap();
@@ -170,14 +615,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name).display().to_string();
         let odd = |name: &[u8]| folder.path().join(OsStr::from_bytes(name));
-        std::fs::create_dir_all(odd(b"in\xff")).unwrap();
+        fs::create_dir_all(odd(b"in\xff")).unwrap();
         for name in [
             &b"a_1.csv"[..],
             b"b\xff_1.csv",
             b"b\xff_1.csv.toml",
             b"in\xff/c_1.csv",
         ] {
-            std::fs::write(odd(name), "x").unwrap();
+            fs::write(odd(name), "x").unwrap();
         }
         let robots = |item: &str| -> Vec<String> {
             let found = inputs(&[item.to_string()], &by(&["robot", "day"])).unwrap();
@@ -190,11 +635,35 @@ mod tests {
     }
 
     #[test]
-    fn a_pattern_that_names_nothing_is_an_error() {
-        let said = inputs(&["/nowhere/*.csv".into()], &by(&["robot"])).unwrap_err();
-        assert!(
-            said.to_string().contains("no file has such a name"),
-            "{said}"
+    fn what_names_nothing_is_an_error() {
+        for (item, words) in [
+            ("/nowhere/*.csv", "no file has such a name"),
+            ("/tmp/**x/*.csv", "recursive wildcards"),
+            ("s3://bucket/*.csv", "mount the store"),
+        ] {
+            let said = inputs(&[item.into()], &by(&["robot"])).unwrap_err();
+            assert!(said.to_string().contains(words), "{said}");
+        }
+    }
+
+    #[test]
+    fn names_of_folders_tell_a_terminal_nothing() {
+        let input = |robot: &str, day: &str| Input {
+            path: PathBuf::from(format!("{robot}/{day}.csv")),
+            robot: robot.to_string(),
+            day: day.to_string(),
+            urdf: None,
+            support: None,
+        };
+        let found = groups(&[input("r\u{1b}]0;owned\u{7}", "mon\nday"), input("r17", "")]);
+        let names: Vec<_> = found.iter().map(|g| (&*g.robot, &*g.day)).collect();
+        assert_eq!(
+            names,
+            [("r17", ""), ("r\\u{1b}]0;owned\\u{7}", "mon\\u{a}day")]
+        );
+        assert_eq!(
+            found[1].logs,
+            [input("r\u{1b}]0;owned\u{7}", "mon\nday").path]
         );
     }
 }

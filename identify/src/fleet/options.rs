@@ -88,16 +88,18 @@ impl Default for Options {
 impl Options {
     /// Whether decimals of right angles are made exact, as models take it.
     pub fn snapping(&self) -> Snapping {
-        match self.snap {
-            true => Snapping::default(),
-            false => Snapping::Off,
+        if self.snap {
+            Snapping::default()
+        } else {
+            Snapping::Off
         }
     }
 
     pub(super) fn motion_model(&self) -> MotionModel {
-        match self.motion {
-            true => MotionModel::Auto,
-            false => MotionModel::Off,
+        if self.motion {
+            MotionModel::Auto
+        } else {
+            MotionModel::Off
         }
     }
 
@@ -105,18 +107,6 @@ impl Options {
         Feet {
             both: self.both_feet,
             other: self.other_foot.clone(),
-        }
-    }
-
-    /// Those that parts of logs depend on, all else as usual.
-    pub(super) fn of_parts(&self) -> Options {
-        Options {
-            // Each log's own support is another part of the name.
-            support: None,
-            floor: FLOOR_M,
-            only: Only::All,
-            information: false,
-            ..self.clone()
         }
     }
 

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::groups::Group;
+use super::inputs::Group;
 use super::options::Options;
 use super::row::{Row, by_number};
 use super::summary::criteria::ROBOTS;
@@ -26,7 +26,6 @@ use crate::Error;
 use crate::diagnose::FREE_MASSES;
 use crate::fit::population::Population;
 use crate::fit::prior::{Prior, PriorChoice};
-use crate::health::Kind;
 use crate::robot::Robot;
 use crate::svd::svd;
 
@@ -71,10 +70,6 @@ pub fn population(
             && row.is_usable()
             // With another effect, its parameters make up for that.
             && row.effects.iter().all(|found| found.effect == FREE_MASSES)
-            && !row
-                .health
-                .iter()
-                .any(|finding| finding.kind == Kind::EncoderStuck)
     };
     let mut supports: BTreeMap<&str, BTreeMap<&str, Vec<&Row>>> = BTreeMap::new();
     for row in with_each_log_once(rows.iter().filter(is_told).collect()) {

@@ -166,7 +166,7 @@ fn digits(text: &str) -> &str {
 pub struct Row {
     /// The robot.
     pub robot: String,
-    /// The day, or another window.
+    /// The day, or the week.
     pub day: String,
     /// Hash of the URDF, in hexadecimal.
     pub urdf_hash: String,
@@ -210,6 +210,9 @@ pub struct Row {
     pub covariance: Vec<f64>,
 }
 
+/// No parameter, deviation or size of an effect is as large, in any unit.
+const BEYOND: f64 = 1e100;
+
 /// What the sentence of a row says that was fitted alone.
 const FITTED: &str = "Parameters alone were asked for: no diagnosis was made.";
 
@@ -218,6 +221,34 @@ const STUCK: &str = "No effect is named beside it: what explains angles that are
                      robot's. A diagnosis of the log alone says what it looks like.";
 
 impl Row {
+    /// What rows have in common whose parameters have the same names and can be compared: the
+    /// hash of the URDF and the support.
+    pub fn model(&self) -> String {
+        format!("{} {}", self.urdf_hash, self.support)
+    }
+
+    /// Whether numbers are such as data give: finite, of lists that belong together, deviations
+    /// not negative. A file may hold others.
+    pub(super) fn is_whole(&self) -> bool {
+        let is_sound = |x: &f64| x.abs() < BEYOND;
+        let is_deviation = |x: &f64| (0.0..BEYOND).contains(x);
+        let of_effect = |found: &EffectFound| {
+            let mut sizes = found.parameters.values();
+            found.evidence.is_finite()
+                && sizes.all(|size| is_sound(&size.value) && is_deviation(&size.std))
+        };
+        let n = self.params.len();
+        let mut deviations = self
+            .std
+            .iter()
+            .chain([&self.noise_floor, &self.held_out_rmse]);
+        self.std.len() == n
+            && (self.covariance.is_empty() || self.covariance.len() == n * (n + 1) / 2)
+            && self.params.iter().chain(&self.covariance).all(is_sound)
+            && deviations.all(|x| x.as_ref().is_none_or(is_deviation))
+            && self.effects.iter().all(of_effect)
+    }
+
     /// Whether the row says something of the robot.
     pub fn is_usable(&self) -> bool {
         self.has_result() && self.verdict != Some(Verdict::Unusable)
@@ -259,7 +290,8 @@ impl Row {
         self.health.clone_from(&found.health);
         self.health.iter_mut().for_each(|f| f.picture = None);
         self.sentence = FITTED.to_string();
-        if !found.is_usable() {
+        let is_stuck = |f: &Finding| f.kind == Kind::EncoderStuck;
+        if !found.is_usable() || self.health.iter().any(is_stuck) {
             self.verdict = Some(Verdict::Unusable);
         }
     }
@@ -280,7 +312,7 @@ impl Row {
         let mut stuck = self.health.iter().filter(|f| f.kind == Kind::EncoderStuck);
         if let Some(finding) = stuck.next() {
             // One joint is not where the log says: whatever explains the rest makes up for it.
-            self.verdict = Some(Verdict::None);
+            self.verdict = Some(Verdict::Unusable);
             self.sentence = format!("{} {STUCK}", finding.sentence);
             return;
         }
@@ -314,11 +346,6 @@ fn verdict_of_name<'de, D: Deserializer<'de>>(
     known
         .map(Some)
         .ok_or_else(|| D::Error::custom(format!("`{name}` is no verdict")))
-}
-
-/// A JSON text of something that always is one.
-pub(super) fn json(value: &impl serde::Serialize) -> String {
-    serde_json::to_string(value).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -1,28 +1,39 @@
-//! All groups of a fleet on the cores of one machine.
+//! All groups of a fleet: the work on one of them wherever that is done, and what they came to,
+//! put together in whatever order they come.
 //!
-//! One group at a time a core: its logs are read, looked up in the store by what they hold,
-//! and diagnosed if they are not there. Memory is that of the rows, and of one group's logs a
-//! core.
+//! On one machine each thread works on one group at a time: its logs are read, looked up in the
+//! store by what they hold, and evaluated if they are not there. Memory is that of the rows, and
+//! of one group's logs a thread.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
-use super::disk::Local;
-use super::gathering::{Fleet, Gathering};
-use super::groups::Group;
+use serde::{Deserialize, Serialize};
+use sesc_model::Snapping;
+
+use super::cache::{Store, key};
+use super::evaluate::row;
+use super::inputs::Group;
+use super::log::{Failed, Log, each_once, name_of_log, name_of_urdf, read_urdf};
 use super::options::Options;
-use super::store::Store;
-use super::work::{Done, Job, work};
+use super::row::Row;
+use super::table::assembled;
 use crate::Error;
 use crate::robot::Robot;
 use crate::watch::{Progress, Watch, tell};
 
-/// How often who waits is asked whether to go on, while no group ends.
+/// How often the caller is asked whether to go on, while no group ends.
 const EVERY: Duration = Duration::from_millis(10);
+
+/// The error of logs that made the library panic; the row is not kept.
+const DEFECT: &str = "these logs meet a defect of sesc; please report it";
 
 /// A fleet and how it is looked at.
 #[derive(Debug, Clone)]
@@ -51,6 +62,51 @@ impl Request {
             threads: None,
         }
     }
+}
+
+/// A log that was given before under another name.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct Twice {
+    /// The file.
+    pub input: String,
+    /// The file with the same bytes.
+    pub same_as: String,
+    /// Whether both count once, as logs of one robot and day.
+    pub counted_once: bool,
+}
+
+/// Everything that was found, group by group.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Fleet {
+    /// A row per robot and day, sorted.
+    pub rows: Vec<Row>,
+    /// Logs with errors, sorted by name.
+    pub failed: Vec<Failed>,
+    /// Logs that came more than once, sorted by name.
+    pub twice: Vec<Twice>,
+    /// Rows that were in the store.
+    pub from_store: usize,
+    /// Names of the base parameters, by [`Row::model`].
+    pub names: BTreeMap<String, Vec<String>>,
+}
+
+/// What a group came to: its row, and what is known of its files where it was worked on.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Done {
+    /// The row.
+    pub row: Row,
+    /// Logs with errors.
+    pub failed: Vec<Failed>,
+    /// Hash and path of every log.
+    pub read: Vec<(String, PathBuf)>,
+    /// Whether the row was in the store.
+    pub from_store: bool,
+    /// The URDF, where it is not the fleet's.
+    pub urdf: Option<PathBuf>,
 }
 
 /// Look at every group.
@@ -86,61 +142,231 @@ impl Request {
 pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
     let groups = &request.groups;
     let cores = thread::available_parallelism().map_or(1, usize::from);
-    let threads = request
-        .threads
-        .unwrap_or(cores)
-        .clamp(1, groups.len().max(1));
+    let threads = request.threads.unwrap_or(cores);
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let mut gathering = Gathering::default();
     let total = groups.len() as u64;
-    thread::scope(|scope| {
+    let all = thread::scope(|scope| {
         let (send, receive) = mpsc::channel();
-        for _ in 0..threads {
-            let (send, next, stop, groups) = (send.clone(), &next, &stop, groups);
+        for _ in 0..threads.clamp(1, groups.len().max(1)) {
+            let (send, next, stop) = (send.clone(), &next, &stop);
             scope.spawn(move || {
                 let mut stopped = |_: Progress| match stop.load(Ordering::Relaxed) {
                     true => ControlFlow::Break(()),
                     false => ControlFlow::Continue(()),
                 };
-                while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed))
-                    && !stop.load(Ordering::Relaxed)
-                    && {
-                        let job = Job {
-                            robot: &request.robot,
-                            options: &request.options,
-                            store: request.store.as_ref(),
-                            disk: &Local,
-                        };
-                        send.send(work(job, group, &mut stopped)).is_ok()
+                while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let (robot, options) = (&request.robot, &request.options);
+                    let done = work(robot, options, group, request.store.as_ref(), &mut stopped);
+                    if stop.load(Ordering::Relaxed) || send.send(done).is_err() {
+                        break;
                     }
-                {}
+                }
             });
         }
         drop(send);
-        let all = gather(&receive, &mut gathering, total, watch);
+        let mut all = Vec::new();
+        let mut receive = || {
+            loop {
+                tell(watch, "diagnosing", all.len() as u64, total)?;
+                match receive.recv_timeout(EVERY) {
+                    Ok(group) => all.push(group?),
+                    Err(RecvTimeoutError::Timeout) => {}
+                    Err(RecvTimeoutError::Disconnected) => return Ok(()),
+                }
+            }
+        };
+        let received: Result<(), Error> = receive();
         stop.store(true, Ordering::Relaxed);
-        all
+        received.map(|()| all)
     })?;
-    Ok(gathering.finish(&request.robot, &Local))
+    Ok(gathered(all, &request.robot))
 }
 
-/// Receive what threads send, and tell how far they are.
-fn gather(
-    receive: &mpsc::Receiver<Result<Done, Error>>,
-    gathering: &mut Gathering,
-    total: u64,
+/// Work on one group: read its logs, and evaluate them unless the store has their row. `robot` is
+/// that of groups without a URDF of their own.
+///
+/// # Errors
+/// When the store cannot be written; the kind `Interrupted` where `watch` stops the call. What
+/// is wrong with a log is in the row.
+pub fn work(
+    robot: &Arc<Robot>,
+    options: &Options,
+    group: &Group,
+    store: Option<&Store>,
     watch: &mut dyn Watch,
-) -> Result<(), Error> {
-    let mut done = 0;
-    loop {
-        tell(watch, "diagnosing", done, total)?;
-        match receive.recv_timeout(EVERY) {
-            Ok(group) => {
-                gathering.add(group?);
-                done += 1;
+) -> Result<Done, Error> {
+    let mut options = options.clone();
+    options.support = group.support.clone().or(options.support);
+    let mut done = Done {
+        urdf: group.urdf.clone(),
+        ..Done::default()
+    };
+    let mut logs = Vec::new();
+    for path in &group.logs {
+        tell(watch, "diagnosing", 0, 1)?;
+        match Log::read(path) {
+            Ok(log) => {
+                done.read.push((log.hash.clone(), path.clone()));
+                logs.push(log);
             }
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            Err(error) => done.failed.push(Failed::reading(path, &error)),
         }
+    }
+    let logs = each_once(&logs);
+    let mut errors: Vec<String> = done.failed.iter().map(|f| f.error.clone()).collect();
+    let own = group.urdf.as_deref().map(|path| (path, read_urdf(path)));
+    let robot = match own {
+        None => Arc::clone(robot),
+        Some((_, Ok(own))) => Arc::new(own),
+        Some((path, Err(error))) => {
+            done.failed.push(Failed::reading(path, &error));
+            done.row = without_result(group, &logs, "its URDF cannot be used");
+            return Ok(done);
+        }
+    };
+    let name = (group.robot.as_str(), group.day.as_str());
+    let key = key(&robot, &options, name, &logs);
+    let known = store.and_then(|store| store.get(&key));
+    done.from_store = known.is_some();
+    done.row = match known {
+        Some(row) => row,
+        None => {
+            let made = AssertUnwindSafe(|| row(&robot, &options, name, &logs, watch));
+            match catch_unwind(made) {
+                Ok(made) => {
+                    let made = made?;
+                    // A run that was stopped writes nothing any more.
+                    tell(watch, "diagnosing", 1, 1)?;
+                    store.map_or(Ok(()), |store| store.put(&key, &made))?;
+                    made
+                }
+                Err(_) => without_result(group, &logs, DEFECT),
+            }
+        }
+    };
+    if let Some(error) = &done.row.error {
+        done.failed.extend(named(error, &done.read, group, &robot));
+        errors.insert(0, error.clone());
+    }
+    done.row.set_errors(errors);
+    Ok(done)
+}
+
+/// The row of a group of which nothing came.
+fn without_result(group: &Group, logs: &[Log], error: &str) -> Row {
+    Row {
+        robot: group.robot.clone(),
+        day: group.day.clone(),
+        inputs: logs.iter().map(|log| log.hash.clone()).collect(),
+        error: Some(error.to_string()),
+        version: env!("CARGO_PKG_VERSION").to_string(),
+        ..Row::default()
+    }
+}
+
+/// The error of a row, with the names of files for the hashes of logs.
+fn named(error: &str, read: &[(String, PathBuf)], group: &Group, robot: &Robot) -> Vec<Failed> {
+    let urdf = &robot.description;
+    let error = error.replace(&name_of_urdf(&urdf.hash), &urdf.file);
+    let say = |path: &Path| {
+        let mut said = error.clone();
+        for (hash, path) in read {
+            said = said.replace(&name_of_log(hash), &path.display().to_string());
+        }
+        Failed {
+            input: path.display().to_string(),
+            error: said,
+        }
+    };
+    let faulty = read
+        .iter()
+        .filter(|(hash, _)| error.contains(&name_of_log(hash)));
+    let mut faulty: Vec<&(String, PathBuf)> = faulty.collect();
+    faulty.dedup_by(|a, b| a.0 == b.0);
+    match faulty.is_empty() {
+        false => faulty.into_iter().map(|(_, path)| say(path)).collect(),
+        true => group.logs.iter().take(1).map(|path| say(path)).collect(),
+    }
+}
+
+/// What groups came to, in any order, put together; `robot` is that of groups without a URDF of
+/// their own.
+pub fn gathered(all: Vec<Done>, robot: &Arc<Robot>) -> Fleet {
+    let mut fleet = Fleet::default();
+    // Places of every log by the hash of its content, and URDFs by models.
+    let mut places: BTreeMap<String, Vec<_>> = BTreeMap::new();
+    let mut models = BTreeMap::new();
+    for done in all {
+        let row = done.row;
+        fleet.failed.extend(done.failed);
+        fleet.from_store += usize::from(done.from_store);
+        for (hash, path) in done.read {
+            let place = (
+                path.display().to_string(),
+                row.robot.clone(),
+                row.day.clone(),
+            );
+            places.entry(hash).or_default().push(place);
+        }
+        if !row.params.is_empty() {
+            let model = (done.urdf, row.support.clone());
+            models.entry(row.model()).or_insert(model);
+        }
+        fleet.rows.push(row);
+    }
+    for mut same in places.into_values() {
+        same.sort();
+        let (first, robot, day) = same[0].clone();
+        let again = same.drain(1..);
+        fleet
+            .twice
+            .extend(again.map(|(input, its_robot, its_day)| Twice {
+                input,
+                same_as: first.clone(),
+                counted_once: its_robot == robot && its_day == day,
+            }));
+    }
+    for (key, (urdf, support)) in models {
+        let own = urdf.map(|path| read_urdf(&path).map(Arc::new));
+        let robot = own.unwrap_or_else(|| Ok(Arc::clone(robot)));
+        let model = robot.and_then(|robot| robot.model(&support, Snapping::default(), None));
+        let names = model.map(|model| model.base.params.iter().map(|p| p.name.clone()).collect());
+        fleet.names.insert(key, names.unwrap_or_default());
+    }
+    fleet.failed.sort();
+    fleet.twice.sort();
+    fleet.rows = assembled(fleet.rows);
+    fleet
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::ROD;
+
+    /// Whether a row is kept is not judged by the words of its error, which may quote a log.
+    #[test]
+    fn a_log_that_says_what_a_defect_says_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = folder.path().join("r_1.csv");
+        std::fs::write(&log, "pose,hip,cop_x,cop_y\n0,0,0,0\n").unwrap();
+        let sidecar = format!("support = '''{DEFECT}'''\n");
+        std::fs::write(folder.path().join("r_1.csv.toml"), sidecar).unwrap();
+        let robot = Arc::new(Robot::parse(ROD, "rod.urdf").unwrap());
+        let group = Group {
+            robot: "r".into(),
+            day: "1".into(),
+            urdf: None,
+            logs: vec![log],
+            support: None,
+        };
+        let store = Store::new(folder.path().join("store"));
+        let again = [false, true].map(|_| {
+            let options = Options::default();
+            let done = work(&robot, &options, &group, Some(&store), &mut ()).unwrap();
+            assert!(done.row.error.unwrap().contains(DEFECT));
+            done.from_store
+        });
+        assert_eq!(again, [false, true]);
     }
 }

@@ -79,7 +79,7 @@ pub(super) const BEYOND_LIMITS: f64 = 0.2;
 /// Chosen: a common offset of an encoder; half of it takes compliance for motion.
 pub(super) const LEAST_MOTION: (f64, f64) = (0.025, 0.005);
 /// Part of χ² that may be left then, for masses are not known exactly; or this a posture.
-/// Chosen: half of it misses stuck encoders where masses are off; see `docs/study-health.md`
+/// Chosen: half of it misses stuck encoders where masses are off; see `docs/dev/study/health.txt`
 /// for what is found.
 pub(super) const STUCK_LEFT: f64 = 0.02;
 /// Chosen: as [`STUCK_LEFT`], for small logs.
@@ -142,9 +142,9 @@ pub(super) const FROZEN_MOVES: f64 = 5.0;
 pub(super) const FROZEN_MOVES_M: f64 = 1e-3;
 /// It moves by so many steps of the channel, too. Chosen: as [`FROZEN_MOVES`].
 pub(super) const FROZEN_STEPS: f64 = 3.0;
-/// How far beyond the cells and the cloud of CAD's CoPs no effect takes a reading, m, in
-/// diameters of the sole where its shape is known, and in diameters of the cloud. Chosen: half
-/// of it leaves out readings of robots with large offsets.
+/// How far beyond the cells and the cloud of CAD's CoPs no effect takes a reading, m; see
+/// [`MARGIN_OF_SOLE`] and [`MARGIN_OF_CLOUD`]. Chosen: half of it leaves out readings of robots
+/// with large offsets.
 pub(super) const MARGIN_M: f64 = 0.15;
 /// Such a margin in diameters of the sole where its shape is known. Chosen: as [`MARGIN_M`].
 pub(super) const MARGIN_OF_SOLE: f64 = 0.5;

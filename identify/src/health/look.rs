@@ -13,8 +13,8 @@ use std::sync::Arc;
 use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
-use super::rows::{self, LeftOut, LogRows};
-use super::{Axes, Finding, Health, Views, Whereabouts, examine_views, parked, standing};
+use super::rows::{self, LeftOut, LogRows, standing};
+use super::{Axes, Finding, Health, Views, Whereabouts, examine_views, parked};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, Screen, Screening};

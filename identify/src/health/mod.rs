@@ -27,7 +27,6 @@ mod order;
 mod parked;
 mod picture;
 mod rows;
-mod standing;
 mod statistics;
 mod wirings;
 

@@ -12,8 +12,8 @@
 use sesc_model::{Model, Snapping};
 
 use super::criteria::{LEAST_MOTION, PARKED_ROWS, PARKED_SHARE, PARKED_WORSE, STILL};
-use super::rows::{LeftOut, LogRows, Parked};
-use super::{Finding, Kind, Look, Picture, Views, standing, stuck};
+use super::rows::{LeftOut, LogRows, Parked, standing};
+use super::{Finding, Kind, Look, Picture, Views, stuck};
 use crate::robot::Robot;
 
 /// Rows of a run, and of the others, that are compared, at most.

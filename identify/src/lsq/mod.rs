@@ -8,11 +8,14 @@
 //! ```
 
 pub(crate) mod damped;
-pub mod factor;
+pub(crate) mod factor;
 pub(crate) mod inequality;
-pub mod information;
+pub(crate) mod information;
 mod non_negative;
-pub mod solve;
+pub(crate) mod solve;
+
+pub use factor::Factor;
+pub use solve::{Estimate, solve};
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
@@ -21,7 +24,7 @@ use nalgebra::{Cholesky, DMatrix, Dyn};
 const RIDGE: (f64, f64) = (1e-9, 1e-12);
 
 /// Factor of normal equations of whitened columns; `None` where they are not finite.
-pub fn factor_normal(mut normal: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+pub(crate) fn factor_normal(mut normal: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     for k in 0..normal.nrows() {
         normal[(k, k)] = normal[(k, k)] * (1.0 + RIDGE.0) + RIDGE.1;
     }

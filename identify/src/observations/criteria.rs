@@ -75,7 +75,7 @@ pub mod accelerations {
     /// count as much, half of it leaves accelerations of 0.4 Hz at 5 Hz 0.3 % off.
     pub const MOST_BENT: f64 = 0.2;
     /// How often an acceleration that is bent counts against one that is noisy. Chosen: half of
-    /// it takes longer windows; see `docs/study-motion.md` for what comes of it.
+    /// it takes longer windows; see `docs/dev/study/motion.txt` for what comes of it.
     pub const COHERENT: f64 = 10.0;
     /// Longer windows must be whole for this part of the log that the shortest are whole for.
     /// Chosen: half of it gives up rows beside pauses.
@@ -97,11 +97,11 @@ pub mod motion {
     /// Chosen: odds of 7 to 1; half of it drops motion that is there, twice as much keeps it
     /// where it only adds noise.
     pub const SURE: f64 = 4.0;
-    /// A share this many deviations from 1 is another one, Chosen: one log of 16,000 by chance
-    /// (closed form).
+    /// A share this many deviations from 1, and off by [`CLEARLY`], is another one. Chosen: one
+    /// log of 16,000 by chance (closed form).
     pub const ANOTHER: f64 = 4.0;
-    /// if it is off by this as well: accelerations are not known better. Chosen: half of it
-    /// calls errors of accelerations a share.
+    /// A share that is off from 1 by less is 1: accelerations are not known better. Chosen: half
+    /// of it calls errors of accelerations a share.
     pub const CLEARLY: f64 = 0.1;
     /// Shares that are known less well are not told. Chosen: a share known to ± 1 tells
     /// nothing.

@@ -6,18 +6,23 @@
 //!    └──▶ rows (regressor, tilt, supports)      postures (a log in memory)
 //! ```
 
-pub mod correlation;
+pub(crate) mod correlation;
 pub(crate) mod criteria;
 pub(crate) mod grouping;
-pub mod motion;
-pub mod motion_use;
+pub(crate) mod motion;
+pub(crate) mod motion_use;
 pub(crate) mod moving;
-pub mod noise;
-pub mod postures;
+pub(crate) mod noise;
+pub(crate) mod postures;
 pub(crate) mod repeats;
-pub mod revisits;
-pub mod row_matrix;
-pub mod rows;
-pub mod samples;
-pub mod stays;
-pub mod zmp;
+pub(crate) mod revisits;
+pub(crate) mod row_matrix;
+pub(crate) mod rows;
+pub(crate) mod samples;
+pub(crate) mod stays;
+pub(crate) mod zmp;
+
+pub use motion::{Plan, Wanted};
+pub use postures::{Postures, rms};
+pub use rows::Measurement;
+pub use zmp::Zmp;

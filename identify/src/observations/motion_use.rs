@@ -31,8 +31,9 @@ pub enum MotionModel {
 
 /// A share with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Share {
-    /// 1 where readings show all that motion adds by the URDF.
+    /// 1 if readings show all that motion adds.
     pub value: f64,
     /// Standard deviation.
     pub std: f64,
@@ -134,16 +135,17 @@ impl Column {
 
 /// How motion was taken into account.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MotionUse {
     /// Whether readings were compared with the ZMP.
     pub used: bool,
-    /// How much of what motion should add to readings is there; none where joints stand or
-    /// readings do not tell.
+    /// Share of the predicted motion terms that is there; none where joints stand or readings do
+    /// not tell.
     pub share: Option<Share>,
-    /// RMS of what motion adds to readings by the URDF, m.
+    /// RMS of the predicted motion terms, m.
     pub rms_m: f64,
-    /// Rows left out because their accelerations are not known.
+    /// Rows without known accelerations.
     pub rows_left_out: u64,
     /// Between rows, s; none of logs without times in order.
     pub step_s: Option<f64>,

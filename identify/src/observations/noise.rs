@@ -39,6 +39,7 @@ pub struct FreeResiduals {
 
 /// Where the size of the noise comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum NoiseSource {

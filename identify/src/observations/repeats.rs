@@ -100,13 +100,13 @@ pub struct Repeats {
 
 /// What visits of one posture differ by, beside the noise of their readings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Visits {
-    /// Visits of postures that had been visited before.
+    /// Visits of postures visited before.
     pub again: u64,
-    /// Standard deviation on one axis beside readings' noise, m; zero where visits differ by
-    /// no more than that.
+    /// Standard deviation between visits, m; zero where visits differ by no more than readings.
     pub std: f64,
-    /// Standard deviation of readings within one visit, m; none where each visit is one reading.
+    /// Standard deviation within a visit, m; none where each visit is one reading.
     pub readings_std: Option<f64>,
 }
 
@@ -284,10 +284,11 @@ impl Repeats {
 
 /// Does a fit leave more than noise?
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LackOfFit {
-    /// Mean square of what the fit leaves beyond noise, in units of the noise's.
+    /// Mean square of the residual over that of noise.
     pub ratio: f64,
-    /// Degrees of freedom of what the fit leaves.
+    /// Degrees of freedom of the residual.
     pub df: f64,
     /// Degrees of freedom of the noise; none where its size is stated.
     pub df_noise: Option<f64>,

@@ -33,6 +33,7 @@ pub(crate) enum Untold {
 
 /// Postures to be reached once more.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Again {
     /// Their numbers in the log, in ascending order.
     pub poses: Vec<i64>,
@@ -84,14 +85,9 @@ impl Again {
 
     /// The same as a step to take.
     pub(crate) fn step(&self) -> NextStep {
-        let poses: Vec<String> = self.poses.iter().map(i64::to_string).collect();
-        NextStep::by_hand(
-            format!(
-                "Reach poses {} once more, and log their readings under the same `pose`",
-                poses.join(", ")
-            ),
-            "what a posture that is reached again differs by is noise, which nothing else tells here",
-        )
+        NextStep::Repeat {
+            poses: self.poses.clone(),
+        }
     }
 
     /// What no log gives, in a file that was read.

@@ -7,14 +7,15 @@ use super::repeats::Repeats;
 
 /// How much logs are worth.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Samples {
     /// Rows of the logs.
     pub rows: usize,
-    /// How many independent rows they are worth, of the axis that has fewer.
+    /// Independent rows on the worse axis.
     pub independent: usize,
     /// Integrated correlation time of what is left, s.
     pub correlation_s: f64,
-    /// A log has no times, or they do not run forward: its rows are taken as independent.
+    /// Whether rows without usable times count as independent.
     pub assumed: bool,
 }
 

@@ -41,14 +41,19 @@ const LEAST_SPREAD: f64 = 0.2;
 
 /// What became of the draws.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Draws")
+)]
 pub struct Counts {
     /// Postures drawn.
     pub drawn: usize,
-    /// How many of these are balanced.
+    /// Of these, balanced.
     pub balanced: usize,
-    /// How many of these keep all but the support body off the ground.
+    /// Of these, clear of the ground.
     pub clear: usize,
-    /// How many of these are free of self-collision.
+    /// Of these, free of self-collision.
     pub collision_free: usize,
     /// The best CoP among draws that do not balance: how far it is out, m.
     #[serde(skip)]
@@ -56,7 +61,7 @@ pub struct Counts {
     /// How far each of the first draws is out, m, until one balances.
     #[serde(skip)]
     pub(crate) misses: Vec<f64>,
-    /// The CoP's mean standard deviation over the draws, m.
+    /// Mean standard deviation of the CoP, m.
     pub cop_std: f64,
     /// How often each link was the one near the ground.
     #[serde(skip)]

@@ -15,6 +15,7 @@ const POINTS: usize = 16;
 
 /// Expected RMS errors of the CoP over all candidates, m, of fits to `postures`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Efficiency {
     /// Number of postures.
     pub postures: usize,

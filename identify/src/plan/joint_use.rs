@@ -7,6 +7,7 @@ use super::limits::Limits;
 
 /// What postures ask of a joint, rad or m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointUse {
     /// The joint's name.
     pub joint: String,

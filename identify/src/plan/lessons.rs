@@ -15,10 +15,11 @@ use sesc_model::base::Column;
 
 /// The parameter that a posture tells most of.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Lesson {
     /// Name of the base parameter.
     pub parameter: String,
-    /// `m`, or `1` for the mass fraction of a prismatic joint.
+    /// `m`; `1` for a mass fraction.
     pub unit: &'static str,
     /// Standard deviation before the posture, in that unit.
     pub before: f64,

@@ -30,22 +30,6 @@ pub struct Limits {
     pub notes: Vec<String>,
 }
 
-/// Columns of a file of limits, the joint's first: names, and what they are.
-#[doc(hidden)]
-pub fn columns() -> Vec<(Vec<String>, &'static str)> {
-    let pair = |(unit, prismatic, _): (&str, bool, f64)| {
-        let names = ["lower", "upper"].map(|end| format!("{end}_{unit}"));
-        let meaning = match (prismatic, unit) {
-            (true, _) => "least and largest position of a prismatic joint, m",
-            (false, "deg") => "least and largest angle of a revolute joint, degrees",
-            (false, _) => "least and largest angle of a revolute joint, rad",
-        };
-        (names.to_vec(), meaning)
-    };
-    let joint = (vec!["joint".to_string()], "name of the joint");
-    [joint].into_iter().chain(UNITS.map(pair)).collect()
-}
-
 /// A pair of columns: name of its unit, whether of prismatic joints, SI per unit.
 const UNITS: [(&str, bool, f64); 3] = [
     ("deg", false, std::f64::consts::PI / 180.0),

@@ -10,34 +10,21 @@
 
 pub mod balance;
 pub(crate) mod both_feet;
-#[cfg(feature = "nalgebra")]
-#[doc(hidden)]
-pub mod candidates;
-#[cfg(not(feature = "nalgebra"))]
 pub(crate) mod candidates;
 mod clearance;
 #[cfg_attr(not(feature = "collision"), path = "no_collision.rs")]
 mod collision;
 mod design;
 pub mod efficiency;
-#[cfg(feature = "nalgebra")]
-#[doc(hidden)]
-pub mod geometry;
-#[cfg(not(feature = "nalgebra"))]
 pub(crate) mod geometry;
 pub mod joint_use;
 mod lessons;
 pub mod limits;
 mod mesh;
-mod next_steps;
 pub(crate) mod order;
 mod report;
 mod request;
 mod revisits;
-#[cfg(feature = "nalgebra")]
-#[doc(hidden)]
-pub mod scene;
-#[cfg(not(feature = "nalgebra"))]
 pub(crate) mod scene;
 mod shortage;
 pub(crate) mod sole;
@@ -48,10 +35,16 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::{Function, Model};
 
 pub use candidates::Counts;
+#[doc(hidden)]
+pub use candidates::sample;
+#[doc(hidden)]
+pub use geometry::Geometry;
 pub use lessons::Lesson;
 pub use report::{Motion, Plan, TwoFeet};
 pub use request::{COP_BOX, Request};
 pub use revisits::Revisits;
+#[doc(hidden)]
+pub use scene::Scene;
 
 use crate::Error;
 use crate::evaluate::Evaluator;
@@ -65,9 +58,7 @@ use crate::svd::singular_values;
 use crate::watch::{Progress, Watch, stopped};
 use both_feet::BothFeet;
 use design::{Choice, WhitenedRows};
-use geometry::Geometry;
 use revisits::Known;
-use scene::Scene;
 
 /// Draws per candidate asked for, before giving up.
 const DRAWS: usize = 100;
@@ -183,7 +174,6 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         collision: scene.collisions.sentence(),
         collision_checked: scene.collisions.is_checked(),
         collision_exempt: scene.collisions.exempt.clone(),
-        next_steps: next_steps::after(model, &request.line),
         notes,
         corners: request.region.corners.clone(),
         margin: request.region.margin,

@@ -16,6 +16,7 @@ use crate::next_steps::NextStep;
 
 /// Postures to take, in their order, and what a fit of them will know.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plan {
     /// The robot's name.
     pub robot: String,
@@ -33,49 +34,47 @@ pub struct Plan {
     pub draws: Counts,
     /// Postures that were chosen from.
     pub candidates: usize,
-    /// What the later fit will know beforehand, in words.
+    /// What the later fit knows beforehand.
     pub prior: String,
     /// Standard deviation of a reading, m.
     pub noise: f64,
-    /// Directions of the parameters that the candidates can tell.
+    /// Directions that the candidates tell.
     pub directions: usize,
     /// Directions that the chosen postures tell.
     pub rank: usize,
     /// Condition number of the chosen postures' rows.
     pub condition_number: f64,
-    /// RMS error of the CoP over all candidates that a fit will have, m.
+    /// Expected RMS error of the CoP over all candidates, m.
     pub expected_error: Option<f64>,
-    /// The same for random choices of as many candidates, on average.
+    /// The same for random postures, on average.
     pub expected_error_random: Option<f64>,
     /// Both over the number of postures.
     pub curve: Vec<Efficiency>,
-    /// What each posture teaches, in their order, after those before it.
+    /// What each posture teaches.
     pub lessons: Vec<Lesson>,
-    /// log det of the information over the prior's: greedy, then per round of exchanges.
+    /// log det of the information over the prior's; greedy, then per round of exchanges.
     pub log_det: Vec<f64>,
     /// Exchanges that improved the greedy choice.
     pub exchanges: usize,
-    /// How far the joints move from posture to posture.
+    /// How far the joints move between postures.
     pub motion: Motion,
-    /// What was kept clear of the ground, in words.
+    /// What was kept clear of the ground.
     pub clearance: String,
-    /// What was kept from colliding, in words.
+    /// What was kept from colliding.
     pub collision: String,
     /// Whether any two bodies were kept from colliding.
     pub collision_checked: bool,
-    /// Pairs of bodies that touch at rest and are not watched.
+    /// Pairs of bodies that touch at rest.
     pub collision_exempt: Vec<[String; 2]>,
     /// What was noticed.
     pub notes: Vec<String>,
-    /// What to do with the postures.
-    pub next_steps: Vec<NextStep>,
-    /// Corners of where the CoP may be, counter-clockwise, m.
+    /// Corners of the CoP's region, counter-clockwise, m.
     pub corners: Vec<[f64; 2]>,
-    /// How far the CoP is kept from their edges, m.
+    /// Distance of the CoP from the edges, m.
     pub margin: f64,
-    /// Predicted CoP of the chosen postures, m, in their order.
+    /// Predicted CoP of the postures, m.
     pub cop: Vec<[f64; 2]>,
-    /// Postures that come back after the last, under their own numbers.
+    /// Postures that come back after the last.
     pub revisits: Revisits,
     /// What the soles will tell, where both are on the floor.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -92,11 +91,11 @@ pub struct Plan {
 
 /// What the soles of a plan on both feet will tell.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TwoFeet {
     /// The link that is the other sole.
     pub other_foot: String,
-    /// Joints between the soles, and how well their soles know the offset of each alone; those
-    /// that move no sole are left out.
+    /// Detectable offsets of the joints between the soles; those that move no sole are left out.
     pub offsets: Vec<Offset>,
 }
 
@@ -120,8 +119,9 @@ impl TwoFeet {
 
 /// The largest joint displacement from posture to posture, summed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Motion {
-    /// In the order of choice, rad (m for prismatic joints).
+    /// In the order of choice, rad or m.
     pub as_chosen: f64,
     /// In the order of the plan.
     pub ordered: f64,
@@ -189,6 +189,23 @@ impl Plan {
             other_foot: self.both_feet.as_ref().map(|feet| feet.other_foot.clone()),
             ..Sidecar::default()
         }
+    }
+
+    /// What to do with the postures: record them, and fit the log.
+    pub fn next_steps(&self) -> Vec<NextStep> {
+        let names = self.joints.iter().map(|own| own.joint.clone());
+        vec![
+            NextStep::Record {
+                joints: names.collect(),
+                revolute: self.joints.iter().any(|own| !own.prismatic),
+                prismatic: self.joints.iter().any(|own| own.prismatic),
+                support: self.support.clone(),
+            },
+            // A log that is still to come has no sidecar that names its support link.
+            NextStep::Fit {
+                support: Some(self.support.clone()),
+            },
+        ]
     }
 
     /// The chosen postures in their order, rad or m.

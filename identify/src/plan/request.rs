@@ -10,7 +10,6 @@ use super::limits::Limits;
 use crate::feet::Feet;
 use crate::fit::prior::{Prior, Tolerances};
 use crate::logs::LogSource;
-use crate::next_steps::CommandLine;
 use crate::robot::Robot;
 use crate::{Error, Setting, message};
 
@@ -52,8 +51,6 @@ pub struct Request {
     pub log: Option<LogSource>,
     /// Where meshes may be.
     pub folder: Option<PathBuf>,
-    /// What the caller typed, for the command lines of next steps.
-    pub line: CommandLine,
 }
 
 impl Request {
@@ -80,7 +77,6 @@ impl Request {
             revisits: None,
             log: None,
             folder: None,
-            line: CommandLine::default(),
             model,
         }
     }

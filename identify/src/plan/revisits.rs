@@ -21,10 +21,11 @@ use crate::watch::Watch;
 
 /// Postures of a plan that should come back.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Revisits {
-    /// Their numbers, in the order in which they are reached again after the last posture.
+    /// Their numbers, in order.
     pub poses: Vec<i64>,
-    /// Whether the plan's file ends with rows for them.
+    /// Whether the file has rows for them.
     pub written: bool,
     /// Why, as a sentence; where there are none, what is known.
     pub sentence: String,

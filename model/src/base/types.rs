@@ -41,6 +41,7 @@ pub struct BaseParam {
 
 /// A direction in parameter space that leaves the measurement unchanged.
 #[derive(Debug, Clone, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unobservable {
     /// In a few words.
     pub name: String,

@@ -12,16 +12,18 @@ use crate::urdf;
 
 /// One effect, as `sesc effects` lists it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EffectAbout {
     /// Name in reports and model files: `joint_offset`.
     pub name: &'static str,
     /// What it acts on.
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub target: TargetKind,
     /// Its parameters; of a joint those of revolute and of prismatic ones.
     pub parameters: Vec<ParameterAbout>,
     /// What it is, in a sentence.
     pub sentence: &'static str,
-    /// Sentence, equation, what imitates it and what tells it apart; Markdown.
+    /// Sentence, equation, imitators; Markdown.
     pub page: &'static str,
 }
 
@@ -70,6 +72,7 @@ impl Serialize for TargetKind {
 
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParameterAbout {
     /// With its unit at the end: `offset_rad`.
     pub name: &'static str,

@@ -94,31 +94,6 @@ fn arrays(robot: &Robot, function: Function, given: Given, baked: bool) -> Vec<A
         .collect()
 }
 
-/// ∂CoM/∂q by the chain rule on the expressions of the CoM itself, row-major.
-///
-/// Costs more operations than [`Function::ComJacobian`], which knows the
-/// geometry; it is there to check it.
-pub fn differentiate_com(robot: &Robot) -> Program {
-    let limits = vec![f64::INFINITY; robot.base.params.len()];
-    let mut scratch = Scratch::new(robot, Given::Positions, Parameters::Argument(limits));
-    let com = scratch.subtrees(Wanted::Sums)[0].v.entries;
-    let inputs: Vec<Id> = (0..robot.dof())
-        .map(|j| scratch.g.input(Argument::Positions, j))
-        .collect();
-    let columns: Vec<Vec<Id>> = inputs
-        .iter()
-        .map(|&q| scratch.g.derivative(&com, q))
-        .collect();
-    let rows = (0..3).flat_map(|k| columns.iter().map(move |column| column[k]));
-    let outputs: Vec<Id> = rows.collect();
-    let shape = Shape::Matrix {
-        rows: 3,
-        cols: robot.dof(),
-    };
-    let inputs = arrays(robot, Function::ComJacobian, Given::Positions, false);
-    Program::new(scratch.g, inputs, shape, &outputs)
-}
-
 /// What the ZMP of CAD's masses is made of, from `q`, `q̇`, `q̈`: rows of the CoM and of its
 /// acceleration by the base parameters (3 × p each, row-major), then the rate of angular
 /// momentum about the CoM over the mass, `(L̇_y, −L̇_x)/M`.

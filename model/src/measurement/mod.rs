@@ -202,7 +202,7 @@ impl<'m> Measured<'m> {
     ///
     /// with `G` the weight on the ground over the nominal one; `c = 1` where `G` was.
     pub fn load(&mut self, link: usize, share: Id, moment: [Id; 3]) -> Id {
-        let map = self.robot().columns_of(link);
+        let map = self.robot().standard_map_of(link);
         let g = &mut self.scratch.g;
         let sizes = [share, moment[0], moment[1], moment[2]].map(|x| g.value(x));
         if let [Some(share), Some(x), Some(y), Some(z)] = sizes
@@ -269,7 +269,7 @@ impl<'m> Measured<'m> {
             .iter_mut()
             .skip(before)
             .for_each(|load| load.inert = false);
-        let map = self.robot().columns_of(link);
+        let map = self.robot().standard_map_of(link);
         let point = map.column(0).iter().copied().collect();
         let force = force.map(|force| self.mul(factor, force));
         let load = self.mul(factor, share);
@@ -386,7 +386,7 @@ impl<'m> Measured<'m> {
     pub(crate) fn lies(&mut self, link: usize, below_m: f64) -> [Id; 3] {
         self.at(self.joints.clone(), "");
         // The columns of a link stand for its origin and for the axes of its frame.
-        let map = self.robot().columns_of(link);
+        let map = self.robot().standard_map_of(link);
         let mut height = |column: usize| {
             let own = map.column(column).into_owned();
             let point = match column {

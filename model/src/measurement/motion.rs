@@ -151,7 +151,7 @@ impl Measured<'_> {
 
     /// The frame of the link that a load is on, and the load's first moment, turned with it.
     fn moving_load(&mut self, load: &CarriedLoad, motion: &JointMotion, k: usize) -> [Moving; 2] {
-        let map = self.robot().columns_of(load.link);
+        let map = self.robot().standard_map_of(load.link);
         let place: Vec<Id> = map.column(0).iter().map(|w| self.constant(*w)).collect();
         let arm: Vec<Id> = map
             .row_iter()

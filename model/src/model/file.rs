@@ -61,6 +61,7 @@ pub struct Parameter {
 
 /// Data that parameters were identified from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DataUsed {
     /// Path of the log as it was given.
     pub file: String,

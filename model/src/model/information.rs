@@ -10,7 +10,6 @@
 //! about beyond those before it has a row of zeros; given it, the others are as known as
 //! R says.
 
-#[cfg(feature = "nalgebra")]
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -19,14 +18,12 @@ use serde::{Deserialize, Serialize};
 /// ```
 /// use sesc_model::Information;
 ///
-/// # #[cfg(feature = "nalgebra")] {
 /// // A row of the prior, 1 ± 0.5, and a reading of the sum, ± 0.1.
 /// let rows = nalgebra::DMatrix::from_row_slice(2, 2, &[2.0, 0.0, 10.0, 10.0]);
 /// let information = Information::of(&rows);
 /// let found = information.deviations();
 /// assert!((found[0].unwrap() - 0.5).abs() < 1e-15);
 /// assert_eq!(information.packed().len(), 3);
-/// # }
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -38,11 +35,9 @@ pub struct Information {
 
 /// A column that is independent of those before it by less than this share of its length
 /// says nothing of its own.
-#[cfg(feature = "nalgebra")]
 const INDEPENDENT: f64 = 1e-11;
 
 /// A column that is shorter than this, relative to the longest, is rounding.
-#[cfg(feature = "nalgebra")]
 const ROUNDING: f64 = 1e-13;
 
 impl Information {
@@ -50,7 +45,7 @@ impl Information {
     ///
     /// Rows are rotated in one by one, so that a column without a pivot of its own leaves
     /// its row empty.
-    #[cfg(feature = "nalgebra")]
+    #[doc(hidden)]
     pub fn of(rows: &DMatrix<f64>) -> Information {
         let n = rows.ncols();
         let norms: Vec<f64> = rows.column_iter().map(|column| column.norm()).collect();
@@ -140,7 +135,7 @@ impl Information {
     }
 }
 
-#[cfg(all(test, feature = "nalgebra"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -18,7 +18,7 @@ use std::ops::Deref;
 
 use crate::Error;
 use crate::base::{self, Column};
-use crate::bounds::{self, Bound, Formats, Precision, Unfit};
+use crate::bounds::{self, Bound, Precision};
 use crate::effects::Instance;
 use crate::expr::Argument;
 use crate::interface::{Function, Given};
@@ -181,15 +181,6 @@ impl Model {
             Function::CorrectCop => sensor::correct_cop(self, given),
             _ => posture::program(self, function, given, baked.then(|| self.params())),
         }
-    }
-
-    /// Binary points and the rounding bound of `program` in 32-bit fixed point.
-    ///
-    /// # Errors
-    /// When a quantity does not fit, or an operation of effects is asked for.
-    #[doc(hidden)]
-    pub fn fixed_point(&self, program: &Program) -> Result<Formats, Unfit> {
-        Formats::choose(program, &self.input_ranges(program))
     }
 
     /// Proven bound on the rounding error of each kind of output.

@@ -6,7 +6,7 @@
 //!
 //! Where a robot has many joints, generated code computes all sines and cosines in a loop
 //! and has the rest of each function once, for both ways to call it: half the text, and less
-//! than half of the compiler's time (`docs/perf.md`, "Before it runs"). Programs, and so
+//! than half of the compiler's time (`docs/dev/performance.md`, "Before it runs"). Programs, and so
 //! tape, bounds and counts, are of the same operations.
 
 use std::collections::HashMap;

@@ -17,7 +17,6 @@ pub(super) struct Draft {
     /// Line of the root element, for complaints about the whole.
     pub(super) line: u32,
     pub(super) name: String,
-    pub(super) version: Version,
     pub(super) links: Vec<LinkDraft>,
     pub(super) joints: Vec<JointDraft>,
 }
@@ -39,7 +38,6 @@ pub(super) fn draft(
     let mut draft = Draft {
         line,
         name: String::new(),
-        version: Version::OLDEST,
         links: Vec::new(),
         joints: Vec::new(),
     };
@@ -69,7 +67,6 @@ pub(super) fn draft(
         draft.name = reader.name(text, "robot", "name").unwrap_or_default();
     }
     let version = read_version(&mut reader, root);
-    draft.version = version;
 
     let (mut first_macro, mut first_call) = (None, None);
     for child in root.children().filter(roxmltree::Node::is_element) {

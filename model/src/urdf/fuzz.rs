@@ -135,9 +135,7 @@ fn damage_is_survived() {
         match attempt(&bytes) {
             Ok(description) => {
                 loaded += 1;
-                // Whether urdf_rs has read it or not, it is the same robot.
-                let [draft, read] = reader::tests::both(&description.text);
-                assert_eq!(draft, read, "{}", description.text);
+                tests::is_read_by_both(&description);
             }
             Err(error) if error.kind() == ErrorKind::Faulty => {
                 refused += 1;

@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::description::{JointType, Limit, Origin};
+use super::description::{Joint, JointType, Limit, Mimic, Origin};
 use super::joint_limit::read_limit;
 use super::limits;
 use super::nearest::suggest;
@@ -26,6 +26,26 @@ pub(super) struct MimicDraft {
     pub(super) joint: At<String>,
     pub(super) multiplier: f64,
     pub(super) offset: f64,
+}
+
+// The checks found everything that is `None` in a draft and refused the file.
+impl From<JointDraft> for Joint {
+    fn from(draft: JointDraft) -> Joint {
+        Joint {
+            name: draft.name.unwrap_or_default(),
+            joint_type: draft.kind.unwrap_or(JointType::Fixed),
+            origin: draft.origin,
+            parent: draft.parent.map_or_else(String::new, |end| end.value),
+            child: draft.child.map_or_else(String::new, |end| end.value),
+            axis: draft.axis,
+            limit: draft.limit,
+            mimic: draft.mimic.map(|mimic| Mimic {
+                joint: mimic.joint.value,
+                multiplier: mimic.multiplier,
+                offset: mimic.offset,
+            }),
+        }
+    }
 }
 
 pub(super) fn read_joint(

@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::description::{INERTIA, Inertial};
+use super::description::{INERTIA, Inertial, Link};
 use super::limits;
 use super::origin::{Version, read_origin};
 use super::values::Reader;
@@ -13,6 +13,16 @@ pub(super) struct LinkDraft {
     pub(super) name: Option<String>,
     /// None after a complaint about it; zero where the link has none.
     pub(super) inertial: Option<Inertial>,
+}
+
+// The checks found everything that is `None` in a draft and refused the file.
+impl From<LinkDraft> for Link {
+    fn from(draft: LinkDraft) -> Link {
+        Link {
+            name: draft.name.unwrap_or_default(),
+            inertial: draft.inertial.unwrap_or_default(),
+        }
+    }
 }
 
 pub(super) fn read_link(

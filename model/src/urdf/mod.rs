@@ -3,14 +3,11 @@
 //!
 //! ```text
 //! bytes -> size, UTF-8 -> scan -> XML tree -> draft -> checks -> Description
-//!                           `-> urdf_rs ----------------------------^
 //! ```
 //!
-//! The scan bounds what any reader sees ([`limits`]) and takes out what some
-//! stumble over, so that no input can panic or overflow the stack. `urdf_rs` reads
-//! the scanned text; the draft knows where everything stands, finds all faults at
-//! once, and fills in what `urdf_rs` does not read (`reader`). Types of `urdf_rs` do
-//! not leave this folder.
+//! The scan bounds what the XML reader sees ([`limits`]) and takes out what it stumbles
+//! over, so that no input can panic or overflow the stack. The draft knows where
+//! everything stands and finds all faults at once.
 
 mod check;
 mod collision;
@@ -29,10 +26,7 @@ mod link;
 mod mimic;
 pub(crate) mod nearest;
 mod origin;
-#[cfg(feature = "urdf-rs")]
-mod reader;
 mod report;
-mod robot;
 mod rotation;
 mod scan;
 mod source;
@@ -134,12 +128,10 @@ pub fn parse(text: &str, file: &str) -> Result<Description, Error> {
     check::check(&draft, &mut report);
     mimic::check(&draft, &mut report);
     let notes = report.finish()?;
-    let name = draft.name.clone();
-    let (links, joints) = robot::robot(draft, source.mended());
     Ok(Description {
-        name,
-        links,
-        joints,
+        name: draft.name,
+        links: draft.links.into_iter().map(Into::into).collect(),
+        joints: draft.joints.into_iter().map(Into::into).collect(),
         notes,
         hash: hash(source.text),
         file: file.to_owned(),

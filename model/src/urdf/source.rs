@@ -40,10 +40,6 @@ impl<'a> Source<'a> {
         Source::new(&description.text, &description.file)
     }
 
-    pub(super) fn mended(&self) -> &str {
-        &self.mended
-    }
-
     pub(super) fn document(&self) -> Result<Document<'_>, Error> {
         let options = roxmltree::ParsingOptions {
             nodes_limit: limits::XML_NODES,

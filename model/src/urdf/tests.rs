@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
 use super::*;
 
 fn robot(body: &str) -> String {
@@ -11,7 +13,84 @@ fn robot(body: &str) -> String {
 }
 
 fn load(text: &str) -> Description {
-    parse(text, "test.urdf").unwrap_or_else(|error| panic!("{error}\n{text}"))
+    let read = parse(text, "test.urdf").unwrap_or_else(|error| panic!("{error}\n{text}"));
+    is_read_by_both(&read);
+    read
+}
+
+/// The reference, which reads by urdf-rs, finds the same robot in the text.
+pub(super) fn is_read_by_both(own: &Description) {
+    let text = &own.text;
+    let read = sesc_reference::Robot::from_urdf(text);
+    let read = read.unwrap_or_else(|error| panic!("{error:?}\n{text}"));
+    assert_eq!(own.name, read.name());
+    assert_eq!(own.links.len(), read.links().len(), "{text}");
+    let rotation = |origin: &Origin| {
+        let [roll, pitch, yaw] = origin.rpy;
+        Rotation3::from_euler_angles(roll, pitch, yaw)
+    };
+    for (own, read) in own.links.iter().zip(read.links()) {
+        let Inertial {
+            mass_kg,
+            origin,
+            inertia,
+        } = own.inertial;
+        assert_eq!((&own.name, mass_kg), (&read.name, read.mass_kg));
+        assert_eq!(bits(origin.xyz), bits(read.com_m.coords.into()), "{text}");
+        let [xx, xy, xz, yy, yz, zz] = inertia;
+        let about = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let turned = rotation(&origin) * about * rotation(&origin).matrix().transpose();
+        let error = (turned - read.inertia_kg_m2).norm();
+        assert!(error <= 1e-13 * about.norm(), "{error:e}\n{text}");
+    }
+    assert_eq!(own.joints.len(), read.joints().len(), "{text}");
+    for (own, other) in own.joints.iter().zip(read.joints()) {
+        let link = |index: usize| &read.links()[index].name;
+        assert_eq!(
+            (&own.name, own.joint_type.name()),
+            (&other.name, other.kind.as_str())
+        );
+        assert_eq!(
+            (&own.parent, &own.child),
+            (link(other.parent), link(other.child))
+        );
+        assert_eq!(
+            bits(own.origin.xyz),
+            bits(other.origin.translation.vector.into()),
+            "{text}"
+        );
+        let error = rotation(&own.origin).matrix() - other.origin.rotation.matrix();
+        assert!(error.norm() < 1e-14, "{error}\n{text}");
+        if own.joint_type.is_single() {
+            let error = Vector3::from(own.axis).normalize() - other.axis.into_inner();
+            assert!(error.norm() < 1e-15, "{error}\n{text}");
+        }
+        if own.limit.lower.is_finite() && own.limit.upper.is_finite() {
+            assert_eq!((own.limit.lower, own.limit.upper), other.limits, "{text}");
+        }
+        let mimic = |joint: &str, k: f64, o: f64| (joint.to_owned(), k.to_bits(), o.to_bits());
+        let ours = own
+            .mimic
+            .as_ref()
+            .map(|own| mimic(&own.joint, own.multiplier, own.offset));
+        let theirs = other
+            .mimic
+            .as_ref()
+            .map(|one| mimic(&one.master, one.multiplier, one.offset));
+        assert_eq!(ours, theirs, "{text}");
+    }
+}
+
+#[test]
+fn what_other_tools_put_beside_it_is_not_read() {
+    let read = load(
+        "<robot name='r' xmlns='u' xmlns:x='v' x:name='s'><x:link name='b'/>\
+         <link name='a' xmlns=''><x:inertial/><inertial><x:origin xyz='1 1 1'/><mass value='2' x:value='3'/>\
+         <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link></robot>",
+    );
+    assert_eq!(read.links.len(), 1);
+    assert_eq!(read.links[0].inertial.mass_kg, 2.0);
+    assert_eq!(read.links[0].inertial.origin, Origin::default());
 }
 
 fn refuse(text: &str) -> String {

@@ -1,15 +1,14 @@
-"""Engines that run the groups of a fleet: each gives what they come to, in any order.
+"""Engines that run the groups of a fleet: each maps one function over them.
 
 An engine may run a group more than once and in any place: the result is the same bytes.
 """
 
 from __future__ import annotations
 
-import os
 import pickle
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, as_completed
+from concurrent.futures import BrokenExecutor
 from importlib import import_module
 from typing import Any
 
@@ -18,16 +17,18 @@ from ._unit import Job, work
 
 __all__ = ["worked"]
 
-#: Spark tasks for each processor.
-TASKS = 8
+#: Spark tasks, at most: each costs Spark 40 ms.
+TASKS = 256
 
 
-def worked(engine: Any, jobs: Sequence[Job]) -> Iterator[str]:
+def worked(engine: Any, jobs: Sequence[Job]) -> Iterable[str]:
     """What jobs come to on an engine: an executor, ``"ray"`` or a SparkSession."""
-    if isinstance(engine, Executor) or hasattr(engine, "submit"):
+    if hasattr(engine, "submit"):
         return _executor(engine, jobs)
     if engine == "ray":
-        return _ray(jobs)
+        ray: Any = import_module("ray")
+        task = ray.remote(max_retries=3)(work)
+        return map(ray.get, [task.remote(job) for job in jobs])
     if hasattr(engine, "createDataFrame"):
         return _spark(engine, jobs)
     raise ArgumentTypeError(
@@ -35,57 +36,30 @@ def worked(engine: Any, jobs: Sequence[Job]) -> Iterator[str]:
     )
 
 
-def _executor(engine: Executor, jobs: Sequence[Job]) -> Iterator[str]:
-    """Processes, threads, Dask. Groups that a broken executor leaves are done by threads here."""
-    open_jobs: dict[int, Job] = dict(enumerate(jobs))
-    pending: dict[Future[str], int] = {}
-    broken = None
+def _executor(engine: Any, jobs: Sequence[Job]) -> Iterator[str]:
+    """Processes, threads, Dask. Groups that a broken executor leaves are done here."""
+    futures: list[Any] = []
+    done = 0
     try:
-        try:
-            for k, job in open_jobs.items():
-                pending[engine.submit(work, job)] = k
-        except BrokenExecutor as error:
-            broken = error
-        for future in _completed(pending):
-            try:
-                found = future.result()
-            except BrokenExecutor as error:
-                broken = error
-                continue
-            del open_jobs[pending[future]]
-            yield found
-    finally:
-        # Nobody waits any more for what has not begun.
-        for future in pending:
-            future.cancel()
-    if open_jobs:
-        text = f"the executor lost a worker ({broken}); {len(open_jobs)} groups are done by threads of this process"
+        for job in jobs:
+            futures.append(engine.submit(work, job))
+        for future in futures:
+            yield future.result()
+            done += 1
+    except BrokenExecutor as error:
+        text = f"the executor lost a worker ({error}); {len(jobs) - done} groups are done by this process"
         warnings.warn(text, RuntimeWarning, stacklevel=2)
-        with ThreadPoolExecutor(os.cpu_count() or 1) as own:
-            yield from own.map(work, open_jobs.values())
-
-
-def _completed(pending: dict[Future[str], int]) -> Iterable[Future[str]]:
-    """Futures as they complete; those of other libraries in the order of their groups."""
-    if all(isinstance(future, Future) and hasattr(future, "_condition") for future in pending):
-        return as_completed(pending)
-    return list(pending)
-
-
-def _ray(jobs: Sequence[Job]) -> Iterator[str]:
-    """Ray tasks, each tried again three times; the caller has called ``ray.init()``, or Ray does."""
-    ray: Any = import_module("ray")
-    task = ray.remote(max_retries=3)(work)
-    pending = [task.remote(job) for job in jobs]
-    while pending:
-        ready, pending = ray.wait(pending)
-        yield from ray.get(ready)
+        yield from map(work, jobs[done:])
+    finally:
+        # What has not begun need not begin.
+        for future in futures:
+            future.cancel()
 
 
 def _spark(session: Any, jobs: Sequence[Job]) -> Iterator[str]:
-    """Spark tasks through ``mapInArrow``, several for each processor; what they come to is collected."""
+    """Spark tasks through ``mapInArrow``; what they come to is collected."""
     if not jobs:
-        return iter(())
+        return
     # The robot travels once with the function, groups as rows.
     packed = pickle.dumps(jobs[0]._replace(group=""))
 
@@ -97,15 +71,5 @@ def _spark(session: Any, jobs: Sequence[Job]) -> Iterator[str]:
             yield pyarrow.RecordBatch.from_arrays([pyarrow.array(found, pyarrow.string())], names=["done"])
 
     rows = session.createDataFrame([(job.group,) for job in jobs], "group string")
-    # A task costs Spark 40 ms; one that is lost takes the rows that it made from the store.
-    tasks = min(len(jobs), TASKS * _processors(session))
-    rows = rows.repartition(tasks).mapInArrow(mapped, "done string")
-    return (row["done"] for row in rows.collect())
-
-
-def _processors(session: Any) -> int:
-    """What a Spark cluster runs at once; Spark Connect does not say."""
-    try:
-        return max(1, int(session.sparkContext.defaultParallelism))
-    except Exception:
-        return 64
+    rows = rows.repartition(min(len(jobs), TASKS)).mapInArrow(mapped, "done string")
+    yield from (row["done"] for row in rows.collect())

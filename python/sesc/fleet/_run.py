@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from threading import Event
 from typing import Any
 
 from .. import _run, _sesc
 from .._errors import ArgumentTypeError, FitError
-from .._robot import Robot
+from .._model import Robot
 from ._engines import worked
-from ._objects import Objects, is_address, local
 from ._tables import is_table, rows_of
 from ._unit import Job
 
@@ -43,9 +40,8 @@ class Fleet:
         twice: logs that came more than once.
     """
 
-    def __init__(self, found: _sesc.FleetFound, objects: Objects, asked: tuple[Robot, str]) -> None:
+    def __init__(self, found: _sesc.FleetFound, asked: tuple[Robot, str]) -> None:
         self._found = found
-        self._objects = objects
         #: The robot, and the options as JSON.
         self._asked = asked
         self._about: dict[str, Any] = json.loads(found.json())
@@ -138,13 +134,7 @@ class Fleet:
             >>> (folder / "fleet.csv").read_text().startswith("robot,day,")
             True
         """
-        if not is_address(path):
-            self._found.write(local(path))
-            return
-        with TemporaryDirectory() as folder:
-            own = Path(folder, os.fspath(path).rpartition("/")[2])
-            self._found.write(os.fspath(own))
-            self._objects.write(os.fspath(path), own.read_bytes())
+        self._found.write(os.fspath(path))
 
     def report(self, path: str | os.PathLike[str], *, pages: int | None = None) -> None:
         """Write the page, ``fleet.html``: what robots share, what changed, what to look at first;
@@ -159,14 +149,12 @@ class Fleet:
             >>> len(list((folder / "fleet").glob("*.html")))
             6
         """
-        at = local(path)
-        above, slash, name = at.replace(os.sep, "/").rpartition("/")
-        text, folder, robots = self._found.pages(name, pages)
-        if not is_address(at):
-            Path(above or slash, folder).mkdir(exist_ok=True)
+        at = Path(path)
+        text, folder, robots = self._found.pages(at.name, pages)
+        at.with_name(folder).mkdir(exist_ok=True)
         for robot, page in robots:
-            self._put(f"{above}{slash}{folder}/{robot}", page)
-        self._put(at, text)
+            _run.written(os.fspath(at.with_name(folder) / robot), page)
+        _run.written(os.fspath(at), text)
 
     def save_prior(self, path: str | os.PathLike[str]) -> None:
         """Write what is known of the next robot, for ``prior=`` of :func:`sesc.fit` and
@@ -180,16 +168,10 @@ class Fleet:
             >>> sesc.fit(robot, log, prior=folder / "population.toml", noise=1e-4).rank
             4
         """
-        self._put(local(path), self._found.population())
-
-    def _put(self, path: str, text: str) -> None:
-        if is_address(path):
-            self._objects.write(path, text)
-        else:
-            _run.written(path, text)
+        _run.written(os.fspath(path), self._found.population())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (*self._asked, self._found.packed(), self._objects)
+        return _restored, (*self._asked, self._found.packed())
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -207,8 +189,8 @@ class Fleet:
         return table(repr(self)[1:-1], names, [[row[name] for name in names] for row in self.rows])
 
 
-def _restored(robot: Robot, options: str, packed: str, objects: Objects) -> Fleet:
-    return Fleet(_sesc.FleetFound.unpacked(robot, options, packed), objects, (robot, options))
+def _restored(robot: Robot, options: str, packed: str) -> Fleet:
+    return Fleet(_sesc.FleetFound.unpacked(robot, options, packed), (robot, options))
 
 
 def run(
@@ -227,9 +209,7 @@ def run(
     both_feet: bool | None = None,
     other_foot: str | None = None,
     only: str | None = None,
-    window: int | None = None,
     information: bool = False,
-    storage: Mapping[str, Any] | None = None,
     threads: int | None = None,
     progress: _run.Progress = False,
 ) -> Fleet:
@@ -240,12 +220,11 @@ def run(
         paths_or_table: a pattern (``"logs/robot=*/day=*/*.parquet"``), a folder, a list file or a
             manifest, several of these, or a table with the column ``path`` and any of ``by``,
             ``urdf``, ``support``: a dict of columns, a list of dicts, or a table of pandas, polars,
-            pyarrow, DuckDB or whatever exports an Arrow stream. Empty cells say nothing. Paths may be addresses (``s3://``, ``gs://``), which fsspec reads.
+            pyarrow, DuckDB or whatever exports an Arrow stream. Empty cells say nothing.
         by: what makes a group, from the table's columns, the path's folders or the file's name:
             the last is the day, those before it the robot. A text is split at commas:
-            ``"site,robot,day"``.
-        store: a folder that keeps rows, and with ``only="parameters"`` what each log contributes,
-            under the hash of what they were made from; or an address.
+            ``"site,robot,day"``. ``week`` is the ISO week of ``day``: ``"robot,week"``.
+        store: a folder that keeps rows, each in a file under the hash of what it was made from.
         engine: any ``concurrent.futures.Executor`` (processes, Dask's ``client.get_executor()``),
             ``"ray"`` or a SparkSession; threads of this process, one a processor, unless given.
         support, angles, prior, noise, floor, motion: as in :func:`sesc.diagnose`; the parameters
@@ -253,13 +232,9 @@ def run(
         both_feet: both soles are flat on one floor in every row; as each log says unless given.
         other_foot: the link that is the other sole.
         only: ``"parameters"`` fits without a diagnosis, in a fraction of the time.
-        window: put so many days together: a row for each robot and window, named by its first day.
-            Windows begin where the calendar says (those of 7 days on Mondays; numbered days from 1
-            on), whatever days have logs. Days are dates (``2031-05-01``) or numbers.
         information: put together what the next robot's parameters are, for
             :meth:`Fleet.save_prior`; rows of ``only="parameters"`` then keep their covariance, as
             those of diagnoses do (19 kB).
-        storage: what fsspec is given for addresses: ``{"endpoint_url": "https://…"}``.
         threads: of this process, where there is no ``engine``; one a processor unless given.
         progress: print how far it is, or a function of what is done, how much, of how much, and, if
             it takes a fourth argument, of how many seconds are left (None before that is known).
@@ -269,7 +244,7 @@ def run(
         LogError: a pattern that no file has.
         ArgumentTypeError: no fleet, or no engine.
         ArgumentError: a table without the column ``path``, or with a row that has no path.
-        KeyboardInterrupt: Ctrl-C, within 0.2 s; rows that are whole stay in the store.
+        KeyboardInterrupt: Ctrl-C, within 0.2 s; rows that are made stay in the store.
 
     Example:
         >>> sesc.fleet.run(robot, [])
@@ -290,39 +265,28 @@ def run(
     }
     options = json.dumps({key: value for key, value in given.items() if value is not None})
     threads = None if threads is None else _run.whole("threads", threads, 1, FitError)
-    window = None if window is None else _run.whole("window", window, 1, FitError)
-    objects = Objects(storage)
     by = _keys(by)
-    data, table = _named(paths_or_table, by, objects)
-    groups = _sesc.fleet_groups(data, table, by, window)
-    folder = None if store is None else local(store)
-    is_remote = any("://" in group for group in groups) or is_address(folder or "")
+    data, table = _named(paths_or_table, by)
+    groups = _sesc.fleet_groups(data, table, by)
+    folder = None if store is None else os.fspath(store)
     show = _run.shown(progress)
-    if engine is None and not is_remote:
+    if engine is None:
         found = _sesc.FleetFound.run(robot, options, groups, folder, show, threads)
-        return _ended(Fleet(found, objects, (robot, options)), progress)
-    disk = objects if is_remote else None
-    stop = _sesc.Stop()
-    jobs = [Job(robot, options, group, folder, disk, stop) for group in groups]
-    own = ThreadPoolExecutor(threads or 2 * (os.cpu_count() or 1)) if engine is None else nullcontext(engine)
-    done = []
-    with own as running:
+    else:
+        stop = Event()
+        jobs = [Job(robot, options, group, folder, stop) for group in groups]
+        done: list[str] = []
         try:
-            for one in worked(running, jobs):
+            for one in worked(engine, jobs):
                 done.append(one)
                 if show is not None:
                     show("diagnosing", len(done), len(jobs))
-        except BaseException:
-            # Ctrl-C, or a `progress` that has enough: whoever owns the threads waits for them.
+        finally:
+            # Ctrl-C, or a `progress` that has enough: threads of an engine end.
             stop.set()
-            raise
-    found = _sesc.FleetFound.gathered(robot, options, done, disk)
-    return _ended(Fleet(found, objects, (robot, options)), progress)
-
-
-def _ended(found: Fleet, progress: _run.Progress) -> Fleet:
+        found = _sesc.FleetFound.gathered(robot, options, done)
     _run.ended(progress)
-    return found
+    return Fleet(found, (robot, options))
 
 
 def _keys(by: str | Sequence[str]) -> list[str]:
@@ -330,27 +294,14 @@ def _keys(by: str | Sequence[str]) -> list[str]:
     return by.split(",") if isinstance(by, str) else list(by)
 
 
-def _named(
-    given: Any, by: Sequence[str], objects: Objects
-) -> tuple[list[str], list[tuple[str, dict[str, str]]]]:
+def _named(given: Any, by: Sequence[str]) -> tuple[list[str], list[tuple[str, dict[str, str]]]]:
     """Patterns and files, and the rows of a table with what it says of each path."""
     if isinstance(given, (str, os.PathLike)):
-        given = [given]
+        return [os.fspath(given)], []
     if is_table(given):
-        return [], [(_plain(path), said) for path, said in rows_of(given, by)]
+        return [], list(rows_of(given, by))
     if not isinstance(given, Iterable):
         raise ArgumentTypeError(
             f"a fleet is a glob, paths or a table with the column `path`, not {type(given).__name__}"
         )
-    here: list[str] = []
-    table: list[tuple[str, dict[str, str]]] = []
-    for path in map(local, given):
-        if is_address(path):
-            table += [(log, {} if urdf is None else {"urdf": urdf}) for log, urdf in objects.logs(path)]
-        else:
-            here.append(path)
-    return here, table
-
-
-def _plain(path: str) -> str:
-    return path if is_address(path) else str(Path(local(path)))
+    return [os.fspath(path) for path in given], []

@@ -30,7 +30,7 @@ def rows_of(table: Any, by: Sequence[str]) -> list[tuple[str, dict[str, str]]]:
     columns = _columns(table)
     if "path" not in columns:
         raise ArgumentError(f"the table has no column `path`; it has {', '.join(columns)}")
-    used = [name for name in (*by, "urdf", "support") if name in columns]
+    used = [name for name in (*by, "day", "urdf", "support") if name in columns]
     rows = []
     for k, cell in enumerate(columns["path"]):
         path = _text(cell)

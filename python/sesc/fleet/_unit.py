@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from threading import Event
 from typing import Any, NamedTuple
 
 from .. import _sesc
-from .._robot import Robot, _restore
-from ._objects import Objects
+from .._model import Robot, _restore
 
 __all__ = ["Job", "work"]
 
@@ -19,8 +19,7 @@ class Job(NamedTuple):
         robot: the robot, unless the group has a URDF of its own.
         options: how the group is looked at, as JSON.
         group: robot, day and paths, as JSON. The paths have to be readable where it runs.
-        store: the folder of rows, or None; it may be an address.
-        disk: what reads and writes addresses, where there are such.
+        store: the folder of rows, or None.
         stop: ends the work from another thread of the same process; None arrives elsewhere.
 
     Example:
@@ -32,8 +31,7 @@ class Job(NamedTuple):
     options: str
     group: str
     store: str | None = None
-    disk: Objects | None = None
-    stop: _sesc.Stop | None = None
+    stop: Event | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         robot, *others = self[:-1]
@@ -62,4 +60,9 @@ def work(job: Job) -> str:
         >>> "row" in sesc.fleet.work(sesc.fleet.Job(robot, '{"support": "foot"}', json.dumps(group)))
         True
     """
-    return _sesc.fleet_work(*job)
+
+    def told(*_: Any) -> None:
+        if job.stop is not None and job.stop.is_set():
+            raise KeyboardInterrupt("the run was stopped")
+
+    return _sesc.fleet_work(job.robot, job.options, job.group, job.store, told)

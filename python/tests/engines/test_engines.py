@@ -1,94 +1,86 @@
-"""One fleet on every engine, calm and with processes killed in the middle: one SHA-256.
-
-``pytest tests/engines --engine executor,dask,ray,spark --kill worker`` asks for engines by name, which
-then have to be there; else those are tried that are installed. ``threads`` of the driver itself
-give the answer that all others are held against.
-"""
+"""One fleet on Ray and Spark, calm, from the store, and with a worker killed in the middle: one SHA-256."""
 
 from __future__ import annotations
 
+import hashlib
+import os
 import shutil
+import signal
+import threading
 import time
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from sesc.fleet import _trials as trials
+import sesc
+from sesc import fleet
 
-#: Logs of the fleet, and rows in the store when a process is killed.
+from conftest import running
+
+#: Logs of the fleet, and rows in the store when a worker is killed.
 LOGS, KILLED = 12, 3
-#: A run takes some seconds, s.
-TIMEOUT = 240
-#: What each engine needs.
-NEEDS = {"executor": "sesc", "dask": "distributed", "ray": "ray", "spark": "pyspark"}
-
-
-def is_there(engine: str) -> bool:
-    return find_spec(NEEDS[engine]) is not None and (engine != "spark" or shutil.which("java") is not None)
-
-
-def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    option = metafunc.config.getoption
-    if "engine" in metafunc.fixturenames:
-        named = [name for name in str(option("engine")).split(",") if name]
-        metafunc.parametrize("engine", named or [name for name in NEEDS if is_there(name)])
-    if "kill" in metafunc.fixturenames:
-        metafunc.parametrize("kill", [name for name in str(option("kill")).split(",") if name])
 
 
 @pytest.fixture(scope="module")
-def logs(tmp_path_factory: pytest.TempPathFactory) -> str:
+def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Logs of 60 postures; one is cut in the middle of a row, one came twice."""
     folder = tmp_path_factory.mktemp("logs")
-    trials.make(folder, LOGS, 60, days=3, end="csv")
-    whole = (folder / "robot=r0001/day=02/log.csv").read_text()
-    (folder / "robot=r0001/day=02/log.csv").write_text(whole[: len(whole) // 2 + 3])
+    model = sesc.Robot(sesc.OP2_URDF).on("r_sole")
+    for k in range(LOGS):
+        log = sesc.simulate(model, 60, range=0.5, noise=1e-4, seed=k + 1)
+        log.save(folder / f"r{k // 3}_{k % 3}.csv")
+    whole = (folder / "r1_2.csv").read_text()
+    (folder / "r1_2.csv").write_text(whole[: len(whole) // 2 + 3])
     for end in ("", ".toml"):
-        shutil.copy(
-            folder / f"robot=r0000/day=01/log.csv{end}", folder / f"robot=r0000/day=01/again.csv{end}"
-        )
-    # Younger logs are read again.
-    time.sleep(2.1)
-    return str(folder / "robot=*/day=*/*.csv")
+        shutil.copy(folder / f"r0_1.csv{end}", folder / f"r0_again.csv{end}")
+    return folder
 
 
-@pytest.fixture(scope="module")
-def expected(logs: str, tmp_path_factory: pytest.TempPathFactory) -> str:
-    found = trials.driven(logs, None, tmp_path_factory.mktemp("calm") / "fleet.csv", ("threads", "", "2"))
-    assert (found["groups"], found["failed"], found["twice"]) == (LOGS, 1, 1)
-    print(f"threads: {found['sha256']}")
-    return str(found["sha256"])
+def run(logs: Path, store: Path | None, engine: object, out: Path) -> tuple[int, str]:
+    """Rows from the store, and the SHA-256 of the table."""
+    found = fleet.run(sesc.Robot(sesc.OP2_URDF), logs, store=store, engine=engine)
+    assert (len(found), len(found.failed), len(found.twice)) == (LOGS + 1, 1, 1)
+    found.save(out)
+    return found.to_dict()["from_store"], hashlib.sha256(out.read_bytes()).hexdigest()
 
 
-def test_calm_and_a_second_run(engine: str, logs: str, expected: str, tmp_path: Path) -> None:
-    def run() -> dict[str, Any]:
-        return trials.driven(logs, tmp_path / "store", tmp_path / "fleet.csv", (engine, "", "2"), timeout=TIMEOUT)
+def workers() -> list[int]:
+    """Descendants of this process that have the library loaded (Linux)."""
+    parents = {}
+    for place in Path("/proc").glob("[0-9]*"):
+        try:
+            parents[int(place.name)] = int((place / "stat").read_text().rpartition(")")[2].split()[1])
+        except OSError:
+            continue
+    found = []
+    for process in sorted(parents):
+        above = parents[process]
+        while above in parents and above != os.getpid():
+            above = parents[above]
+        try:
+            if above == os.getpid() and "_sesc" in Path(f"/proc/{process}/maps").read_text():
+                found.append(process)
+        except OSError:
+            continue
+    return found
 
-    first, second = run(), run()
-    for found in (first, second):
-        assert found["sha256"] == expected
-        assert (found["groups"], found["failed"], found["twice"]) == (LOGS, 1, 1)
-    assert (first["from_store"], first["logs_read"]) == (0, LOGS + 1)
-    assert (second["from_store"], second["logs_read"]) == (LOGS, 0)
-    print(f"{engine}, calm, {first['seconds']:.1f} s: {first['sha256']}; second run reads 0 logs")
 
+@pytest.mark.parametrize("engine", ["ray", "spark"])
+def test_an_engine_gives_the_bytes_of_threads(engine: str, logs: Path, tmp_path: Path) -> None:
+    pytest.importorskip({"spark": "pyspark"}.get(engine, engine))
+    out, killed = tmp_path / "fleet.csv", []
+    _, expected = run(logs, None, None, out)
 
-def test_killed_in_the_middle(engine: str, kill: str, logs: str, expected: str, tmp_path: Path) -> None:
-    store, out = tmp_path / "store", tmp_path / "fleet.csv"
-    found = trials.driven(logs, store, out, (engine, "", "2"), kill, KILLED, timeout=TIMEOUT)
-    assert found["killed"], "nothing was killed"
-    made = trials.rows_in(store)
-    if kill == "driver":
-        assert KILLED <= made < LOGS
-        found = trials.driven(logs, store, out, (engine, "", "2"), timeout=TIMEOUT)
-        # Rows that were made are not made anew.
-        assert found["from_store"] == made
-        text = f"driver killed at {made} of {LOGS} rows and started again"
-    else:
-        assert found["rows_when_killed"] < LOGS
-        text = f"worker {found['killed']} killed at {found['rows_when_killed']} of {LOGS} rows"
-    assert found["sha256"] == expected
-    assert trials.rows_in(store) == LOGS
-    print(f"{engine}, {text}: {found['sha256']}")
+    def kill() -> None:
+        while len(list((tmp_path / "killed").glob("*/*.json"))) < KILLED:
+            time.sleep(0.02)
+        for process in workers()[:1]:
+            killed.append(process)
+            os.kill(process, signal.SIGKILL)
+
+    with running(engine) as session:
+        for made in (0, LOGS + 1):
+            assert run(logs, tmp_path / "store", session, out) == (made, expected)
+        threading.Thread(target=kill, daemon=True).start()
+        _, found = run(logs, tmp_path / "killed", session, out)
+    assert killed and found == expected

@@ -10,17 +10,20 @@ import pytest
 
 import sesc
 from sesc import fleet
-from sesc.fleet import _trials as trials
+
+from conftest import running
 
 
 @pytest.fixture(scope="module")
 def table(tmp_path_factory: pytest.TempPathFactory) -> tuple[fleet.Fleet, Path]:
     """Three rows, one of a log that is cut."""
     folder = tmp_path_factory.mktemp("logs")
-    trials.make(folder, 3, 60, days=3, end="csv")
-    log = folder / "robot=r0000/day=02/log.csv"
+    model = sesc.Robot(sesc.OP2_URDF).on("r_sole")
+    for day in (1, 2, 3):
+        sesc.simulate(model, 60, range=0.5, noise=1e-4, seed=day).save(folder / f"r0_{day}.csv")
+    log = folder / "r0_2.csv"
     log.write_text(log.read_text()[:2000])
-    found = fleet.run(sesc.Robot(sesc.OP2_URDF), str(folder / "robot=*/day=*/*.csv"), only="parameters")
+    found = fleet.run(sesc.Robot(sesc.OP2_URDF), folder, only="parameters")
     found.save(folder / "fleet.parquet")
     return found, folder / "fleet.parquet"
 
@@ -34,7 +37,7 @@ def read(reader: str, path: Path) -> list[dict[str, Any]]:
     if reader == "duckdb":
         found = module.sql(f"SELECT * FROM '{path}'")
         return [dict(zip(found.columns, row)) for row in found.fetchall()]
-    with trials.engine("spark") as session:
+    with running("spark") as session:
         return [row.asDict() for row in session.read.parquet(str(path)).collect()]
 
 

@@ -8,12 +8,11 @@ use crate::report::figures::fit::deviations;
 use crate::report::figures::robot::Marks;
 use crate::report::fleet::mark_effect;
 use crate::report::html::render;
-use crate::report::next_steps;
+use crate::report::next_steps::{self, Worded};
 use crate::report::origin::recorded;
 use crate::report::robot::{Card, Correction};
 use crate::report::table::chance;
 use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
-use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::effects::{Target, Unit};
 use sesc_model::{DataUsed, ModelFile};
@@ -27,7 +26,7 @@ use sesc_model::{DataUsed, ModelFile};
 pub fn page(
     comparison: &Comparison,
     files: [&ModelFile; 2],
-    steps: &[NextStep],
+    steps: &[Worded],
     drawn: Option<&Skeleton>,
     command: &str,
 ) -> Result<String, Error> {
@@ -51,7 +50,7 @@ pub fn page(
         changed => comparison.changed,
         sentence => &comparison.sentence,
         files => named.to_vec(),
-        next => next_steps::context(steps, &[]),
+        next => next_steps::context(steps),
         chance => comparison.chance.map(chance),
         chi2 => comparison.chi2,
         directions => comparison.directions,

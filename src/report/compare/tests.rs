@@ -1,12 +1,12 @@
 //! The page of two small models.
 
 use sesc_identify::compare::compare;
-use sesc_identify::next_steps::NextStep;
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::{ModelFile, Snapping};
 
 use super::page;
+use crate::report::next_steps::Worded;
 use crate::report::tests::still;
 
 const TWO_LINK: &str = include_str!("../../../robots/two_link/two_link.urdf");
@@ -38,7 +38,11 @@ fn the_page_says_what_changed_and_whether_it_is_more_than_chance() {
         file("friday", 103.0, Some(0.05)),
     );
     let found = compare(&monday, &friday).unwrap();
-    let steps = [NextStep::by_hand("Check `knee`", "it changed")];
+    let steps = [Worded {
+        what: "Check `knee`".to_string(),
+        why: "it changed".to_string(),
+        command: None,
+    }];
     let made = |drawn| {
         page(
             &found,

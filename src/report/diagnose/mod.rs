@@ -8,12 +8,42 @@ mod text;
 
 pub use page::page;
 pub(super) use robot::card;
-pub use text::{Asked, text};
+pub use text::text;
 
-use sesc_identify::diagnose::Step;
-use sesc_identify::diagnose::Verdict;
+use serde::Serialize;
 use sesc_identify::diagnose::remedy::Remedy;
 use sesc_identify::diagnose::words::{NamedValue, named};
+use sesc_identify::diagnose::{Diagnosis, Step, Verdict};
+
+use super::next_steps::Worded;
+
+/// All that `sesc diagnose` prints, as JSON.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DiagnoseReport<'a> {
+    /// What was found.
+    #[serde(flatten)]
+    pub found: &'a Diagnosis,
+    /// What to do next.
+    pub next_steps: &'a [Worded],
+    /// How the model file is used, where one is written that predicts the log.
+    #[serde(rename = "use", skip_serializing_if = "Option::is_none")]
+    pub model_use: Option<ModelUse>,
+}
+
+/// How a model file is used.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ModelUse {
+    /// The file.
+    pub model: String,
+    /// The line of a `build.rs`.
+    pub build_rs: String,
+    /// The command or call that generates C.
+    pub generate: String,
+    /// The call in C for the robot's CoM.
+    pub c: &'static str,
+}
 
 /// `width 0.93° ± 0.04°`, one entry per parameter.
 fn parameters(step: &Step) -> Vec<String> {

@@ -5,7 +5,7 @@ use std::path::Path;
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
-use super::{count, effect, parameters, robot, servo, where_to};
+use super::{DiagnoseReport, ModelUse, count, effect, parameters, robot, servo, where_to};
 use crate::report::data::Data;
 use crate::report::figures::diagnose as figures;
 use crate::report::html::render;
@@ -14,7 +14,6 @@ use crate::report::table::mm;
 use crate::report::{next_steps, soles};
 use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{CLASS_SCORE, Diagnosis, OVER_NOTHING, Verdict};
-use sesc_identify::next_steps::{NextStep, Output};
 use sesc_model::ModelFile;
 
 /// Poses and blind spots in a row, at most.
@@ -26,11 +25,12 @@ const MEMBERS: usize = 10;
 /// The page of a diagnosis, alone in one file; `made` says of which robot and data it is,
 /// `command` makes it again.
 pub fn page(
-    found: &Diagnosis,
+    report: &DiagnoseReport<'_>,
     view: &DiagnosisView,
     made: &ModelFile,
     command: &str,
 ) -> Result<String, Error> {
+    let found = report.found;
     let figure = Value::from_safe_string;
     let apart = view.differences.len() > 1;
     let poses = found.outliers.iter().take(POSES);
@@ -63,10 +63,10 @@ pub fn page(
         blind => Serde(&found.blind[..found.blind.len().min(BLIND)]),
         experiments => experiments(found),
         next_file => file_name(found),
-        next => next_steps::context(&steps_of(found), &asked(found)),
+        next => next_steps::context(report.next_steps),
         where_to => where_to(found.verdict),
         changes => changes(found),
-        model_use => model_use(found),
+        model_use => report.model_use.as_ref().and_then(model_use),
         rest => view.trends_of_rest,
         named => view.by_position.iter().any(|trend| trend.named),
         rms => view.spread.rms.to_vec(),
@@ -180,14 +180,13 @@ fn steps(found: &Diagnosis) -> Vec<Value> {
 }
 
 /// How the model file is used, without the folders of this machine.
-fn model_use(found: &Diagnosis) -> Option<Value> {
-    let model_use = found.model_use.as_ref()?;
+fn model_use(model_use: &ModelUse) -> Option<Value> {
     let file = Path::new(&model_use.model).file_name()?.to_string_lossy();
     let plain = |text: &str| text.replace(&model_use.model, &file);
     Some(context! {
         build_rs => plain(&model_use.build_rs),
         generate => plain(&model_use.generate),
-        c => &model_use.c,
+        c => model_use.c,
     })
 }
 
@@ -232,23 +231,6 @@ fn experiments(found: &Diagnosis) -> Vec<Value> {
         }
     };
     all.take(EXPERIMENTS).map(row).collect()
-}
-
-/// Files that are there, or are this one.
-fn asked(found: &Diagnosis) -> Vec<Output> {
-    let model = found.model_use.as_ref().map(|_| Output::Model);
-    [Output::Page].into_iter().chain(model).collect()
-}
-
-/// The next steps without the folders of this machine.
-fn steps_of(found: &Diagnosis) -> Vec<NextStep> {
-    let mut steps = found.next_steps.clone();
-    if let (Some(path), Some(name)) = (&found.next_postures.file, file_name(found)) {
-        steps
-            .iter_mut()
-            .for_each(|step| step.what = step.what.replace(path, &name));
-    }
-    steps
 }
 
 /// Without the folders of this machine.

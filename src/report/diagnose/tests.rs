@@ -5,15 +5,15 @@ use std::sync::Arc;
 
 use sesc_model::{DataUsed, Function, Model, ModelFile, Snapping};
 
-use super::{Asked, page, text};
+use super::{DiagnoseReport, page, text};
 use crate::OP2_URDF;
+use crate::report::next_steps::{Worded, worded};
 use crate::report::tests::still;
 use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{Diagnosis, ExperimentProposal, Member, Verdict};
 use sesc_identify::diagnose::{Request, diagnose};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::logs::{LogSource, Sidecar};
-use sesc_identify::next_steps::Output;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 
@@ -93,11 +93,30 @@ fn made() -> ModelFile {
     made
 }
 
+/// Next steps in words, each with a command.
+fn next(found: &Diagnosis) -> Vec<Worded> {
+    worded(&found.next_steps(), |_| Some("do <it>".to_string()))
+}
+
+/// What the console prints.
+fn console(found: &Diagnosis) -> String {
+    text(&printed(found, &next(found)))
+}
+
+fn printed<'a>(found: &'a Diagnosis, next_steps: &'a [Worded]) -> DiagnoseReport<'a> {
+    DiagnoseReport {
+        found,
+        next_steps,
+        model_use: None,
+    }
+}
+
 /// The page, after what holds for every page.
 fn sound(found: &Diagnosis, view: &DiagnosisView) -> String {
-    let made = made();
-    let html = page(found, view, &made, "sesc diagnose 'a<b>.urdf'").unwrap();
-    let again = page(found, view, &made, "sesc diagnose 'a<b>.urdf'").unwrap();
+    let (made, next) = (made(), next(found));
+    let report = printed(found, &next);
+    let html = page(&report, view, &made, "sesc diagnose 'a<b>.urdf'").unwrap();
+    let again = page(&report, view, &made, "sesc diagnose 'a<b>.urdf'").unwrap();
     assert_eq!(html, again);
     for words in [
         &format!("two_link, hash {}", made.hash),
@@ -130,34 +149,22 @@ fn sound(found: &Diagnosis, view: &DiagnosisView) -> String {
 
 /// Console, page and JSON say the same next steps; the sentences of JSON.
 fn one_voice(found: &Diagnosis, html: &str) -> String {
-    assert!(!found.next_steps.is_empty());
-    let console = text(found, Asked::default());
-    let console: String = console.split_whitespace().collect::<Vec<_>>().join(" ");
-    let json = serde_json::to_value(found).unwrap();
-    for (step, json) in found
-        .next_steps
-        .iter()
-        .zip(json["next_steps"].as_array().unwrap())
-    {
-        assert_eq!(json["what"], step.what.as_str());
-        assert_eq!(json["why"], step.why.as_str());
-        assert!(
-            console.contains(&step.sentence()),
-            "{}\n{console}",
-            step.sentence()
-        );
+    let next = next(found);
+    assert!(!next.is_empty());
+    let words = console(found);
+    let words: String = words.split_whitespace().collect::<Vec<_>>().join(" ");
+    let json = serde_json::to_value(printed(found, &next)).unwrap();
+    assert_eq!(json["next_steps"], serde_json::to_value(&next).unwrap());
+    let mut all = String::new();
+    for step in next {
+        let said = format!("{}: {}.", step.what, step.why);
+        assert!(words.contains(&said), "{said}\n{words}");
         let first = step.what.split('`').next().unwrap();
-        let on_page = step.makes != Some(Output::Page);
-        assert_eq!(html.contains(first), on_page, "{first}");
+        assert!(html.contains(first), "{first}");
+        all += &said;
     }
-    let sentences = found.next_steps.iter().map(|step| {
-        format!(
-            "{} {}\n",
-            step.sentence(),
-            step.command.as_deref().unwrap_or_default()
-        )
-    });
-    sentences.collect()
+    assert!(html.contains("<code>do &lt;it&gt;</code>"));
+    all
 }
 
 #[test]
@@ -197,22 +204,10 @@ fn a_named_effect_is_told_with_its_size_and_all_figures() {
     assert_eq!(stages[0].rmse, found.baseline.rmse);
     assert!(stages[stages.len() - 2].rmse < 0.5 * stages[0].rmse);
     assert!(view.spread.rms[1] < 2.0 && view.spread.rms[0] > 5.0);
-    let said = text(&found, Asked::default());
-    for words in [
-        found.steps[0].effect,
-        "before, mm",
-        "held out",
-        "--out model.toml",
-        "--report report.html",
-    ] {
+    let said = console(&found);
+    for words in [found.steps[0].effect, "before, mm", "held out"] {
         assert!(said.contains(words), "{words}\n{said}");
     }
-    let asked = Asked {
-        model: true,
-        next: true,
-        page: true,
-    };
-    assert!(!text(&found, asked).contains("--report"));
 }
 
 #[test]
@@ -223,7 +218,7 @@ fn a_log_without_times_and_without_a_gap_is_shown_in_its_order() {
     assert!(html.contains("posture, in the order of the log") && !html.contains("time, s"));
     assert!(html.contains("Simulation and measurement agree"));
     assert!(!view.timed && view.differences.is_empty());
-    assert!(!text(&found, Asked::default()).contains("--out"));
+    assert!(!console(&found).contains("Keep the corrected model"));
 }
 
 #[test]
@@ -250,7 +245,9 @@ fn what_nothing_explains_is_called_so() {
     ] {
         assert!(all.contains(words), "{words}\n{all}");
     }
-    assert!(!all.contains("--next") && found.next_postures.why.contains("by hand"));
+    assert!(
+        !all.contains("postures that tell most") && found.next_postures.why.contains("by hand")
+    );
     assert!(view.trends_of_rest);
     assert_eq!(view.by_position[0].joint, "knee");
 }
@@ -263,7 +260,7 @@ fn outliers_are_boxed() {
     let html = sound(&found, &view);
     assert!(html.contains("outliers apart") && html.contains("poses 4, 21"));
     assert!(view.postures.iter().filter(|p| p.outlier).count() >= 4);
-    assert!(text(&found, Asked::default()).contains("poses 4, 21"));
+    assert!(console(&found).contains("poses 4, 21"));
 }
 
 #[test]
@@ -295,8 +292,8 @@ fn a_class_of_twenty_is_numbered_and_mapped() {
     // The threshold of criteria, with its odds: e^5.
     assert!(html.contains("worse by more than 10 units of χ², odds of more than 148 to 1"));
     assert!(html.contains("19 others that look alike"));
-    let said = text(&found, Asked::default());
-    assert!(said.contains("cannot tell apart") && said.contains("and 12 more, see --json"));
+    let said = console(&found);
+    assert!(said.contains("cannot tell apart") && said.contains("and 12 more in JSON"));
 }
 
 #[test]

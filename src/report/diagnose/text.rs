@@ -2,11 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::{count, parameters, servo, where_to};
+use super::{DiagnoseReport, count, parameters, servo, where_to};
 use crate::report::table::{Table, mm, wrapped};
 use crate::report::{next_steps, soles};
 use sesc_identify::diagnose::Diagnosis;
-use sesc_identify::next_steps::Output;
 
 /// Explanations and poses in a row, at most.
 const LISTED: usize = 8;
@@ -14,32 +13,9 @@ const POSES: usize = 12;
 /// Spaces as wide as the column of names.
 const INDENT: &str = "                 ";
 
-/// Which files were asked for; what was not stands among the next steps.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Asked {
-    /// A corrected model file.
-    pub model: bool,
-    /// Next postures.
-    pub next: bool,
-    /// A page.
-    pub page: bool,
-}
-
-impl Asked {
-    fn outputs(self) -> Vec<Output> {
-        let all = [
-            (self.model, Output::Model),
-            (self.next, Output::Postures),
-            (self.page, Output::Page),
-        ];
-        all.into_iter()
-            .filter_map(|(asked, output)| asked.then_some(output))
-            .collect()
-    }
-}
-
 /// The sentence, and what it stands on.
-pub fn text(found: &Diagnosis, asked: Asked) -> String {
+pub fn text(report: &DiagnoseReport<'_>) -> String {
+    let found = report.found;
     let mut out = format!("{}\n", wrapped(&found.sentence, ""));
     if !found.steps.is_empty() {
         let _ = write!(out, "\n{}", steps(found));
@@ -53,7 +29,7 @@ pub fn text(found: &Diagnosis, asked: Asked) -> String {
             out,
             "\n{}\n{}\n",
             wrapped(where_to(found.verdict), ""),
-            changes(found)
+            changes(report)
         );
     }
     if found.class.len() > 1 {
@@ -64,7 +40,7 @@ pub fn text(found: &Diagnosis, asked: Asked) -> String {
             wrapped(&found.next_postures.why, INDENT)
         );
     }
-    out + &next_steps::text(&found.next_steps, &asked.outputs())
+    out + &next_steps::text(report.next_steps)
 }
 
 fn steps(found: &Diagnosis) -> Table {
@@ -105,7 +81,7 @@ fn class(found: &Diagnosis) -> String {
     let mut out = table.to_string();
     if found.class.len() > LISTED {
         let more = found.class.len() - LISTED;
-        let _ = writeln!(out, "and {more} more, see --json");
+        let _ = writeln!(out, "and {more} more in JSON");
     }
     out
 }
@@ -180,7 +156,7 @@ fn facts(found: &Diagnosis) -> String {
 }
 
 /// What to change for each effect, and how the model file is used.
-fn changes(found: &Diagnosis) -> String {
+fn changes(report: &DiagnoseReport<'_>) -> String {
     let mut out = String::new();
     let mut fact = |name: &str, text: &str| {
         for (k, line) in text.lines().enumerate() {
@@ -188,7 +164,7 @@ fn changes(found: &Diagnosis) -> String {
             let _ = writeln!(out, "{name:<16} {line}");
         }
     };
-    for step in &found.steps {
+    for step in &report.found.steps {
         let remedy = &step.remedy;
         fact("change", &remedy.sentence);
         if let Some(servo) = servo(remedy) {
@@ -206,7 +182,7 @@ fn changes(found: &Diagnosis) -> String {
             fact("  not in a URDF", reason);
         }
     }
-    if let Some(model) = &found.model_use {
+    if let Some(model) = &report.model_use {
         fact("build.rs", &model.build_rs);
         fact("C", &format!("{}   after {}", model.c, model.generate));
     }

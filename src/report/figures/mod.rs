@@ -8,7 +8,6 @@ mod arrows;
 mod bars;
 mod cop;
 pub mod diagnose;
-mod effect;
 mod errors;
 pub mod fit;
 mod health;
@@ -22,7 +21,6 @@ pub mod robot;
 mod tests;
 
 pub use cop::{cop_over_postures, cop_plane};
-pub use effect::{effect, moved};
 pub use errors::errors;
 pub use health::{health, said};
 pub use height::{height_level, height_shape};

@@ -16,8 +16,9 @@ use sesc_identify::fit::corrected::Corrected;
 use sesc_identify::fit::residuals::{Residual, Sample};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::health::Finding;
-use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
+
+use crate::report::next_steps::Worded;
 
 pub use correction::corrections;
 pub use page::page;
@@ -25,10 +26,13 @@ pub use text::text;
 
 /// All that `sesc fit` prints, as JSON.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FitReport<'a> {
     /// What was identified, and how well.
     #[serde(flatten)]
     pub found: &'a Identification,
+    /// What to do next.
+    pub next_steps: &'a [Worded],
     /// The corrected URDF, where one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corrected: Option<&'a Corrected>,
@@ -39,28 +43,30 @@ pub struct FitReport<'a> {
 
 /// What `sesc fit` prints as JSON of data that cannot be used.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unusable<'a> {
     /// Always `unusable`.
     pub verdict: &'static str,
     /// Why.
     pub health: &'a [Finding],
     /// What to do next.
-    pub next_steps: &'a [NextStep],
+    pub next_steps: &'a [Worded],
 }
 
 impl<'a> Unusable<'a> {
     /// What a fit to unusable data says.
-    pub fn of(found: &'a Identification) -> Unusable<'a> {
+    pub fn new(found: &'a Identification, next_steps: &'a [Worded]) -> Unusable<'a> {
         Unusable {
             verdict: "unusable",
             health: &found.health,
-            next_steps: &found.next_steps,
+            next_steps,
         }
     }
 }
 
 /// What only the page shows.
 #[derive(Debug, Clone, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shown {
     /// Some of the readings with their predictions; none where only factors are at hand.
     pub residuals: Vec<Residual>,

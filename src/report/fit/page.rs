@@ -41,7 +41,7 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
             command: &shown.command,
         }
         .context(),
-        next => next_steps::context(&found.next_steps, &[]),
+        next => next_steps::context(report.next_steps),
         noise_source => found.noise_source.phrase(),
         soles => found.closure.as_ref().map(soles),
         again => found.again.as_ref().map(|again| &again.sentence),

@@ -5,13 +5,13 @@ use sesc_model::Snapping;
 use super::{FitReport, Moved, Shown, corrections, page, text};
 use crate::OP2_URDF;
 use crate::report::tests::still;
+use sesc_identify::fit::Gathered;
 use sesc_identify::fit::corrected::correct;
-use sesc_identify::fit::gather::Gathered;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::residuals::Residual;
 use sesc_identify::fit::{Identification, Settings, identify};
 use sesc_identify::logs::Block;
-use sesc_identify::observations::rows::Measurement;
+use sesc_identify::observations::Measurement;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_identify::skeleton::Skeleton;
@@ -71,6 +71,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     };
     let report = FitReport {
         found: &found,
+        next_steps: &[],
         corrected: Some(&corrected),
         shown: Some(&shown),
     };
@@ -101,6 +102,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
 
     let bare = FitReport {
         found: &found,
+        next_steps: &[],
         corrected: None,
         shown: None,
     };
@@ -118,7 +120,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
 #[test]
 fn the_console_counts_what_every_robot_hides() {
     let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
-    let said = text(&fit(&robot));
+    let said = text(&fit(&robot), &[]);
     assert!(
         said.contains("along 20 joints mass moves to the parent"),
         "{said}"

@@ -2,15 +2,16 @@
 
 use std::fmt::Write as _;
 
+use crate::report::next_steps::{self, Worded};
+use crate::report::soles;
 use crate::report::table::{Table, chance, wrapped};
-use crate::report::{next_steps, soles};
 use sesc_identify::fit::Identification;
 
 /// Fewer degrees of freedom than this are mentioned.
 const FEW: f64 = 50.0;
 
 /// Parameters with uncertainty, observability and held-out error.
-pub fn text(found: &Identification) -> String {
+pub fn text(found: &Identification, next: &[Worded]) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
@@ -24,7 +25,7 @@ pub fn text(found: &Identification) -> String {
         let _ = writeln!(out, "{}\n", wrapped(&finding.sentence, ""));
     }
     if !found.is_usable() {
-        return out + &next_steps::text(&found.next_steps, &[]);
+        return out + &next_steps::text(next);
     }
     let _ = write!(out, "{}", parameters(found));
     let _ = writeln!(out, "\n{}", facts(found));
@@ -53,14 +54,14 @@ pub fn text(found: &Identification) -> String {
     if found.down_weighted.len() > 12 {
         let _ = writeln!(
             out,
-            "                 and {} more, see --json",
+            "                 and {} more in JSON",
             found.down_weighted.len() - 12
         );
     }
     for warning in &found.warnings {
         let _ = writeln!(out, "warning          {warning}");
     }
-    out + &next_steps::text(&found.next_steps, &[])
+    out + &next_steps::text(next)
 }
 
 /// What cannot be seen; what no such data ever tell only as a number.
@@ -78,7 +79,7 @@ fn unseen(found: &Identification) -> String {
         let _ = writeln!(
             out,
             "cannot be seen   along {} joints mass moves to the parent without a trace (all \
-             named by --json, --report)",
+             are named in JSON and on the page)",
             moved.len()
         );
     }

@@ -48,11 +48,11 @@ pub(super) fn outcome(row: &Row) -> &'static str {
     }
 }
 
-/// Whether nothing is missing, as far as it was looked for.
+/// Whether nothing is missing and the data are sound, as far as it was looked for.
 pub(super) fn is_fine(row: &Row) -> bool {
-    match row.verdict {
-        Some(Verdict::None | Verdict::Absorbed) => true,
-        Some(_) => false,
+    let is_explained = match row.verdict {
+        Some(verdict) => matches!(verdict, Verdict::None | Verdict::Absorbed),
         None => row.has_result(),
-    }
+    };
+    is_explained && row.health.is_empty()
 }

@@ -21,13 +21,12 @@ use sesc_identify::fleet::{EffectFound, Failed, Fleet, Row, Twice};
 
 /// What programs are told, besides the rows.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Answer<'a> {
     /// Rows of the table: robots and days.
     groups: usize,
     /// Rows that were taken from the store.
     from_store: usize,
-    /// Logs that were opened.
-    logs_read: usize,
     /// Files that could not be used.
     failed: &'a [Failed],
     /// Logs that came more than once.
@@ -42,7 +41,6 @@ pub fn answer<'a>(fleet: &'a Fleet, summary: &'a Summary) -> Answer<'a> {
     Answer {
         groups: fleet.rows.len(),
         from_store: fleet.from_store,
-        logs_read: fleet.opened,
         failed: &fleet.failed,
         twice: &fleet.twice,
         summary,
@@ -59,9 +57,10 @@ fn label(found: &EffectFound) -> String {
 
 /// What became of a log that came twice.
 fn twice(twice: &Twice) -> String {
-    let what = match twice.counted_once {
-        true => "counted once",
-        false => "which is of another robot or day: counted in both",
+    let what = if twice.counted_once {
+        "counted once"
+    } else {
+        "which is of another robot or day: counted in both"
     };
     format!("{} has the bytes of {}: {what}", twice.input, twice.same_as)
 }

@@ -211,3 +211,17 @@ fn robots_without_a_page_of_their_own_have_no_links() {
     let said = "2 of them have a page of their own";
     assert!(pages.fleet.contains(said), "{}", pages.fleet);
 }
+
+/// A row of which the data are not sound agrees with nothing, whatever its verdict.
+#[test]
+fn a_row_with_a_finding_is_not_fine() {
+    let mut sound = row("r1", "1", "");
+    sound.verdict = Some(sesc_identify::diagnose::Verdict::None);
+    let mut stuck = sound.clone();
+    let finding = r#"{"kind": "encoder_stuck", "target": "knee", "sentence": "It is stuck."}"#;
+    stuck.health = vec![serde_json::from_str(finding).unwrap()];
+    assert_eq!(
+        [line::line(&sound).bad, line::line(&stuck).bad],
+        [false, true]
+    );
+}

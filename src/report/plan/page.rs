@@ -6,7 +6,7 @@ use minijinja::{Error, context};
 use crate::report::figures;
 use crate::report::figures::robot::Marks;
 use crate::report::html::render;
-use crate::report::next_steps;
+use crate::report::next_steps::{self, Worded};
 use crate::report::origin::Origin;
 use crate::report::robot::{Card, Correction, Shown};
 use crate::report::table::mm;
@@ -36,7 +36,13 @@ fn lesson(own: &Lesson) -> Value {
 
 /// The page of a plan, alone in one file; `command` makes it again, `file` holds the
 /// postures.
-pub fn page(plan: &Plan, skeleton: &Skeleton, file: &str, command: &str) -> Result<String, Error> {
+pub fn page(
+    plan: &Plan,
+    next: &[Worded],
+    skeleton: &Skeleton,
+    file: &str,
+    command: &str,
+) -> Result<String, Error> {
     let figure = Value::from_safe_string;
     let errors = plan.expected_error.zip(plan.expected_error_random);
     // Little of its range tells little of what a joint carries.
@@ -74,7 +80,7 @@ pub fn page(plan: &Plan, skeleton: &Skeleton, file: &str, command: &str) -> Resu
         plan => Serde(plan),
         drawn => plan.drawn(),
         less => errors.map(|(planned, random)| (100.0 * (1.0 - planned / random)).round()),
-        next => next_steps::context(&plan.next_steps, &[]),
+        next => next_steps::context(next),
         idle,
         file,
         origin => Origin {

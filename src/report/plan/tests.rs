@@ -4,9 +4,11 @@ use sesc_model::Snapping;
 
 use super::{page, text};
 use crate::OP2_URDF;
+use crate::report::next_steps::{WithSteps, Worded, worded};
 use crate::report::table::mm;
 use crate::report::tests::still;
 use sesc_identify::fit::prior::Prior;
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::{Plan, Request, plan};
 use sesc_identify::robot::Robot;
@@ -26,6 +28,10 @@ fn small(prior: &str, poses: usize) -> (Plan, Skeleton) {
     (plan(&request, &mut ()).unwrap(), skeleton)
 }
 
+fn next(found: &Plan) -> Vec<Worded> {
+    worded(&found.next_steps(), |_| None)
+}
+
 #[test]
 fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     let (mut found, mut skeleton) = small("cad", 25);
@@ -33,7 +39,14 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     found.robot = "op<2>".to_string();
     found.joints[3].joint = "<hip>".to_string();
     found.joints[3].used = [0.0, 0.0];
-    let html = page(&found, &skeleton, "poses.csv", "sesc plan 'a<b>.urdf'").unwrap();
+    let html = page(
+        &found,
+        &next(&found),
+        &skeleton,
+        "poses.csv",
+        "sesc plan 'a<b>.urdf'",
+    )
+    .unwrap();
     for words in [
         "op&lt;2&gt;",
         "<code>&lt;hip&gt;</code>",
@@ -50,11 +63,16 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
         assert!(html.contains(words), "{words}");
     }
     // What to record, under which names, in every voice.
-    let said: String = text(&found)
+    let said: String = text(&found, &next(&found))
         .split_whitespace()
         .collect::<Vec<_>>()
         .join(" ");
-    let json = serde_json::to_value(&found).unwrap();
+    let next = next(&found);
+    let json = serde_json::to_value(WithSteps {
+        found: &found,
+        next_steps: &next,
+    });
+    let json = json.unwrap();
     for (k, words) in [
         "`cop_x`, `cop_y` (m, in the frame of `r_sole`)",
         "Fit the log",
@@ -62,16 +80,18 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     .into_iter()
     .enumerate()
     {
-        assert!(found.next_steps[k].what.contains(words), "{words}");
-        assert!(said.contains(&found.next_steps[k].sentence()), "{said}");
-        assert_eq!(
-            json["next_steps"][k]["what"],
-            found.next_steps[k].what.as_str()
+        let step = &next[k];
+        assert!(step.what.contains(words), "{words}");
+        assert!(
+            said.contains(&format!("{}: {}.", step.what, step.why)),
+            "{said}"
         );
+        assert_eq!(json["next_steps"][k]["what"], step.what.as_str());
     }
-    let fit = "sesc fit URDF --support r_sole --data LOG";
-    assert!(said.contains(fit));
-    assert!(html.contains("<code>cop_x</code>") && html.contains(fit));
+    let steps = found.next_steps();
+    let support = Some("r_sole".to_string());
+    assert_eq!(steps[1], NextStep::Fit { support });
+    assert!(html.contains("<code>cop_x</code>") && html.contains("Fit the log"));
     // Without shapes nothing is said of collisions but that they are not checked.
     assert!(
         !found.collision_checked && !said.contains("self-collision"),
@@ -98,7 +118,14 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     still(&html, 2);
     assert_eq!(
         html,
-        page(&found, &skeleton, "poses.csv", "sesc plan 'a<b>.urdf'").unwrap()
+        page(
+            &found,
+            &next,
+            &skeleton,
+            "poses.csv",
+            "sesc plan 'a<b>.urdf'"
+        )
+        .unwrap()
     );
 }
 
@@ -107,7 +134,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
 fn a_plan_that_leaves_directions_open_says_so() {
     let (found, skeleton) = small("free", 10);
     assert!(found.expected_error.is_none() && found.curve.is_empty());
-    let html = page(&found, &skeleton, "poses.csv", "sesc plan").unwrap();
+    let html = page(&found, &next(&found), &skeleton, "poses.csv", "sesc plan").unwrap();
     assert!(html.contains("10 postures tell 20 of 42 directions"));
     assert!(html.contains("these postures leave directions open"));
     let (told, _) = small("free", 30);

@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
-use crate::report::next_steps;
+use crate::report::next_steps::{self, Worded};
 use crate::report::table::mm;
 use sesc_identify::plan::Plan;
 
 /// What was drawn, what was chosen, and what it will be good for.
-pub fn text(plan: &Plan) -> String {
+pub fn text(plan: &Plan, next: &[Worded]) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
@@ -103,5 +103,5 @@ pub fn text(plan: &Plan) -> String {
         "note",
         "only the postures are checked, not the way from one to the next".to_string(),
     );
-    out + &next_steps::text(&plan.next_steps, &[])
+    out + &next_steps::text(next)
 }

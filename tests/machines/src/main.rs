@@ -1,5 +1,5 @@
 //! Prints a hash over the bits of each function of the OP2, of a fit, and of generated text:
-//! `machines URDF SUPPORT FOLDER`. `tests/machines/run` compares what machines print.
+//! `machines URDF SUPPORT FOLDER`. `.ci/all machines` compares what machines print.
 
 use std::error::Error;
 use std::path::Path;

@@ -199,8 +199,6 @@ impl<'p> Victim<'p> {
             fs::create_dir_all(self.at().join(&day)).expect("a folder");
             self.to_its_end(&format!("{log} {day}/log.csv --seed {robot}"));
         }
-        // A log that is younger than this is not remembered by its stamp.
-        std::thread::sleep(Duration::from_millis(2100));
     }
 
     fn start(&self, line: &str) -> Child {

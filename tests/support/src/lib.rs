@@ -20,7 +20,6 @@ pub mod judge;
 pub mod kills;
 pub mod log;
 pub mod machine;
-pub mod memo;
 pub mod moving;
 pub mod poses;
 pub mod recording;

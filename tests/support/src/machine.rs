@@ -1,23 +1,9 @@
-//! Programs run with a limit on their time, and tools that must be there.
+//! Programs run with a limit on their time.
 
 use std::io::{Read, Seek as _, Write as _};
 use std::process::{Command, Output, Stdio};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
-
-/// Fails, with the remedy, where a package that the tests need is missing.
-pub fn need_tools() {
-    let setup = concat!(env!("CARGO_MANIFEST_DIR"), "/../setup");
-    let output = Command::new("bash").args([setup, "--missing"]).output();
-    let output = output.expect("bash runs tests/setup");
-    let missing = String::from_utf8_lossy(&output.stdout);
-    let missing: Vec<&str> = missing.split_whitespace().collect();
-    assert!(
-        missing.is_empty() && output.status.success(),
-        "packages are missing: run `tests/setup`, or as root `apt-get install {}`",
-        missing.join(" ")
-    );
-}
 
 /// Runs `command` with `input` on stdin; kills it and panics after `limit`.
 pub fn run(command: &mut Command, input: &str, limit: Duration) -> Output {
@@ -29,9 +15,9 @@ pub fn run(command: &mut Command, input: &str, limit: Duration) -> Output {
         .stdin(stdin)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
-    let mut child = command
-        .spawn()
-        .unwrap_or_else(|error| panic!("{command:?} does not start: {error}; run `tests/setup`"));
+    let mut child = command.spawn().unwrap_or_else(|error| {
+        panic!("{command:?} does not start: {error}; `.ci/all boards` installs it")
+    });
     let stdout = drain(child.stdout.take().unwrap());
     let stderr = drain(child.stderr.take().unwrap());
     let start = Instant::now();

@@ -6,6 +6,8 @@
 //! sway    AR(1) under as much white noise of the sensor
 //! ```
 
+use std::fmt;
+
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Track, World};
@@ -23,6 +25,17 @@ pub enum Kind {
     Smooth(f64),
     /// Second order with sway, of this correlation time.
     Sway(f64),
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Kind::White => write!(f, "white"),
+            Kind::Ar1(tau) => write!(f, "AR(1) {tau} s"),
+            Kind::Smooth(tau) => write!(f, "AR(2) {tau} s"),
+            Kind::Sway(tau) => write!(f, "sway {tau} s under white"),
+        }
+    }
 }
 
 /// How the robot moves.

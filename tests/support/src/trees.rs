@@ -64,6 +64,48 @@ pub fn tree(seed: u64, kind: Kind) -> (String, Vec<String>) {
     )
 }
 
+/// `text` without some of what a URDF may lack, and with what other tools put beside it.
+pub fn stripped(text: &str, seed: u64) -> String {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut out = String::from("<!-- stripped -- by chance --><robot name=\"stripped\">");
+    for element in text.split('<').skip(2) {
+        let name = element.split([' ', '/', '>']).next().unwrap_or_default();
+        let optional = matches!(name, "inertia" | "limit" | "axis" | "origin");
+        if optional && rng.random_bool(0.3) {
+            out += element.split_once('>').map_or("", |(_, blank)| blank);
+            continue;
+        }
+        let mut element = element.to_owned();
+        for attribute in [
+            "xyz",
+            "rpy",
+            "ixy",
+            "izz",
+            "lower",
+            "upper",
+            "effort",
+            "multiplier",
+            "offset",
+        ] {
+            let start = element.find(&format!(" {attribute}=\""));
+            if let Some(start) = start.filter(|_| rng.random_bool(0.2)) {
+                let value = start + attribute.len() + 3;
+                let end = value + element[value..].find('"').map_or(0, |end| end + 1);
+                element.replace_range(start..end, "");
+            }
+        }
+        if name == "joint" && rng.random_bool(0.3) {
+            out += "<undeclared:tool of:use=\"1\"/>";
+        }
+        out += "<";
+        out += &element;
+        if name == "link" && !element.ends_with("/>\n") && rng.random_bool(0.3) {
+            out += "<visual><geometry><teapot handles=\"two\"/></geometry></visual>";
+        }
+    }
+    out
+}
+
 /// A link's inertia, no two alike; some have none.
 fn inertia(k: usize, mass: f64) -> String {
     if k % 7 == 3 {

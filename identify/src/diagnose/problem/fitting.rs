@@ -11,8 +11,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Closed, Fit, Problem, RowSelection};
-use crate::diagnose::backlash_sides;
+use super::{Closed, Fit, Problem, RowSelection, backlash_sides};
 use crate::diagnose::hypothesis::Term;
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;

@@ -3,8 +3,8 @@
 use sesc_model::effects::PostureContext;
 
 use super::{Bench, gauss, term, values};
-use crate::diagnose::backlash_sides::settle;
 use crate::diagnose::problem::ALL;
+use crate::diagnose::problem::backlash_sides::settle;
 
 const JOINT: &str = "r_ank_pitch";
 

@@ -6,6 +6,7 @@ use sesc_reference::World;
 
 use super::OP2_URDF;
 use super::{Bench, NOISE, about, diagnosed, gauss, term};
+use crate::diagnose::criteria::{CLASS_SCORE, TOLD_APART};
 use crate::diagnose::diagnosis::find;
 use crate::diagnose::further_logs::{FurtherLog, together};
 use crate::diagnose::next_postures::{OnFoot, next};
@@ -222,4 +223,13 @@ fn what_is_stated_about_settled_masses_is_of_all_logs() {
     assert!((both.1 / std - 1.0).abs() < 0.05, "{both:?} {std}");
     assert!((both.0 - value).abs() < 0.3 * std, "{both:?} {value}");
     assert!((both.0 - 0.2).abs() < 4.0 * both.1, "{both:?}");
+}
+
+/// The sentence of the criterion is its closed form.
+#[test]
+fn nine_of_ten_logs_leave_a_class_of_what_an_experiment_tells_apart() {
+    let left = TOLD_APART - 1.28 * 2.0 * TOLD_APART.sqrt();
+    assert!((left - CLASS_SCORE).abs() < 0.05, "{left}");
+    // Explanations that are one class are not told apart.
+    assert!(TOLD_APART > CLASS_SCORE);
 }

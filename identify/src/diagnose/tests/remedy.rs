@@ -7,8 +7,9 @@ use sesc_model::effects::{Catalog, EffectContext, EncoderMap, instances};
 
 use super::{Bench, NOISE, SKEW};
 use crate::diagnose::remedy::{Change, Servo, Step};
-use crate::diagnose::{Report, Request, diagnose};
+use crate::diagnose::{Report, Request, Suspect, Verdict, diagnose};
 use crate::logs::Table;
+use crate::next_steps::NextStep;
 use crate::robot::Robot;
 
 /// q = s u (n − z)
@@ -80,7 +81,6 @@ fn report(servos: &[(&str, Servo)]) -> Report {
     request.noise = Some(NOISE);
     request.floor = 0.0;
     request.corrected_urdf = true;
-    request.model_path = Some("model.toml".into());
     request.servos = servos.iter().map(|(j, s)| ((*j).to_string(), *s)).collect();
     diagnose(&request, &mut ()).unwrap()
 }
@@ -122,12 +122,6 @@ fn an_offset_is_told_by_sign_ticks_and_urdf_lines() {
     assert_eq!(urdf.line, 1);
     assert_eq!(remedy.not_in_urdf, None);
     assert_eq!(found.diagnosis.left_out_of_urdf, Some(Vec::new()));
-    let model_use = found.diagnosis.model_use.unwrap();
-    assert_eq!(model_use.build_rs, ".model(\"model.toml\")");
-    assert_eq!(
-        model_use.generate,
-        "Builder::new(\"skew.urdf\").support(\"foot\").model(\"model.toml\").c99(folder).emit()"
-    );
 
     let servo = Servo {
         zero: 500,
@@ -177,4 +171,23 @@ fn every_effect_says_what_to_change() {
         }
     }
     assert_eq!(said.len(), context.catalog.iter().len());
+}
+
+/// Joints may be called like words of the sentences.
+#[test]
+fn the_name_of_a_joint_chooses_no_advice() {
+    let mut found = report(&[]).diagnosis;
+    found.verdict = Verdict::Unexplained;
+    for joint in ["moment", "load", "position", "place in the log"] {
+        let joint = joint.to_string();
+        found.suspects = vec![Suspect::Position(joint.clone())];
+        assert_eq!(found.next_steps()[0], NextStep::CheckJoint { joint });
+    }
+    let joint = "r_knee".to_string();
+    found.suspects = vec![Suspect::Moment(joint.clone())];
+    assert_eq!(found.next_steps()[0], NextStep::CheckLoad { joint });
+    found.suspects = vec![Suspect::Place];
+    assert_eq!(found.next_steps()[0], NextStep::CheckRecording);
+    found.suspects.clear();
+    assert_eq!(found.next_steps()[0], NextStep::CheckContact);
 }

@@ -20,11 +20,14 @@
 
 use std::ops::{Range, RangeInclusive};
 
-use statrs::distribution::{ChiSquared, ContinuousCDF as _, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 use super::criteria::FALSE_ALARM;
 use super::criteria::changes::{LEAST_FREEDOM, ONSET};
 use crate::fleet::row::{Row, Size};
+
+/// Beyond this a number may as well be so.
+const LARGEST: f64 = 1e100;
 
 /// A number by day.
 pub(super) struct Course<'r> {
@@ -142,7 +145,7 @@ fn is_straight(sizes: &[Size]) -> bool {
     let chi2 = sum(&|t, x| (x - line(t)).powi(2));
     // Two days always lie on a line.
     let law = ChiSquared::new(sizes.len() as f64 - 2.0);
-    law.is_ok_and(|law| law.sf(chi2) > FALSE_ALARM) || sizes.len() < 3
+    law.is_ok_and(|law| tail(&law, chi2) > FALSE_ALARM) || sizes.len() < 3
 }
 
 fn split(course: &Course) -> Option<Split> {
@@ -164,7 +167,7 @@ fn split(course: &Course) -> Option<Split> {
     // A drift is split best in its middle, and begins before.
     let onset = (1..=best).find(|k| of(*k)).unwrap_or(best);
     let law = StudentsT::new(0.0, 1.0, course.freedom.max(LEAST_FREEDOM)).ok()?;
-    let p = 2.0 * law.sf(z(best).abs());
+    let p = 2.0 * tail(&law, z(best).abs());
     let ln_p = p.max(f64::MIN_POSITIVE).ln();
     z(best).is_finite().then_some(Split { onset, ln_p })
 }
@@ -194,6 +197,15 @@ fn days_of_95_percent(sizes: &[Size]) -> RangeInclusive<usize> {
         (first, last) = (first.min(day), last.max(day));
     }
     first..=last
+}
+
+/// Chance of `x` or more. Numbers that come from a file may be anything, of which laws take those
+/// alone that are finite and not too large to be squared.
+pub(super) fn tail(law: &impl ContinuousCDF<f64, f64>, x: f64) -> f64 {
+    match x {
+        x if x.is_nan() => 1.0,
+        x => law.sf(x.clamp(-LARGEST, LARGEST)),
+    }
 }
 
 /// Means weighted by 1/s² of the first number, of the first two, and so on.

@@ -1,9 +1,9 @@
-//! When something is said of a fleet. `cargo xtask study-fleet` counts what comes of all of
+//! When something is said of a fleet. `cargo xtask study fleet` counts what comes of all of
 //! these numbers together.
 
 /// Chance that a fleet of which nothing is wrong gets a shared effect, and that it gets a
 /// change: corrected for everything that is looked at in the whole fleet. Chosen: it is the
-/// rate of false alarms itself; `cargo xtask study-fleet` counts them.
+/// rate of false alarms itself; `cargo xtask study fleet` counts them.
 pub const FALSE_ALARM: f64 = 0.01;
 
 /// An effect of the last day alone counts if it is so many deviations large. Chosen: half of it

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::fleet::row::{Absent, EffectFound, Row, Size, by_number};
-use crate::health::Kind;
 
 /// Effect and target.
 pub(super) type Key = (String, String);
@@ -68,15 +67,9 @@ pub(super) fn label((effect, target): (&str, &str)) -> String {
 }
 
 impl<'r> History<'r> {
-    /// Rows that say something of the robot: not those of a stuck encoder, whose joint is not
-    /// where the log says and whose explanation makes up for it.
+    /// Rows that say something of the robot.
     pub fn usable(&self) -> impl Iterator<Item = &'r Row> {
-        let stuck = |row: &Row| {
-            let mut kinds = row.health.iter().map(|finding| finding.kind);
-            kinds.any(|kind| kind == Kind::EncoderStuck)
-        };
-        let rows = self.rows.iter().copied();
-        rows.filter(move |row| row.is_usable() && !stuck(row))
+        self.rows.iter().copied().filter(|row| row.is_usable())
     }
 
     /// Rows of which something came, whether it says something of the robot or not.

@@ -26,20 +26,20 @@ const Z: f64 = 1.959_963_985;
 
 /// Why a robot is to be looked at.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Reason {
     /// The robot.
     pub robot: String,
-    /// The larger, the sooner: what spoils data comes before what spoils the robot, what
-    /// changes before what stays, what is the robot's own before what others share. Each
-    /// statement counts by the probability that it is true.
+    /// Urgency; what spoils data comes before what spoils the robot, a change before a lasting
+    /// state, what is the robot's own before what others share. Each statement counts by the
+    /// probability that it is true.
     pub weight: f64,
-    /// Standard deviation of the weight: each statement is true or false.
+    /// Standard deviation of the weight; each statement is true or false.
     pub weight_std: f64,
-    /// First and last place that the robot may have in the list, at 95 %; robots of one weight
-    /// share their places.
+    /// Possible first and last place in the list, at 95 %; robots of one weight share their places.
     pub places: [usize; 2],
-    /// Chance that a sound robot is listed so: that no statement is true.
+    /// Chance that a sound robot is listed so.
     pub chance: f64,
     /// The statements.
     pub said: Vec<Statement>,
@@ -49,11 +49,12 @@ pub struct Reason {
 
 /// One thing that is said of a robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Statement {
     /// How urgent it is.
     pub weight: f64,
-    /// Chance that it is said where it is not true; 0 of what files themselves say.
+    /// Chance of a false statement; 0 of what files themselves state.
     pub chance: f64,
     /// What is said, as a sentence.
     pub sentence: String,

@@ -231,6 +231,7 @@ fn rows_of_a_stuck_encoder_say_nothing_of_effects() {
     for row in fleet.rows.iter_mut().filter(stuck) {
         let finding = r#"{"kind": "encoder_stuck", "target": "r_el", "sentence": "It is stuck."}"#;
         row.health = vec![serde_json::from_str(finding).unwrap()];
+        row.verdict = Some(crate::diagnose::Verdict::Unusable);
     }
     let found = fleet.summary();
     assert_eq!(found.shared[0].robots, ["r02", "r07", "r11"]);
@@ -484,4 +485,23 @@ fn changes_say_sizes_and_the_days_on_which_they_may_have_come() {
     let [before, after] = [&found[0].before, &found[0].after].map(|size| size.unwrap());
     assert!((after.value - before.value - 30.0 * STD).abs() < 5.0 * STD);
     assert!(before.std >= STD && after.std >= STD);
+}
+
+/// A row that a file holds may have any numbers.
+#[test]
+fn numbers_of_any_size_make_no_panic() {
+    for odd in [1e308, -1e308, f64::NAN, f64::INFINITY] {
+        let mut fleet = Drawn::fleet(6, 6, 30);
+        fleet.offset(1, "l_knee", 0.05, 3);
+        for row in fleet.rows.iter_mut().filter(|row| row.robot == "r01") {
+            row.params[3] = odd;
+            row.covariance[5] = odd;
+            row.held_out_rmse = Some(odd);
+        }
+        for (k, row) in fleet.rows.iter_mut().enumerate().skip(20) {
+            row.std[k % PARAMS] = Some(odd);
+            row.params[7] = if k % 2 == 0 { odd } else { -odd };
+        }
+        fleet.summary();
+    }
 }

@@ -25,6 +25,7 @@ mod sample;
 mod screen;
 mod sole;
 mod stamps;
+pub(super) mod standing;
 mod steps;
 
 use std::f64::consts::PI;

@@ -12,9 +12,9 @@
 use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
 
-use super::{LeftOut, LogRows};
+use super::{LeftOut, LogRows, standing};
 use crate::health::leftover::{is_no_chance, overstated};
-use crate::health::{Finding, Picture, standing};
+use crate::health::{Finding, Picture};
 use crate::observations::correlation::Correlation;
 
 /// Rows that are looked at, at most.

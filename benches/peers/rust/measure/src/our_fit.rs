@@ -1,8 +1,8 @@
 //! Our fit from postures in memory: the library's present path, all that is
 //! measured of it.
 
-use sesc_identify::fit::gather::Gathered;
-use sesc_identify::observations::rows::Measurement;
+use sesc_identify::fit::Gathered;
+use sesc_identify::observations::Measurement;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{Settings, identify};
 use sesc_identify::logs::Block;

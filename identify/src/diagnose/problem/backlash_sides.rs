@@ -1,0 +1,179 @@
+//! On which side of its dead band each joint rests, posture by posture.
+//!
+//! Gravity decides: `sign τ_j` with every other joint where it rests. A joint
+//! that carries the robot is an inverted pendulum: near zero moment both sides
+//! hold, and the reading decides which, at a penalty.
+
+use nalgebra::DVector;
+use sesc_model::effects::{PostureContext, ROUNDS};
+
+use super::{Fit, Problem};
+use crate::diagnose::criteria;
+use crate::diagnose::hypothesis::Term;
+
+/// Sides, written into the posture context, with the penalty of the unlikely ones.
+pub struct Sides {
+    pub posture_context: Vec<f64>,
+    pub penalty: f64,
+    /// Postures with a joint on its unlikely side.
+    pub flipped: Vec<usize>,
+}
+
+/// The side of every slack joint in every posture: gravity's, and where that is
+/// nearly even and `fit` is there to say what is left over, the reading's.
+pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&Fit>) -> Sides {
+    let layout = PostureContext::of(problem.context.robot);
+    let (n, dof) = (problem.data.len(), problem.context.robot.dof());
+    let joints = problem.slack_joints(terms);
+    let mut posture_context = problem.data.posture_context.clone();
+    let mut out = Vec::new();
+    // From the middle of every band, all at once, as in `Measured::bend`.
+    joints_at(problem, &joints, &mut posture_context, |_, _| 0.0);
+    for _ in 0..ROUNDS {
+        out = problem.evaluate_moments(terms, unknowns, &posture_context);
+        joints_at(problem, &joints, &mut posture_context, |before, at| {
+            let step = if out[at] < 0.0 { -1.0 } else { 1.0 };
+            before + step / ROUNDS as f64
+        });
+    }
+    let mut penalty = 0.0;
+    let mut flipped = Vec::new();
+    if fit.is_some() {
+        let residual = residual_now(problem, terms, unknowns, &posture_context);
+        let unexplained = problem.masses(terms).project_out_one(&residual);
+        for k in 0..n {
+            let near = bistable(
+                problem,
+                &out[k * 3 * dof..(k + 1) * 3 * dof],
+                unknowns,
+                &joints,
+                k,
+            );
+            if near.is_empty() {
+                continue;
+            }
+            let own = [unexplained[2 * k], unexplained[2 * k + 1]];
+            let (flips, cost) = best_flips(k, own, &near, &posture_context, &layout);
+            penalty += cost;
+            if !flips.is_empty() {
+                flipped.push(k);
+            }
+            for joint in flips {
+                posture_context[k * layout.len() + layout.side(joint)] *= -1.0;
+            }
+        }
+    }
+    Sides {
+        posture_context,
+        penalty,
+        flipped,
+    }
+}
+
+/// Move every loose joint of every posture: from where it is and the place of its
+/// moment among the outputs.
+fn joints_at(
+    problem: &Problem,
+    joints: &[(usize, usize)],
+    posture_context: &mut [f64],
+    to: impl Fn(f64, usize) -> f64,
+) {
+    let layout = PostureContext::of(problem.context.robot);
+    let dof = problem.context.robot.dof();
+    for k in 0..problem.data.len() {
+        for &(joint, _) in joints {
+            let side = &mut posture_context[k * layout.len() + layout.side(joint)];
+            *side = to(*side, k * 3 * dof + joint);
+        }
+    }
+}
+
+fn residual_now(
+    problem: &Problem,
+    terms: &[Term],
+    unknowns: &[f64],
+    posture_context: &[f64],
+) -> DVector<f64> {
+    let out = problem.evaluate(terms, unknowns, &problem.data.q, posture_context);
+    let width = unknowns.len() + 1;
+    let rows = 2 * problem.data.len();
+    DVector::from_fn(rows, |row, _| {
+        (problem.data.reading[row] - out[row * width]) * problem.weight[row]
+    })
+}
+
+/// A joint that may rest on either side: what moving there does to the reading.
+struct Near {
+    joint: usize,
+    /// Whitened change of the reading by half a width.
+    half: [f64; 2],
+    /// How far from even the odds are, 0 to 1.
+    certainty: f64,
+}
+
+fn bistable(
+    problem: &Problem,
+    moments: &[f64],
+    unknowns: &[f64],
+    joints: &[(usize, usize)],
+    k: usize,
+) -> Vec<Near> {
+    let dof = problem.context.robot.dof();
+    let mut near: Vec<Near> = Vec::new();
+    for &(joint, at) in joints {
+        let half = 0.5 * unknowns[at].abs();
+        let slope = [moments[dof + joint], moments[2 * dof + joint]];
+        let lever = slope[0].hypot(slope[1]);
+        let change = [0, 1].map(|axis| half * slope[axis] * problem.weight[2 * k + axis]);
+        let reach = half * lever + criteria::MOMENT_ERROR_M;
+        let certainty = moments[joint].abs() / reach;
+        if 2.0 * change[0].hypot(change[1]) > criteria::SIDE_MATTERS
+            && certainty < criteria::MOMENT_CERTAIN
+        {
+            near.push(Near {
+                joint,
+                half: change,
+                certainty: certainty / criteria::MOMENT_CERTAIN,
+            });
+        }
+    }
+    near.sort_by(|a, b| {
+        b.half[0]
+            .hypot(b.half[1])
+            .total_cmp(&a.half[0].hypot(a.half[1]))
+    });
+    near.truncate(criteria::SIDE_JOINTS);
+    near
+}
+
+/// The joints to put on their other side, and what that costs.
+fn best_flips(
+    k: usize,
+    residual: [f64; 2],
+    near: &[Near],
+    posture_context: &[f64],
+    layout: &PostureContext,
+) -> (Vec<usize>, f64) {
+    let mut best = (0, 0.0, residual[0].powi(2) + residual[1].powi(2));
+    for choice in 1..1_usize << near.len() {
+        let (mut left, mut cost) = (residual, 0.0);
+        for (bit, joint) in near.iter().enumerate() {
+            if choice >> bit & 1 == 1 {
+                let side = posture_context[k * layout.len() + layout.side(joint.joint)];
+                for (left, half) in left.iter_mut().zip(joint.half) {
+                    *left += 2.0 * side * half;
+                }
+                cost += criteria::SIDE_SCORE * (criteria::SIDE_EVEN + joint.certainty);
+            }
+        }
+        let total = left[0].powi(2) + left[1].powi(2) + cost;
+        if total < best.2 {
+            best = (choice, cost, total);
+        }
+    }
+    let flips = near
+        .iter()
+        .enumerate()
+        .filter(|(bit, _)| best.0 >> bit & 1 == 1);
+    (flips.map(|(_, joint)| joint.joint).collect(), best.1)
+}

@@ -1,0 +1,250 @@
+//! The page of `sesc demo`.
+
+use minijinja::value::{Serde, Value};
+use minijinja::{Error, context};
+
+use super::html::render;
+use super::next_steps::Worded;
+use super::origin::Origin;
+use super::robot::Shown;
+use super::{CopRow, DemoReport, HiddenAct, diagnose, figures, next_steps};
+
+/// Outline of the OP2's sole around its sole frame: length, width, m.
+const OP2_SOLE_M: [f64; 2] = [0.105, 0.066];
+
+/// The page of `sesc demo`; `command` makes it again.
+pub fn page(report: &DemoReport, steps: &[Worded], command: &str) -> Result<String, Error> {
+    let figure = Value::from_safe_string;
+    let hidden = report.hidden.as_ref();
+    // The robot of the second act is shown in the first one's postures, too.
+    let first = hidden.map_or(0, |hidden| hidden.view.postures.len());
+    let context = context! {
+        report => Serde(report),
+        origin => Origin {
+            robot: [&report.robot, &report.hash],
+            command,
+            ..Origin::default()
+        }
+        .context(),
+        next => next_steps::context(steps),
+        robot => hidden.map(|hidden| of_hidden(hidden, held_out(report))),
+        sole_mm => OP2_SOLE_M.map(|length| format!("{:.0}", 1e3 * length)).to_vec(),
+        all_within => report.functions.iter().all(|row| row.worst_error_m <= row.bound_m),
+        worst_error_m => report.functions.iter().map(|row| row.worst_error_m).fold(0.0, f64::max),
+        figures => context! {
+            errors => figure(figures::errors(report)),
+            cop_x => figure(figures::cop_over_postures(&report.cop, 0, first)),
+            cop_y => figure(figures::cop_over_postures(&report.cop, 1, first)),
+            plane => figure(figures::cop_plane(&report.cop, OP2_SOLE_M, first)),
+            lengths_full => figure(figures::lengths_full(&report.lengths)),
+            lengths_base => figure(figures::lengths_base(&report.lengths)),
+            height_level => figure(figures::height_level(&report.height, report.height_offset_m, first)),
+            height_shape => figure(figures::height_shape(&report.height, first)),
+            parameters => figure(figures::parameters(report)),
+            course => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::course(&h.view.postures))),
+            waterfall => figure(report.hidden.as_ref().map_or_else(String::new, |h| figures::diagnose::waterfall(&h.view.stages))),
+        },
+    };
+    render("demo.html", context)
+}
+
+/// The robot of the second act, which stands in the postures `apart` where figures ask for it.
+fn of_hidden(hidden: &HiddenAct, apart: Vec<Shown>) -> Value {
+    let mut card = diagnose::card(&hidden.diagnosis, &hidden.view);
+    card.caption = format!("As the last part below finds it. {}", card.caption);
+    card.apart = apart;
+    card.context()
+}
+
+/// The postures of the first act's figures, with what these draw of them.
+fn held_out(report: &DemoReport) -> Vec<Shown> {
+    let signed = |text: String| text.replace('-', "−");
+    let place = |at: [f64; 2]| {
+        let [x, y] = at.map(|x| 1e3 * x);
+        signed(format!("x {x:.2}, y {y:.2} mm"))
+    };
+    let shown = |(k, row): (usize, &CopRow)| {
+        let mut said = vec![
+            format!("true CoP {}", place(row.truth)),
+            format!("identified {}", place(row.identified)),
+        ];
+        said.extend(report.height.get(k).map(|height| {
+            let [truth, level, shape] =
+                [height.truth, height.identified, height.anchored].map(|z| 1e3 * z);
+            signed(format!(
+                "height of the CoM {truth:.2} mm, identified {level:.2} mm, with the constant from \
+                 CAD {shape:.2} mm"
+            ))
+        }));
+        Shown {
+            pose: i64::try_from(row.pose).unwrap_or(i64::MAX),
+            q: row.q.clone(),
+            measured: Some(row.measured),
+            row: Some(format!(
+                "row {} of {} that were held out",
+                k + 1,
+                report.cop.len()
+            )),
+            said,
+            ..Shown::default()
+        }
+    };
+    report.cop.iter().enumerate().map(shown).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::html::{SCRIPT, SCRIPT_HASH};
+    use super::super::tests::{report, still};
+    use super::page as demo;
+
+    #[test]
+    fn the_page_says_the_numbers() {
+        let page = demo(&report(), &[], "sesc demo").unwrap();
+        for text in [
+            "0.72 mm",
+            "3.93 mm",
+            "4.93 mm",
+            "±30°",
+            "42 <small>of 63</small>",
+            "4.4 × 10⁻¹⁶",
+            "500 others",
+        ] {
+            assert!(page.contains(text), "{text}");
+        }
+        assert_eq!(page.matches("class=\"ok\">within").count(), 1);
+        assert_eq!(page.matches("class=\"bad\">exceeded").count(), 1);
+        assert!(page.contains("functions disagree with the reference"));
+        let mut fine = report();
+        fine.functions.truncate(1);
+        assert!(
+            demo(&fine, &[], "sesc demo")
+                .unwrap()
+                .contains("functions agree with the reference")
+        );
+    }
+
+    #[test]
+    fn names_are_escaped() {
+        let page = demo(&report(), &[], "sesc demo").unwrap();
+        for raw in ["op<2>", "<b>&", "<l_knee>"] {
+            assert!(!page.contains(raw), "{raw}");
+        }
+        assert!(page.contains("op&lt;2&gt;") && page.contains("&lt;l_knee&gt;"));
+    }
+
+    #[test]
+    fn the_page_stands_alone_and_is_the_same_every_time() {
+        let page = demo(&report(), &[], "sesc demo").unwrap();
+        still(&page, 1);
+        assert_eq!(page.matches("<svg ").count(), 9);
+        assert_eq!(page, demo(&report(), &[], "sesc demo").unwrap());
+    }
+
+    /// SHA-256 (FIPS 180-4).
+    fn sha256(message: &[u8]) -> [u8; 32] {
+        let constants = primes().map(|p| fraction(p, 3));
+        let constants: Vec<u32> = constants.collect();
+        let mut state: Vec<u32> = primes().take(8).map(|p| fraction(p, 2)).collect();
+        let mut padded = message.to_vec();
+        padded.push(0x80);
+        while padded.len() % 64 != 56 {
+            padded.push(0);
+        }
+        padded.extend((8 * message.len() as u64).to_be_bytes());
+        for block in padded.chunks_exact(64) {
+            let words = block.chunks_exact(4);
+            let mut w: Vec<u32> = words
+                .map(|b| u32::from_be_bytes([b[0], b[1], b[2], b[3]]))
+                .collect();
+            for t in 16..64 {
+                let (x, y) = (w[t - 15], w[t - 2]);
+                let s0 = x.rotate_right(7) ^ x.rotate_right(18) ^ (x >> 3);
+                let s1 = y.rotate_right(17) ^ y.rotate_right(19) ^ (y >> 10);
+                let sum = w[t - 16].wrapping_add(s0).wrapping_add(w[t - 7]);
+                w.push(sum.wrapping_add(s1));
+            }
+            let mut v = state.clone();
+            for (word, constant) in w.iter().zip(&constants) {
+                let s1 = v[4].rotate_right(6) ^ v[4].rotate_right(11) ^ v[4].rotate_right(25);
+                let choice = (v[4] & v[5]) ^ (!v[4] & v[6]);
+                let one = v[7].wrapping_add(s1).wrapping_add(choice);
+                let one = one.wrapping_add(*constant).wrapping_add(*word);
+                let s0 = v[0].rotate_right(2) ^ v[0].rotate_right(13) ^ v[0].rotate_right(22);
+                let majority = (v[0] & v[1]) ^ (v[0] & v[2]) ^ (v[1] & v[2]);
+                let two = s0.wrapping_add(majority);
+                v.rotate_right(1);
+                v[4] = v[4].wrapping_add(one);
+                v[0] = one.wrapping_add(two);
+            }
+            for (own, by) in state.iter_mut().zip(&v) {
+                *own = own.wrapping_add(*by);
+            }
+        }
+        let mut out = [0; 32];
+        for (bytes, word) in out.chunks_exact_mut(4).zip(&state) {
+            bytes.copy_from_slice(&word.to_be_bytes());
+        }
+        out
+    }
+
+    /// The first 64 primes.
+    fn primes() -> impl Iterator<Item = u128> {
+        let prime = |n: &u128| (2..*n).all(|k| !n.is_multiple_of(k));
+        (2..).filter(prime).take(64)
+    }
+
+    /// First 32 bits behind the point of the square (2) or cube (3) root of n, exactly: the integer
+    /// root of n 2^(32 power), without what stands before the point.
+    fn fraction(n: u128, power: u32) -> u32 {
+        let scaled = n << (32 * power);
+        let (mut low, mut high) = (0_u128, 1_u128 << 37);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            match middle.pow(power) <= scaled {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        (low & 0xffff_ffff) as u32
+    }
+
+    fn base64(bytes: &[u8]) -> String {
+        const LETTERS: &[u8; 64] =
+            b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        let mut out = String::new();
+        for group in bytes.chunks(3) {
+            let byte = |k: usize| u32::from(group.get(k).copied().unwrap_or(0));
+            let all = byte(0) << 16 | byte(1) << 8 | byte(2);
+            for k in 0..4 {
+                match k <= group.len() {
+                    true => out.push(char::from(LETTERS[(all >> (18 - 6 * k) & 63) as usize])),
+                    false => out.push('='),
+                }
+            }
+        }
+        out
+    }
+
+    /// The policy of a page lets its one script run and nothing else, and that is small.
+    #[test]
+    fn a_page_may_run_its_own_script_and_load_nothing() {
+        assert!(SCRIPT.concat().len() < 150_000);
+        let page = demo(&report(), &[], "sesc demo").unwrap();
+        let (_, policy) = page
+            .split_once("Content-Security-Policy\" content=\"")
+            .unwrap();
+        let (policy, _) = policy.split_once('"').unwrap();
+        let (_, script) = page.split_once("<script>").unwrap();
+        let (script, _) = script.split_once("</script>").unwrap();
+        let own = format!("sha256-{}", base64(&sha256(script.as_bytes())));
+        assert_eq!(SCRIPT_HASH, own, "the script changed: this is its hash");
+        assert_eq!(
+            policy,
+            format!("default-src 'none'; style-src 'unsafe-inline'; script-src '{own}'")
+        );
+        for handler in ["onclick=", "onload=", "javascript:", " style=\""] {
+            assert!(!page.contains(handler), "{handler}");
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! f64 and f32 give the bits of Rust, whatever the compiler and its zeal; every scalar stays within
+//! the bounds that its header promises, and no integer overflows.
+//!
+//! Rust stands here as the tape (f64) and as programs run node by node in `f32`;
+//! `tests/it/compiled.rs` holds compiled Rust to both, bit by bit.
+
+use sesc_codegen::emit::c::Scalar;
+use sesc_model::Given;
+use sesc_model::tape::{Tape, Values};
+
+use super::bounds::{check, in_pairs};
+use super::case::{Case, ROBOTS, SCALARS};
+use super::compiled::{Compiled, folder, parallel};
+use super::draw::{Draw, draw};
+use super::entry::Entry;
+use super::fixed::trapping;
+use crate::COMPILERS;
+use sesc_test_support::exact::Interpreter;
+
+/// Postures whose bits are compared.
+const POSTURES: usize = 200;
+/// Postures of each robot for each function that are held against bounds, corners among them.
+const BOUNDED: usize = 1_000;
+/// Postures in pairs of doubles, which take a microsecond an operation.
+const IN_PAIRS: usize = 150;
+
+/// Level after level; optimisation must not change a bit.
+const LEVELS: [&str; 4] = ["-O2", "-O0", "-O1", "-O3"];
+
+/// Each robot in each scalar, compiled once: by one compiler and level after the other. Integers,
+/// which give the same everywhere by themselves, are stopped where they overflow.
+#[test]
+fn compiled_c_has_the_bits_of_rust_and_stays_within_its_bounds() {
+    let folder = folder("bits");
+    // One compiler has robots and trees that differ in kind.
+    let few = COMPILERS.len() == 1;
+    let alike = |robot: &(&str, &str)| few && ["body_link", "right_sole"].contains(&robot.1);
+    let robots = ROBOTS.iter().filter(|robot| !alike(robot));
+    let mut cases: Vec<Case> = robots.map(|(r, s)| Case::robot(r, s)).collect();
+    let trees = (0..12).step_by(if few { 2 } else { 1 });
+    cases.extend(trees.map(|k| Case::random(700 + k, 3 + 2 * k as usize)));
+    cases.extend(Case::bodies());
+    let smooth = cases.len();
+    cases.extend(Case::of_cells());
+    let mut jobs = Vec::new();
+    for (k, case) in cases.iter().enumerate() {
+        for &scalar in case.scalars() {
+            let build = (k * SCALARS.len() + scalar as usize) % (COMPILERS.len() * LEVELS.len());
+            let builds = match k {
+                // Every build for one robot.
+                0 if scalar != Scalar::Fixed32 => (0..COMPILERS.len() * LEVELS.len()).collect(),
+                _ => vec![build],
+            };
+            jobs.push((case, scalar, builds, k < smooth));
+        }
+    }
+    parallel(jobs, |(case, scalar, builds, is_smooth)| {
+        let entries = case.entries(scalar);
+        let entries: Vec<&Entry> = entries.iter().collect();
+        for (n, build) in builds.into_iter().enumerate() {
+            let compiler = COMPILERS[build % COMPILERS.len()];
+            let level = LEVELS[build / COMPILERS.len()];
+            let compiled = match scalar {
+                Scalar::Fixed32 => trapping(&folder, case),
+                _ => Compiled::build(&folder, case, scalar, compiler, &[level], |source| source),
+            };
+            if scalar != Scalar::Fixed32 {
+                let drawn = draw(case, POSTURES, 5, &*compiled.hold());
+                let found = compiled.run(case, &entries, &drawn);
+                for (entry, found) in entries.iter().zip(&found) {
+                    let name =
+                        format!("{}_{} {scalar:?} {compiler} {level}", case.name, entry.name);
+                    same(
+                        &name,
+                        found,
+                        &rust(case, scalar, entry, &drawn),
+                        entry.given.is_some(),
+                    );
+                }
+            }
+            if is_smooth && n == 0 {
+                bounded(case, scalar, &compiled, &entries);
+            }
+        }
+    });
+}
+
+fn same(name: &str, found: &[f64], expected: &[f64], all: bool) {
+    assert!(!all || found.len() == expected.len(), "{name}");
+    for (k, (a, b)) in found.iter().zip(expected).enumerate() {
+        let same = a.to_bits() == b.to_bits() || (*a == 0.0 && *b == 0.0);
+        // An effect of cells has no reading off the foot.
+        let same = same || (a.is_nan() && b.is_nan());
+        assert!(same, "{name}: {a:e} {b:e} at {k}");
+    }
+}
+
+/// No bound is exceeded; and one far above what is measured would prove nothing.
+fn bounded(case: &Case, scalar: Scalar, compiled: &Compiled, entries: &[&Entry]) {
+    if scalar == Scalar::F64 {
+        let drawn = draw(case, IN_PAIRS, 29, &*compiled.hold());
+        for (entry, found) in entries.iter().zip(&compiled.run(case, entries, &drawn)) {
+            let (measured, proven) = (in_pairs(case, entry, &drawn, found), compiled.bound(entry));
+            assert!(
+                measured <= proven,
+                "{}_{}: {measured:e} of {proven:e}",
+                case.name,
+                entry.name
+            );
+        }
+        return;
+    }
+    let drawn = draw(case, BOUNDED, 17, &*compiled.hold());
+    for (name, measured, proven) in check(case, compiled, entries, &drawn) {
+        // Through springs the worst of four rounds multiplies. The ZMP is drawn where the ground
+        // carries half of the weight whatever the parameters: at a hundredth of the motion that
+        // its bound holds for.
+        let loosest = match name.starts_with("zmp") {
+            true => 1e9,
+            false if case.has_springs() => 1e6,
+            false => 2000.0,
+        };
+        assert!(
+            measured >= proven / loosest,
+            "{} {name}: {measured:e} of {proven:e}",
+            case.name
+        );
+    }
+}
+
+/// What Rust computes; nothing for ticks, which Rust does not know.
+fn rust(case: &Case, scalar: Scalar, entry: &Entry, drawn: &Draw) -> Vec<f64> {
+    let Some(given) = entry.given else {
+        return Vec::new();
+    };
+    let program = entry.program(case).unwrap();
+    let dof = case.model.dof();
+    let params = case.model.base.params.len();
+    let prismatic: Vec<bool> = case
+        .model
+        .tree
+        .dofs
+        .iter()
+        .map(|dof| dof.prismatic)
+        .collect();
+    let (sin, cos): (Vec<f64>, Vec<f64>) = drawn
+        .q
+        .iter()
+        .zip(prismatic.iter().cycle())
+        .map(|(x, prismatic)| match prismatic {
+            true => (*x, 0.0),
+            false => sesc_runtime::trig::sin_cos(*x),
+        })
+        .unzip();
+    let mut inputs: Vec<(&[f64], usize)> = match given {
+        Given::Positions => vec![(&drawn.q, dof)],
+        Given::SinesCosines | Given::Direction => vec![(&sin, dof), (&cos, dof)],
+    };
+    let [qd, qdd] = drawn.motion(entry.function);
+    if entry.takes_velocities() {
+        inputs.push((qd, dof));
+    }
+    if entry.takes_accelerations() {
+        inputs.push((qdd, dof));
+    }
+    if entry.takes_parameters() {
+        inputs.push((&drawn.r, params));
+    }
+    let count = drawn.q.len() / dof;
+    if scalar == Scalar::F64 {
+        let arguments: Vec<Values> = inputs
+            .iter()
+            .map(|(values, _)| Values::PerPosture(values))
+            .collect();
+        let mut out = vec![0.0; count * entry.width];
+        Tape::new(&program).run(
+            &arguments,
+            count,
+            &mut out,
+            sesc_identify::evaluate::PORTABLE,
+        );
+        return out;
+    }
+    let interpreter = Interpreter::new(&program);
+    let inputs: Vec<(Vec<f32>, usize)> = inputs
+        .iter()
+        .map(|(values, len)| (values.iter().map(|x| *x as f32).collect(), *len))
+        .collect();
+    let rows = (0..count).flat_map(|k| {
+        let row = |(values, len): &(Vec<f32>, usize)| values[k * len..(k + 1) * len].to_vec();
+        let rows: Vec<Vec<f32>> = inputs.iter().map(row).collect();
+        let rows: Vec<&[f32]> = rows.iter().map(Vec::as_slice).collect();
+        interpreter.run(&rows)
+    });
+    rows.map(f64::from).collect()
+}

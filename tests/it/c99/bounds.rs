@@ -1,0 +1,175 @@
+//! The bounds that headers promise, against exact evaluation: never exceeded.
+//!
+//! For f32 and fixed32 the tape in f64 is exact enough: its own proven bound is
+//! a ten-millionth of theirs and is allowed for. For f64 programs run in pairs
+//! of doubles.
+
+use astro_float::{BigFloat, Consts, RoundingMode};
+use sesc_codegen::emit::c::Scalar;
+use sesc_model::bounds::Precision;
+use sesc_model::{Function, Given};
+
+use super::case::Case;
+use super::compiled::{Compiled, folder, parallel};
+use super::draw::{Draw, draw};
+use super::entry::Entry;
+use crate::COMPILERS;
+use sesc_test_support::exact::{Double, Interpreter, Number};
+
+/// Postures of the OP2 for its CoM.
+const MANY: usize = 100_000;
+
+/// Largest |a − b|; a NaN is larger than all.
+fn largest(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, |most, x| if x.is_nan() || x > most { x } else { most })
+}
+
+/// Each entry's error on `drawn`, held against the bound in the header.
+///
+/// Names with what was measured and what is proven, m.
+pub fn check(
+    case: &Case,
+    compiled: &Compiled,
+    entries: &[&Entry],
+    drawn: &Draw,
+) -> Vec<(String, f64, f64)> {
+    let found = compiled.run(case, entries, drawn);
+    let mut rows = Vec::new();
+    for (entry, found) in entries.iter().zip(&found) {
+        let q = match entry.given {
+            None => &drawn.turned,
+            Some(_) => &drawn.q,
+        };
+        let exact = match entry.baked {
+            true => {
+                let r = case.model.params().repeat(drawn.q.len());
+                case.tape(entry.function, q, &r, drawn)
+            }
+            false => case.tape(entry.function, q, &drawn.r, drawn),
+        };
+        let program = case
+            .model
+            .program(entry.function, Given::Positions)
+            .unwrap();
+        let own = case.model.rounding(&program, Precision::F64).worst;
+        let (measured, proven) = (largest(found, &exact), compiled.bound(entry));
+        assert!(
+            measured <= proven + own,
+            "{}_{}: off by {measured:.2e}, proven {proven:.2e}",
+            case.name,
+            entry.name
+        );
+        rows.push((entry.name.clone(), measured, proven));
+    }
+    rows
+}
+
+/// What a firmware engineer reads: micrometres, on a hundred thousand postures.
+#[test]
+fn the_op2s_com_is_proven_to_three_micrometres_and_measured_to_half_of_one() {
+    let folder = folder("many");
+    let case = Case::robot("op2", "r_sole");
+    let entries = case.entries(Scalar::F64);
+    let of_com = |entry: &&Entry| entry.function == Function::Com;
+    let entries: Vec<&Entry> = entries.iter().filter(of_com).collect();
+    parallel(vec![Scalar::F32, Scalar::Fixed32], |scalar| {
+        let compiled = Compiled::build(&folder, &case, scalar, COMPILERS[0], &["-O2"], |source| {
+            source
+        });
+        let drawn = draw(&case, MANY, 23, &*compiled.hold());
+        let rows = check(&case, &compiled, &entries, &drawn);
+        assert_eq!(rows.len(), 3, "com, com_sc, com_ticks");
+        for (name, measured, proven) in rows {
+            println!("op2 {scalar:?} {name}: {measured:.2e} of {proven:.2e} m");
+            assert!(proven <= 3e-6, "{name}: proven {proven:.1e}");
+            assert!(measured <= 0.5e-6, "{name}: measured {measured:.1e}");
+        }
+    });
+}
+
+/// Largest distance of `found` from the same program in pairs of doubles.
+pub fn in_pairs(case: &Case, entry: &Entry, drawn: &Draw, found: &[f64]) -> f64 {
+    let program = case
+        .model
+        .program(entry.function, Given::Positions)
+        .unwrap();
+    let interpreter = Interpreter::new(&program);
+    let dof = case.model.dof();
+    let servos = case.servos();
+    let mut worst: f64 = 0.0;
+    for (k, found) in found.chunks(entry.width).enumerate() {
+        let row = k * dof..(k + 1) * dof;
+        let [qd, qdd] = drawn.motion(entry.function).map(|all| -> Vec<Double> {
+            all[row.clone()].iter().map(|x| Double::of(*x)).collect()
+        });
+        let q: Vec<Double> = match entry.given {
+            Some(_) => drawn.q[row].iter().map(|x| Double::of(*x)).collect(),
+            None => drawn.ticks[row]
+                .iter()
+                .zip(&servos)
+                .zip(&case.model.tree.dofs)
+                .map(|((ticks, servo), dof)| {
+                    let away = f64::from(ticks - servo.zero);
+                    match dof.prismatic {
+                        true => Double::of(away).mul(Double::of(servo.per_tick)),
+                        false => servo.turned(away),
+                    }
+                })
+                .collect(),
+        };
+        let params = case.model.base.params.len();
+        let r = match entry.baked {
+            true => case.model.params(),
+            false => drawn.r[k * params..(k + 1) * params].to_vec(),
+        };
+        let r: Vec<Double> = r.into_iter().map(Double::of).collect();
+        let mut inputs = vec![q.as_slice()];
+        inputs.extend(entry.takes_velocities().then_some(qd.as_slice()));
+        inputs.extend(entry.takes_accelerations().then_some(qdd.as_slice()));
+        inputs.extend(entry.function.takes_parameters().then_some(r.as_slice()));
+        let exact = interpreter.run(&inputs);
+        for (exact, found) in exact.iter().zip(found) {
+            let error = exact.distance(*found);
+            worst = if error.is_nan() {
+                f64::INFINITY
+            } else {
+                worst.max(error)
+            };
+        }
+    }
+    worst
+}
+
+/// Pairs of doubles against 256 bits.
+#[test]
+fn pairs_of_doubles_are_as_exact_as_they_must_be() {
+    let mut constants = Consts::new().unwrap();
+    let big = |x: Double| {
+        let high = BigFloat::from_f64(x.high, 256);
+        high.add(&BigFloat::from_f64(x.low, 256), 256, RoundingMode::ToEven)
+    };
+    let distance = |a: &BigFloat, b: Double| -> f64 {
+        let difference = a.sub(&big(b), 256, RoundingMode::ToEven);
+        difference.to_string().parse::<f64>().unwrap().abs()
+    };
+    let even = RoundingMode::ToEven;
+    for k in -500..=500 {
+        let third = Double::of(f64::from(k) * 0.0371);
+        let x = third.mul(Double::of(1.0 / 3.0));
+        let (s, c) = x.sin_cos();
+        let sine = big(x).sin(256, even, &mut constants);
+        let cosine = big(x).cos(256, even, &mut constants);
+        assert!(
+            distance(&sine, s) < 1e-30 && distance(&cosine, c) < 1e-30,
+            "{k}"
+        );
+        let product = big(x).mul(&big(s), 256, even);
+        let sum = big(x).add(&big(s), 256, even);
+        assert!(
+            distance(&product, x.mul(s)) < 1e-30 && distance(&sum, x.add(s)) < 1e-30,
+            "{k}"
+        );
+    }
+}

@@ -1,0 +1,239 @@
+//! What a header tells: mass, limits, names, indices, ticks, costs.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use super::user::*;
+use sesc_test_support::command::{ROOT, op2, write};
+
+/// Joints that move by themselves, in the order of the document: name, lower, upper.
+fn joints(urdf: &str) -> (Vec<(String, f64, f64)>, f64) {
+    let text = fs::read_to_string(urdf).unwrap();
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let number = |node: roxmltree::Node, name: &str| -> f64 {
+        node.attribute(name).unwrap().trim().parse().unwrap()
+    };
+    let child = |node: roxmltree::Node<'_, '_>, name: &str| {
+        let mut children = node.children();
+        children
+            .find(|child| child.has_tag_name(name))
+            .map(|child| child.id())
+    };
+    let mut joints = Vec::new();
+    for joint in document
+        .descendants()
+        .filter(|node| node.has_tag_name("joint"))
+    {
+        let kind = joint.attribute("type").unwrap_or_default();
+        if kind == "fixed" || child(joint, "mimic").is_some() {
+            continue;
+        }
+        let name = joint.attribute("name").unwrap().to_string();
+        joints.push(match kind {
+            "continuous" => (name, f64::NEG_INFINITY, f64::INFINITY),
+            _ => {
+                let limit = document.get_node(child(joint, "limit").unwrap()).unwrap();
+                (name, number(limit, "lower"), number(limit, "upper"))
+            }
+        });
+    }
+    let masses = document
+        .descendants()
+        .filter(|node| node.has_tag_name("mass"));
+    (joints, masses.map(|node| number(node, "value")).sum())
+}
+
+/// Compile a program against the package and return the lines that it prints.
+fn printed(folder: &Path, name: &str, statements: &str) -> Vec<String> {
+    let main = format!(
+        "#include \"{name}.h\"\n#include <math.h>\n#include <stdio.h>\n\n\
+         int main(void)\n{{\n{statements}    return 0;\n}}\n"
+    );
+    let main = write(folder, "main.c", main);
+    let binary = folder.join("main");
+    run(Command::new("cc")
+        .args(["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-I"])
+        .arg(folder)
+        .arg(main)
+        .arg(folder.join(format!("{name}.c")))
+        .args(["-lm", "-o"])
+        .arg(&binary));
+    run(&mut Command::new(binary))
+        .lines()
+        .map(str::to_string)
+        .collect()
+}
+
+#[test]
+fn headers_tell_mass_limits_names_and_indices() {
+    let lift = format!("{ROOT}/robots/lift_base/lift_base.urdf");
+    for (urdf, support, name) in [(op2(), "r_sole", "op2"), (lift, "base_link", "lift")] {
+        let (joints, mass) = joints(&urdf);
+        assert!(joints.len() > 2);
+        for scalar in ["f64", "f32", "fixed32"] {
+            let folder = fresh(&format!("header_{name}_{scalar}"));
+            generate(
+                &folder,
+                &urdf,
+                support,
+                &["--scalar", scalar, "--name", name],
+            );
+            let unit = |quantity: &str| match scalar {
+                "fixed32" => format!("ldexp(1.0, -{name}_{quantity}_FRACTION_BITS)"),
+                _ => "1.0".to_string(),
+            };
+            let (of_mass, of_q) = (unit("TOTAL_MASS"), unit("Q"));
+            let limit = |value: &str, extreme: &str, without: &str| match scalar {
+                "fixed32" => format!("{value} == {extreme} ? {without} : {value} * {of_q}"),
+                _ => value.to_string(),
+            };
+            let mut statements =
+                format!("    printf(\"%.17g\\n\", {name}_total_mass_kg * {of_mass});\n");
+            for (joint, ..) in &joints {
+                let k = format!("{name}_JOINT_{}", joint.to_uppercase());
+                statements += &format!(
+                    "    printf(\"%d %s %.17g %.17g\\n\", (int){k}, {name}_joint_names[{k}], {}, {});\n",
+                    limit(
+                        &format!("{name}_joint_lower[{k}]"),
+                        "INT32_MIN",
+                        "-INFINITY"
+                    ),
+                    limit(&format!("{name}_joint_upper[{k}]"), "INT32_MAX", "INFINITY")
+                );
+            }
+            statements += &format!(
+                "    for (int k = 0; k < {name}_BASE_PARAMS; k += 1) {{\n        \
+                 printf(\"%s\\n\", {name}_param_names[k]);\n    }}\n"
+            );
+            let lines = printed(&folder, name, &statements);
+            // What rounding to the scalar may take.
+            let near = |x: f64, y: f64| x == y || (x - y).abs() <= 1e-7 * y.abs().max(1.0);
+            assert!(
+                near(lines[0].parse().unwrap(), mass),
+                "{} is not {mass}",
+                lines[0]
+            );
+            for (k, (line, (joint, lower, upper))) in lines[1..].iter().zip(&joints).enumerate() {
+                let words: Vec<&str> = line.split(' ').collect();
+                assert_eq!(words[..2], [k.to_string().as_str(), joint], "{line}");
+                let [low, high] = [2, 3].map(|at| words[at].parse::<f64>().unwrap());
+                assert!(
+                    near(low, *lower) && near(high, *upper),
+                    "{line}: {lower} {upper}"
+                );
+                assert!(
+                    low >= *lower && high <= *upper,
+                    "{line}: within the URDF's limits"
+                );
+            }
+            let params = &lines[1 + joints.len()..];
+            assert_eq!(params[0], format!("{support}.x"));
+            // The same names stand beside the numbers.
+            let source = fs::read_to_string(folder.join(format!("{name}.c"))).unwrap();
+            for param in params {
+                assert_eq!(
+                    source.matches(&format!(" /* {param} */")).count(),
+                    2,
+                    "{param}"
+                );
+            }
+        }
+    }
+}
+
+/// The convention of each joint: zero, sign, and ticks a turn or metres a tick.
+fn convention(header: &str) -> BTreeMap<String, (i32, i32, f64, String)> {
+    let lines = header
+        .lines()
+        .skip_while(|line| !line.starts_with(" *     joint "));
+    let lines = lines.skip(1).take_while(|line| *line != " */");
+    let row = |line: &str| {
+        let words: Vec<&str> = line[2..].split_whitespace().collect();
+        let [joint, zero, sign, scale, unit @ ..] = words.as_slice() else {
+            panic!("{line}")
+        };
+        let (zero, sign) = (zero.parse().unwrap(), sign.parse().unwrap());
+        (
+            joint.to_string(),
+            (zero, sign, scale.parse().unwrap(), unit.join(" ")),
+        )
+    };
+    lines.map(row).collect()
+}
+
+#[test]
+fn the_tick_convention_of_each_joint_stands_in_the_header() {
+    for name in ["op2_r_sole", "op2_r_sole_fixed"] {
+        let header = fs::read_to_string(format!("{ROOT}/generated/c/{name}.h")).unwrap();
+        let convention = convention(&header);
+        assert_eq!(convention.len(), 20);
+        for (joint, row) in convention {
+            assert_eq!(
+                row,
+                (2048, 1, 4096.0, "ticks a turn".to_string()),
+                "{joint}"
+            );
+        }
+    }
+    let folder = fresh("ticks");
+    let lift = format!("{ROOT}/robots/lift_base/lift_base.urdf");
+    let (joints, _) = joints(&lift);
+    let servos = format!(
+        "[default]\nzero = -77\nresolution = 1228.8\nmetres_per_tick = 3.3e-4\n\
+         [joints.{}]\nsign = -1\nzero = 5\n",
+        joints[0].0
+    );
+    let servos = write(&folder, "servos.toml", servos);
+    for scalar in ["f64", "f32", "fixed32"] {
+        let more = ["--scalar", scalar, "--servos", &servos, "--name", "lift"];
+        generate(&folder, &lift, "base_link", &more);
+        let header = fs::read_to_string(folder.join("lift.h")).unwrap();
+        let convention = convention(&header);
+        assert_eq!(convention.len(), joints.len());
+        let first = &convention[&joints[0].0];
+        assert_eq!((first.0, first.1), (5, -1));
+        for (joint, (_, _, scale, unit)) in &convention {
+            let expected = match unit.as_str() {
+                "ticks a turn" => 1228.8,
+                "m a tick" => 3.3e-4,
+                _ => panic!("{joint}: {unit}"),
+            };
+            assert_eq!(*scale, expected, "{joint}");
+        }
+        assert!(convention.values().any(|row| row.3 == "m a tick"));
+    }
+}
+
+/// Columns of a function's row: mul, add, sin_cos, look_up.
+fn costs(header: &str, function: &str) -> [usize; 4] {
+    let row = header.lines().find_map(|line| {
+        let mut words = line.strip_prefix(" * ")?.split_whitespace();
+        (words.next()? == function).then(|| words.collect::<Vec<_>>())
+    });
+    let row = row.unwrap_or_else(|| panic!("no row for {function}"));
+    std::array::from_fn(|k| row[k].parse().unwrap())
+}
+
+#[test]
+fn look_ups_of_ticks_are_counted() {
+    for name in ["op2_r_sole", "op2_r_sole_fixed"] {
+        let header = fs::read_to_string(format!("{ROOT}/generated/c/{name}.h")).unwrap();
+        let [mul, add, ..] = costs(&header, "com_sc");
+        assert_eq!(costs(&header, "com_sc")[2..], [0, 0]);
+        assert_eq!(costs(&header, "com_ticks"), [mul, add, 0, 20]);
+        assert_eq!(costs(&header, "com")[2..], [20, 0]);
+    }
+    // A resolution that no step of the table divides goes through the angle.
+    let folder = fresh("look_ups");
+    let servos = write(
+        &folder,
+        "servos.toml",
+        "[joints.r_knee]\nresolution = 300.5\n",
+    );
+    let more = ["--scalar", "f32", "--servos", &servos, "--name", "op2"];
+    generate(&folder, &op2(), "r_sole", &more);
+    let header = fs::read_to_string(folder.join("op2.h")).unwrap();
+    assert_eq!(costs(&header, "com_ticks")[2..], [1, 19]);
+}

@@ -1,0 +1,8 @@
+//! Generated C as its users take it in: CMake, pkg-config, PlatformIO, Arduino.
+
+mod header;
+mod output;
+mod pairs;
+mod shared;
+mod symbols;
+mod user;

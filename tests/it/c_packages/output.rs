@@ -1,0 +1,169 @@
+//! What is written, for whatever robot: whole, the same every time, or refused.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
+
+use serde_json::Value;
+
+use super::user::*;
+use sesc_test_support::command::{ROOT, folder, refused, sesc, stdout, write};
+
+/// Robots are named by people: every format quotes the name in its own way.
+#[test]
+fn names_of_robots_break_no_format() {
+    let folder = fresh("names");
+    let robot = r#"a"b'c;d $e @PATH@ $ENV{HOME} #f \" `h` <i>&*j*%k%]]=二足🤖\"#;
+    let escaped = robot
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('"', "&quot;");
+    let urdf = write(
+        &folder,
+        "odd.urdf",
+        format!(
+            "<robot name=\"{escaped}\"><link name=\"{escaped}\"><inertial><mass value=\"1\"/>\
+             </inertial></link></robot>"
+        ),
+    );
+    let of = |layout: &str| {
+        let out = folder.join(layout);
+        generate(&out, &urdf, robot, &["--layout", layout, "--name", "odd"]);
+        out
+    };
+    let manifest = fs::read_to_string(of("platformio").join("library.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&manifest).unwrap();
+    let description = manifest["description"].as_str().unwrap();
+    assert!(
+        description.starts_with(&format!("Centre of mass of {robot} standing on {robot} (")),
+        "{description}"
+    );
+
+    let library = of("arduino");
+    assert_eq!(properties(&library)["sentence"], description);
+}
+
+#[test]
+fn layouts_are_refused_where_they_cannot_be() {
+    let folder = folder();
+    let out = folder.path().display().to_string();
+    let two_link = format!("{ROOT}/robots/two_link/two_link.urdf");
+    let base = ["generate", &two_link, "--support", "foot", "--out", &out];
+    let run = |more: &[&str]| sesc(&[&base[..], more].concat());
+    refused(
+        &run(&["--lang", "rust", "--layout", "cmake"]),
+        &["--layout", "--lang c"],
+    );
+    refused(&run(&["--layout", "bare"]), &["--layout", "--lang c"]);
+    for (layout, name) in [("cmake", "test"), ("cmake", "m"), ("arduino", "Arduino")] {
+        let asked = ["--lang", "c", "--layout", layout, "--name", name];
+        refused(&run(&asked), &[layout, &format!("`{name}_robot`")]);
+    }
+    refused(
+        &run(&["--lang", "c", "--layout", "meson"]),
+        &["meson", "cmake", "platformio"],
+    );
+    assert_eq!(files(folder.path()), [""; 0]);
+}
+
+/// A file in the way of the last one: the others are not touched.
+#[test]
+fn packages_appear_whole_or_not_at_all() {
+    let folder = folder();
+    let out = folder.path().display().to_string();
+    let two_link = format!("{ROOT}/robots/two_link/two_link.urdf");
+    let run = || {
+        sesc(&[
+            "generate",
+            &two_link,
+            "--support",
+            "foot",
+            "--lang",
+            "c",
+            "--layout",
+            "arduino",
+            "--name",
+            "legs",
+            "--out",
+            &out,
+        ])
+    };
+    for blocked in ["examples", "src/legs.c/inside"] {
+        let path = folder.path().join(blocked);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, "mine").unwrap();
+        refused(&run(), &["cannot write"]);
+        assert_eq!(files(folder.path()), [blocked]);
+        fs::remove_file(&path).unwrap();
+        let _ = fs::remove_dir(path.parent().unwrap());
+    }
+    stdout(&run());
+    assert_eq!(files(folder.path()).len(), 5);
+}
+
+#[test]
+fn the_same_robot_gives_the_same_bytes() {
+    let folder = folder();
+    let two_link = format!("{ROOT}/robots/two_link/two_link.urdf");
+    for layout in ["bare", "cmake", "platformio", "arduino"] {
+        let more = ["--layout", layout, "--scalar", "f32", "--name", "legs"];
+        let (one, two) = (
+            folder.path().join(layout),
+            folder.path().join("again").join(layout),
+        );
+        let printed = generate(&one, &two_link, "foot", &more);
+        generate(&two, &two_link, "foot", &more);
+        let printed: BTreeSet<PathBuf> = printed.into_iter().collect();
+        let there: BTreeSet<PathBuf> = files(&one).iter().map(|file| one.join(file)).collect();
+        assert_eq!(printed, there, "every file is named on stdout");
+        for file in files(&one) {
+            let text = fs::read_to_string(one.join(&file)).unwrap();
+            assert_eq!(text, fs::read_to_string(two.join(&file)).unwrap(), "{file}");
+            assert!(text.ends_with('\n') && !text.ends_with("\n\n"), "{file}");
+            assert!(!text.lines().any(|line| line.ends_with(' ')), "{file}");
+        }
+        assert_eq!(files(&one), files(&two));
+    }
+    assert_eq!(files(&folder.path().join("bare")), ["legs.c", "legs.h"]);
+    let plain = folder.path().join("plain");
+    generate(&plain, &two_link, "foot", &["--name", "legs"]);
+    assert_eq!(files(&plain), ["legs.c", "legs.h"], "bare unless asked");
+}
+
+/// Keys and forms of <https://docs.platformio.org/en/latest/manifests/library-json/>.
+#[test]
+fn platformio_finds_what_its_manifest_names() {
+    let folder = fresh("platformio");
+    for scalar in ["f64", "f32", "fixed32"] {
+        let library = folder.join(scalar);
+        generate_op2(&library, "platformio", scalar);
+        assert_eq!(
+            files(&library),
+            [
+                "README.md",
+                "include/op2_r_sole.h",
+                "library.json",
+                "src/op2_r_sole.c"
+            ]
+        );
+        let manifest = fs::read_to_string(library.join("library.json")).unwrap();
+        let manifest: Value = serde_json::from_str(&manifest).unwrap();
+        assert_eq!(manifest["name"], NAME);
+        assert_eq!(manifest["version"], VERSION);
+        assert!((1..256).contains(&manifest["description"].as_str().unwrap().len()));
+        assert_eq!(manifest["frameworks"], "*");
+        assert_eq!(manifest["platforms"], "*");
+        for keyword in manifest["keywords"].as_array().unwrap() {
+            let allowed = |c: char| c.is_ascii_lowercase() || " -_.+".contains(c);
+            assert!(keyword.as_str().unwrap().chars().all(allowed), "{keyword}");
+        }
+        let include = library.join(manifest["build"]["includeDir"].as_str().unwrap());
+        let sources = library.join(manifest["build"]["srcDir"].as_str().unwrap());
+        assert!(include.join(manifest["headers"].as_str().unwrap()).exists());
+        compile_c(
+            &sources.join("op2_r_sole.c"),
+            &include,
+            &library.join("package.o"),
+        );
+    }
+}

@@ -1,0 +1,65 @@
+//! A diagnosed model corrects the CoM: one effect of the body hidden at clear size in the
+//! OP2, its log diagnosed, the model written to its file and read back, and the CoM held
+//! against the virtual robot's on postures that the log does not have.
+//! `cargo xtask study com` asks at length.
+
+use sesc_test_support::hidden::{Effect, Hidden};
+use sesc_test_support::stage::Platform;
+use sesc_test_support::trial::{Choice, Trial};
+use xtask::study::com::{Corrected, GOAL, MOVED_M, examine};
+
+fn corrected(effect: Effect, target: &str, values: &[f64]) -> Corrected {
+    let choice = Choice {
+        platforms: vec![Platform::Op2],
+        only: None,
+        body: true,
+        long: false,
+        held: 0.0,
+    };
+    let hidden = Hidden {
+        effect,
+        target: target.to_owned(),
+        values: values.to_vec(),
+        begins: 0.0,
+        seed: 1,
+    };
+    let trial = Trial::of(vec![hidden], &choice, 1).unwrap();
+    examine(&trial, tempfile::tempdir().unwrap().path()).unwrap()
+}
+
+fn is_corrected(effect: Effect, target: &str, values: &[f64]) {
+    let found = corrected(effect, target, values);
+    assert!(found.before_m > MOVED_M, "{found:?}");
+    assert!(found.listed, "{found:?}");
+    assert!(found.ratio() < GOAL, "{found:?}");
+}
+
+#[test]
+fn an_offset_is_corrected() {
+    is_corrected(Effect::JointOffset, "r_knee", &[0.05]);
+}
+
+#[test]
+fn a_scale_is_corrected() {
+    is_corrected(Effect::JointScale, "r_knee", &[-0.12]);
+}
+
+#[test]
+fn wiring_is_corrected() {
+    is_corrected(Effect::JointSwap, "l_knee,l_ank_pitch", &[]);
+}
+
+#[test]
+fn compliance_is_corrected() {
+    is_corrected(Effect::JointCompliance, "all", &[1.0 / 30.0]);
+}
+
+#[test]
+fn backlash_is_corrected() {
+    is_corrected(Effect::Backlash, "all", &[0.015]);
+}
+
+#[test]
+fn a_payload_is_corrected() {
+    is_corrected(Effect::Payload, "r_el_link", &[0.2, 0.0, 0.0, -0.008]);
+}

@@ -1,0 +1,325 @@
+//! Functions of the body with each effect, against the virtual robot that has it.
+//!
+//! The robot bends itself: where its CoM really is when encoders read q, how that changes
+//! with q (by differences), and what gravity does to its joints. Springs are not exact by
+//! construction (four rounds of a fixed point); the Jacobian is exact for what they give.
+
+use std::collections::BTreeMap;
+
+use sesc_identify::evaluate::Evaluator;
+use sesc_model::effects::Catalog;
+use sesc_model::{Function, Given, Model, ModelFile};
+use sesc_reference::{GRAVITY, World};
+
+use super::hidden::{Hidden, hide};
+use super::robots::Stand;
+
+/// What rounding and joints that come to rest within 1e-13 rad leave, m.
+const EXACT: f64 = 4e-12;
+/// Joints are moved by this for differences, rad or m.
+const STEP: f64 = 1e-4;
+const POSTURES: usize = 6;
+
+/// The model of a stand with hidden effects, from the records of a model file.
+pub fn with_effects(stand: &Stand, hidden: &[Hidden]) -> Model {
+    let context = stand.context();
+    let cad = stand.model.cad_params();
+    let mut file = ModelFile::from_values(&stand.model, &cad, None, "cad");
+    file.cells = stand.cells.clone();
+    file.effects = hidden.iter().map(|h| h.record(&context)).collect();
+    stand.model.clone().with_file(file).unwrap()
+}
+
+/// What the virtual robot does when its encoders read q.
+struct Truth {
+    com: Vec<f64>,
+    /// ∂CoM/∂q by central differences, row-major.
+    jacobian: Vec<f64>,
+    /// Moments of gravity over weight, m.
+    moments: Vec<f64>,
+}
+
+impl Truth {
+    fn of(world: &World, q: &[f64]) -> Truth {
+        let dof = q.len();
+        let mut jacobian = vec![0.0; 3 * dof];
+        for j in 0..dof {
+            let at = |step: f64| {
+                let mut q = q.to_vec();
+                q[j] += step;
+                world.com(&q)
+            };
+            // The error of fourth-order differences is below that of their rounding.
+            let near = (at(STEP) - at(-STEP)) * (8.0 / (12.0 * STEP));
+            let far = (at(2.0 * STEP) - at(-2.0 * STEP)) / (12.0 * STEP);
+            let slope = near - far;
+            for axis in 0..3 {
+                jacobian[axis * dof + j] = slope[axis];
+            }
+        }
+        let mass: f64 = world.robot().links().iter().map(|link| link.mass_kg).sum();
+        let moments = world.joint_moments(q);
+        Truth {
+            com: world.com(q).as_slice().to_vec(),
+            jacobian,
+            moments: moments.iter().map(|m| m / (mass * GRAVITY)).collect(),
+        }
+    }
+}
+
+fn largest(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let all = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    all.fold(0.0, |most, x| {
+        if x.is_nan() {
+            f64::INFINITY
+        } else {
+            x.max(most)
+        }
+    })
+}
+
+fn shown(errors: &[f64; 3]) -> String {
+    let [com, jacobian, moments] = errors;
+    format!("com {com:.1e} m, jacobian {jacobian:.1e}, moments {moments:.1e}")
+}
+
+/// How far the functions of the model are from the bent robot: CoM, Jacobian, moments, m.
+fn compare(stand: &Stand, hidden: &[Hidden], given: Given) -> Option<[f64; 3]> {
+    let model = with_effects(stand, hidden);
+    let world = hidden
+        .iter()
+        .fold(stand.world(), |world, hidden| hide(world, stand, hidden));
+    let of = |function| Evaluator::variant(&model, function, given, model.params());
+    let com = of(Function::Com)?;
+    let jacobian = of(Function::ComJacobian)?;
+    let moments = of(Function::GravityMoments)?;
+    let rates: Vec<f64> = (0..model.dof()).map(|j| 1.0 / (1.0 + j as f64)).collect();
+    let velocity = of(Function::ComVelocity)?.moving(&rates, &[]);
+    let mut worst = [0.0_f64; 3];
+    for q in decided(stand, hidden) {
+        let truth = Truth::of(&world, &q);
+        let slopes = jacobian.run(&q, 1);
+        let moved: Vec<f64> = slopes
+            .chunks(model.dof())
+            .map(|row| row.iter().zip(&rates).map(|(a, b)| a * b).sum())
+            .collect();
+        // The velocity is that of the Jacobian itself, whatever it is worth.
+        let off = largest(&velocity.run(&q, 1), &moved);
+        assert!(
+            off < 1e-12,
+            "{hidden:?}: velocity {off:.1e} m/s off its Jacobian"
+        );
+        let found = [
+            largest(&com.run(&q, 1), &truth.com),
+            largest(&slopes, &truth.jacobian),
+            largest(&moments.run(&q, 1), &truth.moments),
+        ];
+        worst = [0, 1, 2].map(|k| worst[k].max(found[k]));
+    }
+    Some(worst)
+}
+
+/// Postures in which gravity says on which end of its band every loose joint rests,
+/// wherever in their bands the others are. In between it depends on how it got there.
+fn decided(stand: &Stand, hidden: &[Hidden]) -> Vec<Vec<f64>> {
+    let loose = |h: &&Hidden| h.instance.effect.id().name() == "backlash";
+    let Some(backlash) = hidden.iter().find(loose) else {
+        return stand.postures(POSTURES, 0.35, 23);
+    };
+    let (half, world) = (0.5 * backlash.values[0], stand.world());
+    let dofs = &stand.model.tree.dofs;
+    let loose: Vec<usize> = (0..dofs.len())
+        .filter(|&j| !dofs[j].prismatic)
+        .filter(|&j| ["all", &dofs[j].joint].contains(&backlash.target.as_str()))
+        .collect();
+    let is_decided = |q: &Vec<f64>| {
+        let moments = world.joint_moments(q);
+        let mut budget = vec![0.0; q.len()];
+        for &i in &loose {
+            let mut moved = q.clone();
+            moved[i] += half;
+            let with = world.joint_moments(&moved);
+            for &j in &loose {
+                budget[j] += 1.5 * (with[j] - moments[j]).abs();
+            }
+        }
+        loose.iter().all(|&j| moments[j].abs() > budget[j])
+    };
+    let drawn = stand.postures(300, 0.5, 23).into_iter();
+    drawn.filter(is_decided).take(POSTURES).collect()
+}
+
+/// How far they may be.
+fn allowed(stand: &Stand, hidden: &Hidden) -> [f64; 3] {
+    // Differences: rounding of the CoM over the step, and a dead band's end that moves.
+    let reach = stand.model.reach();
+    let exact = [
+        EXACT * reach.max(1.0),
+        2e-9 * reach.max(1.0),
+        EXACT * reach.max(1.0),
+    ];
+    if hidden.instance.effect.id().name() != "joint_compliance" {
+        return exact;
+    }
+    let gravity = stand.context().weight() * reach;
+    let joints = if hidden.target == "all" { 3.0 } else { 1.0 };
+    let softness: f64 = joints * gravity / hidden.values[0];
+    let left = reach * softness.powi(5);
+    // What is left of a deflection changes with each of its five factors.
+    [
+        exact[0] + left,
+        exact[1] + 10.0 * left,
+        exact[2] + 5.0 * left,
+    ]
+}
+
+#[test]
+fn every_effect_of_the_body_moves_com_jacobian_and_moments_as_it_moves_the_robot() {
+    let mut worst: BTreeMap<&str, [f64; 3]> = BTreeMap::new();
+    for stand in Stand::all() {
+        let context = stand.context();
+        for effect in Catalog::standard().iter() {
+            let name = effect.id().name();
+            for hidden in Hidden::of(effect, &context, 3) {
+                if !effect.changes_body(&hidden.instance.target) {
+                    continue;
+                }
+                // The virtual robot's degrees count prismatic joints in millimetres.
+                if name == "units" && stand.model.tree.dofs.iter().any(|dof| dof.prismatic) {
+                    continue;
+                }
+                let allowed = allowed(&stand, &hidden);
+                for given in [Given::Positions, Given::SinesCosines] {
+                    if stand.model.program(Function::Com, given).is_none() {
+                        continue; // a mimic takes half an angle
+                    }
+                    let found = compare(&stand, std::slice::from_ref(&hidden), given);
+                    let Some(found) = found else {
+                        assert_ne!(given, Given::Positions);
+                        // Sines of q do not tell those of 1.03 q.
+                        assert!(["joint_scale", "units"].contains(&name), "{hidden:?}");
+                        continue;
+                    };
+                    for k in 0..3 {
+                        assert!(
+                            found[k] <= allowed[k],
+                            "{} {hidden:?} {given:?}: {} of {}",
+                            stand.name,
+                            shown(&found),
+                            shown(&allowed)
+                        );
+                    }
+                    let worst = worst.entry(name).or_default();
+                    *worst = [0, 1, 2].map(|k| worst[k].max(found[k]));
+                }
+            }
+        }
+    }
+    for (effect, worst) in &worst {
+        println!("{effect:<20} {}", shown(worst));
+        // Nothing compared is nothing off.
+        assert!(worst[0] > 0.0, "{effect}");
+    }
+    let known: Vec<&str> = worst.into_keys().collect();
+    let expected = [
+        "backlash",
+        "joint_compliance",
+        "joint_offset",
+        "joint_scale",
+        "joint_sign",
+        "joint_swap",
+        "payload",
+        "units",
+    ];
+    assert_eq!(known, expected);
+}
+
+/// Effects that meet in one body.
+#[test]
+fn effects_of_the_body_meet() {
+    let stand = Stand::new("op2", "r_sole");
+    let context = stand.context();
+    let named = |effect, target, values: &[f64]| Hidden::named(&context, effect, target, values);
+    let hidden = [
+        named("payload", "body_link", &[0.5, 0.02, 0.01, 0.1]),
+        named("joint_compliance", "r_knee", &[300.0]),
+        named("joint_compliance", "r_ank_pitch", &[250.0]),
+        named("joint_offset", "r_knee", &[0.03]),
+        named("joint_scale", "l_knee", &[1.05]),
+        named("backlash", "l_sho_pitch", &[0.02]),
+    ];
+    let found = compare(&stand, &hidden, Given::Positions).unwrap();
+    println!("{}", shown(&found));
+    for (found, allowed) in found.into_iter().zip([1e-6, 1e-5, 5e-6]) {
+        assert!(found < allowed, "{found:.1e} of {allowed:.1e}");
+    }
+}
+
+/// What the ground and the sensor do is part of the CoP alone.
+#[test]
+fn effects_of_ground_and_sensor_leave_the_body_alone() {
+    let stand = Stand::new("op2", "r_sole");
+    let context = stand.context();
+    let named = |effect, target, values: &[f64]| Hidden::named(&context, effect, target, values);
+    let hidden = [
+        named("ground_slope", "-", &[0.05, -0.02]),
+        named("external_force", "body_link", &[1.0, -2.0, 3.0]),
+        named("sensor_gain", "-", &[1.2, 0.9]),
+        named("cell_gain", "fsr_2", &[0.7]),
+        named("units", "millimetres", &[]),
+    ];
+    let model = with_effects(&stand, &hidden);
+    let q = stand.postures(4, 0.5, 5).concat();
+    for function in [
+        Function::Com,
+        Function::ComJacobian,
+        Function::ComVelocity,
+        Function::GravityMoments,
+        Function::Regressor,
+        Function::RegressorCop,
+        Function::RegressorFull,
+    ] {
+        let plain = Evaluator::new(&stand.model, function).run(&q, 4);
+        assert_eq!(
+            Evaluator::new(&model, function).run(&q, 4),
+            plain,
+            "{function:?}"
+        );
+    }
+    let plain = Evaluator::new(&stand.model, Function::Cop).run(&q, 4);
+    assert_ne!(Evaluator::new(&model, Function::Cop).run(&q, 4), plain);
+}
+
+/// Rows take wiring, offset and scale: rows times parameters is the CoM of the model
+/// with those, for any parameters.
+#[test]
+fn regressor_rows_take_the_kinematic_effects() {
+    let stand = Stand::new("op2", "r_sole");
+    let context = stand.context();
+    let named = |effect, target, values: &[f64]| Hidden::named(&context, effect, target, values);
+    let kinematic = [
+        named("joint_offset", "r_knee", &[0.1]),
+        named("joint_scale", "r_ank_pitch", &[1.2]),
+        named("joint_swap", "r_hip_roll,l_hip_roll", &[]),
+        named("joint_sign", "head_pan", &[]),
+    ];
+    let world = kinematic
+        .iter()
+        .fold(stand.world(), |world, hidden| hide(world, &stand, hidden));
+    let mut all = kinematic.to_vec();
+    all.push(named("payload", "body_link", &[0.5, 0.0, 0.0, 0.1]));
+    all.push(named("joint_compliance", "all", &[200.0]));
+    let model = with_effects(&stand, &all);
+    let r = model.cad_params();
+    for q in stand.postures(POSTURES, 0.5, 9) {
+        let com = world.com(&q);
+        for function in [Function::Regressor, Function::RegressorCop] {
+            let rows = Evaluator::new(&model, function).run(&q, 1);
+            for (row, truth) in rows.chunks(r.len()).zip(com.iter()) {
+                let found: f64 = row.iter().zip(&r).map(|(y, r)| y * r).sum();
+                assert!((found - truth).abs() < EXACT, "{function:?}");
+            }
+        }
+    }
+}

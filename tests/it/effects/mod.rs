@@ -1,0 +1,17 @@
+//! Every effect of the library: what it computes, against a robot that is bent on
+//! purpose; its slopes; its records in model files; and the code made of it.
+//!
+//! All walk [`sesc_model::effects::Catalog`]: an effect without an entry in
+//! `hidden.rs` fails.
+
+mod body;
+mod compiled;
+mod correction;
+mod generated;
+mod hidden;
+mod records;
+mod robots;
+mod slopes;
+mod together;
+mod verified;
+mod virtual_robot;

@@ -1,0 +1,180 @@
+//! Small files that claim to be large: refused within seconds, in memory that is bounded.
+//!
+//! Each of these took gigabytes, or never came to an end.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use sesc_test_support::command::{ROOT, folder, program, refused, stdout, write};
+
+const FILES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/hostile/files");
+/// Address space that a command may have, KiB: a shell's `ulimit -v`.
+const MEMORY: &str = "1500000";
+const SECONDS: u64 = 30;
+
+/// A command in bounded memory, which must end in time.
+fn bounded(arguments: &[&str]) -> Output {
+    let begun = Instant::now();
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("ulimit -v {MEMORY}; exec \"$0\" \"$@\"")]);
+    let output = command.arg(program()).args(arguments).output().unwrap();
+    let took = begun.elapsed();
+    assert!(
+        took < Duration::from_secs(SECONDS),
+        "{arguments:?}: {took:?}"
+    );
+    output
+}
+
+fn fit(log: &Path) -> Output {
+    let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
+    bounded(&[
+        "fit",
+        &urdf,
+        "--support",
+        "foot",
+        "--data",
+        log.to_str().unwrap(),
+    ])
+}
+
+#[test]
+#[cfg(unix)]
+fn logs_that_claim_more_than_they_have_are_refused() {
+    for (file, word) in [
+        // A dictionary of 2³¹ − 1 entries in 8 bytes.
+        ("dict.parquet", "dictionary of 8 bytes"),
+        // Lists of 2³¹ − 1 flags that take no bytes.
+        ("skip.parquet", "list that claims"),
+        // 2³¹ − 1 rows in one run of a constant.
+        ("rows.parquet", "rows in 441 bytes"),
+        // A page of 50 rows in a group of 7.
+        ("fewer.parquet", "more rows than its group"),
+        // Fields of other kinds than the format's, which lead past lists of 2³¹ − 1 flags.
+        ("kinds.parquet", "another kind than the format"),
+        // A page whose header has a map of flags, beyond which a reader skips lists without end.
+        ("map.parquet", "a map, of which the format has none"),
+        // A chunk of 256 MiB zeros: 67 million joints without names.
+        ("names.mcap", "claims to unpack"),
+    ] {
+        let path = Path::new(FILES).join(file);
+        assert!(fs::metadata(&path).unwrap().len() < 10_000);
+        refused(&fit(&path), &[file, word]);
+    }
+}
+
+/// Ten thousand groups of columns, each in the one before.
+#[test]
+#[cfg(unix)]
+fn schemas_nested_without_end_are_refused() {
+    let folder = folder();
+    let mut footer = vec![0x15, 0x02, 0x19, 0xfc];
+    let mut count = 10_000u32;
+    while count >= 0x80 {
+        footer.push(count as u8 | 0x80);
+        count >>= 7;
+    }
+    footer.push(count as u8);
+    for _ in 0..10_000 {
+        footer.extend([0x48, 0x01, b'a', 0x15, 0x02, 0]);
+    }
+    footer.extend([0x16, 0, 0x19, 0x0c, 0]);
+    let mut file = b"PAR1".to_vec();
+    file.extend(&footer);
+    file.extend((footer.len() as u32).to_le_bytes());
+    file.extend(b"PAR1");
+    let log = write(folder.path(), "deep.parquet", file);
+    refused(&fit(Path::new(&log)), &["deep.parquet", "nested"]);
+}
+
+/// A record of MCAP: opcode, length, content.
+fn record(opcode: u8, content: &[u8]) -> Vec<u8> {
+    let length = (content.len() as u64).to_le_bytes();
+    [&[opcode], &length[..], content].concat()
+}
+
+fn text(bytes: &[u8]) -> Vec<u8> {
+    [&(bytes.len() as u32).to_le_bytes(), bytes].concat()
+}
+
+/// Names of types that are kept until the end, without end.
+#[test]
+#[cfg(unix)]
+fn recordings_with_endless_names_are_refused() {
+    let folder = folder();
+    let magic = b"\x89MCAP0\r\n";
+    let schema = |id: u16, name: &[u8]| {
+        let content = [
+            &id.to_le_bytes()[..],
+            &text(name),
+            &text(b"ros2msg"),
+            &text(b""),
+        ];
+        record(3, &content.concat())
+    };
+    let long = [&magic[..], &record(1, &[text(b""), text(b"")].concat())].concat();
+    let one = [&long[..], &schema(1, &vec![b'a'; 1 << 20])].concat();
+    let many = (0..60_000u16).flat_map(|id| schema(id, &[b'a'; 1000]));
+    let many: Vec<u8> = long.iter().copied().chain(many).collect();
+    for (file, word) in [(one, "name of 1048576 bytes"), (many, "more than 16 MiB")] {
+        let log = write(folder.path(), "log.mcap", file);
+        refused(&fit(Path::new(&log)), &["log.mcap", word]);
+    }
+}
+
+/// A robot of `n` links in a row, each joint after the first a mimic of it if `tied`.
+pub(super) fn chain(n: usize, tied: bool) -> String {
+    let mut out = String::from("<robot name='chain'><link name='l0'/>");
+    for k in 1..=n {
+        let mimic = match tied && k > 1 {
+            true => "<mimic joint='j1'/>",
+            false => "",
+        };
+        out += &format!(
+            "<link name='l{k}'><inertial><origin xyz='0 0.01 0.02'/><mass value='1'/></inertial>\
+             </link><joint name='j{k}' type='revolute'><parent link='l{}'/><child link='l{k}'/>\
+             <origin xyz='0 0 0.05'/><axis xyz='{} {} 0'/><limit lower='-1' upper='1'/>{mimic}\
+             </joint>",
+            k - 1,
+            k % 2,
+            (k + 1) % 2
+        );
+    }
+    out + "</robot>"
+}
+
+/// What cannot be computed in bounded memory is said at once.
+#[test]
+#[cfg(unix)]
+fn robots_beyond_all_sizes_are_refused_at_once() {
+    let folder = folder();
+    let out = folder.path().join("out.csv").display().to_string();
+    for tied in [true, false] {
+        let urdf = write(folder.path(), "chain.urdf", chain(9_998, tied));
+        for command in [
+            &["inspect"][..],
+            &["generate", "--out", &out],
+            &["simulate", "--poses", "3", "--out", &out],
+        ] {
+            let robot = [urdf.as_str(), "--support", "l0"];
+            let output = bounded(&[&command[..1], &robot, &command[1..]].concat());
+            refused(&output, &["9998 joints move"]);
+        }
+    }
+    let urdf = write(folder.path(), "chain.urdf", chain(1_001, true));
+    let output = bounded(&["inspect", &urdf, "--support", "l0"]);
+    refused(&output, &["1001 joints move", "follow others"]);
+}
+
+/// Robots larger than any that was built take what they must, and no more.
+#[test]
+#[cfg(unix)]
+fn chains_of_many_joints_are_inspected() {
+    let folder = folder();
+    for (joints, tied) in [(2_000, false), (200, true)] {
+        let urdf = write(folder.path(), "chain.urdf", chain(joints, tied));
+        stdout(&bounded(&["inspect", &urdf, "--support", "l0"]));
+    }
+}

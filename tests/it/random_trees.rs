@@ -1,0 +1,302 @@
+//! Hundreds of random trees: every joint type, skewed axes, mimics, massless
+//! links, deep chains, bushy hands, any support. The symbolic path against the
+//! reference, and the closed-form counts against what comes out.
+
+use std::path::{Path, PathBuf};
+
+use sesc::inspect::{RankCheck, numeric_rank};
+use sesc::verify::verify;
+use sesc_identify::robot::Robot;
+use sesc_identify::simulate::Simulator;
+use sesc_model::tree::Motion;
+use sesc_model::{Function, Given, Model, Snapping};
+use sesc_test_support::trees::{Kind, stripped, tree};
+
+fn model(seed: u64, kind: Kind, snapping: Snapping) -> (Robot, Model, String) {
+    let (text, links) = tree(seed, kind);
+    let robot = Robot::parse(&text, &format!("random-{seed}.urdf")).unwrap();
+    let support = links[(seed as usize * 7) % links.len()].clone();
+    let model = robot.model(&support, snapping, None).unwrap();
+    (robot, model, support)
+}
+
+/// Shapes from a single joint to a hundred, chains to bushes.
+fn mixed(seed: u64) -> Kind {
+    Kind {
+        joints: [1, 2, 3, 5, 8, 13, 21, 40][seed as usize % 8],
+        canonical: false,
+        revolute: false,
+        chained: [1.0, 0.8, 0.3, 0.0][(seed / 8) as usize % 4],
+    }
+}
+
+#[test]
+fn every_function_agrees_with_the_reference() {
+    for seed in 0..320 {
+        let snapping = if seed % 2 == 0 {
+            Snapping::Off
+        } else {
+            Snapping::default()
+        };
+        let (robot, model, support) = model(seed, mixed(seed), snapping);
+        let found = verify(&robot, &model, 12, seed, &mut ()).unwrap();
+        assert!(found.pass, "seed {seed} on {support}: {found:#?}");
+    }
+}
+
+/// `verify` covers the variants from sines and cosines where there are any: a
+/// mimic that ties a prismatic joint to a revolute one, or halves an angle, leaves none.
+#[test]
+fn variants_from_sines_are_there_and_agree() {
+    let mut there = 0;
+    for seed in 0..320 {
+        let (robot, model, support) = model(seed, mixed(seed), Snapping::default());
+        let found = verify(&robot, &model, 3, seed, &mut ()).unwrap();
+        assert!(found.pass, "seed {seed} on {support}: {found:#?}");
+        there += usize::from(found.worst_error.contains_key("com_sc"));
+    }
+    assert!((100..300).contains(&there), "{there} of 320 trees had them");
+}
+
+/// The proven bound is a bound of rounding, not of a mistake: it stays tiny.
+#[test]
+fn without_snapping_com_agrees_to_a_picometre() {
+    for seed in (0..320).step_by(2) {
+        let (robot, model, _) = model(seed, mixed(seed), Snapping::Off);
+        let found = verify(&robot, &model, 12, seed, &mut ()).unwrap();
+        assert!(found.worst_error["com"] < 1e-12, "seed {seed}: {found:#?}");
+    }
+}
+
+#[test]
+fn numeric_ranks_confirm_the_symbolic_count() {
+    for seed in 0..160 {
+        let (_, model, support) = model(seed, mixed(seed), Snapping::default());
+        let (rank, check) = numeric_rank(&model);
+        assert_eq!(check, RankCheck::Agrees, "seed {seed} on {support}");
+        assert_eq!(
+            rank.xyz,
+            model.base.params.len(),
+            "seed {seed} on {support}"
+        );
+        assert_eq!(rank.cop, model.base.rank_cop, "seed {seed} on {support}");
+    }
+}
+
+/// The reference knows nothing of base parameters; it ranks mass and first
+/// moment of every link, as functions of posture.
+#[test]
+fn the_references_own_columns_have_the_same_ranks() {
+    for seed in 0..120 {
+        let kind = Kind {
+            joints: 1 + seed as usize % 12,
+            ..mixed(seed)
+        };
+        let (robot, model, support) = model(seed, kind, Snapping::default());
+        let reference = sesc::verify::reference(&robot, &support).unwrap();
+        let mut simulator = Simulator::new(&model.tree.dofs, None, seed + 1000);
+        let postures: Vec<Vec<f64>> = (0..60).map(|_| simulator.posture()).collect();
+        let rank = |axes: &[usize]| {
+            let columns = reference.stacked_columns(&postures, axes);
+            // The reference takes 1.5708 literally: what that tilts by counts as nothing.
+            sesc_reference::numeric_rank(&columns, 2e-5)
+        };
+        let found = (rank(&[0, 1, 2]), rank(&[0, 1]));
+        let claimed = (model.base.params.len(), model.base.rank_cop);
+        assert_eq!(found, claimed, "seed {seed} on {support}");
+    }
+}
+
+/// Followers geared down a thousandfold are parameters like any other.
+#[test]
+fn slow_followers_keep_their_parameters() {
+    let mut text = String::from("<robot name='gears'><link name='base'/><link name='motor'/>");
+    text += "<joint name='m' type='revolute'><parent link='base'/><child link='motor'/>\
+             <axis xyz='0 0 1'/><limit lower='-700' upper='700'/></joint>";
+    let mut parent = "base".to_string();
+    for k in 0..4 {
+        text += &format!(
+            "<link name='l{k}'><inertial><origin xyz='0.1 0.2 0.3'/><mass value='1'/></inertial></link>\
+             <joint name='f{k}' type='revolute'><parent link='{parent}'/><child link='l{k}'/>\
+             <origin xyz='0.2 0 0.1'/><axis xyz='1 0 0'/><limit lower='-2' upper='2'/>\
+             <mimic joint='m' multiplier='0.002'/></joint>"
+        );
+        parent = format!("l{k}");
+    }
+    text += "</robot>";
+    let robot = Robot::parse(&text, "gears.urdf").unwrap();
+    let model = robot.model("base", Snapping::default(), None).unwrap();
+    // The motor's own two, base's three, and two for each angle 1 to 4 times 0.002 m.
+    assert_eq!(model.base.params.len(), 3 + 2 + 2 * 4);
+    let found = verify(&robot, &model, 100, 1, &mut ()).unwrap();
+    assert!(found.pass, "{found:#?}");
+}
+
+/// Every twist counts, however small: nearly parallel axes cost no more.
+#[test]
+fn hair_thin_twists_cost_at_most_four_more() {
+    for tilt in ["1e-12", "1e-10", "5e-10", "2e-9", "1e-6"] {
+        let mut text = String::from("<robot name='hair'><link name='l0'/>");
+        for k in 0..20 {
+            text += &format!(
+                "<link name='l{0}'><inertial><mass value='1'/></inertial></link>\
+                 <joint name='j{k}' type='revolute'><parent link='l{k}'/><child link='l{0}'/>\
+                 <origin xyz='0 0.1 0.2' rpy='{tilt} 2.3e-10 0'/><axis xyz='0 0 1'/>\
+                 <limit lower='-1' upper='1'/></joint>",
+                k + 1
+            );
+        }
+        text += "</robot>";
+        let robot = Robot::parse(&text, "hair.urdf").unwrap();
+        let model = robot.model("l0", Snapping::Off, None).unwrap();
+        let counts = model
+            .program(Function::Com, Given::Positions)
+            .unwrap()
+            .counts();
+        assert!(counts.mul <= 160, "{tilt}: {counts:?}");
+    }
+}
+
+/// 3 + 2 per revolute joint + 1 per prismatic one, whenever no angles are tied.
+#[test]
+fn independent_joints_follow_the_closed_form() {
+    let mut checked = 0;
+    for seed in 0..160 {
+        let (_, model, _) = model(seed, mixed(seed), Snapping::default());
+        let motions: Vec<_> = model.chain.bodies.iter().map(|b| b.motion).collect();
+        let revolute = motions
+            .iter()
+            .filter(|m| matches!(m, Motion::Revolute { .. }))
+            .count();
+        let prismatic = motions
+            .iter()
+            .filter(|m| matches!(m, Motion::Prismatic { .. }))
+            .count();
+        let mut users = vec![0; model.dof()];
+        for motion in &motions {
+            if let Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } = motion {
+                users[by.dof] += 1;
+            }
+        }
+        if users.iter().all(|n| *n <= 1) {
+            assert_eq!(
+                model.base.params.len(),
+                3 + 2 * revolute + prismatic,
+                "seed {seed}"
+            );
+            checked += 1;
+        }
+    }
+    assert!(checked > 20, "only {checked} trees had independent joints");
+}
+
+#[test]
+fn canonical_trees_cost_four_multiplications_a_joint() {
+    for seed in 0..100 {
+        let kind = Kind {
+            joints: 1 + (seed as usize * 5) % 60,
+            canonical: true,
+            revolute: true,
+            chained: [1.0, 0.7, 0.2][seed as usize % 3],
+        };
+        let (_, model, _) = model(seed, kind, Snapping::default());
+        let counts = model
+            .program(Function::Com, Given::Positions)
+            .unwrap()
+            .counts();
+        let n = model.dof();
+        assert!(
+            counts.mul <= 4 * n,
+            "seed {seed}: {counts:?} for {n} joints"
+        );
+        assert!(
+            counts.add <= 5 * n,
+            "seed {seed}: {counts:?} for {n} joints"
+        );
+        let rows = model
+            .program(Function::RegressorCop, Given::Positions)
+            .unwrap()
+            .counts();
+        assert!(rows.mul <= 8 * n, "seed {seed}: {rows:?} for {n} joints");
+    }
+}
+
+#[test]
+fn skewed_twists_cost_at_most_four_more() {
+    for seed in 0..100 {
+        let kind = Kind {
+            joints: 1 + (seed as usize * 5) % 60,
+            canonical: false,
+            revolute: true,
+            chained: [1.0, 0.7, 0.2, 0.0][seed as usize % 4],
+        };
+        let (_, model, _) = model(seed, kind, Snapping::default());
+        let counts = model
+            .program(Function::Com, Given::Positions)
+            .unwrap()
+            .counts();
+        assert!(counts.mul <= 8 * model.dof(), "seed {seed}: {counts:?}");
+    }
+}
+
+/// Five hundred joints in one chain: nothing overflows, nothing is lost.
+#[test]
+fn a_chain_of_five_hundred_joints_agrees() {
+    let kind = Kind {
+        joints: 500,
+        canonical: false,
+        revolute: true,
+        chained: 1.0,
+    };
+    let (robot, model, _) = model(3, kind, Snapping::Off);
+    let found = verify(&robot, &model, 1, 3, &mut ()).unwrap();
+    assert!(found.pass, "{found:#?}");
+}
+
+/// `verify` reads whatever the model reads, though urdf-rs gives up on most of it.
+#[test]
+fn the_reference_reads_trees_that_lack_what_a_urdf_may_lack() {
+    let mut given_up = 0;
+    for seed in 0..200 {
+        let (text, links) = tree(seed, mixed(seed));
+        let text = stripped(&text, seed);
+        given_up += usize::from(urdf_rs::read_from_string(&text).is_err());
+        let robot = Robot::parse(&text, &format!("stripped-{seed}.urdf")).unwrap();
+        let support = &links[(seed as usize * 7) % links.len()];
+        let model = robot.model(support, Snapping::Off, None).unwrap();
+        let found = verify(&robot, &model, 12, seed, &mut ()).unwrap();
+        assert!(found.pass, "seed {seed} on {support}: {found:#?}\n{text}");
+    }
+    assert!(given_up > 150, "urdf-rs gave up on {given_up} of 200");
+}
+
+/// Every URDF of the repository that the model accepts.
+#[test]
+fn the_reference_reads_every_urdf() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders: Vec<PathBuf> = ["robots", "tests", "codegen/tests", "fuzz/seeds"]
+        .map(|folder| root.join(folder))
+        .to_vec();
+    let mut read = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "urdf")
+                && let Ok(robot) = Robot::read(&path)
+            {
+                read += 1;
+                for support in robot.description.link_names() {
+                    // A free joint may stand between a link and the masses.
+                    let Ok(model) = robot.model(support, Snapping::default(), None) else {
+                        continue;
+                    };
+                    let found = verify(&robot, &model, 3, 1, &mut ()).unwrap();
+                    assert!(found.pass, "{} on {support}: {found:#?}", path.display());
+                }
+            }
+        }
+    }
+    assert!(read >= 9, "{read} files");
+}
