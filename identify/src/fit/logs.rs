@@ -5,7 +5,7 @@ use super::criteria::TO_SEE_OUTLIERS;
 use nalgebra::{DMatrix, DVector};
 use sesc_model::{Model, Snapping};
 
-use super::gather::{Gathered, LogUsed};
+use super::gather::{Folding, Gathered, LogUsed};
 use super::prior::{Prior, Tolerances};
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
 use super::timing::Timing;
@@ -250,6 +250,7 @@ impl<'r> Logs<'r> {
             let name = file.name();
             let mut reader = self.moving(file, timing.plan.as_ref())?;
             gathered.begin_log(timing);
+            let mut folding = Folding::default();
             loop {
                 let (block, motion) = reader.known_rows(BLOCK)?;
                 for warning in reader.warnings.drain(..) {
@@ -261,10 +262,10 @@ impl<'r> Logs<'r> {
                     break;
                 }
                 if block.len() == BLOCK {
-                    gathered.fold_aside();
+                    folding.begin(&mut gathered.folds);
                 }
                 let rows = (&block, motion.as_ref());
-                gathered.push_moving(measurement, rows, name, robust)?;
+                gathered.push_moving(measurement, rows, name, robust, &mut folding)?;
                 let (done, total) = reader.progress();
                 tell(watch, what, done, total)?;
             }
@@ -282,8 +283,7 @@ impl<'r> Logs<'r> {
                 });
                 gathered.averaged += reader.averaged() * summary.rows as f64;
             }
-            gathered.end_log_without(reader.left_out);
-            gathered.wait();
+            gathered.end_log_without(reader.left_out, folding);
         }
         Ok(gathered)
     }

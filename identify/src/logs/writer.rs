@@ -11,7 +11,7 @@ use sesc_model::tree::Dof;
 use super::columns::{COP, COP_STD, POSE, SUPPORT, T, check_joints};
 use super::sidecar::Sidecar;
 use crate::Error;
-use sesc_model::files::{self, NewFile};
+use crate::files::{self, NewFile};
 
 /// The columns of a log besides the joints.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -11,7 +11,8 @@ use std::path::Path;
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{McapError, McapResult, WriteOptions};
-use sesc_model::files::{self, NewFile};
+
+use crate::files::{self, NewFile};
 
 use super::{OWN_POSTURES, POINT, STATE};
 use crate::logs::recording::{Recording, TrackKind};
