@@ -137,7 +137,7 @@ fn postures_that_are_visited_once_are_asked_for_again() {
     let (stage, once) = visited(Kind::White, 3e-3, 5);
     let found = diagnosis(&stage, log(&once), None, Stays::default());
     assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
-    let again = found.again.expect("visits are not known");
+    let again = found.again.as_ref().expect("visits are not known");
     assert!(
         again.sentence.contains("leaving each in between"),
         "{}",

@@ -274,7 +274,8 @@ mod tests {
         let urdf = "<robot name='r'><link name='a.b'><inertial><origin xyz='1 2 3'/>\
                     <mass value='1'/></inertial></link></robot>";
         let robot = Robot::parse(urdf, "r.urdf").unwrap();
-        let mut model = robot.model("a.b", Snapping::default(), None).unwrap();
+        let model = robot.model("a.b", Snapping::default(), None);
+        let mut model = Model::clone(&model.unwrap());
         let found = |model: &Model| {
             let all = model.base.params.iter().map(|param| ParameterFound {
                 name: param.name.clone(),

@@ -237,14 +237,8 @@ impl Postures {
     }
 
     /// Postures and readings of known noise (m, one axis), `floor` beside it.
-    #[cfg(test)]
-    pub(crate) fn given(
-        dof: usize,
-        q: &[f64],
-        reading: &[f64],
-        noise: f64,
-        floor: f64,
-    ) -> Postures {
+    #[doc(hidden)]
+    pub fn given(dof: usize, q: &[f64], reading: &[f64], noise: f64, floor: f64) -> Postures {
         let pose: Vec<i64> = (0..reading.len() as i64 / 2).collect();
         Postures::of_rows(dof, (&pose, q, reading), Some(noise), floor)
     }

@@ -313,8 +313,7 @@ fn a_prediction_warns_of_soles_that_do_not_close() {
         "{open:?}"
     );
     assert_eq!(warned(&stage.world(), None), [""; 0]);
-    let mut request = request(&stage, &world, FINE, 11);
-    request.model_path = Some("model.toml".into());
+    let request = request(&stage, &world, FINE, 11);
     let found = diagnose::diagnose(&request, &mut ()).unwrap();
     assert_eq!(warned(&world, Some(found.model_file.clone())), [""; 0]);
     // The other way round the file is what opens them.
