@@ -47,7 +47,7 @@ fn logs_that_claim_more_than_they_have_are_refused() {
         // A dictionary of 2³¹ − 1 entries in 8 bytes.
         ("dict.parquet", "dictionary of 8 bytes"),
         // Lists of 2³¹ − 1 flags that take no bytes.
-        ("skip.parquet", "list that claims"),
+        ("skip.parquet", "another kind than the format"),
         // 2³¹ − 1 rows in one run of a constant.
         ("rows.parquet", "rows in 441 bytes"),
         // A page of 50 rows in a group of 7.
