@@ -54,11 +54,11 @@ pub struct Inspection {
     pub unobservable: Vec<Unobservable>,
     /// Right angles that were made exact.
     pub snaps: Vec<Snap>,
-    /// What is odd about the URDF and its feet.
+    /// Oddities of the URDF and feet.
     pub notes: Vec<String>,
     /// Operations of each function.
     pub operations: BTreeMap<&'static str, Counts>,
-    /// Proven rounding bounds of each function, m.
+    /// Proven rounding bounds, m; of each function.
     pub rounding_bound: BTreeMap<&'static str, Rounding>,
 }
 
@@ -66,19 +66,19 @@ pub struct Inspection {
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Body {
-    /// The link that gives the body its name.
+    /// Link that names the body.
     pub body: String,
     /// Joint that moves it; none for the body that stands.
     pub joint: Option<String>,
-    /// Body on the other side of that joint.
+    /// Body across that joint.
     pub parent: Option<String>,
     /// What turns it against that body.
     pub rotation: String,
     /// B_i as a product of rotations.
     pub orientation: String,
-    /// CAD value of r_i, m, in the link frame.
+    /// CAD value of r_i, m; in the body's link frame.
     pub r: [f64; 3],
-    /// CAD value of s_i of a prismatic body.
+    /// CAD value of s_i.
     pub s: Option<f64>,
     /// Mass of its links, kg.
     pub mass_kg: f64,

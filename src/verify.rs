@@ -47,22 +47,22 @@ const BLOCKS: usize = 8;
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verification {
-    /// Whether every difference is within its tolerance.
+    /// Whether all differences are allowed.
     pub pass: bool,
-    /// Postures compared, random ones and corners of the limits.
+    /// Postures compared; random ones and corners of the limits.
     pub samples: usize,
     /// Postures left out, where a joint may rest on either side of its dead band or the CoP is off
     /// the cells.
     pub undecided: usize,
-    /// Part of every bound that four rounds of a model's springs leave out, m; measured within what
-    /// is proven, proven beside dead bands.
+    /// What four rounds of springs leave out, m; measured within what is proven, proven beside dead
+    /// bands; part of every bound.
     pub springs_left_out: f64,
-    /// Largest difference per function, in its unit; regressor rows by the CoM they give, m.
+    /// Largest difference per function; in its unit, regressor rows by the CoM they give, m.
     pub worst_error: BTreeMap<String, f64>,
     /// Allowed difference: rounding, snapping, springs.
     pub bound: BTreeMap<String, f64>,
-    /// Functions whose bound is too wide to verify anything; they have to agree to a billionth of
-    /// the robot's reach ([`UNPROVEN_OF_REACH`]).
+    /// Functions whose bound verifies nothing; they have to agree to a billionth of the robot's
+    /// reach ([`UNPROVEN_OF_REACH`]).
     pub beyond_use: Vec<String>,
     /// Widest useful bound without springs, m; a thousandth of the robot's reach ([`USEFUL`]).
     pub widest_of_use: f64,

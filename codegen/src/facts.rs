@@ -42,9 +42,6 @@ pub struct Facts<'m> {
     pub self_test: SelfTest<'m>,
     /// The functions that an effect acts on.
     pub affected: Vec<Function>,
-    /// Whether functions of joint positions are those of sines and cosines, where these can
-    /// be had.
-    pub begins_with_sines: bool,
     /// Functions that were not asked for.
     pub left_out: Vec<Function>,
     /// The others.
@@ -152,7 +149,6 @@ impl Facts<'_> {
             effects: effects(model),
             self_test: SelfTest::of(model),
             affected: affected(model),
-            begins_with_sines: model.begins_with_sines(),
             routines: routines(model, &functions),
             left_out,
         }

@@ -37,7 +37,7 @@ fn functions(module: &str) -> Vec<String> {
 fn stem(function: &str) -> &str {
     let name = function.trim_start().trim_start_matches("pub ");
     let name = name.trim_start_matches("fn ").split('<').next().unwrap();
-    let ends = ["_into", "_sc", "_along"];
+    let ends = ["_into", "_sc", "_along", "_core"];
     let end = ends.into_iter().find(|end| name.ends_with(end));
     name.trim_end_matches(end.unwrap_or_default())
 }

@@ -3,6 +3,7 @@
 //! A function for each target, called with what libFuzzer made up; each states what must hold
 //! besides. `fuzz/run` builds and runs them, `docs/fuzzing.md` says for how long they ran.
 
+pub mod arrow;
 pub mod files;
 pub mod generated_c;
 pub mod logs;

@@ -51,7 +51,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define op2_r_sole_SOURCE
 #include "op2_r_sole.h"
-#ifndef op2_r_sole_PAIR_fef1ecd1b232a600
+#ifndef op2_r_sole_PAIR_a3ce607317f5af97
 #error "op2_r_sole.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -519,6 +519,31 @@ static void op2_r_sole_sincos(float x, float *sine, float *cosine)
 
 #endif
 
+
+/* A body that two functions share is made a part of both. */
+#if defined(__GNUC__)
+#define op2_r_sole_SHARED static inline __attribute__((always_inline))
+#else
+#define op2_r_sole_SHARED static inline
+#endif
+
+/* The sine and cosine that are given, or those of q. */
+op2_r_sole_SHARED void op2_r_sole_turn(
+    int of_sines,
+    op2_r_sole_real q,
+    op2_r_sole_real sin_q,
+    op2_r_sole_real cos_q,
+    op2_r_sole_real *sine,
+    op2_r_sole_real *cosine)
+{
+    if (of_sines != 0) {
+        *sine = sin_q;
+        *cosine = cos_q;
+    } else {
+        op2_r_sole_sincos(q, sine, cosine);
+    }
+}
+
 /* Sines and cosines of the joint angles, positions of prismatic joints, from servo ticks. */
 static void op2_r_sole_from_ticks(const int32_t ticks[], op2_r_sole_real sin_q[],
     op2_r_sole_real cos_q[])
@@ -545,68 +570,79 @@ static void op2_r_sole_from_ticks(const int32_t ticks[], op2_r_sole_real sin_q[]
     op2_r_sole_lookup((uint32_t)ticks[19] - 2048u, &sin_q[19], &cos_q[19]);
 }
 
-void op2_r_sole_com(
+op2_r_sole_SHARED void op2_r_sole_com_core(
+    int of_sines,
     const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     const op2_r_sole_real r[],
     op2_r_sole_real com[restrict 3])
 {
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + (c_r_el * r[41]) - (s_r_el * r[42]);
-    const float e1 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e1, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     /* r_sho_pitch */
     const float v_r_sho_pitch_x = r[37] - ((s_r_el * r[41]) + (c_r_el * r[42]));
     const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
     const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + (c_l_el * r[35]) + (s_l_el * r[36]);
     const float v_l_sho_roll_z = (s_l_el * r[35]) - (c_l_el * r[36]);
-    const float e2 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e2, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     /* l_sho_pitch */
     const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
     const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
     const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float v_l_ank_pitch_z = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     /* l_knee */
     const float v_l_knee_x = r[25] + (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float v_l_knee_y = r[26] - (s_l_ank_pitch * r[27]) + (c_l_ank_pitch * v_l_ank_pitch_y);
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     /* l_hip_pitch */
     const float v_l_hip_pitch_x = r[23] + (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float v_l_hip_pitch_y = r[24] + (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     /* l_hip_roll */
     const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
     const float v_l_hip_roll_y = r[22] + (s_l_hip_pitch * v_l_hip_pitch_x)
@@ -615,7 +651,7 @@ void op2_r_sole_com(
         - (s_l_hip_pitch * v_l_hip_pitch_y);
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     /* l_hip_yaw */
     const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
     const float v_l_hip_yaw_y = r[20] + (c_l_hip_roll * v_l_hip_roll_x)
@@ -623,22 +659,22 @@ void op2_r_sole_com(
     const float v_l_hip_yaw_z = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     /* head_pan */
     const float v_head_pan_x = r[15] + (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float v_head_pan_z = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     /* r_hip_yaw */
-    const float e3 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
+    const float e1 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
         + (c_l_sho_pitch * v_l_sho_pitch_x) + (s_l_sho_pitch * v_l_sho_pitch_y)
         + (c_r_sho_pitch * v_r_sho_pitch_x) - (s_r_sho_pitch * v_r_sho_pitch_y);
-    const float v_r_hip_yaw_x = e3 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_x = e1 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float v_r_hip_yaw_y = r[14] + (s_head_pan * v_head_pan_x) + (c_head_pan * r[16])
         + v_l_sho_pitch_z + v_r_sho_pitch_z - (s_l_hip_yaw * v_l_hip_yaw_x)
         + (c_l_hip_yaw * v_l_hip_yaw_y);
@@ -647,7 +683,7 @@ void op2_r_sole_com(
         + (c_r_sho_pitch * v_r_sho_pitch_y) + v_l_hip_yaw_z;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     /* r_hip_roll */
     const float v_r_hip_roll_x = r[11] + (s_r_hip_yaw * v_r_hip_yaw_x)
         + (c_r_hip_yaw * v_r_hip_yaw_y);
@@ -655,7 +691,7 @@ void op2_r_sole_com(
     const float v_r_hip_roll_z = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     /* r_hip_pitch */
     const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
     const float v_r_hip_pitch_y = r[10] + (s_r_hip_roll * v_r_hip_roll_x)
@@ -663,7 +699,7 @@ void op2_r_sole_com(
     const float v_r_hip_pitch_z = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     /* r_knee */
     const float v_r_knee_x = r[7] + (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
@@ -671,13 +707,13 @@ void op2_r_sole_com(
         + (c_r_hip_pitch * v_r_hip_pitch_y);
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     /* r_ank_pitch */
     const float v_r_ank_pitch_x = r[5] + (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float v_r_ank_pitch_y = r[6] + (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     /* r_ank_roll */
     const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
     const float v_r_ank_roll_y = r[4] - (s_r_ank_pitch * v_r_ank_pitch_x)
@@ -686,7 +722,7 @@ void op2_r_sole_com(
         + (s_r_ank_pitch * v_r_ank_pitch_y);
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     /* r_sole */
     const float v_r_sole_x = r[0] + v_r_ank_roll_z;
     const float v_r_sole_y = r[1] + (c_r_ank_roll * v_r_ank_roll_x)
@@ -698,23 +734,38 @@ void op2_r_sole_com(
     com[2] = v_r_sole_z;
 }
 
-void op2_r_sole_com_jacobian(
+void op2_r_sole_com(
     const op2_r_sole_real q[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real com[restrict 3])
+{
+    op2_r_sole_com_core(0, q, q, q, r, com);
+}
+
+op2_r_sole_SHARED void op2_r_sole_com_jacobian_core(
+    int of_sines,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     const op2_r_sole_real r[],
     op2_r_sole_real jac[restrict 3 * op2_r_sole_DOF])
 {
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
     const float t_r_el_x = (c_r_el * r[41]) - (s_r_el * r[42]);
     const float e1 = (s_r_el * r[41]) + (c_r_el * r[42]);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + t_r_el_x;
-    const float e2 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e2, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
     const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     /* r_sho_pitch */
@@ -722,7 +773,7 @@ void op2_r_sole_com_jacobian(
     const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float t_r_sho_pitch_x = (c_r_sho_pitch * v_r_sho_pitch_x)
         - (s_r_sho_pitch * v_r_sho_pitch_y);
     const float t_r_sho_pitch_y = (s_r_sho_pitch * v_r_sho_pitch_x)
@@ -730,15 +781,19 @@ void op2_r_sole_com_jacobian(
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
     const float t_l_el_x = (c_l_el * r[35]) + (s_l_el * r[36]);
     const float t_l_el_y = (s_l_el * r[35]) - (c_l_el * r[36]);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + t_l_el_x;
-    const float e3 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e3, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
     const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     /* l_sho_pitch */
@@ -746,7 +801,7 @@ void op2_r_sole_com_jacobian(
     const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float t_l_sho_pitch_x = (c_l_sho_pitch * v_l_sho_pitch_x)
         + (s_l_sho_pitch * v_l_sho_pitch_y);
     const float t_l_sho_pitch_y = (c_l_sho_pitch * v_l_sho_pitch_y)
@@ -754,14 +809,14 @@ void op2_r_sole_com_jacobian(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float t_l_ank_roll_x = (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float t_l_ank_roll_y = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float t_l_ank_pitch_x = (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float t_l_ank_pitch_y = (c_l_ank_pitch * v_l_ank_pitch_y) - (s_l_ank_pitch * r[27]);
     /* l_knee */
@@ -769,7 +824,7 @@ void op2_r_sole_com_jacobian(
     const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     const float t_l_knee_x = (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float t_l_knee_y = (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     /* l_hip_pitch */
@@ -777,7 +832,7 @@ void op2_r_sole_com_jacobian(
     const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float t_l_hip_pitch_x = (s_l_hip_pitch * v_l_hip_pitch_x)
         + (c_l_hip_pitch * v_l_hip_pitch_y);
     const float t_l_hip_pitch_y = (c_l_hip_pitch * v_l_hip_pitch_x)
@@ -787,7 +842,7 @@ void op2_r_sole_com_jacobian(
     const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float t_l_hip_roll_x = (c_l_hip_roll * v_l_hip_roll_x) + (s_l_hip_roll * v_l_hip_roll_y);
     const float t_l_hip_roll_y = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     /* l_hip_yaw */
@@ -795,20 +850,20 @@ void op2_r_sole_com_jacobian(
     const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float t_l_hip_yaw_x = (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float t_l_hip_yaw_y = (c_l_hip_yaw * v_l_hip_yaw_y) - (s_l_hip_yaw * v_l_hip_yaw_x);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     const float t_head_tilt_x = (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float t_head_tilt_y = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     /* head_pan */
     const float v_head_pan_x = r[15] + t_head_tilt_x;
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     const float t_head_pan_x = (c_head_pan * v_head_pan_x) - (s_head_pan * r[16]);
     const float t_head_pan_y = (s_head_pan * v_head_pan_x) + (c_head_pan * r[16]);
     /* r_hip_yaw */
@@ -819,7 +874,7 @@ void op2_r_sole_com_jacobian(
     const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float t_r_hip_yaw_x = (s_r_hip_yaw * v_r_hip_yaw_x) + (c_r_hip_yaw * v_r_hip_yaw_y);
     const float t_r_hip_yaw_y = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     /* r_hip_roll */
@@ -827,7 +882,7 @@ void op2_r_sole_com_jacobian(
     const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float t_r_hip_roll_x = (s_r_hip_roll * v_r_hip_roll_x) + (c_r_hip_roll * v_r_hip_roll_y);
     const float t_r_hip_roll_y = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     /* r_hip_pitch */
@@ -835,7 +890,7 @@ void op2_r_sole_com_jacobian(
     const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float t_r_hip_pitch_x = (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
     const float t_r_hip_pitch_y = (s_r_hip_pitch * v_r_hip_pitch_x)
@@ -845,7 +900,7 @@ void op2_r_sole_com_jacobian(
     const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     const float t_r_knee_x = (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float t_r_knee_y = (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     /* r_ank_pitch */
@@ -853,7 +908,7 @@ void op2_r_sole_com_jacobian(
     const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float t_r_ank_pitch_x = (c_r_ank_pitch * v_r_ank_pitch_y)
         - (s_r_ank_pitch * v_r_ank_pitch_x);
     const float t_r_ank_pitch_y = (c_r_ank_pitch * v_r_ank_pitch_x)
@@ -863,21 +918,21 @@ void op2_r_sole_com_jacobian(
     const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     const float t_r_ank_roll_x = (c_r_ank_roll * v_r_ank_roll_x) + (s_r_ank_roll * v_r_ank_roll_y);
     const float t_r_ank_roll_y = (c_r_ank_roll * v_r_ank_roll_y) - (s_r_ank_roll * v_r_ank_roll_x);
     /* r_ank_pitch */
-    const float e4 = s_r_ank_roll * s_r_ank_pitch;
+    const float e2 = s_r_ank_roll * s_r_ank_pitch;
     const float by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-    const float e5 = c_r_ank_roll * s_r_ank_pitch;
+    const float e3 = c_r_ank_roll * s_r_ank_pitch;
     const float bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
     /* r_knee */
     const float bx_r_knee_x = (c_r_ank_pitch * c_r_knee) + (s_r_ank_pitch * s_r_knee);
     const float bx_r_knee_y = (s_r_ank_pitch * c_r_knee) - (c_r_ank_pitch * s_r_knee);
-    const float by_r_knee_x = (by_r_ank_pitch_y * s_r_knee) - (e4 * c_r_knee);
-    const float by_r_knee_y = (by_r_ank_pitch_y * c_r_knee) + (e4 * s_r_knee);
-    const float bz_r_knee_x = (bz_r_ank_pitch_y * s_r_knee) - (e5 * c_r_knee);
-    const float bz_r_knee_y = (bz_r_ank_pitch_y * c_r_knee) + (e5 * s_r_knee);
+    const float by_r_knee_x = (by_r_ank_pitch_y * s_r_knee) - (e2 * c_r_knee);
+    const float by_r_knee_y = (by_r_ank_pitch_y * c_r_knee) + (e2 * s_r_knee);
+    const float bz_r_knee_x = (bz_r_ank_pitch_y * s_r_knee) - (e3 * c_r_knee);
+    const float bz_r_knee_y = (bz_r_ank_pitch_y * c_r_knee) + (e3 * s_r_knee);
     /* r_hip_pitch */
     const float bx_r_hip_pitch_x = (bx_r_knee_x * c_r_hip_pitch) + (bx_r_knee_y * s_r_hip_pitch);
     const float bx_r_hip_pitch_y = (bx_r_knee_y * c_r_hip_pitch) - (bx_r_knee_x * s_r_hip_pitch);
@@ -889,34 +944,34 @@ void op2_r_sole_com_jacobian(
     const float bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
     const float bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
     const float by_r_hip_roll_x = (by_r_hip_pitch_y * s_r_hip_roll) + (c_r_ank_roll * c_r_hip_roll);
-    const float e6 = (c_r_ank_roll * s_r_hip_roll) - (by_r_hip_pitch_y * c_r_hip_roll);
+    const float e4 = (c_r_ank_roll * s_r_hip_roll) - (by_r_hip_pitch_y * c_r_hip_roll);
     const float bz_r_hip_roll_x = (bz_r_hip_pitch_y * s_r_hip_roll) - (s_r_ank_roll * c_r_hip_roll);
     const float bz_r_hip_roll_y = (s_r_ank_roll * s_r_hip_roll) + (bz_r_hip_pitch_y * c_r_hip_roll);
     /* r_hip_yaw */
     const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * s_r_hip_yaw) + (bx_r_hip_pitch_x * c_r_hip_yaw);
-    const float e7 = (bx_r_hip_pitch_x * s_r_hip_yaw) - (bx_r_hip_roll_x * c_r_hip_yaw);
+    const float e5 = (bx_r_hip_pitch_x * s_r_hip_yaw) - (bx_r_hip_roll_x * c_r_hip_yaw);
     const float by_r_hip_yaw_x = (by_r_hip_roll_x * s_r_hip_yaw) + (by_r_hip_pitch_x * c_r_hip_yaw);
-    const float e8 = (by_r_hip_pitch_x * s_r_hip_yaw) - (by_r_hip_roll_x * c_r_hip_yaw);
+    const float e6 = (by_r_hip_pitch_x * s_r_hip_yaw) - (by_r_hip_roll_x * c_r_hip_yaw);
     const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * s_r_hip_yaw) + (bz_r_hip_pitch_x * c_r_hip_yaw);
-    const float e9 = (bz_r_hip_pitch_x * s_r_hip_yaw) - (bz_r_hip_roll_x * c_r_hip_yaw);
+    const float e7 = (bz_r_hip_pitch_x * s_r_hip_yaw) - (bz_r_hip_roll_x * c_r_hip_yaw);
     /* head_pan */
-    const float bx_head_pan_x = (bx_r_hip_yaw_x * c_head_pan) - (e7 * s_head_pan);
-    const float by_head_pan_x = (by_r_hip_yaw_x * c_head_pan) - (e8 * s_head_pan);
-    const float bz_head_pan_x = (bz_r_hip_yaw_x * c_head_pan) - (e9 * s_head_pan);
+    const float bx_head_pan_x = (bx_r_hip_yaw_x * c_head_pan) - (e5 * s_head_pan);
+    const float by_head_pan_x = (by_r_hip_yaw_x * c_head_pan) - (e6 * s_head_pan);
+    const float bz_head_pan_x = (bz_r_hip_yaw_x * c_head_pan) - (e7 * s_head_pan);
     /* l_hip_yaw */
-    const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * c_l_hip_yaw) + (e7 * s_l_hip_yaw);
-    const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * s_l_hip_yaw) - (e7 * c_l_hip_yaw);
-    const float by_l_hip_yaw_x = (by_r_hip_yaw_x * c_l_hip_yaw) + (e8 * s_l_hip_yaw);
-    const float by_l_hip_yaw_y = (by_r_hip_yaw_x * s_l_hip_yaw) - (e8 * c_l_hip_yaw);
-    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * c_l_hip_yaw) + (e9 * s_l_hip_yaw);
-    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * s_l_hip_yaw) - (e9 * c_l_hip_yaw);
+    const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * c_l_hip_yaw) + (e5 * s_l_hip_yaw);
+    const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * s_l_hip_yaw) - (e5 * c_l_hip_yaw);
+    const float by_l_hip_yaw_x = (by_r_hip_yaw_x * c_l_hip_yaw) + (e6 * s_l_hip_yaw);
+    const float by_l_hip_yaw_y = (by_r_hip_yaw_x * s_l_hip_yaw) - (e6 * c_l_hip_yaw);
+    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * c_l_hip_yaw) + (e7 * s_l_hip_yaw);
+    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * s_l_hip_yaw) - (e7 * c_l_hip_yaw);
     /* l_hip_roll */
     const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * c_l_hip_roll)
         - (bx_r_hip_roll_y * s_l_hip_roll);
     const float bx_l_hip_roll_y = (bx_r_hip_roll_y * c_l_hip_roll)
         + (bx_l_hip_yaw_y * s_l_hip_roll);
-    const float by_l_hip_roll_x = (by_l_hip_yaw_y * c_l_hip_roll) + (e6 * s_l_hip_roll);
-    const float by_l_hip_roll_y = (by_l_hip_yaw_y * s_l_hip_roll) - (e6 * c_l_hip_roll);
+    const float by_l_hip_roll_x = (by_l_hip_yaw_y * c_l_hip_roll) + (e4 * s_l_hip_roll);
+    const float by_l_hip_roll_y = (by_l_hip_yaw_y * s_l_hip_roll) - (e4 * c_l_hip_roll);
     const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * c_l_hip_roll)
         - (bz_r_hip_roll_y * s_l_hip_roll);
     const float bz_l_hip_roll_y = (bz_r_hip_roll_y * c_l_hip_roll)
@@ -924,31 +979,31 @@ void op2_r_sole_com_jacobian(
     /* l_hip_pitch */
     const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * s_l_hip_pitch)
         + (bx_l_hip_yaw_x * c_l_hip_pitch);
-    const float e10 = (bx_l_hip_yaw_x * s_l_hip_pitch) - (bx_l_hip_roll_y * c_l_hip_pitch);
+    const float e8 = (bx_l_hip_yaw_x * s_l_hip_pitch) - (bx_l_hip_roll_y * c_l_hip_pitch);
     const float by_l_hip_pitch_x = (by_l_hip_roll_y * s_l_hip_pitch)
         + (by_l_hip_yaw_x * c_l_hip_pitch);
-    const float e11 = (by_l_hip_yaw_x * s_l_hip_pitch) - (by_l_hip_roll_y * c_l_hip_pitch);
+    const float e9 = (by_l_hip_yaw_x * s_l_hip_pitch) - (by_l_hip_roll_y * c_l_hip_pitch);
     const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * s_l_hip_pitch)
         + (bz_l_hip_yaw_x * c_l_hip_pitch);
-    const float e12 = (bz_l_hip_yaw_x * s_l_hip_pitch) - (bz_l_hip_roll_y * c_l_hip_pitch);
+    const float e10 = (bz_l_hip_yaw_x * s_l_hip_pitch) - (bz_l_hip_roll_y * c_l_hip_pitch);
     /* l_knee */
-    const float bx_l_knee_x = (bx_l_hip_pitch_x * c_l_knee) - (e10 * s_l_knee);
-    const float e13 = (e10 * c_l_knee) + (bx_l_hip_pitch_x * s_l_knee);
-    const float by_l_knee_x = (by_l_hip_pitch_x * c_l_knee) - (e11 * s_l_knee);
-    const float e14 = (e11 * c_l_knee) + (by_l_hip_pitch_x * s_l_knee);
-    const float bz_l_knee_x = (bz_l_hip_pitch_x * c_l_knee) - (e12 * s_l_knee);
-    const float e15 = (e12 * c_l_knee) + (bz_l_hip_pitch_x * s_l_knee);
+    const float bx_l_knee_x = (bx_l_hip_pitch_x * c_l_knee) - (e8 * s_l_knee);
+    const float e11 = (e8 * c_l_knee) + (bx_l_hip_pitch_x * s_l_knee);
+    const float by_l_knee_x = (by_l_hip_pitch_x * c_l_knee) - (e9 * s_l_knee);
+    const float e12 = (e9 * c_l_knee) + (by_l_hip_pitch_x * s_l_knee);
+    const float bz_l_knee_x = (bz_l_hip_pitch_x * c_l_knee) - (e10 * s_l_knee);
+    const float e13 = (e10 * c_l_knee) + (bz_l_hip_pitch_x * s_l_knee);
     /* l_ank_pitch */
-    const float bx_l_ank_pitch_y = (bx_l_knee_x * s_l_ank_pitch) - (e13 * c_l_ank_pitch);
-    const float by_l_ank_pitch_y = (by_l_knee_x * s_l_ank_pitch) - (e14 * c_l_ank_pitch);
-    const float bz_l_ank_pitch_y = (bz_l_knee_x * s_l_ank_pitch) - (e15 * c_l_ank_pitch);
+    const float bx_l_ank_pitch_y = (bx_l_knee_x * s_l_ank_pitch) - (e11 * c_l_ank_pitch);
+    const float by_l_ank_pitch_y = (by_l_knee_x * s_l_ank_pitch) - (e12 * c_l_ank_pitch);
+    const float bz_l_ank_pitch_y = (bz_l_knee_x * s_l_ank_pitch) - (e13 * c_l_ank_pitch);
     /* l_sho_pitch */
     const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * c_l_sho_pitch)
         - (bx_r_hip_roll_y * s_l_sho_pitch);
     const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * c_l_sho_pitch)
         + (bx_r_hip_yaw_x * s_l_sho_pitch);
-    const float by_l_sho_pitch_x = (by_r_hip_yaw_x * c_l_sho_pitch) + (e6 * s_l_sho_pitch);
-    const float by_l_sho_pitch_y = (by_r_hip_yaw_x * s_l_sho_pitch) - (e6 * c_l_sho_pitch);
+    const float by_l_sho_pitch_x = (by_r_hip_yaw_x * c_l_sho_pitch) + (e4 * s_l_sho_pitch);
+    const float by_l_sho_pitch_y = (by_r_hip_yaw_x * s_l_sho_pitch) - (e4 * c_l_sho_pitch);
     const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * c_l_sho_pitch)
         - (bz_r_hip_roll_y * s_l_sho_pitch);
     const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * c_l_sho_pitch)
@@ -958,24 +1013,24 @@ void op2_r_sole_com_jacobian(
         + (bx_r_hip_roll_y * s_r_sho_pitch);
     const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * c_r_sho_pitch)
         - (bx_r_hip_yaw_x * s_r_sho_pitch);
-    const float by_r_sho_pitch_x = (by_r_hip_yaw_x * c_r_sho_pitch) - (e6 * s_r_sho_pitch);
-    const float e16 = (e6 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
+    const float by_r_sho_pitch_x = (by_r_hip_yaw_x * c_r_sho_pitch) - (e4 * s_r_sho_pitch);
+    const float e14 = (e4 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
     const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * c_r_sho_pitch)
         + (bz_r_hip_roll_y * s_r_sho_pitch);
     const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * c_r_sho_pitch)
         - (bz_r_hip_yaw_x * s_r_sho_pitch);
-    jac[0] = -((e7 * t_head_pan_x) + (bx_r_hip_yaw_x * t_head_pan_y));
+    jac[0] = -((e5 * t_head_pan_x) + (bx_r_hip_yaw_x * t_head_pan_y));
     jac[1] = (bx_r_hip_roll_y * t_head_tilt_x) - (bx_head_pan_x * t_head_tilt_y);
-    jac[2] = (e7 * t_l_hip_yaw_x) + (bx_r_hip_yaw_x * t_l_hip_yaw_y);
+    jac[2] = (e5 * t_l_hip_yaw_x) + (bx_r_hip_yaw_x * t_l_hip_yaw_y);
     jac[3] = -((bx_r_hip_roll_y * t_l_hip_roll_x) - (bx_l_hip_yaw_y * t_l_hip_roll_y));
     jac[4] = -((bx_l_hip_yaw_x * t_l_hip_pitch_x) - (bx_l_hip_roll_y * t_l_hip_pitch_y));
-    jac[5] = -((e10 * t_l_knee_x) + (bx_l_hip_pitch_x * t_l_knee_y));
-    jac[6] = (e13 * t_l_ank_pitch_x) + (bx_l_knee_x * t_l_ank_pitch_y);
+    jac[5] = -((e8 * t_l_knee_x) + (bx_l_hip_pitch_x * t_l_knee_y));
+    jac[6] = (e11 * t_l_ank_pitch_x) + (bx_l_knee_x * t_l_ank_pitch_y);
     jac[7] = -((bx_l_hip_roll_x * t_l_ank_roll_x) - (bx_l_ank_pitch_y * t_l_ank_roll_y));
     jac[8] = -((bx_r_hip_roll_y * t_l_sho_pitch_x) - (bx_r_hip_yaw_x * t_l_sho_pitch_y));
-    jac[9] = -((e7 * t_l_sho_roll_x) + (bx_l_sho_pitch_y * t_l_sho_roll_y));
+    jac[9] = -((e5 * t_l_sho_roll_x) + (bx_l_sho_pitch_y * t_l_sho_roll_y));
     jac[10] = (bx_l_sho_pitch_x * t_l_el_x)
-        + (((e7 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y);
+        + (((e5 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y);
     jac[11] = -((bx_r_hip_pitch_x * t_r_hip_yaw_x) - (bx_r_hip_roll_x * t_r_hip_yaw_y));
     jac[12] = bx_r_hip_pitch_y * t_r_hip_roll_y;
     jac[13] = (bx_r_knee_y * t_r_hip_pitch_x) - (bx_r_knee_x * t_r_hip_pitch_y);
@@ -983,57 +1038,68 @@ void op2_r_sole_com_jacobian(
     jac[15] = t_r_ank_pitch_x;
     jac[16] = 0.0f;
     jac[17] = (bx_r_hip_roll_y * t_r_sho_pitch_x) - (bx_r_hip_yaw_x * t_r_sho_pitch_y);
-    jac[18] = -((e7 * t_r_sho_roll_x) + (bx_r_sho_pitch_y * t_r_sho_roll_y));
+    jac[18] = -((e5 * t_r_sho_roll_x) + (bx_r_sho_pitch_y * t_r_sho_roll_y));
     jac[19] = -((bx_r_sho_pitch_x * t_r_el_x)
-        - (((e7 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll)) * e1));
-    jac[20] = -((e8 * t_head_pan_x) + (by_r_hip_yaw_x * t_head_pan_y));
-    jac[21] = -((e6 * t_head_tilt_x) + (by_head_pan_x * t_head_tilt_y));
-    jac[22] = (e8 * t_l_hip_yaw_x) + (by_r_hip_yaw_x * t_l_hip_yaw_y);
-    jac[23] = (e6 * t_l_hip_roll_x) + (by_l_hip_yaw_y * t_l_hip_roll_y);
+        - (((e5 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll)) * e1));
+    jac[20] = -((e6 * t_head_pan_x) + (by_r_hip_yaw_x * t_head_pan_y));
+    jac[21] = -((e4 * t_head_tilt_x) + (by_head_pan_x * t_head_tilt_y));
+    jac[22] = (e6 * t_l_hip_yaw_x) + (by_r_hip_yaw_x * t_l_hip_yaw_y);
+    jac[23] = (e4 * t_l_hip_roll_x) + (by_l_hip_yaw_y * t_l_hip_roll_y);
     jac[24] = -((by_l_hip_yaw_x * t_l_hip_pitch_x) - (by_l_hip_roll_y * t_l_hip_pitch_y));
-    jac[25] = -((e11 * t_l_knee_x) + (by_l_hip_pitch_x * t_l_knee_y));
-    jac[26] = (e14 * t_l_ank_pitch_x) + (by_l_knee_x * t_l_ank_pitch_y);
+    jac[25] = -((e9 * t_l_knee_x) + (by_l_hip_pitch_x * t_l_knee_y));
+    jac[26] = (e12 * t_l_ank_pitch_x) + (by_l_knee_x * t_l_ank_pitch_y);
     jac[27] = -((by_l_hip_roll_x * t_l_ank_roll_x) - (by_l_ank_pitch_y * t_l_ank_roll_y));
-    jac[28] = (e6 * t_l_sho_pitch_x) + (by_r_hip_yaw_x * t_l_sho_pitch_y);
-    jac[29] = -((e8 * t_l_sho_roll_x) + (by_l_sho_pitch_y * t_l_sho_roll_y));
+    jac[28] = (e4 * t_l_sho_pitch_x) + (by_r_hip_yaw_x * t_l_sho_pitch_y);
+    jac[29] = -((e6 * t_l_sho_roll_x) + (by_l_sho_pitch_y * t_l_sho_roll_y));
     jac[30] = (by_l_sho_pitch_x * t_l_el_x)
-        + (((e8 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y);
+        + (((e6 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y);
     jac[31] = -((by_r_hip_pitch_x * t_r_hip_yaw_x) - (by_r_hip_roll_x * t_r_hip_yaw_y));
     jac[32] = -((c_r_ank_roll * t_r_hip_roll_x) - (by_r_hip_pitch_y * t_r_hip_roll_y));
     jac[33] = (by_r_knee_y * t_r_hip_pitch_x) - (by_r_knee_x * t_r_hip_pitch_y);
-    jac[34] = (by_r_ank_pitch_y * t_r_knee_x) + (e4 * t_r_knee_y);
+    jac[34] = (by_r_ank_pitch_y * t_r_knee_x) + (e2 * t_r_knee_y);
     jac[35] = -(s_r_ank_roll * t_r_ank_pitch_y);
     jac[36] = t_r_ank_roll_y;
-    jac[37] = -((e6 * t_r_sho_pitch_x) + (by_r_hip_yaw_x * t_r_sho_pitch_y));
-    jac[38] = (e16 * t_r_sho_roll_y) - (e8 * t_r_sho_roll_x);
+    jac[37] = -((e4 * t_r_sho_pitch_x) + (by_r_hip_yaw_x * t_r_sho_pitch_y));
+    jac[38] = (e14 * t_r_sho_roll_y) - (e6 * t_r_sho_roll_x);
     jac[39] = -((by_r_sho_pitch_x * t_r_el_x)
-        - (((e8 * s_r_sho_roll) + (e16 * c_r_sho_roll)) * e1));
-    jac[40] = -((e9 * t_head_pan_x) + (bz_r_hip_yaw_x * t_head_pan_y));
+        - (((e6 * s_r_sho_roll) + (e14 * c_r_sho_roll)) * e1));
+    jac[40] = -((e7 * t_head_pan_x) + (bz_r_hip_yaw_x * t_head_pan_y));
     jac[41] = (bz_r_hip_roll_y * t_head_tilt_x) - (bz_head_pan_x * t_head_tilt_y);
-    jac[42] = (e9 * t_l_hip_yaw_x) + (bz_r_hip_yaw_x * t_l_hip_yaw_y);
+    jac[42] = (e7 * t_l_hip_yaw_x) + (bz_r_hip_yaw_x * t_l_hip_yaw_y);
     jac[43] = -((bz_r_hip_roll_y * t_l_hip_roll_x) - (bz_l_hip_yaw_y * t_l_hip_roll_y));
     jac[44] = -((bz_l_hip_yaw_x * t_l_hip_pitch_x) - (bz_l_hip_roll_y * t_l_hip_pitch_y));
-    jac[45] = -((e12 * t_l_knee_x) + (bz_l_hip_pitch_x * t_l_knee_y));
-    jac[46] = (e15 * t_l_ank_pitch_x) + (bz_l_knee_x * t_l_ank_pitch_y);
+    jac[45] = -((e10 * t_l_knee_x) + (bz_l_hip_pitch_x * t_l_knee_y));
+    jac[46] = (e13 * t_l_ank_pitch_x) + (bz_l_knee_x * t_l_ank_pitch_y);
     jac[47] = -((bz_l_hip_roll_x * t_l_ank_roll_x) - (bz_l_ank_pitch_y * t_l_ank_roll_y));
     jac[48] = -((bz_r_hip_roll_y * t_l_sho_pitch_x) - (bz_r_hip_yaw_x * t_l_sho_pitch_y));
-    jac[49] = -((e9 * t_l_sho_roll_x) + (bz_l_sho_pitch_y * t_l_sho_roll_y));
+    jac[49] = -((e7 * t_l_sho_roll_x) + (bz_l_sho_pitch_y * t_l_sho_roll_y));
     jac[50] = (bz_l_sho_pitch_x * t_l_el_x)
-        + (((e9 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y);
+        + (((e7 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y);
     jac[51] = -((bz_r_hip_pitch_x * t_r_hip_yaw_x) - (bz_r_hip_roll_x * t_r_hip_yaw_y));
     jac[52] = (s_r_ank_roll * t_r_hip_roll_x) + (bz_r_hip_pitch_y * t_r_hip_roll_y);
     jac[53] = (bz_r_knee_y * t_r_hip_pitch_x) - (bz_r_knee_x * t_r_hip_pitch_y);
-    jac[54] = (bz_r_ank_pitch_y * t_r_knee_x) + (e5 * t_r_knee_y);
+    jac[54] = (bz_r_ank_pitch_y * t_r_knee_x) + (e3 * t_r_knee_y);
     jac[55] = -(c_r_ank_roll * t_r_ank_pitch_y);
     jac[56] = -t_r_ank_roll_x;
     jac[57] = (bz_r_hip_roll_y * t_r_sho_pitch_x) - (bz_r_hip_yaw_x * t_r_sho_pitch_y);
-    jac[58] = -((e9 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y));
+    jac[58] = -((e7 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y));
     jac[59] = -((bz_r_sho_pitch_x * t_r_el_x)
-        - (((e9 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1));
+        - (((e7 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1));
 }
 
-void op2_r_sole_com_velocity(
+void op2_r_sole_com_jacobian(
     const op2_r_sole_real q[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real jac[restrict 3 * op2_r_sole_DOF])
+{
+    op2_r_sole_com_jacobian_core(0, q, q, q, r, jac);
+}
+
+op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
+    int of_sines,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     const op2_r_sole_real qd[],
     const op2_r_sole_real r[],
     op2_r_sole_real velocity[restrict 3])
@@ -1041,15 +1107,19 @@ void op2_r_sole_com_velocity(
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
     const float t_r_el_x = (c_r_el * r[41]) - (s_r_el * r[42]);
     const float e1 = (s_r_el * r[41]) + (c_r_el * r[42]);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + t_r_el_x;
-    const float e2 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e2, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
     const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     /* r_sho_pitch */
@@ -1057,7 +1127,7 @@ void op2_r_sole_com_velocity(
     const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float t_r_sho_pitch_x = (c_r_sho_pitch * v_r_sho_pitch_x)
         - (s_r_sho_pitch * v_r_sho_pitch_y);
     const float t_r_sho_pitch_y = (s_r_sho_pitch * v_r_sho_pitch_x)
@@ -1065,15 +1135,19 @@ void op2_r_sole_com_velocity(
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
     const float t_l_el_x = (c_l_el * r[35]) + (s_l_el * r[36]);
     const float t_l_el_y = (s_l_el * r[35]) - (c_l_el * r[36]);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + t_l_el_x;
-    const float e3 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e3, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
     const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     /* l_sho_pitch */
@@ -1081,7 +1155,7 @@ void op2_r_sole_com_velocity(
     const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float t_l_sho_pitch_x = (c_l_sho_pitch * v_l_sho_pitch_x)
         + (s_l_sho_pitch * v_l_sho_pitch_y);
     const float t_l_sho_pitch_y = (c_l_sho_pitch * v_l_sho_pitch_y)
@@ -1089,14 +1163,14 @@ void op2_r_sole_com_velocity(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float t_l_ank_roll_x = (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float t_l_ank_roll_y = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float t_l_ank_pitch_x = (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float t_l_ank_pitch_y = (c_l_ank_pitch * v_l_ank_pitch_y) - (s_l_ank_pitch * r[27]);
     /* l_knee */
@@ -1104,7 +1178,7 @@ void op2_r_sole_com_velocity(
     const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     const float t_l_knee_x = (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float t_l_knee_y = (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     /* l_hip_pitch */
@@ -1112,7 +1186,7 @@ void op2_r_sole_com_velocity(
     const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float t_l_hip_pitch_x = (s_l_hip_pitch * v_l_hip_pitch_x)
         + (c_l_hip_pitch * v_l_hip_pitch_y);
     const float t_l_hip_pitch_y = (c_l_hip_pitch * v_l_hip_pitch_x)
@@ -1122,7 +1196,7 @@ void op2_r_sole_com_velocity(
     const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float t_l_hip_roll_x = (c_l_hip_roll * v_l_hip_roll_x) + (s_l_hip_roll * v_l_hip_roll_y);
     const float t_l_hip_roll_y = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     /* l_hip_yaw */
@@ -1130,20 +1204,20 @@ void op2_r_sole_com_velocity(
     const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float t_l_hip_yaw_x = (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float t_l_hip_yaw_y = (c_l_hip_yaw * v_l_hip_yaw_y) - (s_l_hip_yaw * v_l_hip_yaw_x);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     const float t_head_tilt_x = (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float t_head_tilt_y = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     /* head_pan */
     const float v_head_pan_x = r[15] + t_head_tilt_x;
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     const float t_head_pan_x = (c_head_pan * v_head_pan_x) - (s_head_pan * r[16]);
     const float t_head_pan_y = (s_head_pan * v_head_pan_x) + (c_head_pan * r[16]);
     /* r_hip_yaw */
@@ -1154,7 +1228,7 @@ void op2_r_sole_com_velocity(
     const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float t_r_hip_yaw_x = (s_r_hip_yaw * v_r_hip_yaw_x) + (c_r_hip_yaw * v_r_hip_yaw_y);
     const float t_r_hip_yaw_y = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     /* r_hip_roll */
@@ -1162,7 +1236,7 @@ void op2_r_sole_com_velocity(
     const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float t_r_hip_roll_x = (s_r_hip_roll * v_r_hip_roll_x) + (c_r_hip_roll * v_r_hip_roll_y);
     const float t_r_hip_roll_y = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     /* r_hip_pitch */
@@ -1170,7 +1244,7 @@ void op2_r_sole_com_velocity(
     const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float t_r_hip_pitch_x = (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
     const float t_r_hip_pitch_y = (s_r_hip_pitch * v_r_hip_pitch_x)
@@ -1180,7 +1254,7 @@ void op2_r_sole_com_velocity(
     const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     const float t_r_knee_x = (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float t_r_knee_y = (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     /* r_ank_pitch */
@@ -1188,7 +1262,7 @@ void op2_r_sole_com_velocity(
     const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float t_r_ank_pitch_x = (c_r_ank_pitch * v_r_ank_pitch_y)
         - (s_r_ank_pitch * v_r_ank_pitch_x);
     const float t_r_ank_pitch_y = (c_r_ank_pitch * v_r_ank_pitch_x)
@@ -1198,32 +1272,32 @@ void op2_r_sole_com_velocity(
     const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     const float t_r_ank_roll_x = (c_r_ank_roll * v_r_ank_roll_x) + (s_r_ank_roll * v_r_ank_roll_y);
     const float t_r_ank_roll_y = (c_r_ank_roll * v_r_ank_roll_y) - (s_r_ank_roll * v_r_ank_roll_x);
     /* r_el */
-    const float e4 = qd[19] * e1;
-    const float e5 = qd[19] * t_r_el_x;
+    const float e2 = qd[19] * e1;
+    const float e3 = qd[19] * t_r_el_x;
     /* r_sho_roll */
-    const float e6 = (c_r_sho_roll * e4) + (qd[18] * t_r_sho_roll_y);
-    const float dt_r_sho_roll_y = (qd[18] * t_r_sho_roll_x) - (s_r_sho_roll * e4);
+    const float e4 = (c_r_sho_roll * e2) + (qd[18] * t_r_sho_roll_y);
+    const float dt_r_sho_roll_y = (qd[18] * t_r_sho_roll_x) - (s_r_sho_roll * e2);
     /* r_sho_pitch */
-    const float dt_r_sho_pitch_x = (s_r_sho_pitch * e6) - (c_r_sho_pitch * e5)
+    const float dt_r_sho_pitch_x = (s_r_sho_pitch * e4) - (c_r_sho_pitch * e3)
         - (qd[17] * t_r_sho_pitch_y);
     const float dt_r_sho_pitch_y = (qd[17] * t_r_sho_pitch_x)
-        - ((s_r_sho_pitch * e5) + (c_r_sho_pitch * e6));
+        - ((s_r_sho_pitch * e3) + (c_r_sho_pitch * e4));
     /* l_el */
-    const float e7 = qd[10] * t_l_el_y;
+    const float e5 = qd[10] * t_l_el_y;
     const float dt_l_el_y = qd[10] * t_l_el_x;
     /* l_sho_roll */
-    const float e8 = (c_l_sho_roll * e7) + (qd[9] * t_l_sho_roll_y);
-    const float dt_l_sho_roll_y = (qd[9] * t_l_sho_roll_x) - (s_l_sho_roll * e7);
+    const float e6 = (c_l_sho_roll * e5) + (qd[9] * t_l_sho_roll_y);
+    const float dt_l_sho_roll_y = (qd[9] * t_l_sho_roll_x) - (s_l_sho_roll * e5);
     /* l_sho_pitch */
-    const float dt_l_sho_pitch_x = (c_l_sho_pitch * dt_l_el_y) - (s_l_sho_pitch * e8)
+    const float dt_l_sho_pitch_x = (c_l_sho_pitch * dt_l_el_y) - (s_l_sho_pitch * e6)
         + (qd[8] * t_l_sho_pitch_y);
     /* l_ank_roll */
     const float dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
-    const float e9 = qd[7] * t_l_ank_roll_x;
+    const float e7 = qd[7] * t_l_ank_roll_x;
     /* l_ank_pitch */
     const float dt_l_ank_pitch_x = (s_l_ank_pitch * dt_l_ank_roll_x) + (qd[6] * t_l_ank_pitch_y);
     const float dt_l_ank_pitch_y = (c_l_ank_pitch * dt_l_ank_roll_x) - (qd[6] * t_l_ank_pitch_x);
@@ -1238,9 +1312,9 @@ void op2_r_sole_com_velocity(
     const float dt_l_hip_pitch_y = (c_l_hip_pitch * dt_l_knee_x) - (s_l_hip_pitch * dt_l_knee_y)
         - (qd[4] * t_l_hip_pitch_x);
     /* l_hip_roll */
-    const float dt_l_hip_roll_x = (s_l_hip_roll * dt_l_hip_pitch_x) - (c_l_hip_roll * e9)
+    const float dt_l_hip_roll_x = (s_l_hip_roll * dt_l_hip_pitch_x) - (c_l_hip_roll * e7)
         + (qd[3] * t_l_hip_roll_y);
-    const float dt_l_hip_roll_y = (s_l_hip_roll * e9) + (c_l_hip_roll * dt_l_hip_pitch_x)
+    const float dt_l_hip_roll_y = (s_l_hip_roll * e7) + (c_l_hip_roll * dt_l_hip_pitch_x)
         - (qd[3] * t_l_hip_roll_x);
     /* l_hip_yaw */
     const float dt_l_hip_yaw_x = (c_l_hip_yaw * dt_l_hip_pitch_y) + (s_l_hip_yaw * dt_l_hip_roll_x)
@@ -1248,16 +1322,16 @@ void op2_r_sole_com_velocity(
     const float dt_l_hip_yaw_y = (c_l_hip_yaw * dt_l_hip_roll_x) - (s_l_hip_yaw * dt_l_hip_pitch_y)
         - (qd[2] * t_l_hip_yaw_x);
     /* head_tilt */
-    const float e10 = qd[1] * t_head_tilt_y;
+    const float e8 = qd[1] * t_head_tilt_y;
     const float dt_head_tilt_y = qd[1] * t_head_tilt_x;
     /* head_pan */
-    const float dt_head_pan_y = (qd[0] * t_head_pan_x) - (s_head_pan * e10);
+    const float dt_head_pan_y = (qd[0] * t_head_pan_x) - (s_head_pan * e8);
     /* r_hip_yaw */
-    const float dv_r_hip_yaw_x = dt_l_sho_pitch_x - ((c_head_pan * e10) + (qd[0] * t_head_pan_y))
+    const float dv_r_hip_yaw_x = dt_l_sho_pitch_x - ((c_head_pan * e8) + (qd[0] * t_head_pan_y))
         + dt_r_sho_pitch_x + dt_l_hip_yaw_x;
     const float dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y + dt_l_hip_yaw_y;
     const float dv_r_hip_yaw_z = dt_head_tilt_y
-        - ((s_l_sho_pitch * dt_l_el_y) + (c_l_sho_pitch * e8) + (qd[8] * t_l_sho_pitch_x))
+        - ((s_l_sho_pitch * dt_l_el_y) + (c_l_sho_pitch * e6) + (qd[8] * t_l_sho_pitch_x))
         + dt_r_sho_pitch_y + dt_l_hip_roll_y;
     const float dt_r_hip_yaw_x = (s_r_hip_yaw * dv_r_hip_yaw_x) + (c_r_hip_yaw * dv_r_hip_yaw_y)
         + (qd[11] * t_r_hip_yaw_y);
@@ -1293,23 +1367,39 @@ void op2_r_sole_com_velocity(
     velocity[2] = dt_r_ank_roll_y;
 }
 
-void op2_r_sole_gravity_moments(
+void op2_r_sole_com_velocity(
     const op2_r_sole_real q[],
+    const op2_r_sole_real qd[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real velocity[restrict 3])
+{
+    op2_r_sole_com_velocity_core(0, q, q, q, qd, r, velocity);
+}
+
+op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
+    int of_sines,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     const op2_r_sole_real r[],
     op2_r_sole_real moments[restrict op2_r_sole_DOF])
 {
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
     const float t_r_el_x = (c_r_el * r[41]) - (s_r_el * r[42]);
     const float e1 = (s_r_el * r[41]) + (c_r_el * r[42]);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + t_r_el_x;
-    const float e2 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e2, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
     const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     /* r_sho_pitch */
@@ -1317,7 +1407,7 @@ void op2_r_sole_gravity_moments(
     const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float t_r_sho_pitch_x = (c_r_sho_pitch * v_r_sho_pitch_x)
         - (s_r_sho_pitch * v_r_sho_pitch_y);
     const float t_r_sho_pitch_y = (s_r_sho_pitch * v_r_sho_pitch_x)
@@ -1325,15 +1415,19 @@ void op2_r_sole_gravity_moments(
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
     const float t_l_el_x = (c_l_el * r[35]) + (s_l_el * r[36]);
     const float t_l_el_y = (s_l_el * r[35]) - (c_l_el * r[36]);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + t_l_el_x;
-    const float e3 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e3, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
     const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     /* l_sho_pitch */
@@ -1341,7 +1435,7 @@ void op2_r_sole_gravity_moments(
     const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float t_l_sho_pitch_x = (c_l_sho_pitch * v_l_sho_pitch_x)
         + (s_l_sho_pitch * v_l_sho_pitch_y);
     const float t_l_sho_pitch_y = (c_l_sho_pitch * v_l_sho_pitch_y)
@@ -1349,14 +1443,14 @@ void op2_r_sole_gravity_moments(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float t_l_ank_roll_x = (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float t_l_ank_roll_y = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float t_l_ank_pitch_x = (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float t_l_ank_pitch_y = (c_l_ank_pitch * v_l_ank_pitch_y) - (s_l_ank_pitch * r[27]);
     /* l_knee */
@@ -1364,7 +1458,7 @@ void op2_r_sole_gravity_moments(
     const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     const float t_l_knee_x = (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float t_l_knee_y = (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     /* l_hip_pitch */
@@ -1372,7 +1466,7 @@ void op2_r_sole_gravity_moments(
     const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float t_l_hip_pitch_x = (s_l_hip_pitch * v_l_hip_pitch_x)
         + (c_l_hip_pitch * v_l_hip_pitch_y);
     const float t_l_hip_pitch_y = (c_l_hip_pitch * v_l_hip_pitch_x)
@@ -1382,7 +1476,7 @@ void op2_r_sole_gravity_moments(
     const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float t_l_hip_roll_x = (c_l_hip_roll * v_l_hip_roll_x) + (s_l_hip_roll * v_l_hip_roll_y);
     const float t_l_hip_roll_y = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     /* l_hip_yaw */
@@ -1390,20 +1484,20 @@ void op2_r_sole_gravity_moments(
     const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float t_l_hip_yaw_x = (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float t_l_hip_yaw_y = (c_l_hip_yaw * v_l_hip_yaw_y) - (s_l_hip_yaw * v_l_hip_yaw_x);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     const float t_head_tilt_x = (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float t_head_tilt_y = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     /* head_pan */
     const float v_head_pan_x = r[15] + t_head_tilt_x;
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     const float t_head_pan_x = (c_head_pan * v_head_pan_x) - (s_head_pan * r[16]);
     const float t_head_pan_y = (s_head_pan * v_head_pan_x) + (c_head_pan * r[16]);
     /* r_hip_yaw */
@@ -1414,7 +1508,7 @@ void op2_r_sole_gravity_moments(
     const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float t_r_hip_yaw_x = (s_r_hip_yaw * v_r_hip_yaw_x) + (c_r_hip_yaw * v_r_hip_yaw_y);
     const float t_r_hip_yaw_y = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     /* r_hip_roll */
@@ -1422,7 +1516,7 @@ void op2_r_sole_gravity_moments(
     const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float t_r_hip_roll_x = (s_r_hip_roll * v_r_hip_roll_x) + (c_r_hip_roll * v_r_hip_roll_y);
     const float t_r_hip_roll_y = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     /* r_hip_pitch */
@@ -1430,7 +1524,7 @@ void op2_r_sole_gravity_moments(
     const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float t_r_hip_pitch_x = (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
     const float t_r_hip_pitch_y = (s_r_hip_pitch * v_r_hip_pitch_x)
@@ -1440,7 +1534,7 @@ void op2_r_sole_gravity_moments(
     const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     const float t_r_knee_x = (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float t_r_knee_y = (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     /* r_ank_pitch */
@@ -1448,7 +1542,7 @@ void op2_r_sole_gravity_moments(
     const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float t_r_ank_pitch_x = (c_r_ank_pitch * v_r_ank_pitch_y)
         - (s_r_ank_pitch * v_r_ank_pitch_x);
     const float t_r_ank_pitch_y = (c_r_ank_pitch * v_r_ank_pitch_x)
@@ -1458,14 +1552,14 @@ void op2_r_sole_gravity_moments(
     const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     const float t_r_ank_roll_x = (c_r_ank_roll * v_r_ank_roll_x) + (s_r_ank_roll * v_r_ank_roll_y);
     /* r_ank_pitch */
-    const float e4 = c_r_ank_roll * s_r_ank_pitch;
+    const float e2 = c_r_ank_roll * s_r_ank_pitch;
     const float bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
     /* r_knee */
-    const float bz_r_knee_x = (bz_r_ank_pitch_y * s_r_knee) - (e4 * c_r_knee);
-    const float bz_r_knee_y = (bz_r_ank_pitch_y * c_r_knee) + (e4 * s_r_knee);
+    const float bz_r_knee_x = (bz_r_ank_pitch_y * s_r_knee) - (e2 * c_r_knee);
+    const float bz_r_knee_y = (bz_r_ank_pitch_y * c_r_knee) + (e2 * s_r_knee);
     /* r_hip_pitch */
     const float bz_r_hip_pitch_x = (bz_r_knee_x * c_r_hip_pitch) + (bz_r_knee_y * s_r_hip_pitch);
     const float bz_r_hip_pitch_y = (bz_r_knee_y * c_r_hip_pitch) - (bz_r_knee_x * s_r_hip_pitch);
@@ -1474,12 +1568,12 @@ void op2_r_sole_gravity_moments(
     const float bz_r_hip_roll_y = (s_r_ank_roll * s_r_hip_roll) + (bz_r_hip_pitch_y * c_r_hip_roll);
     /* r_hip_yaw */
     const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * s_r_hip_yaw) + (bz_r_hip_pitch_x * c_r_hip_yaw);
-    const float e5 = (bz_r_hip_pitch_x * s_r_hip_yaw) - (bz_r_hip_roll_x * c_r_hip_yaw);
+    const float e3 = (bz_r_hip_pitch_x * s_r_hip_yaw) - (bz_r_hip_roll_x * c_r_hip_yaw);
     /* head_pan */
-    const float bz_head_pan_x = (bz_r_hip_yaw_x * c_head_pan) - (e5 * s_head_pan);
+    const float bz_head_pan_x = (bz_r_hip_yaw_x * c_head_pan) - (e3 * s_head_pan);
     /* l_hip_yaw */
-    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * c_l_hip_yaw) + (e5 * s_l_hip_yaw);
-    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * s_l_hip_yaw) - (e5 * c_l_hip_yaw);
+    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * c_l_hip_yaw) + (e3 * s_l_hip_yaw);
+    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * s_l_hip_yaw) - (e3 * c_l_hip_yaw);
     /* l_hip_roll */
     const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * c_l_hip_roll)
         - (bz_r_hip_roll_y * s_l_hip_roll);
@@ -1488,12 +1582,12 @@ void op2_r_sole_gravity_moments(
     /* l_hip_pitch */
     const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * s_l_hip_pitch)
         + (bz_l_hip_yaw_x * c_l_hip_pitch);
-    const float e6 = (bz_l_hip_yaw_x * s_l_hip_pitch) - (bz_l_hip_roll_y * c_l_hip_pitch);
+    const float e4 = (bz_l_hip_yaw_x * s_l_hip_pitch) - (bz_l_hip_roll_y * c_l_hip_pitch);
     /* l_knee */
-    const float bz_l_knee_x = (bz_l_hip_pitch_x * c_l_knee) - (e6 * s_l_knee);
-    const float e7 = (e6 * c_l_knee) + (bz_l_hip_pitch_x * s_l_knee);
+    const float bz_l_knee_x = (bz_l_hip_pitch_x * c_l_knee) - (e4 * s_l_knee);
+    const float e5 = (e4 * c_l_knee) + (bz_l_hip_pitch_x * s_l_knee);
     /* l_ank_pitch */
-    const float bz_l_ank_pitch_y = (bz_l_knee_x * s_l_ank_pitch) - (e7 * c_l_ank_pitch);
+    const float bz_l_ank_pitch_y = (bz_l_knee_x * s_l_ank_pitch) - (e5 * c_l_ank_pitch);
     /* l_sho_pitch */
     const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * c_l_sho_pitch)
         - (bz_r_hip_roll_y * s_l_sho_pitch);
@@ -1504,43 +1598,54 @@ void op2_r_sole_gravity_moments(
         + (bz_r_hip_roll_y * s_r_sho_pitch);
     const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * c_r_sho_pitch)
         - (bz_r_hip_yaw_x * s_r_sho_pitch);
-    moments[0] = (e5 * t_head_pan_x) + (bz_r_hip_yaw_x * t_head_pan_y);
+    moments[0] = (e3 * t_head_pan_x) + (bz_r_hip_yaw_x * t_head_pan_y);
     moments[1] = -((bz_r_hip_roll_y * t_head_tilt_x) - (bz_head_pan_x * t_head_tilt_y));
-    moments[2] = -((e5 * t_l_hip_yaw_x) + (bz_r_hip_yaw_x * t_l_hip_yaw_y));
+    moments[2] = -((e3 * t_l_hip_yaw_x) + (bz_r_hip_yaw_x * t_l_hip_yaw_y));
     moments[3] = (bz_r_hip_roll_y * t_l_hip_roll_x) - (bz_l_hip_yaw_y * t_l_hip_roll_y);
     moments[4] = (bz_l_hip_yaw_x * t_l_hip_pitch_x) - (bz_l_hip_roll_y * t_l_hip_pitch_y);
-    moments[5] = (e6 * t_l_knee_x) + (bz_l_hip_pitch_x * t_l_knee_y);
-    moments[6] = -((e7 * t_l_ank_pitch_x) + (bz_l_knee_x * t_l_ank_pitch_y));
+    moments[5] = (e4 * t_l_knee_x) + (bz_l_hip_pitch_x * t_l_knee_y);
+    moments[6] = -((e5 * t_l_ank_pitch_x) + (bz_l_knee_x * t_l_ank_pitch_y));
     moments[7] = (bz_l_hip_roll_x * t_l_ank_roll_x) - (bz_l_ank_pitch_y * t_l_ank_roll_y);
     moments[8] = (bz_r_hip_roll_y * t_l_sho_pitch_x) - (bz_r_hip_yaw_x * t_l_sho_pitch_y);
-    moments[9] = (e5 * t_l_sho_roll_x) + (bz_l_sho_pitch_y * t_l_sho_roll_y);
+    moments[9] = (e3 * t_l_sho_roll_x) + (bz_l_sho_pitch_y * t_l_sho_roll_y);
     moments[10] = -((bz_l_sho_pitch_x * t_l_el_x)
-        + (((e5 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y));
+        + (((e3 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y));
     moments[11] = (bz_r_hip_pitch_x * t_r_hip_yaw_x) - (bz_r_hip_roll_x * t_r_hip_yaw_y);
     moments[12] = -((s_r_ank_roll * t_r_hip_roll_x) + (bz_r_hip_pitch_y * t_r_hip_roll_y));
     moments[13] = -((bz_r_knee_y * t_r_hip_pitch_x) - (bz_r_knee_x * t_r_hip_pitch_y));
-    moments[14] = -((bz_r_ank_pitch_y * t_r_knee_x) + (e4 * t_r_knee_y));
+    moments[14] = -((bz_r_ank_pitch_y * t_r_knee_x) + (e2 * t_r_knee_y));
     moments[15] = c_r_ank_roll * t_r_ank_pitch_y;
     moments[16] = t_r_ank_roll_x;
     moments[17] = -((bz_r_hip_roll_y * t_r_sho_pitch_x) - (bz_r_hip_yaw_x * t_r_sho_pitch_y));
-    moments[18] = (e5 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y);
+    moments[18] = (e3 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y);
     moments[19] = (bz_r_sho_pitch_x * t_r_el_x)
-        - (((e5 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1);
+        - (((e3 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1);
 }
 
-void op2_r_sole_regressor(
+void op2_r_sole_gravity_moments(
     const op2_r_sole_real q[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real moments[restrict op2_r_sole_DOF])
+{
+    op2_r_sole_gravity_moments_core(0, q, q, q, r, moments);
+}
+
+op2_r_sole_SHARED void op2_r_sole_regressor_core(
+    int of_sines,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 3 * op2_r_sole_BASE_PARAMS])
 {
     /* r_ank_roll */
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     const float bz_r_ank_roll_x = -s_r_ank_roll;
     /* r_ank_pitch */
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float e1 = s_r_ank_roll * s_r_ank_pitch;
     const float by_r_ank_pitch_x = -e1;
     const float by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
@@ -1550,7 +1655,7 @@ void op2_r_sole_regressor(
     /* r_knee */
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     const float bx_r_knee_x = (c_r_ank_pitch * c_r_knee) + (s_r_ank_pitch * s_r_knee);
     const float bx_r_knee_y = (s_r_ank_pitch * c_r_knee) - (c_r_ank_pitch * s_r_knee);
     const float by_r_knee_x = (by_r_ank_pitch_y * s_r_knee) - (e1 * c_r_knee);
@@ -1560,7 +1665,7 @@ void op2_r_sole_regressor(
     /* r_hip_pitch */
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float bx_r_hip_pitch_x = (bx_r_knee_x * c_r_hip_pitch) + (bx_r_knee_y * s_r_hip_pitch);
     const float bx_r_hip_pitch_y = (bx_r_knee_y * c_r_hip_pitch) - (bx_r_knee_x * s_r_hip_pitch);
     const float by_r_hip_pitch_x = (by_r_knee_x * c_r_hip_pitch) + (by_r_knee_y * s_r_hip_pitch);
@@ -1570,7 +1675,7 @@ void op2_r_sole_regressor(
     /* r_hip_roll */
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
     const float bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
     const float by_r_hip_roll_x = (by_r_hip_pitch_y * s_r_hip_roll) + (c_r_ank_roll * c_r_hip_roll);
@@ -1581,7 +1686,7 @@ void op2_r_sole_regressor(
     /* r_hip_yaw */
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * s_r_hip_yaw) + (bx_r_hip_pitch_x * c_r_hip_yaw);
     const float e4 = (bx_r_hip_pitch_x * s_r_hip_yaw) - (bx_r_hip_roll_x * c_r_hip_yaw);
     const float bx_r_hip_yaw_y = -e4;
@@ -1594,7 +1699,7 @@ void op2_r_sole_regressor(
     /* head_pan */
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     const float bx_head_pan_x = (bx_r_hip_yaw_x * c_head_pan) - (e4 * s_head_pan);
     const float bx_head_pan_y = -((e4 * c_head_pan) + (bx_r_hip_yaw_x * s_head_pan));
     const float by_head_pan_x = (by_r_hip_yaw_x * c_head_pan) - (e5 * s_head_pan);
@@ -1604,7 +1709,7 @@ void op2_r_sole_regressor(
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     const float bx_head_tilt_x = (bx_head_pan_x * c_head_tilt) + (bx_r_hip_roll_y * s_head_tilt);
     const float bx_head_tilt_y = -((bx_r_hip_roll_y * c_head_tilt) - (bx_head_pan_x * s_head_tilt));
     const float by_head_tilt_x = (by_head_pan_x * c_head_tilt) - (e3 * s_head_tilt);
@@ -1614,7 +1719,7 @@ void op2_r_sole_regressor(
     /* l_hip_yaw */
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * c_l_hip_yaw) + (e4 * s_l_hip_yaw);
     const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * s_l_hip_yaw) - (e4 * c_l_hip_yaw);
     const float by_l_hip_yaw_x = (by_r_hip_yaw_x * c_l_hip_yaw) + (e5 * s_l_hip_yaw);
@@ -1624,7 +1729,7 @@ void op2_r_sole_regressor(
     /* l_hip_roll */
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * c_l_hip_roll)
         - (bx_r_hip_roll_y * s_l_hip_roll);
     const float bx_l_hip_roll_y = (bx_r_hip_roll_y * c_l_hip_roll)
@@ -1638,7 +1743,7 @@ void op2_r_sole_regressor(
     /* l_hip_pitch */
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * s_l_hip_pitch)
         + (bx_l_hip_yaw_x * c_l_hip_pitch);
     const float e7 = (bx_l_hip_yaw_x * s_l_hip_pitch) - (bx_l_hip_roll_y * c_l_hip_pitch);
@@ -1654,7 +1759,7 @@ void op2_r_sole_regressor(
     /* l_knee */
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     const float bx_l_knee_x = (bx_l_hip_pitch_x * c_l_knee) - (e7 * s_l_knee);
     const float e10 = (e7 * c_l_knee) + (bx_l_hip_pitch_x * s_l_knee);
     const float bx_l_knee_y = -e10;
@@ -1667,7 +1772,7 @@ void op2_r_sole_regressor(
     /* l_ank_pitch */
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float bx_l_ank_pitch_x = (bx_l_knee_x * c_l_ank_pitch) + (e10 * s_l_ank_pitch);
     const float bx_l_ank_pitch_y = (bx_l_knee_x * s_l_ank_pitch) - (e10 * c_l_ank_pitch);
     const float by_l_ank_pitch_x = (by_l_knee_x * c_l_ank_pitch) + (e11 * s_l_ank_pitch);
@@ -1677,7 +1782,7 @@ void op2_r_sole_regressor(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * s_l_ank_roll)
         + (bx_l_hip_roll_x * c_l_ank_roll);
     const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * s_l_ank_roll)
@@ -1693,7 +1798,7 @@ void op2_r_sole_regressor(
     /* l_sho_pitch */
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * c_l_sho_pitch)
         - (bx_r_hip_roll_y * s_l_sho_pitch);
     const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * c_l_sho_pitch)
@@ -1705,68 +1810,76 @@ void op2_r_sole_regressor(
     const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * c_l_sho_pitch)
         + (bz_r_hip_yaw_x * s_l_sho_pitch);
     /* l_sho_roll */
-    const float e13 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e13, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
-    const float e14 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
-    const float bx_l_sho_roll_y = -e14;
+    const float e13 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
+    const float bx_l_sho_roll_y = -e13;
     const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e5 * c_l_sho_roll));
-    const float e15 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
-    const float by_l_sho_roll_y = -e15;
+    const float e14 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
+    const float by_l_sho_roll_y = -e14;
     const float bz_l_sho_roll_x = -((bz_l_sho_pitch_y * s_l_sho_roll) + (e6 * c_l_sho_roll));
-    const float e16 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
-    const float bz_l_sho_roll_y = -e16;
+    const float e15 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
+    const float bz_l_sho_roll_y = -e15;
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
-    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e14 * c_l_el);
-    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e14 * s_l_el));
-    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e15 * c_l_el);
-    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e15 * s_l_el));
-    const float bz_l_el_x = (bz_l_sho_pitch_x * s_l_el) - (e16 * c_l_el);
-    const float bz_l_el_y = -((bz_l_sho_pitch_x * c_l_el) + (e16 * s_l_el));
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
+    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e13 * c_l_el);
+    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e13 * s_l_el));
+    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e14 * c_l_el);
+    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e14 * s_l_el));
+    const float bz_l_el_x = (bz_l_sho_pitch_x * s_l_el) - (e15 * c_l_el);
+    const float bz_l_el_y = -((bz_l_sho_pitch_x * c_l_el) + (e15 * s_l_el));
     /* r_sho_pitch */
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * c_r_sho_pitch)
         + (bx_r_hip_roll_y * s_r_sho_pitch);
     const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * c_r_sho_pitch)
         - (bx_r_hip_yaw_x * s_r_sho_pitch);
     const float by_r_sho_pitch_x = (by_r_hip_yaw_x * c_r_sho_pitch) - (e3 * s_r_sho_pitch);
-    const float e17 = (e3 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
-    const float by_r_sho_pitch_y = -e17;
+    const float e16 = (e3 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
+    const float by_r_sho_pitch_y = -e16;
     const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * c_r_sho_pitch)
         + (bz_r_hip_roll_y * s_r_sho_pitch);
     const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * c_r_sho_pitch)
         - (bz_r_hip_yaw_x * s_r_sho_pitch);
     /* r_sho_roll */
-    const float e18 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e18, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e4 * c_r_sho_roll));
-    const float e19 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
-    const float bx_r_sho_roll_y = -e19;
-    const float by_r_sho_roll_x = (e17 * s_r_sho_roll) - (e5 * c_r_sho_roll);
-    const float e20 = (e5 * s_r_sho_roll) + (e17 * c_r_sho_roll);
-    const float by_r_sho_roll_y = -e20;
+    const float e17 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
+    const float bx_r_sho_roll_y = -e17;
+    const float by_r_sho_roll_x = (e16 * s_r_sho_roll) - (e5 * c_r_sho_roll);
+    const float e18 = (e5 * s_r_sho_roll) + (e16 * c_r_sho_roll);
+    const float by_r_sho_roll_y = -e18;
     const float bz_r_sho_roll_x = -((bz_r_sho_pitch_y * s_r_sho_roll) + (e6 * c_r_sho_roll));
-    const float e21 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
-    const float bz_r_sho_roll_y = -e21;
+    const float e19 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
+    const float bz_r_sho_roll_y = -e19;
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
-    const float bx_r_el_x = -((e19 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
-    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e19 * s_r_el));
-    const float by_r_el_x = -((e20 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
-    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e20 * s_r_el));
-    const float bz_r_el_x = -((e21 * c_r_el) + (bz_r_sho_pitch_x * s_r_el));
-    const float bz_r_el_y = -((bz_r_sho_pitch_x * c_r_el) - (e21 * s_r_el));
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
+    const float bx_r_el_x = -((e17 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
+    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e17 * s_r_el));
+    const float by_r_el_x = -((e18 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
+    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e18 * s_r_el));
+    const float bz_r_el_x = -((e19 * c_r_el) + (bz_r_sho_pitch_x * s_r_el));
+    const float bz_r_el_y = -((bz_r_sho_pitch_x * c_r_el) - (e19 * s_r_el));
     rows[0] = 1.0f;
     rows[1] = 0.0f;
     rows[2] = 0.0f;
@@ -1898,25 +2011,35 @@ void op2_r_sole_regressor(
     rows[128] = bz_r_el_y;
 }
 
-void op2_r_sole_regressor_cop(
+void op2_r_sole_regressor(
     const op2_r_sole_real q[],
+    op2_r_sole_real rows[restrict 3 * op2_r_sole_BASE_PARAMS])
+{
+    op2_r_sole_regressor_core(0, q, q, q, rows);
+}
+
+op2_r_sole_SHARED void op2_r_sole_regressor_cop_core(
+    int of_sines,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 2 * op2_r_sole_BASE_PARAMS])
 {
     /* r_ank_roll */
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     /* r_ank_pitch */
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float e1 = s_r_ank_roll * s_r_ank_pitch;
     const float by_r_ank_pitch_x = -e1;
     const float by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
     /* r_knee */
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     const float bx_r_knee_x = (c_r_ank_pitch * c_r_knee) + (s_r_ank_pitch * s_r_knee);
     const float bx_r_knee_y = (s_r_ank_pitch * c_r_knee) - (c_r_ank_pitch * s_r_knee);
     const float by_r_knee_x = (by_r_ank_pitch_y * s_r_knee) - (e1 * c_r_knee);
@@ -1924,7 +2047,7 @@ void op2_r_sole_regressor_cop(
     /* r_hip_pitch */
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float bx_r_hip_pitch_x = (bx_r_knee_x * c_r_hip_pitch) + (bx_r_knee_y * s_r_hip_pitch);
     const float bx_r_hip_pitch_y = (bx_r_knee_y * c_r_hip_pitch) - (bx_r_knee_x * s_r_hip_pitch);
     const float by_r_hip_pitch_x = (by_r_knee_x * c_r_hip_pitch) + (by_r_knee_y * s_r_hip_pitch);
@@ -1932,7 +2055,7 @@ void op2_r_sole_regressor_cop(
     /* r_hip_roll */
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
     const float bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
     const float by_r_hip_roll_x = (by_r_hip_pitch_y * s_r_hip_roll) + (c_r_ank_roll * c_r_hip_roll);
@@ -1941,7 +2064,7 @@ void op2_r_sole_regressor_cop(
     /* r_hip_yaw */
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * s_r_hip_yaw) + (bx_r_hip_pitch_x * c_r_hip_yaw);
     const float e3 = (bx_r_hip_pitch_x * s_r_hip_yaw) - (bx_r_hip_roll_x * c_r_hip_yaw);
     const float bx_r_hip_yaw_y = -e3;
@@ -1951,7 +2074,7 @@ void op2_r_sole_regressor_cop(
     /* head_pan */
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     const float bx_head_pan_x = (bx_r_hip_yaw_x * c_head_pan) - (e3 * s_head_pan);
     const float bx_head_pan_y = -((e3 * c_head_pan) + (bx_r_hip_yaw_x * s_head_pan));
     const float by_head_pan_x = (by_r_hip_yaw_x * c_head_pan) - (e4 * s_head_pan);
@@ -1959,7 +2082,7 @@ void op2_r_sole_regressor_cop(
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     const float bx_head_tilt_x = (bx_head_pan_x * c_head_tilt) + (bx_r_hip_roll_y * s_head_tilt);
     const float bx_head_tilt_y = -((bx_r_hip_roll_y * c_head_tilt) - (bx_head_pan_x * s_head_tilt));
     const float by_head_tilt_x = (by_head_pan_x * c_head_tilt) - (e2 * s_head_tilt);
@@ -1967,7 +2090,7 @@ void op2_r_sole_regressor_cop(
     /* l_hip_yaw */
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * c_l_hip_yaw) + (e3 * s_l_hip_yaw);
     const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * s_l_hip_yaw) - (e3 * c_l_hip_yaw);
     const float by_l_hip_yaw_x = (by_r_hip_yaw_x * c_l_hip_yaw) + (e4 * s_l_hip_yaw);
@@ -1975,7 +2098,7 @@ void op2_r_sole_regressor_cop(
     /* l_hip_roll */
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * c_l_hip_roll)
         - (bx_r_hip_roll_y * s_l_hip_roll);
     const float bx_l_hip_roll_y = (bx_r_hip_roll_y * c_l_hip_roll)
@@ -1985,7 +2108,7 @@ void op2_r_sole_regressor_cop(
     /* l_hip_pitch */
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * s_l_hip_pitch)
         + (bx_l_hip_yaw_x * c_l_hip_pitch);
     const float e5 = (bx_l_hip_yaw_x * s_l_hip_pitch) - (bx_l_hip_roll_y * c_l_hip_pitch);
@@ -1997,7 +2120,7 @@ void op2_r_sole_regressor_cop(
     /* l_knee */
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     const float bx_l_knee_x = (bx_l_hip_pitch_x * c_l_knee) - (e5 * s_l_knee);
     const float e7 = (e5 * c_l_knee) + (bx_l_hip_pitch_x * s_l_knee);
     const float bx_l_knee_y = -e7;
@@ -2007,7 +2130,7 @@ void op2_r_sole_regressor_cop(
     /* l_ank_pitch */
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float bx_l_ank_pitch_x = (bx_l_knee_x * c_l_ank_pitch) + (e7 * s_l_ank_pitch);
     const float bx_l_ank_pitch_y = (bx_l_knee_x * s_l_ank_pitch) - (e7 * c_l_ank_pitch);
     const float by_l_ank_pitch_x = (by_l_knee_x * c_l_ank_pitch) + (e8 * s_l_ank_pitch);
@@ -2015,7 +2138,7 @@ void op2_r_sole_regressor_cop(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * s_l_ank_roll)
         + (bx_l_hip_roll_x * c_l_ank_roll);
     const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * s_l_ank_roll)
@@ -2027,7 +2150,7 @@ void op2_r_sole_regressor_cop(
     /* l_sho_pitch */
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * c_l_sho_pitch)
         - (bx_r_hip_roll_y * s_l_sho_pitch);
     const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * c_l_sho_pitch)
@@ -2035,54 +2158,62 @@ void op2_r_sole_regressor_cop(
     const float by_l_sho_pitch_x = (by_r_hip_yaw_x * c_l_sho_pitch) + (e2 * s_l_sho_pitch);
     const float by_l_sho_pitch_y = (by_r_hip_yaw_x * s_l_sho_pitch) - (e2 * c_l_sho_pitch);
     /* l_sho_roll */
-    const float e9 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e9, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e3 * c_l_sho_roll));
-    const float e10 = (e3 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
-    const float bx_l_sho_roll_y = -e10;
+    const float e9 = (e3 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
+    const float bx_l_sho_roll_y = -e9;
     const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
-    const float e11 = (e4 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
-    const float by_l_sho_roll_y = -e11;
+    const float e10 = (e4 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
+    const float by_l_sho_roll_y = -e10;
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
-    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e10 * c_l_el);
-    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e10 * s_l_el));
-    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e11 * c_l_el);
-    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e11 * s_l_el));
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
+    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e9 * c_l_el);
+    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e9 * s_l_el));
+    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e10 * c_l_el);
+    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e10 * s_l_el));
     /* r_sho_pitch */
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * c_r_sho_pitch)
         + (bx_r_hip_roll_y * s_r_sho_pitch);
     const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * c_r_sho_pitch)
         - (bx_r_hip_yaw_x * s_r_sho_pitch);
     const float by_r_sho_pitch_x = (by_r_hip_yaw_x * c_r_sho_pitch) - (e2 * s_r_sho_pitch);
-    const float e12 = (e2 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
-    const float by_r_sho_pitch_y = -e12;
+    const float e11 = (e2 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
+    const float by_r_sho_pitch_y = -e11;
     /* r_sho_roll */
-    const float e13 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e13, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e3 * c_r_sho_roll));
-    const float e14 = (e3 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
-    const float bx_r_sho_roll_y = -e14;
-    const float by_r_sho_roll_x = (e12 * s_r_sho_roll) - (e4 * c_r_sho_roll);
-    const float e15 = (e4 * s_r_sho_roll) + (e12 * c_r_sho_roll);
-    const float by_r_sho_roll_y = -e15;
+    const float e12 = (e3 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
+    const float bx_r_sho_roll_y = -e12;
+    const float by_r_sho_roll_x = (e11 * s_r_sho_roll) - (e4 * c_r_sho_roll);
+    const float e13 = (e4 * s_r_sho_roll) + (e11 * c_r_sho_roll);
+    const float by_r_sho_roll_y = -e13;
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
-    const float bx_r_el_x = -((e14 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
-    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e14 * s_r_el));
-    const float by_r_el_x = -((e15 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
-    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e15 * s_r_el));
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
+    const float bx_r_el_x = -((e12 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
+    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e12 * s_r_el));
+    const float by_r_el_x = -((e13 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
+    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e13 * s_r_el));
     rows[0] = 1.0f;
     rows[1] = 0.0f;
     rows[2] = 0.0f;
@@ -2171,19 +2302,29 @@ void op2_r_sole_regressor_cop(
     rows[85] = by_r_el_y;
 }
 
-void op2_r_sole_regressor_full(
+void op2_r_sole_regressor_cop(
     const op2_r_sole_real q[],
+    op2_r_sole_real rows[restrict 2 * op2_r_sole_BASE_PARAMS])
+{
+    op2_r_sole_regressor_cop_core(0, q, q, q, rows);
+}
+
+op2_r_sole_SHARED void op2_r_sole_regressor_full_core(
+    int of_sines,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 3 * op2_r_sole_FULL_PARAMS])
 {
     /* r_ank_roll */
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     const float bz_r_ank_roll_x = -s_r_ank_roll;
     /* r_ank_pitch */
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float e1 = s_r_ank_roll * s_r_ank_pitch;
     const float by_r_ank_pitch_x = -e1;
     const float by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
@@ -2193,7 +2334,7 @@ void op2_r_sole_regressor_full(
     /* r_knee */
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     const float bx_r_knee_x = (c_r_ank_pitch * c_r_knee) + (s_r_ank_pitch * s_r_knee);
     const float bx_r_knee_y = (s_r_ank_pitch * c_r_knee) - (c_r_ank_pitch * s_r_knee);
     const float by_r_knee_x = (by_r_ank_pitch_y * s_r_knee) - (e1 * c_r_knee);
@@ -2203,7 +2344,7 @@ void op2_r_sole_regressor_full(
     /* r_hip_pitch */
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float bx_r_hip_pitch_x = (bx_r_knee_x * c_r_hip_pitch) + (bx_r_knee_y * s_r_hip_pitch);
     const float bx_r_hip_pitch_y = (bx_r_knee_y * c_r_hip_pitch) - (bx_r_knee_x * s_r_hip_pitch);
     const float by_r_hip_pitch_x = (by_r_knee_x * c_r_hip_pitch) + (by_r_knee_y * s_r_hip_pitch);
@@ -2213,7 +2354,7 @@ void op2_r_sole_regressor_full(
     /* r_hip_roll */
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
     const float bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
     const float by_r_hip_roll_x = (by_r_hip_pitch_y * s_r_hip_roll) + (c_r_ank_roll * c_r_hip_roll);
@@ -2224,7 +2365,7 @@ void op2_r_sole_regressor_full(
     /* r_hip_yaw */
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * s_r_hip_yaw) + (bx_r_hip_pitch_x * c_r_hip_yaw);
     const float e4 = (bx_r_hip_pitch_x * s_r_hip_yaw) - (bx_r_hip_roll_x * c_r_hip_yaw);
     const float bx_r_hip_yaw_y = -e4;
@@ -2237,7 +2378,7 @@ void op2_r_sole_regressor_full(
     /* head_pan */
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     const float bx_head_pan_x = (bx_r_hip_yaw_x * c_head_pan) - (e4 * s_head_pan);
     const float bx_head_pan_y = -((e4 * c_head_pan) + (bx_r_hip_yaw_x * s_head_pan));
     const float by_head_pan_x = (by_r_hip_yaw_x * c_head_pan) - (e5 * s_head_pan);
@@ -2247,7 +2388,7 @@ void op2_r_sole_regressor_full(
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     const float bx_head_tilt_x = (bx_head_pan_x * c_head_tilt) + (bx_r_hip_roll_y * s_head_tilt);
     const float e7 = (bx_r_hip_roll_y * c_head_tilt) - (bx_head_pan_x * s_head_tilt);
     const float by_head_tilt_x = (by_head_pan_x * c_head_tilt) - (e3 * s_head_tilt);
@@ -2257,7 +2398,7 @@ void op2_r_sole_regressor_full(
     /* l_hip_yaw */
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * c_l_hip_yaw) + (e4 * s_l_hip_yaw);
     const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * s_l_hip_yaw) - (e4 * c_l_hip_yaw);
     const float by_l_hip_yaw_x = (by_r_hip_yaw_x * c_l_hip_yaw) + (e5 * s_l_hip_yaw);
@@ -2267,7 +2408,7 @@ void op2_r_sole_regressor_full(
     /* l_hip_roll */
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * c_l_hip_roll)
         - (bx_r_hip_roll_y * s_l_hip_roll);
     const float bx_l_hip_roll_y = (bx_r_hip_roll_y * c_l_hip_roll)
@@ -2281,7 +2422,7 @@ void op2_r_sole_regressor_full(
     /* l_hip_pitch */
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * s_l_hip_pitch)
         + (bx_l_hip_yaw_x * c_l_hip_pitch);
     const float e9 = (bx_l_hip_yaw_x * s_l_hip_pitch) - (bx_l_hip_roll_y * c_l_hip_pitch);
@@ -2297,7 +2438,7 @@ void op2_r_sole_regressor_full(
     /* l_knee */
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     const float bx_l_knee_x = (bx_l_hip_pitch_x * c_l_knee) - (e9 * s_l_knee);
     const float e12 = (e9 * c_l_knee) + (bx_l_hip_pitch_x * s_l_knee);
     const float bx_l_knee_y = -e12;
@@ -2310,7 +2451,7 @@ void op2_r_sole_regressor_full(
     /* l_ank_pitch */
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float bx_l_ank_pitch_x = (bx_l_knee_x * c_l_ank_pitch) + (e12 * s_l_ank_pitch);
     const float bx_l_ank_pitch_y = (bx_l_knee_x * s_l_ank_pitch) - (e12 * c_l_ank_pitch);
     const float by_l_ank_pitch_x = (by_l_knee_x * c_l_ank_pitch) + (e13 * s_l_ank_pitch);
@@ -2320,7 +2461,7 @@ void op2_r_sole_regressor_full(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * s_l_ank_roll)
         + (bx_l_hip_roll_x * c_l_ank_roll);
     const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * s_l_ank_roll)
@@ -2336,7 +2477,7 @@ void op2_r_sole_regressor_full(
     /* l_sho_pitch */
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * c_l_sho_pitch)
         - (bx_r_hip_roll_y * s_l_sho_pitch);
     const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * c_l_sho_pitch)
@@ -2348,68 +2489,76 @@ void op2_r_sole_regressor_full(
     const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * c_l_sho_pitch)
         + (bz_r_hip_yaw_x * s_l_sho_pitch);
     /* l_sho_roll */
-    const float e15 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e15, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
-    const float e16 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
-    const float bx_l_sho_roll_y = -e16;
+    const float e15 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
+    const float bx_l_sho_roll_y = -e15;
     const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e5 * c_l_sho_roll));
-    const float e17 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
-    const float by_l_sho_roll_y = -e17;
+    const float e16 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
+    const float by_l_sho_roll_y = -e16;
     const float bz_l_sho_roll_x = -((bz_l_sho_pitch_y * s_l_sho_roll) + (e6 * c_l_sho_roll));
-    const float e18 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
-    const float bz_l_sho_roll_y = -e18;
+    const float e17 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
+    const float bz_l_sho_roll_y = -e17;
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
-    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e16 * c_l_el);
-    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e16 * s_l_el));
-    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e17 * c_l_el);
-    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e17 * s_l_el));
-    const float bz_l_el_x = (bz_l_sho_pitch_x * s_l_el) - (e18 * c_l_el);
-    const float bz_l_el_y = -((bz_l_sho_pitch_x * c_l_el) + (e18 * s_l_el));
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
+    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e15 * c_l_el);
+    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e15 * s_l_el));
+    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e16 * c_l_el);
+    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e16 * s_l_el));
+    const float bz_l_el_x = (bz_l_sho_pitch_x * s_l_el) - (e17 * c_l_el);
+    const float bz_l_el_y = -((bz_l_sho_pitch_x * c_l_el) + (e17 * s_l_el));
     /* r_sho_pitch */
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * c_r_sho_pitch)
         + (bx_r_hip_roll_y * s_r_sho_pitch);
     const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * c_r_sho_pitch)
         - (bx_r_hip_yaw_x * s_r_sho_pitch);
     const float by_r_sho_pitch_x = (by_r_hip_yaw_x * c_r_sho_pitch) - (e3 * s_r_sho_pitch);
-    const float e19 = (e3 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
-    const float by_r_sho_pitch_y = -e19;
+    const float e18 = (e3 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
+    const float by_r_sho_pitch_y = -e18;
     const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * c_r_sho_pitch)
         + (bz_r_hip_roll_y * s_r_sho_pitch);
     const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * c_r_sho_pitch)
         - (bz_r_hip_yaw_x * s_r_sho_pitch);
     /* r_sho_roll */
-    const float e20 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e20, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e4 * c_r_sho_roll));
-    const float e21 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
-    const float bx_r_sho_roll_y = -e21;
-    const float by_r_sho_roll_x = (e19 * s_r_sho_roll) - (e5 * c_r_sho_roll);
-    const float e22 = (e5 * s_r_sho_roll) + (e19 * c_r_sho_roll);
-    const float by_r_sho_roll_y = -e22;
+    const float e19 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
+    const float bx_r_sho_roll_y = -e19;
+    const float by_r_sho_roll_x = (e18 * s_r_sho_roll) - (e5 * c_r_sho_roll);
+    const float e20 = (e5 * s_r_sho_roll) + (e18 * c_r_sho_roll);
+    const float by_r_sho_roll_y = -e20;
     const float bz_r_sho_roll_x = -((bz_r_sho_pitch_y * s_r_sho_roll) + (e6 * c_r_sho_roll));
-    const float e23 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
-    const float bz_r_sho_roll_y = -e23;
+    const float e21 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
+    const float bz_r_sho_roll_y = -e21;
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
-    const float bx_r_el_x = -((e21 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
-    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e21 * s_r_el));
-    const float by_r_el_x = -((e22 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
-    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e22 * s_r_el));
-    const float bz_r_el_x = -((e23 * c_r_el) + (bz_r_sho_pitch_x * s_r_el));
-    const float bz_r_el_y = -((bz_r_sho_pitch_x * c_r_el) - (e23 * s_r_el));
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
+    const float bx_r_el_x = -((e19 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
+    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e19 * s_r_el));
+    const float by_r_el_x = -((e20 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
+    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e20 * s_r_el));
+    const float bz_r_el_x = -((e21 * c_r_el) + (bz_r_sho_pitch_x * s_r_el));
+    const float bz_r_el_y = -((bz_r_sho_pitch_x * c_r_el) - (e21 * s_r_el));
     rows[0] = 1.0f;
     rows[1] = 0.0f;
     rows[2] = 0.0f;
@@ -2601,68 +2750,86 @@ void op2_r_sole_regressor_full(
     rows[188] = bz_r_el_y;
 }
 
-void op2_r_sole_cop(
+void op2_r_sole_regressor_full(
     const op2_r_sole_real q[],
+    op2_r_sole_real rows[restrict 3 * op2_r_sole_FULL_PARAMS])
+{
+    op2_r_sole_regressor_full_core(0, q, q, q, rows);
+}
+
+op2_r_sole_SHARED void op2_r_sole_cop_core(
+    int of_sines,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     const op2_r_sole_real r[],
     op2_r_sole_real cop[restrict 2])
 {
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + (c_r_el * r[41]) - (s_r_el * r[42]);
-    const float e1 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e1, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     /* r_sho_pitch */
     const float v_r_sho_pitch_x = r[37] - ((s_r_el * r[41]) + (c_r_el * r[42]));
     const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
     const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + (c_l_el * r[35]) + (s_l_el * r[36]);
     const float v_l_sho_roll_z = (s_l_el * r[35]) - (c_l_el * r[36]);
-    const float e2 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e2, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     /* l_sho_pitch */
     const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
     const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
     const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float v_l_ank_pitch_z = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     /* l_knee */
     const float v_l_knee_x = r[25] + (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float v_l_knee_y = r[26] - (s_l_ank_pitch * r[27]) + (c_l_ank_pitch * v_l_ank_pitch_y);
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     /* l_hip_pitch */
     const float v_l_hip_pitch_x = r[23] + (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float v_l_hip_pitch_y = r[24] + (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     /* l_hip_roll */
     const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
     const float v_l_hip_roll_y = r[22] + (s_l_hip_pitch * v_l_hip_pitch_x)
@@ -2671,7 +2838,7 @@ void op2_r_sole_cop(
         - (s_l_hip_pitch * v_l_hip_pitch_y);
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     /* l_hip_yaw */
     const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
     const float v_l_hip_yaw_y = r[20] + (c_l_hip_roll * v_l_hip_roll_x)
@@ -2679,22 +2846,22 @@ void op2_r_sole_cop(
     const float v_l_hip_yaw_z = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     /* head_pan */
     const float v_head_pan_x = r[15] + (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float v_head_pan_z = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     /* r_hip_yaw */
-    const float e3 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
+    const float e1 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
         + (c_l_sho_pitch * v_l_sho_pitch_x) + (s_l_sho_pitch * v_l_sho_pitch_y)
         + (c_r_sho_pitch * v_r_sho_pitch_x) - (s_r_sho_pitch * v_r_sho_pitch_y);
-    const float v_r_hip_yaw_x = e3 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_x = e1 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float v_r_hip_yaw_y = r[14] + (s_head_pan * v_head_pan_x) + (c_head_pan * r[16])
         + v_l_sho_pitch_z + v_r_sho_pitch_z - (s_l_hip_yaw * v_l_hip_yaw_x)
         + (c_l_hip_yaw * v_l_hip_yaw_y);
@@ -2703,7 +2870,7 @@ void op2_r_sole_cop(
         + (c_r_sho_pitch * v_r_sho_pitch_y) + v_l_hip_yaw_z;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     /* r_hip_roll */
     const float v_r_hip_roll_x = r[11] + (s_r_hip_yaw * v_r_hip_yaw_x)
         + (c_r_hip_yaw * v_r_hip_yaw_y);
@@ -2711,7 +2878,7 @@ void op2_r_sole_cop(
     const float v_r_hip_roll_z = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     /* r_hip_pitch */
     const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
     const float v_r_hip_pitch_y = r[10] + (s_r_hip_roll * v_r_hip_roll_x)
@@ -2719,7 +2886,7 @@ void op2_r_sole_cop(
     const float v_r_hip_pitch_z = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     /* r_knee */
     const float v_r_knee_x = r[7] + (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
@@ -2727,13 +2894,13 @@ void op2_r_sole_cop(
         + (c_r_hip_pitch * v_r_hip_pitch_y);
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     /* r_ank_pitch */
     const float v_r_ank_pitch_x = r[5] + (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float v_r_ank_pitch_y = r[6] + (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     /* r_ank_roll */
     const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
     const float v_r_ank_roll_y = r[4] - (s_r_ank_pitch * v_r_ank_pitch_x)
@@ -2742,7 +2909,7 @@ void op2_r_sole_cop(
         + (s_r_ank_pitch * v_r_ank_pitch_y);
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     /* r_sole */
     const float v_r_sole_x = r[0] + v_r_ank_roll_z;
     const float v_r_sole_y = r[1] + (c_r_ank_roll * v_r_ank_roll_x)
@@ -2751,8 +2918,19 @@ void op2_r_sole_cop(
     cop[1] = v_r_sole_y;
 }
 
-void op2_r_sole_zmp(
+void op2_r_sole_cop(
     const op2_r_sole_real q[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real cop[restrict 2])
+{
+    op2_r_sole_cop_core(0, q, q, q, r, cop);
+}
+
+op2_r_sole_SHARED void op2_r_sole_zmp_core(
+    int of_sines,
+    const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     const op2_r_sole_real qd[],
     const op2_r_sole_real qdd[],
     const op2_r_sole_real r[],
@@ -2761,60 +2939,68 @@ void op2_r_sole_zmp(
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + (c_r_el * r[41]) - (s_r_el * r[42]);
-    const float e1 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e1, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     /* r_sho_pitch */
     const float v_r_sho_pitch_x = r[37] - ((s_r_el * r[41]) + (c_r_el * r[42]));
     const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
     const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + (c_l_el * r[35]) + (s_l_el * r[36]);
     const float v_l_sho_roll_z = (s_l_el * r[35]) - (c_l_el * r[36]);
-    const float e2 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e2, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     /* l_sho_pitch */
     const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
     const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
     const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float v_l_ank_pitch_z = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     /* l_knee */
     const float v_l_knee_x = r[25] + (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float v_l_knee_y = r[26] - (s_l_ank_pitch * r[27]) + (c_l_ank_pitch * v_l_ank_pitch_y);
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     /* l_hip_pitch */
     const float v_l_hip_pitch_x = r[23] + (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float v_l_hip_pitch_y = r[24] + (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     /* l_hip_roll */
     const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
     const float v_l_hip_roll_y = r[22] + (s_l_hip_pitch * v_l_hip_pitch_x)
@@ -2823,7 +3009,7 @@ void op2_r_sole_zmp(
         - (s_l_hip_pitch * v_l_hip_pitch_y);
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     /* l_hip_yaw */
     const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
     const float v_l_hip_yaw_y = r[20] + (c_l_hip_roll * v_l_hip_roll_x)
@@ -2831,22 +3017,22 @@ void op2_r_sole_zmp(
     const float v_l_hip_yaw_z = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     /* head_pan */
     const float v_head_pan_x = r[15] + (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float v_head_pan_z = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     /* r_hip_yaw */
-    const float e3 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
+    const float e1 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
         + (c_l_sho_pitch * v_l_sho_pitch_x) + (s_l_sho_pitch * v_l_sho_pitch_y)
         + (c_r_sho_pitch * v_r_sho_pitch_x) - (s_r_sho_pitch * v_r_sho_pitch_y);
-    const float v_r_hip_yaw_x = e3 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_x = e1 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float v_r_hip_yaw_y = r[14] + (s_head_pan * v_head_pan_x) + (c_head_pan * r[16])
         + v_l_sho_pitch_z + v_r_sho_pitch_z - (s_l_hip_yaw * v_l_hip_yaw_x)
         + (c_l_hip_yaw * v_l_hip_yaw_y);
@@ -2855,7 +3041,7 @@ void op2_r_sole_zmp(
         + (c_r_sho_pitch * v_r_sho_pitch_y) + v_l_hip_yaw_z;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     /* r_hip_roll */
     const float v_r_hip_roll_x = r[11] + (s_r_hip_yaw * v_r_hip_yaw_x)
         + (c_r_hip_yaw * v_r_hip_yaw_y);
@@ -2863,7 +3049,7 @@ void op2_r_sole_zmp(
     const float v_r_hip_roll_z = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     /* r_hip_pitch */
     const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
     const float v_r_hip_pitch_y = r[10] + (s_r_hip_roll * v_r_hip_roll_x)
@@ -2871,7 +3057,7 @@ void op2_r_sole_zmp(
     const float v_r_hip_pitch_z = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     /* r_knee */
     const float v_r_knee_x = r[7] + (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
@@ -2879,13 +3065,13 @@ void op2_r_sole_zmp(
         + (c_r_hip_pitch * v_r_hip_pitch_y);
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     /* r_ank_pitch */
     const float v_r_ank_pitch_x = r[5] + (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float v_r_ank_pitch_y = r[6] + (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     /* r_ank_roll */
     const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
     const float v_r_ank_roll_y = r[4] - (s_r_ank_pitch * v_r_ank_pitch_x)
@@ -2894,7 +3080,7 @@ void op2_r_sole_zmp(
         + (s_r_ank_pitch * v_r_ank_pitch_y);
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     /* r_sole */
     const float v_r_sole_x = r[0] + v_r_ank_roll_z;
     const float v_r_sole_y = r[1] + (c_r_ank_roll * v_r_ank_roll_x)
@@ -2902,25 +3088,25 @@ void op2_r_sole_zmp(
     const float v_r_sole_z = r[2] - (s_r_ank_roll * v_r_ank_roll_x)
         + (c_r_ank_roll * v_r_ank_roll_y);
     /* r_ank_roll */
-    const float e4 = qd[16] * qd[16];
+    const float e2 = qd[16] * qd[16];
     /* r_ank_pitch */
     const float o_r_ank_pitch_x = qd[16] * c_r_ank_pitch;
     const float o_r_ank_pitch_y = qd[16] * s_r_ank_pitch;
-    const float e5 = o_r_ank_pitch_y * qd[15];
-    const float e6 = o_r_ank_pitch_x * qd[15];
-    const float a_r_ank_pitch_x = (qdd[16] * c_r_ank_pitch) - e5;
-    const float a_r_ank_pitch_y = (qdd[16] * s_r_ank_pitch) + e6;
-    const float e7 = o_r_ank_pitch_x * o_r_ank_pitch_x;
-    const float e8 = o_r_ank_pitch_y * o_r_ank_pitch_y;
-    const float e9 = qd[15] * qd[15];
-    const float e10 = o_r_ank_pitch_x * o_r_ank_pitch_y;
-    const float e11 = e8 + e9;
-    const float e12 = e7 + e9;
-    const float e13 = e7 + e8;
-    const float e14 = e10 + qdd[15];
-    const float e15 = e10 - qdd[15];
-    const float e16 = e6 + a_r_ank_pitch_y;
-    const float e17 = a_r_ank_pitch_x - e5;
+    const float e3 = o_r_ank_pitch_y * qd[15];
+    const float e4 = o_r_ank_pitch_x * qd[15];
+    const float a_r_ank_pitch_x = (qdd[16] * c_r_ank_pitch) - e3;
+    const float a_r_ank_pitch_y = (qdd[16] * s_r_ank_pitch) + e4;
+    const float e5 = o_r_ank_pitch_x * o_r_ank_pitch_x;
+    const float e6 = o_r_ank_pitch_y * o_r_ank_pitch_y;
+    const float e7 = qd[15] * qd[15];
+    const float e8 = o_r_ank_pitch_x * o_r_ank_pitch_y;
+    const float e9 = e6 + e7;
+    const float e10 = e5 + e7;
+    const float e11 = e5 + e6;
+    const float e12 = e8 + qdd[15];
+    const float e13 = e8 - qdd[15];
+    const float e14 = e4 + a_r_ank_pitch_y;
+    const float e15 = a_r_ank_pitch_x - e3;
     /* r_knee */
     const float o_r_knee_x = (o_r_ank_pitch_x * c_r_knee) + (o_r_ank_pitch_y * s_r_knee);
     const float o_r_knee_y = (o_r_ank_pitch_y * c_r_knee) - (o_r_ank_pitch_x * s_r_knee);
@@ -2930,19 +3116,19 @@ void op2_r_sole_zmp(
     const float a_r_knee_y = (a_r_ank_pitch_y * c_r_knee) - (a_r_ank_pitch_x * s_r_knee)
         - (o_r_knee_x * qd[14]);
     const float a_r_knee_z = qdd[14] - qdd[15];
-    const float e18 = o_r_knee_x * o_r_knee_x;
-    const float e19 = o_r_knee_y * o_r_knee_y;
-    const float e20 = o_r_knee_z * o_r_knee_z;
-    const float e21 = o_r_knee_x * o_r_knee_y;
-    const float e22 = o_r_knee_x * o_r_knee_z;
-    const float e23 = o_r_knee_y * o_r_knee_z;
-    const float e24 = e19 + e20;
-    const float e25 = e18 + e20;
-    const float e26 = e18 + e19;
-    const float e27 = e21 - a_r_knee_z;
-    const float e28 = e21 + a_r_knee_z;
-    const float e29 = e22 - a_r_knee_y;
-    const float e30 = e23 + a_r_knee_x;
+    const float e16 = o_r_knee_x * o_r_knee_x;
+    const float e17 = o_r_knee_y * o_r_knee_y;
+    const float e18 = o_r_knee_z * o_r_knee_z;
+    const float e19 = o_r_knee_x * o_r_knee_y;
+    const float e20 = o_r_knee_x * o_r_knee_z;
+    const float e21 = o_r_knee_y * o_r_knee_z;
+    const float e22 = e17 + e18;
+    const float e23 = e16 + e18;
+    const float e24 = e16 + e17;
+    const float e25 = e19 - a_r_knee_z;
+    const float e26 = e19 + a_r_knee_z;
+    const float e27 = e20 - a_r_knee_y;
+    const float e28 = e21 + a_r_knee_x;
     /* r_hip_pitch */
     const float o_r_hip_pitch_x = (o_r_knee_x * c_r_hip_pitch) + (o_r_knee_y * s_r_hip_pitch);
     const float o_r_hip_pitch_y = (o_r_knee_y * c_r_hip_pitch) - (o_r_knee_x * s_r_hip_pitch);
@@ -2952,126 +3138,126 @@ void op2_r_sole_zmp(
     const float a_r_hip_pitch_y = (a_r_knee_y * c_r_hip_pitch) - (a_r_knee_x * s_r_hip_pitch)
         - (o_r_hip_pitch_x * qd[13]);
     const float a_r_hip_pitch_z = a_r_knee_z + qdd[13];
-    const float e31 = o_r_hip_pitch_x * o_r_hip_pitch_x;
-    const float e32 = o_r_hip_pitch_y * o_r_hip_pitch_y;
-    const float e33 = o_r_hip_pitch_z * o_r_hip_pitch_z;
-    const float e34 = o_r_hip_pitch_x * o_r_hip_pitch_y;
-    const float e35 = o_r_hip_pitch_x * o_r_hip_pitch_z;
-    const float e36 = o_r_hip_pitch_y * o_r_hip_pitch_z;
-    const float e37 = e32 + e33;
-    const float e38 = e31 + e33;
-    const float e39 = e31 + e32;
-    const float e40 = e34 - a_r_hip_pitch_z;
-    const float e41 = e34 + a_r_hip_pitch_z;
-    const float e42 = e35 - a_r_hip_pitch_y;
-    const float e43 = e36 + a_r_hip_pitch_x;
+    const float e29 = o_r_hip_pitch_x * o_r_hip_pitch_x;
+    const float e30 = o_r_hip_pitch_y * o_r_hip_pitch_y;
+    const float e31 = o_r_hip_pitch_z * o_r_hip_pitch_z;
+    const float e32 = o_r_hip_pitch_x * o_r_hip_pitch_y;
+    const float e33 = o_r_hip_pitch_x * o_r_hip_pitch_z;
+    const float e34 = o_r_hip_pitch_y * o_r_hip_pitch_z;
+    const float e35 = e30 + e31;
+    const float e36 = e29 + e31;
+    const float e37 = e29 + e30;
+    const float e38 = e32 - a_r_hip_pitch_z;
+    const float e39 = e32 + a_r_hip_pitch_z;
+    const float e40 = e33 - a_r_hip_pitch_y;
+    const float e41 = e34 + a_r_hip_pitch_x;
     /* r_hip_roll */
-    const float e44 = (o_r_hip_pitch_y * s_r_hip_roll) + (o_r_hip_pitch_z * c_r_hip_roll);
+    const float e42 = (o_r_hip_pitch_y * s_r_hip_roll) + (o_r_hip_pitch_z * c_r_hip_roll);
     const float o_r_hip_roll_y = (o_r_hip_pitch_z * s_r_hip_roll)
         - (o_r_hip_pitch_y * c_r_hip_roll);
     const float o_r_hip_roll_z = qd[12] - o_r_hip_pitch_x;
     const float a_r_hip_roll_x = (o_r_hip_roll_y * qd[12])
         - ((a_r_hip_pitch_y * s_r_hip_roll) + (a_r_hip_pitch_z * c_r_hip_roll));
     const float a_r_hip_roll_y = (a_r_hip_pitch_z * s_r_hip_roll) - (a_r_hip_pitch_y * c_r_hip_roll)
-        + (e44 * qd[12]);
+        + (e42 * qd[12]);
     const float a_r_hip_roll_z = qdd[12] - a_r_hip_pitch_x;
-    const float e45 = e44 * e44;
-    const float e46 = o_r_hip_roll_y * o_r_hip_roll_y;
-    const float e47 = o_r_hip_roll_z * o_r_hip_roll_z;
-    const float e48 = e44 * o_r_hip_roll_y;
-    const float e49 = e44 * o_r_hip_roll_z;
-    const float e50 = e45 + e47;
-    const float e51 = e48 + a_r_hip_roll_z;
-    const float e52 = a_r_hip_roll_z - e48;
-    const float e53 = e49 + a_r_hip_roll_y;
-    const float e54 = (o_r_hip_roll_y * o_r_hip_roll_z) + a_r_hip_roll_x;
+    const float e43 = e42 * e42;
+    const float e44 = o_r_hip_roll_y * o_r_hip_roll_y;
+    const float e45 = o_r_hip_roll_z * o_r_hip_roll_z;
+    const float e46 = e42 * o_r_hip_roll_y;
+    const float e47 = e42 * o_r_hip_roll_z;
+    const float e48 = e43 + e45;
+    const float e49 = e46 + a_r_hip_roll_z;
+    const float e50 = a_r_hip_roll_z - e46;
+    const float e51 = e47 + a_r_hip_roll_y;
+    const float e52 = (o_r_hip_roll_y * o_r_hip_roll_z) + a_r_hip_roll_x;
     /* r_hip_yaw */
-    const float o_r_hip_yaw_x = (o_r_hip_roll_z * c_r_hip_yaw) - (e44 * s_r_hip_yaw);
-    const float e55 = (o_r_hip_roll_z * s_r_hip_yaw) + (e44 * c_r_hip_yaw);
+    const float o_r_hip_yaw_x = (o_r_hip_roll_z * c_r_hip_yaw) - (e42 * s_r_hip_yaw);
+    const float e53 = (o_r_hip_roll_z * s_r_hip_yaw) + (e42 * c_r_hip_yaw);
     const float o_r_hip_yaw_z = o_r_hip_roll_y + qd[11];
     const float a_r_hip_yaw_x = (a_r_hip_roll_x * s_r_hip_yaw) + (a_r_hip_roll_z * c_r_hip_yaw)
-        - (e55 * qd[11]);
-    const float e56 = (a_r_hip_roll_z * s_r_hip_yaw) - (a_r_hip_roll_x * c_r_hip_yaw)
+        - (e53 * qd[11]);
+    const float e54 = (a_r_hip_roll_z * s_r_hip_yaw) - (a_r_hip_roll_x * c_r_hip_yaw)
         + (o_r_hip_yaw_x * qd[11]);
     const float a_r_hip_yaw_z = a_r_hip_roll_y + qdd[11];
-    const float e57 = o_r_hip_yaw_x * o_r_hip_yaw_x;
-    const float e58 = e55 * e55;
-    const float e59 = o_r_hip_yaw_z * o_r_hip_yaw_z;
-    const float e60 = o_r_hip_yaw_x * e55;
-    const float e61 = o_r_hip_yaw_x * o_r_hip_yaw_z;
-    const float e62 = e55 * o_r_hip_yaw_z;
-    const float e63 = e58 + e59;
-    const float e64 = e57 + e59;
-    const float e65 = e57 + e58;
-    const float e66 = e60 + a_r_hip_yaw_z;
-    const float e67 = e61 - e56;
-    const float e68 = a_r_hip_yaw_z - e60;
-    const float e69 = e62 + a_r_hip_yaw_x;
-    const float e70 = e61 + e56;
-    const float e71 = a_r_hip_yaw_x - e62;
+    const float e55 = o_r_hip_yaw_x * o_r_hip_yaw_x;
+    const float e56 = e53 * e53;
+    const float e57 = o_r_hip_yaw_z * o_r_hip_yaw_z;
+    const float e58 = o_r_hip_yaw_x * e53;
+    const float e59 = o_r_hip_yaw_x * o_r_hip_yaw_z;
+    const float e60 = e53 * o_r_hip_yaw_z;
+    const float e61 = e56 + e57;
+    const float e62 = e55 + e57;
+    const float e63 = e55 + e56;
+    const float e64 = e58 + a_r_hip_yaw_z;
+    const float e65 = e59 - e54;
+    const float e66 = a_r_hip_yaw_z - e58;
+    const float e67 = e60 + a_r_hip_yaw_x;
+    const float e68 = e59 + e54;
+    const float e69 = a_r_hip_yaw_x - e60;
     /* head_pan */
-    const float o_head_pan_x = (o_r_hip_yaw_x * c_head_pan) - (e55 * s_head_pan);
-    const float e72 = (e55 * c_head_pan) + (o_r_hip_yaw_x * s_head_pan);
+    const float o_head_pan_x = (o_r_hip_yaw_x * c_head_pan) - (e53 * s_head_pan);
+    const float e70 = (e53 * c_head_pan) + (o_r_hip_yaw_x * s_head_pan);
     const float o_head_pan_z = o_r_hip_yaw_z + qd[0];
-    const float a_head_pan_x = (a_r_hip_yaw_x * c_head_pan) - (e56 * s_head_pan) - (e72 * qd[0]);
-    const float e73 = (e56 * c_head_pan) + (a_r_hip_yaw_x * s_head_pan) + (o_head_pan_x * qd[0]);
+    const float a_head_pan_x = (a_r_hip_yaw_x * c_head_pan) - (e54 * s_head_pan) - (e70 * qd[0]);
+    const float e71 = (e54 * c_head_pan) + (a_r_hip_yaw_x * s_head_pan) + (o_head_pan_x * qd[0]);
     const float a_head_pan_z = a_r_hip_yaw_z + qdd[0];
-    const float e74 = o_head_pan_x * o_head_pan_x;
-    const float e75 = e72 * e72;
-    const float e76 = o_head_pan_z * o_head_pan_z;
-    const float e77 = o_head_pan_x * e72;
-    const float e78 = o_head_pan_x * o_head_pan_z;
-    const float e79 = e72 * o_head_pan_z;
-    const float e80 = e75 + e76;
-    const float e81 = e74 + e76;
-    const float e82 = e74 + e75;
-    const float e83 = e77 + a_head_pan_z;
-    const float e84 = e78 - e73;
-    const float e85 = a_head_pan_z - e77;
-    const float e86 = e79 + a_head_pan_x;
-    const float e87 = e78 + e73;
-    const float e88 = a_head_pan_x - e79;
+    const float e72 = o_head_pan_x * o_head_pan_x;
+    const float e73 = e70 * e70;
+    const float e74 = o_head_pan_z * o_head_pan_z;
+    const float e75 = o_head_pan_x * e70;
+    const float e76 = o_head_pan_x * o_head_pan_z;
+    const float e77 = e70 * o_head_pan_z;
+    const float e78 = e73 + e74;
+    const float e79 = e72 + e74;
+    const float e80 = e72 + e73;
+    const float e81 = e75 + a_head_pan_z;
+    const float e82 = e76 - e71;
+    const float e83 = a_head_pan_z - e75;
+    const float e84 = e77 + a_head_pan_x;
+    const float e85 = e76 + e71;
+    const float e86 = a_head_pan_x - e77;
     /* head_tilt */
     const float o_head_tilt_x = (o_head_pan_x * c_head_tilt) + (o_head_pan_z * s_head_tilt);
-    const float e89 = (o_head_pan_z * c_head_tilt) - (o_head_pan_x * s_head_tilt);
-    const float e90 = e72 + qd[1];
+    const float e87 = (o_head_pan_z * c_head_tilt) - (o_head_pan_x * s_head_tilt);
+    const float e88 = e70 + qd[1];
     const float a_head_tilt_x = (a_head_pan_x * c_head_tilt) + (a_head_pan_z * s_head_tilt)
-        + (e89 * qd[1]);
+        + (e87 * qd[1]);
     const float a_head_tilt_y = (o_head_tilt_x * qd[1])
         - ((a_head_pan_z * c_head_tilt) - (a_head_pan_x * s_head_tilt));
-    const float e91 = e73 + qdd[1];
-    const float e92 = o_head_tilt_x * o_head_tilt_x;
-    const float e93 = e89 * e89;
-    const float e94 = e90 * e90;
-    const float e95 = o_head_tilt_x * e89;
-    const float e96 = o_head_tilt_x * e90;
-    const float e97 = e89 * e90;
-    const float e98 = e93 + e94;
-    const float e99 = e92 + e94;
-    const float e100 = e92 + e93;
-    const float e101 = e91 - e95;
-    const float e102 = e95 + e91;
-    const float e103 = e96 + a_head_tilt_y;
-    const float e104 = e97 + a_head_tilt_x;
+    const float e89 = e71 + qdd[1];
+    const float e90 = o_head_tilt_x * o_head_tilt_x;
+    const float e91 = e87 * e87;
+    const float e92 = e88 * e88;
+    const float e93 = o_head_tilt_x * e87;
+    const float e94 = o_head_tilt_x * e88;
+    const float e95 = e87 * e88;
+    const float e96 = e91 + e92;
+    const float e97 = e90 + e92;
+    const float e98 = e90 + e91;
+    const float e99 = e89 - e93;
+    const float e100 = e93 + e89;
+    const float e101 = e94 + a_head_tilt_y;
+    const float e102 = e95 + a_head_tilt_x;
     /* l_hip_yaw */
-    const float o_l_hip_yaw_x = (o_r_hip_yaw_x * c_l_hip_yaw) + (e55 * s_l_hip_yaw);
-    const float o_l_hip_yaw_y = (o_r_hip_yaw_x * s_l_hip_yaw) - (e55 * c_l_hip_yaw);
+    const float o_l_hip_yaw_x = (o_r_hip_yaw_x * c_l_hip_yaw) + (e53 * s_l_hip_yaw);
+    const float o_l_hip_yaw_y = (o_r_hip_yaw_x * s_l_hip_yaw) - (e53 * c_l_hip_yaw);
     const float o_l_hip_yaw_z = o_r_hip_yaw_z - qd[2];
-    const float a_l_hip_yaw_x = (a_r_hip_yaw_x * c_l_hip_yaw) + (e56 * s_l_hip_yaw)
+    const float a_l_hip_yaw_x = (a_r_hip_yaw_x * c_l_hip_yaw) + (e54 * s_l_hip_yaw)
         - (o_l_hip_yaw_y * qd[2]);
-    const float a_l_hip_yaw_y = (a_r_hip_yaw_x * s_l_hip_yaw) - (e56 * c_l_hip_yaw)
+    const float a_l_hip_yaw_y = (a_r_hip_yaw_x * s_l_hip_yaw) - (e54 * c_l_hip_yaw)
         + (o_l_hip_yaw_x * qd[2]);
     const float a_l_hip_yaw_z = a_r_hip_yaw_z - qdd[2];
-    const float e105 = o_l_hip_yaw_x * o_l_hip_yaw_x;
-    const float e106 = o_l_hip_yaw_y * o_l_hip_yaw_y;
-    const float e107 = o_l_hip_yaw_z * o_l_hip_yaw_z;
-    const float e108 = o_l_hip_yaw_x * o_l_hip_yaw_y;
-    const float e109 = o_l_hip_yaw_y * o_l_hip_yaw_z;
-    const float e110 = e106 + e107;
-    const float e111 = e108 - a_l_hip_yaw_z;
-    const float e112 = e108 + a_l_hip_yaw_z;
-    const float e113 = (o_l_hip_yaw_x * o_l_hip_yaw_z) - a_l_hip_yaw_y;
-    const float e114 = e109 + a_l_hip_yaw_x;
+    const float e103 = o_l_hip_yaw_x * o_l_hip_yaw_x;
+    const float e104 = o_l_hip_yaw_y * o_l_hip_yaw_y;
+    const float e105 = o_l_hip_yaw_z * o_l_hip_yaw_z;
+    const float e106 = o_l_hip_yaw_x * o_l_hip_yaw_y;
+    const float e107 = o_l_hip_yaw_y * o_l_hip_yaw_z;
+    const float e108 = e104 + e105;
+    const float e109 = e106 - a_l_hip_yaw_z;
+    const float e110 = e106 + a_l_hip_yaw_z;
+    const float e111 = (o_l_hip_yaw_x * o_l_hip_yaw_z) - a_l_hip_yaw_y;
+    const float e112 = e107 + a_l_hip_yaw_x;
     /* l_hip_roll */
     const float o_l_hip_roll_x = (o_l_hip_yaw_y * c_l_hip_roll) - (o_l_hip_yaw_z * s_l_hip_roll);
     const float o_l_hip_roll_y = (o_l_hip_yaw_z * c_l_hip_roll) + (o_l_hip_yaw_y * s_l_hip_roll);
@@ -3081,64 +3267,64 @@ void op2_r_sole_zmp(
     const float a_l_hip_roll_y = (a_l_hip_yaw_z * c_l_hip_roll) + (a_l_hip_yaw_y * s_l_hip_roll)
         + (o_l_hip_roll_x * qd[3]);
     const float a_l_hip_roll_z = a_l_hip_yaw_x - qdd[3];
-    const float e115 = o_l_hip_roll_x * o_l_hip_roll_x;
-    const float e116 = o_l_hip_roll_y * o_l_hip_roll_y;
-    const float e117 = o_l_hip_roll_z * o_l_hip_roll_z;
-    const float e118 = o_l_hip_roll_x * o_l_hip_roll_y;
-    const float e119 = o_l_hip_roll_x * o_l_hip_roll_z;
-    const float e120 = o_l_hip_roll_y * o_l_hip_roll_z;
-    const float e121 = e116 + e117;
-    const float e122 = e115 + e117;
-    const float e123 = e115 + e116;
-    const float e124 = e118 - a_l_hip_roll_z;
-    const float e125 = e118 + a_l_hip_roll_z;
-    const float e126 = e119 - a_l_hip_roll_y;
-    const float e127 = e120 + a_l_hip_roll_x;
+    const float e113 = o_l_hip_roll_x * o_l_hip_roll_x;
+    const float e114 = o_l_hip_roll_y * o_l_hip_roll_y;
+    const float e115 = o_l_hip_roll_z * o_l_hip_roll_z;
+    const float e116 = o_l_hip_roll_x * o_l_hip_roll_y;
+    const float e117 = o_l_hip_roll_x * o_l_hip_roll_z;
+    const float e118 = o_l_hip_roll_y * o_l_hip_roll_z;
+    const float e119 = e114 + e115;
+    const float e120 = e113 + e115;
+    const float e121 = e113 + e114;
+    const float e122 = e116 - a_l_hip_roll_z;
+    const float e123 = e116 + a_l_hip_roll_z;
+    const float e124 = e117 - a_l_hip_roll_y;
+    const float e125 = e118 + a_l_hip_roll_x;
     /* l_hip_pitch */
-    const float e128 = (o_l_hip_roll_y * s_l_hip_pitch) + (o_l_hip_roll_z * c_l_hip_pitch);
+    const float e126 = (o_l_hip_roll_y * s_l_hip_pitch) + (o_l_hip_roll_z * c_l_hip_pitch);
     const float o_l_hip_pitch_y = (o_l_hip_roll_z * s_l_hip_pitch)
         - (o_l_hip_roll_y * c_l_hip_pitch);
     const float o_l_hip_pitch_z = qd[4] - o_l_hip_roll_x;
     const float a_l_hip_pitch_x = (o_l_hip_pitch_y * qd[4])
         - ((a_l_hip_roll_y * s_l_hip_pitch) + (a_l_hip_roll_z * c_l_hip_pitch));
     const float a_l_hip_pitch_y = (a_l_hip_roll_z * s_l_hip_pitch)
-        - (a_l_hip_roll_y * c_l_hip_pitch) + (e128 * qd[4]);
+        - (a_l_hip_roll_y * c_l_hip_pitch) + (e126 * qd[4]);
     const float a_l_hip_pitch_z = qdd[4] - a_l_hip_roll_x;
-    const float e129 = e128 * e128;
-    const float e130 = o_l_hip_pitch_y * o_l_hip_pitch_y;
-    const float e131 = o_l_hip_pitch_z * o_l_hip_pitch_z;
-    const float e132 = e128 * o_l_hip_pitch_y;
-    const float e133 = e128 * o_l_hip_pitch_z;
-    const float e134 = o_l_hip_pitch_y * o_l_hip_pitch_z;
-    const float e135 = e130 + e131;
-    const float e136 = e129 + e131;
-    const float e137 = e129 + e130;
-    const float e138 = e132 + a_l_hip_pitch_z;
-    const float e139 = a_l_hip_pitch_z - e132;
-    const float e140 = e133 + a_l_hip_pitch_y;
-    const float e141 = e134 + a_l_hip_pitch_x;
+    const float e127 = e126 * e126;
+    const float e128 = o_l_hip_pitch_y * o_l_hip_pitch_y;
+    const float e129 = o_l_hip_pitch_z * o_l_hip_pitch_z;
+    const float e130 = e126 * o_l_hip_pitch_y;
+    const float e131 = e126 * o_l_hip_pitch_z;
+    const float e132 = o_l_hip_pitch_y * o_l_hip_pitch_z;
+    const float e133 = e128 + e129;
+    const float e134 = e127 + e129;
+    const float e135 = e127 + e128;
+    const float e136 = e130 + a_l_hip_pitch_z;
+    const float e137 = a_l_hip_pitch_z - e130;
+    const float e138 = e131 + a_l_hip_pitch_y;
+    const float e139 = e132 + a_l_hip_pitch_x;
     /* l_knee */
-    const float o_l_knee_x = (o_l_hip_pitch_y * s_l_knee) - (e128 * c_l_knee);
-    const float o_l_knee_y = (o_l_hip_pitch_y * c_l_knee) + (e128 * s_l_knee);
+    const float o_l_knee_x = (o_l_hip_pitch_y * s_l_knee) - (e126 * c_l_knee);
+    const float o_l_knee_y = (o_l_hip_pitch_y * c_l_knee) + (e126 * s_l_knee);
     const float o_l_knee_z = o_l_hip_pitch_z + qd[5];
     const float a_l_knee_x = (a_l_hip_pitch_x * c_l_knee) + (a_l_hip_pitch_y * s_l_knee)
         + (o_l_knee_y * qd[5]);
     const float a_l_knee_y = (a_l_hip_pitch_y * c_l_knee) - (a_l_hip_pitch_x * s_l_knee)
         - (o_l_knee_x * qd[5]);
     const float a_l_knee_z = a_l_hip_pitch_z + qdd[5];
-    const float e142 = o_l_knee_x * o_l_knee_x;
-    const float e143 = o_l_knee_y * o_l_knee_y;
-    const float e144 = o_l_knee_z * o_l_knee_z;
-    const float e145 = o_l_knee_x * o_l_knee_y;
-    const float e146 = o_l_knee_x * o_l_knee_z;
-    const float e147 = o_l_knee_y * o_l_knee_z;
-    const float e148 = e143 + e144;
-    const float e149 = e142 + e144;
-    const float e150 = e142 + e143;
-    const float e151 = e145 - a_l_knee_z;
-    const float e152 = e145 + a_l_knee_z;
-    const float e153 = e146 - a_l_knee_y;
-    const float e154 = e147 + a_l_knee_x;
+    const float e140 = o_l_knee_x * o_l_knee_x;
+    const float e141 = o_l_knee_y * o_l_knee_y;
+    const float e142 = o_l_knee_z * o_l_knee_z;
+    const float e143 = o_l_knee_x * o_l_knee_y;
+    const float e144 = o_l_knee_x * o_l_knee_z;
+    const float e145 = o_l_knee_y * o_l_knee_z;
+    const float e146 = e141 + e142;
+    const float e147 = e140 + e142;
+    const float e148 = e140 + e141;
+    const float e149 = e143 - a_l_knee_z;
+    const float e150 = e143 + a_l_knee_z;
+    const float e151 = e144 - a_l_knee_y;
+    const float e152 = e145 + a_l_knee_x;
     /* l_ank_pitch */
     const float o_l_ank_pitch_x = (o_l_knee_x * c_l_ank_pitch) - (o_l_knee_y * s_l_ank_pitch);
     const float o_l_ank_pitch_y = (o_l_knee_y * c_l_ank_pitch) + (o_l_knee_x * s_l_ank_pitch);
@@ -3148,730 +3334,730 @@ void op2_r_sole_zmp(
     const float a_l_ank_pitch_y = (a_l_knee_y * c_l_ank_pitch) + (a_l_knee_x * s_l_ank_pitch)
         + (o_l_ank_pitch_x * qd[6]);
     const float a_l_ank_pitch_z = a_l_knee_z - qdd[6];
-    const float e155 = o_l_ank_pitch_x * o_l_ank_pitch_x;
-    const float e156 = o_l_ank_pitch_y * o_l_ank_pitch_y;
-    const float e157 = o_l_ank_pitch_z * o_l_ank_pitch_z;
-    const float e158 = o_l_ank_pitch_x * o_l_ank_pitch_y;
-    const float e159 = o_l_ank_pitch_x * o_l_ank_pitch_z;
-    const float e160 = o_l_ank_pitch_y * o_l_ank_pitch_z;
-    const float e161 = e156 + e157;
-    const float e162 = e155 + e157;
-    const float e163 = e155 + e156;
-    const float e164 = e158 - a_l_ank_pitch_z;
-    const float e165 = e158 + a_l_ank_pitch_z;
-    const float e166 = e159 - a_l_ank_pitch_y;
-    const float e167 = e160 + a_l_ank_pitch_x;
+    const float e153 = o_l_ank_pitch_x * o_l_ank_pitch_x;
+    const float e154 = o_l_ank_pitch_y * o_l_ank_pitch_y;
+    const float e155 = o_l_ank_pitch_z * o_l_ank_pitch_z;
+    const float e156 = o_l_ank_pitch_x * o_l_ank_pitch_y;
+    const float e157 = o_l_ank_pitch_x * o_l_ank_pitch_z;
+    const float e158 = o_l_ank_pitch_y * o_l_ank_pitch_z;
+    const float e159 = e154 + e155;
+    const float e160 = e153 + e155;
+    const float e161 = e153 + e154;
+    const float e162 = e156 - a_l_ank_pitch_z;
+    const float e163 = e156 + a_l_ank_pitch_z;
+    const float e164 = e157 - a_l_ank_pitch_y;
+    const float e165 = e158 + a_l_ank_pitch_x;
     /* l_ank_roll */
-    const float e168 = (o_l_ank_pitch_y * s_l_ank_roll) + (o_l_ank_pitch_z * c_l_ank_roll);
+    const float e166 = (o_l_ank_pitch_y * s_l_ank_roll) + (o_l_ank_pitch_z * c_l_ank_roll);
     const float o_l_ank_roll_y = (o_l_ank_pitch_z * s_l_ank_roll)
         - (o_l_ank_pitch_y * c_l_ank_roll);
     const float o_l_ank_roll_z = qd[7] - o_l_ank_pitch_x;
     const float a_l_ank_roll_x = (o_l_ank_roll_y * qd[7])
         - ((a_l_ank_pitch_y * s_l_ank_roll) + (a_l_ank_pitch_z * c_l_ank_roll));
     const float a_l_ank_roll_y = (a_l_ank_pitch_z * s_l_ank_roll) - (a_l_ank_pitch_y * c_l_ank_roll)
-        + (e168 * qd[7]);
+        + (e166 * qd[7]);
     const float a_l_ank_roll_z = qdd[7] - a_l_ank_pitch_x;
-    const float e169 = e168 * e168;
-    const float e170 = o_l_ank_roll_y * o_l_ank_roll_y;
-    const float e171 = o_l_ank_roll_z * o_l_ank_roll_z;
-    const float e172 = e168 * o_l_ank_roll_y;
-    const float e173 = e168 * o_l_ank_roll_z;
-    const float e174 = o_l_ank_roll_y * o_l_ank_roll_z;
-    const float e175 = e170 + e171;
-    const float e176 = e169 + e171;
-    const float e177 = e169 + e170;
-    const float e178 = e172 + a_l_ank_roll_z;
-    const float e179 = a_l_ank_roll_z - e172;
-    const float e180 = e173 + a_l_ank_roll_y;
-    const float e181 = e174 + a_l_ank_roll_x;
+    const float e167 = e166 * e166;
+    const float e168 = o_l_ank_roll_y * o_l_ank_roll_y;
+    const float e169 = o_l_ank_roll_z * o_l_ank_roll_z;
+    const float e170 = e166 * o_l_ank_roll_y;
+    const float e171 = e166 * o_l_ank_roll_z;
+    const float e172 = o_l_ank_roll_y * o_l_ank_roll_z;
+    const float e173 = e168 + e169;
+    const float e174 = e167 + e169;
+    const float e175 = e167 + e168;
+    const float e176 = e170 + a_l_ank_roll_z;
+    const float e177 = a_l_ank_roll_z - e170;
+    const float e178 = e171 + a_l_ank_roll_y;
+    const float e179 = e172 + a_l_ank_roll_x;
     /* l_sho_pitch */
-    const float e182 = (o_r_hip_yaw_x * c_l_sho_pitch) - (o_r_hip_yaw_z * s_l_sho_pitch);
-    const float e183 = (o_r_hip_yaw_z * c_l_sho_pitch) + (o_r_hip_yaw_x * s_l_sho_pitch);
-    const float o_l_sho_pitch_z = e55 - qd[8];
-    const float a_l_sho_pitch_x = (e183 * qd[8])
+    const float e180 = (o_r_hip_yaw_x * c_l_sho_pitch) - (o_r_hip_yaw_z * s_l_sho_pitch);
+    const float e181 = (o_r_hip_yaw_z * c_l_sho_pitch) + (o_r_hip_yaw_x * s_l_sho_pitch);
+    const float o_l_sho_pitch_z = e53 - qd[8];
+    const float a_l_sho_pitch_x = (e181 * qd[8])
         - ((a_r_hip_yaw_x * c_l_sho_pitch) - (a_r_hip_yaw_z * s_l_sho_pitch));
-    const float e184 = (a_r_hip_yaw_z * c_l_sho_pitch) + (a_r_hip_yaw_x * s_l_sho_pitch)
-        + (e182 * qd[8]);
-    const float a_l_sho_pitch_z = e56 - qdd[8];
-    const float e185 = e182 * e182;
-    const float e186 = e183 * e183;
-    const float e187 = o_l_sho_pitch_z * o_l_sho_pitch_z;
-    const float e188 = e182 * e183;
-    const float e189 = e182 * o_l_sho_pitch_z;
-    const float e190 = e183 * o_l_sho_pitch_z;
-    const float e191 = e186 + e187;
-    const float e192 = e185 + e187;
-    const float e193 = e185 + e186;
-    const float e194 = e188 - a_l_sho_pitch_z;
-    const float e195 = e189 + e184;
-    const float e196 = e188 + a_l_sho_pitch_z;
-    const float e197 = e190 + a_l_sho_pitch_x;
-    const float e198 = e184 - e189;
-    const float e199 = a_l_sho_pitch_x - e190;
+    const float e182 = (a_r_hip_yaw_z * c_l_sho_pitch) + (a_r_hip_yaw_x * s_l_sho_pitch)
+        + (e180 * qd[8]);
+    const float a_l_sho_pitch_z = e54 - qdd[8];
+    const float e183 = e180 * e180;
+    const float e184 = e181 * e181;
+    const float e185 = o_l_sho_pitch_z * o_l_sho_pitch_z;
+    const float e186 = e180 * e181;
+    const float e187 = e180 * o_l_sho_pitch_z;
+    const float e188 = e181 * o_l_sho_pitch_z;
+    const float e189 = e184 + e185;
+    const float e190 = e183 + e185;
+    const float e191 = e183 + e184;
+    const float e192 = e186 - a_l_sho_pitch_z;
+    const float e193 = e187 + e182;
+    const float e194 = e186 + a_l_sho_pitch_z;
+    const float e195 = e188 + a_l_sho_pitch_x;
+    const float e196 = e182 - e187;
+    const float e197 = a_l_sho_pitch_x - e188;
     /* l_sho_roll */
-    const float e200 = (e183 * s_l_sho_roll) + (o_l_sho_pitch_z * c_l_sho_roll);
-    const float o_l_sho_roll_y = (e183 * c_l_sho_roll) - (o_l_sho_pitch_z * s_l_sho_roll);
-    const float o_l_sho_roll_z = e182 - qd[9];
-    const float e201 = (e184 * s_l_sho_roll) + (a_l_sho_pitch_z * c_l_sho_roll)
+    const float e198 = (e181 * s_l_sho_roll) + (o_l_sho_pitch_z * c_l_sho_roll);
+    const float o_l_sho_roll_y = (e181 * c_l_sho_roll) - (o_l_sho_pitch_z * s_l_sho_roll);
+    const float o_l_sho_roll_z = e180 - qd[9];
+    const float e199 = (e182 * s_l_sho_roll) + (a_l_sho_pitch_z * c_l_sho_roll)
         + (o_l_sho_roll_y * qd[9]);
-    const float a_l_sho_roll_y = (e184 * c_l_sho_roll) - (a_l_sho_pitch_z * s_l_sho_roll)
-        - (e200 * qd[9]);
-    const float e202 = a_l_sho_pitch_x + qdd[9];
-    const float e203 = e200 * e200;
-    const float e204 = o_l_sho_roll_y * o_l_sho_roll_y;
-    const float e205 = o_l_sho_roll_z * o_l_sho_roll_z;
-    const float e206 = e200 * o_l_sho_roll_y;
-    const float e207 = e200 * o_l_sho_roll_z;
-    const float e208 = o_l_sho_roll_y * o_l_sho_roll_z;
-    const float e209 = e204 + e205;
-    const float e210 = e203 + e205;
-    const float e211 = e203 + e204;
-    const float e212 = e202 - e206;
-    const float e213 = a_l_sho_roll_y - e207;
-    const float e214 = e206 + e202;
-    const float e215 = e208 + e201;
-    const float e216 = e207 + a_l_sho_roll_y;
-    const float e217 = e208 - e201;
+    const float a_l_sho_roll_y = (e182 * c_l_sho_roll) - (a_l_sho_pitch_z * s_l_sho_roll)
+        - (e198 * qd[9]);
+    const float e200 = a_l_sho_pitch_x + qdd[9];
+    const float e201 = e198 * e198;
+    const float e202 = o_l_sho_roll_y * o_l_sho_roll_y;
+    const float e203 = o_l_sho_roll_z * o_l_sho_roll_z;
+    const float e204 = e198 * o_l_sho_roll_y;
+    const float e205 = e198 * o_l_sho_roll_z;
+    const float e206 = o_l_sho_roll_y * o_l_sho_roll_z;
+    const float e207 = e202 + e203;
+    const float e208 = e201 + e203;
+    const float e209 = e201 + e202;
+    const float e210 = e200 - e204;
+    const float e211 = a_l_sho_roll_y - e205;
+    const float e212 = e204 + e200;
+    const float e213 = e206 + e199;
+    const float e214 = e205 + a_l_sho_roll_y;
+    const float e215 = e206 - e199;
     /* l_el */
-    const float e218 = (o_l_sho_roll_y * c_l_el) + (o_l_sho_roll_z * s_l_el);
+    const float e216 = (o_l_sho_roll_y * c_l_el) + (o_l_sho_roll_z * s_l_el);
     const float o_l_el_y = (o_l_sho_roll_z * c_l_el) - (o_l_sho_roll_y * s_l_el);
-    const float o_l_el_z = e200 - qd[10];
-    const float e219 = (a_l_sho_roll_y * c_l_el) - (e202 * s_l_el) + (o_l_el_y * qd[10]);
-    const float e220 = (e202 * c_l_el) + (a_l_sho_roll_y * s_l_el) + (e218 * qd[10]);
-    const float a_l_el_z = e201 - qdd[10];
-    const float e221 = e218 * e218;
-    const float e222 = o_l_el_y * o_l_el_y;
-    const float e223 = o_l_el_z * o_l_el_z;
-    const float e224 = e218 * o_l_el_y;
-    const float e225 = e218 * o_l_el_z;
-    const float e226 = o_l_el_y * o_l_el_z;
-    const float e227 = e222 + e223;
-    const float e228 = e221 + e223;
-    const float e229 = e221 + e222;
-    const float e230 = e224 + a_l_el_z;
-    const float e231 = a_l_el_z - e224;
-    const float e232 = e220 - e225;
-    const float e233 = e226 - e219;
+    const float o_l_el_z = e198 - qd[10];
+    const float e217 = (a_l_sho_roll_y * c_l_el) - (e200 * s_l_el) + (o_l_el_y * qd[10]);
+    const float e218 = (e200 * c_l_el) + (a_l_sho_roll_y * s_l_el) + (e216 * qd[10]);
+    const float a_l_el_z = e199 - qdd[10];
+    const float e219 = e216 * e216;
+    const float e220 = o_l_el_y * o_l_el_y;
+    const float e221 = o_l_el_z * o_l_el_z;
+    const float e222 = e216 * o_l_el_y;
+    const float e223 = e216 * o_l_el_z;
+    const float e224 = o_l_el_y * o_l_el_z;
+    const float e225 = e220 + e221;
+    const float e226 = e219 + e221;
+    const float e227 = e219 + e220;
+    const float e228 = e222 + a_l_el_z;
+    const float e229 = a_l_el_z - e222;
+    const float e230 = e218 - e223;
+    const float e231 = e224 - e217;
     /* r_sho_pitch */
-    const float e234 = (o_r_hip_yaw_x * c_r_sho_pitch) + (o_r_hip_yaw_z * s_r_sho_pitch);
-    const float e235 = (o_r_hip_yaw_z * c_r_sho_pitch) - (o_r_hip_yaw_x * s_r_sho_pitch);
-    const float o_r_sho_pitch_z = e55 + qd[17];
-    const float e236 = (a_r_hip_yaw_x * c_r_sho_pitch) + (a_r_hip_yaw_z * s_r_sho_pitch)
-        + (e235 * qd[17]);
-    const float a_r_sho_pitch_y = (e234 * qd[17])
+    const float e232 = (o_r_hip_yaw_x * c_r_sho_pitch) + (o_r_hip_yaw_z * s_r_sho_pitch);
+    const float e233 = (o_r_hip_yaw_z * c_r_sho_pitch) - (o_r_hip_yaw_x * s_r_sho_pitch);
+    const float o_r_sho_pitch_z = e53 + qd[17];
+    const float e234 = (a_r_hip_yaw_x * c_r_sho_pitch) + (a_r_hip_yaw_z * s_r_sho_pitch)
+        + (e233 * qd[17]);
+    const float a_r_sho_pitch_y = (e232 * qd[17])
         - ((a_r_hip_yaw_z * c_r_sho_pitch) - (a_r_hip_yaw_x * s_r_sho_pitch));
-    const float a_r_sho_pitch_z = e56 + qdd[17];
-    const float e237 = e234 * e234;
-    const float e238 = e235 * e235;
-    const float e239 = o_r_sho_pitch_z * o_r_sho_pitch_z;
-    const float e240 = e234 * e235;
-    const float e241 = e234 * o_r_sho_pitch_z;
-    const float e242 = e235 * o_r_sho_pitch_z;
-    const float e243 = e238 + e239;
-    const float e244 = e237 + e239;
-    const float e245 = e237 + e238;
-    const float e246 = e240 - a_r_sho_pitch_z;
-    const float e247 = a_r_sho_pitch_y - e241;
-    const float e248 = e240 + a_r_sho_pitch_z;
-    const float e249 = e236 - e242;
-    const float e250 = e241 + a_r_sho_pitch_y;
-    const float e251 = e242 + e236;
+    const float a_r_sho_pitch_z = e54 + qdd[17];
+    const float e235 = e232 * e232;
+    const float e236 = e233 * e233;
+    const float e237 = o_r_sho_pitch_z * o_r_sho_pitch_z;
+    const float e238 = e232 * e233;
+    const float e239 = e232 * o_r_sho_pitch_z;
+    const float e240 = e233 * o_r_sho_pitch_z;
+    const float e241 = e236 + e237;
+    const float e242 = e235 + e237;
+    const float e243 = e235 + e236;
+    const float e244 = e238 - a_r_sho_pitch_z;
+    const float e245 = a_r_sho_pitch_y - e239;
+    const float e246 = e238 + a_r_sho_pitch_z;
+    const float e247 = e234 - e240;
+    const float e248 = e239 + a_r_sho_pitch_y;
+    const float e249 = e240 + e234;
     /* r_sho_roll */
-    const float e252 = (e235 * s_r_sho_roll) + (o_r_sho_pitch_z * c_r_sho_roll);
-    const float o_r_sho_roll_y = (e235 * c_r_sho_roll) - (o_r_sho_pitch_z * s_r_sho_roll);
-    const float o_r_sho_roll_z = e234 - qd[18];
-    const float e253 = (a_r_sho_pitch_z * c_r_sho_roll) - (a_r_sho_pitch_y * s_r_sho_roll)
+    const float e250 = (e233 * s_r_sho_roll) + (o_r_sho_pitch_z * c_r_sho_roll);
+    const float o_r_sho_roll_y = (e233 * c_r_sho_roll) - (o_r_sho_pitch_z * s_r_sho_roll);
+    const float o_r_sho_roll_z = e232 - qd[18];
+    const float e251 = (a_r_sho_pitch_z * c_r_sho_roll) - (a_r_sho_pitch_y * s_r_sho_roll)
         + (o_r_sho_roll_y * qd[18]);
-    const float e254 = (a_r_sho_pitch_z * s_r_sho_roll) + (a_r_sho_pitch_y * c_r_sho_roll)
-        + (e252 * qd[18]);
-    const float a_r_sho_roll_z = e236 - qdd[18];
-    const float e255 = e252 * e252;
-    const float e256 = o_r_sho_roll_y * o_r_sho_roll_y;
-    const float e257 = o_r_sho_roll_z * o_r_sho_roll_z;
-    const float e258 = e252 * o_r_sho_roll_y;
-    const float e259 = e252 * o_r_sho_roll_z;
-    const float e260 = o_r_sho_roll_y * o_r_sho_roll_z;
-    const float e261 = e256 + e257;
-    const float e262 = e255 + e257;
-    const float e263 = e255 + e256;
-    const float e264 = e258 + a_r_sho_roll_z;
-    const float e265 = e259 + e254;
-    const float e266 = a_r_sho_roll_z - e258;
-    const float e267 = e260 + e253;
-    const float e268 = e254 - e259;
-    const float e269 = e260 - e253;
+    const float e252 = (a_r_sho_pitch_z * s_r_sho_roll) + (a_r_sho_pitch_y * c_r_sho_roll)
+        + (e250 * qd[18]);
+    const float a_r_sho_roll_z = e234 - qdd[18];
+    const float e253 = e250 * e250;
+    const float e254 = o_r_sho_roll_y * o_r_sho_roll_y;
+    const float e255 = o_r_sho_roll_z * o_r_sho_roll_z;
+    const float e256 = e250 * o_r_sho_roll_y;
+    const float e257 = e250 * o_r_sho_roll_z;
+    const float e258 = o_r_sho_roll_y * o_r_sho_roll_z;
+    const float e259 = e254 + e255;
+    const float e260 = e253 + e255;
+    const float e261 = e253 + e254;
+    const float e262 = e256 + a_r_sho_roll_z;
+    const float e263 = e257 + e252;
+    const float e264 = a_r_sho_roll_z - e256;
+    const float e265 = e258 + e251;
+    const float e266 = e252 - e257;
+    const float e267 = e258 - e251;
     /* r_el */
-    const float e270 = (o_r_sho_roll_y * c_r_el) - (o_r_sho_roll_z * s_r_el);
+    const float e268 = (o_r_sho_roll_y * c_r_el) - (o_r_sho_roll_z * s_r_el);
     const float o_r_el_y = (o_r_sho_roll_z * c_r_el) + (o_r_sho_roll_y * s_r_el);
-    const float o_r_el_z = e252 + qd[19];
-    const float a_r_el_x = (e254 * c_r_el) + (a_r_sho_roll_z * s_r_el) + (o_r_el_y * qd[19]);
-    const float a_r_el_y = (a_r_sho_roll_z * c_r_el) - (e254 * s_r_el) + (e270 * qd[19]);
-    const float a_r_el_z = e253 + qdd[19];
-    const float e271 = e270 * e270;
-    const float e272 = o_r_el_y * o_r_el_y;
-    const float e273 = o_r_el_z * o_r_el_z;
-    const float e274 = e270 * o_r_el_y;
-    const float e275 = e270 * o_r_el_z;
-    const float e276 = o_r_el_y * o_r_el_z;
-    const float e277 = e272 + e273;
-    const float e278 = e271 + e273;
-    const float e279 = e271 + e272;
-    const float e280 = e274 + a_r_el_z;
-    const float e281 = a_r_el_z - e274;
-    const float e282 = e275 + a_r_el_y;
-    const float e283 = e276 + a_r_el_x;
-    const float e284 = (r[41] * e277) + (r[42] * e280);
-    const float f_r_el_y = (r[41] * e281) - (r[42] * e278);
-    const float f_r_el_z = (r[42] * e283) - (r[41] * e282);
+    const float o_r_el_z = e250 + qd[19];
+    const float a_r_el_x = (e252 * c_r_el) + (a_r_sho_roll_z * s_r_el) + (o_r_el_y * qd[19]);
+    const float a_r_el_y = (a_r_sho_roll_z * c_r_el) - (e252 * s_r_el) + (e268 * qd[19]);
+    const float a_r_el_z = e251 + qdd[19];
+    const float e269 = e268 * e268;
+    const float e270 = o_r_el_y * o_r_el_y;
+    const float e271 = o_r_el_z * o_r_el_z;
+    const float e272 = e268 * o_r_el_y;
+    const float e273 = e268 * o_r_el_z;
+    const float e274 = o_r_el_y * o_r_el_z;
+    const float e275 = e270 + e271;
+    const float e276 = e269 + e271;
+    const float e277 = e269 + e270;
+    const float e278 = e272 + a_r_el_z;
+    const float e279 = a_r_el_z - e272;
+    const float e280 = e273 + a_r_el_y;
+    const float e281 = e274 + a_r_el_x;
+    const float e282 = (r[41] * e275) + (r[42] * e278);
+    const float f_r_el_y = (r[41] * e279) - (r[42] * e276);
+    const float f_r_el_z = (r[42] * e281) - (r[41] * e280);
     /* r_sho_roll */
-    const float f_r_sho_roll_x = f_r_el_z - ((r[39] * e261) + (r[40] * e264));
-    const float f_r_sho_roll_y = (r[39] * e266) - (r[40] * e262)
-        - ((c_r_el * e284) + (s_r_el * f_r_el_y));
-    const float f_r_sho_roll_z = (r[39] * e268) + (r[40] * e269)
-        + ((s_r_el * e284) - (c_r_el * f_r_el_y));
+    const float f_r_sho_roll_x = f_r_el_z - ((r[39] * e259) + (r[40] * e262));
+    const float f_r_sho_roll_y = (r[39] * e264) - (r[40] * e260)
+        - ((c_r_el * e282) + (s_r_el * f_r_el_y));
+    const float f_r_sho_roll_z = (r[39] * e266) + (r[40] * e267)
+        + ((s_r_el * e282) - (c_r_el * f_r_el_y));
     /* r_sho_pitch */
-    const float f_r_sho_pitch_x = (r[38] * e246) - (r[37] * e243) + f_r_sho_roll_z;
-    const float f_r_sho_pitch_y = (r[37] * e248) - (r[38] * e244)
+    const float f_r_sho_pitch_x = (r[38] * e244) - (r[37] * e241) + f_r_sho_roll_z;
+    const float f_r_sho_pitch_y = (r[37] * e246) - (r[38] * e242)
         + ((c_r_sho_roll * f_r_sho_roll_y) - (s_r_sho_roll * f_r_sho_roll_x));
     const float f_r_sho_pitch_z = (c_r_sho_roll * f_r_sho_roll_x) + (s_r_sho_roll * f_r_sho_roll_y)
-        - ((r[37] * e250) + (r[38] * e251));
+        - ((r[37] * e248) + (r[38] * e249));
     /* l_el */
-    const float e285 = (r[35] * e227) + (r[36] * e230);
-    const float f_l_el_y = (r[35] * e231) - (r[36] * e228);
-    const float f_l_el_z = (r[35] * e232) + (r[36] * e233);
+    const float e283 = (r[35] * e225) + (r[36] * e228);
+    const float f_l_el_y = (r[35] * e229) - (r[36] * e226);
+    const float f_l_el_z = (r[35] * e230) + (r[36] * e231);
     /* l_sho_roll */
-    const float f_l_sho_roll_x = (r[34] * e212) - (r[33] * e209) + f_l_el_z;
-    const float f_l_sho_roll_y = (s_l_el * f_l_el_y) - (c_l_el * e285)
-        - ((r[33] * e214) + (r[34] * e210));
-    const float f_l_sho_roll_z = (r[34] * e217) - (r[33] * e216)
-        - ((s_l_el * e285) + (c_l_el * f_l_el_y));
+    const float f_l_sho_roll_x = (r[34] * e210) - (r[33] * e207) + f_l_el_z;
+    const float f_l_sho_roll_y = (s_l_el * f_l_el_y) - (c_l_el * e283)
+        - ((r[33] * e212) + (r[34] * e208));
+    const float f_l_sho_roll_z = (r[34] * e215) - (r[33] * e214)
+        - ((s_l_el * e283) + (c_l_el * f_l_el_y));
     /* l_sho_pitch */
-    const float f_l_sho_pitch_x = (r[32] * e194) - (r[31] * e191) + f_l_sho_roll_z;
-    const float f_l_sho_pitch_y = (r[31] * e196) - (r[32] * e192)
+    const float f_l_sho_pitch_x = (r[32] * e192) - (r[31] * e189) + f_l_sho_roll_z;
+    const float f_l_sho_pitch_y = (r[31] * e194) - (r[32] * e190)
         + ((c_l_sho_roll * f_l_sho_roll_y) - (s_l_sho_roll * f_l_sho_roll_x));
-    const float f_l_sho_pitch_z = (r[31] * e198) + (r[32] * e199)
+    const float f_l_sho_pitch_z = (r[31] * e196) + (r[32] * e197)
         + ((c_l_sho_roll * f_l_sho_roll_x) + (s_l_sho_roll * f_l_sho_roll_y));
     /* l_ank_roll */
-    const float e286 = (r[29] * e175) + (r[30] * e178);
-    const float f_l_ank_roll_y = (r[29] * e179) - (r[30] * e176);
-    const float f_l_ank_roll_z = (r[30] * e181) - (r[29] * e180);
+    const float e284 = (r[29] * e173) + (r[30] * e176);
+    const float f_l_ank_roll_y = (r[29] * e177) - (r[30] * e174);
+    const float f_l_ank_roll_z = (r[30] * e179) - (r[29] * e178);
     /* l_ank_pitch */
-    const float f_l_ank_pitch_x = (r[28] * e164) - (r[27] * e161) + f_l_ank_roll_z;
-    const float f_l_ank_pitch_y = (r[27] * e165) - (r[28] * e162)
-        + ((c_l_ank_roll * f_l_ank_roll_y) - (s_l_ank_roll * e286));
-    const float f_l_ank_pitch_z = (r[27] * e166) + (r[28] * e167)
-        - ((c_l_ank_roll * e286) + (s_l_ank_roll * f_l_ank_roll_y));
+    const float f_l_ank_pitch_x = (r[28] * e162) - (r[27] * e159) + f_l_ank_roll_z;
+    const float f_l_ank_pitch_y = (r[27] * e163) - (r[28] * e160)
+        + ((c_l_ank_roll * f_l_ank_roll_y) - (s_l_ank_roll * e284));
+    const float f_l_ank_pitch_z = (r[27] * e164) + (r[28] * e165)
+        - ((c_l_ank_roll * e284) + (s_l_ank_roll * f_l_ank_roll_y));
     /* l_knee */
-    const float f_l_knee_x = (r[26] * e151) - (r[25] * e148)
+    const float f_l_knee_x = (r[26] * e149) - (r[25] * e146)
         + ((c_l_ank_pitch * f_l_ank_pitch_x) + (s_l_ank_pitch * f_l_ank_pitch_y));
-    const float f_l_knee_y = (r[25] * e152) - (r[26] * e149)
+    const float f_l_knee_y = (r[25] * e150) - (r[26] * e147)
         + ((c_l_ank_pitch * f_l_ank_pitch_y) - (s_l_ank_pitch * f_l_ank_pitch_x));
-    const float f_l_knee_z = (r[25] * e153) + (r[26] * e154) + f_l_ank_pitch_z;
+    const float f_l_knee_z = (r[25] * e151) + (r[26] * e152) + f_l_ank_pitch_z;
     /* l_hip_pitch */
     const float f_l_hip_pitch_x = (c_l_knee * f_l_knee_x) - (s_l_knee * f_l_knee_y)
-        - ((r[23] * e135) + (r[24] * e138));
-    const float f_l_hip_pitch_y = (r[23] * e139) - (r[24] * e136)
+        - ((r[23] * e133) + (r[24] * e136));
+    const float f_l_hip_pitch_y = (r[23] * e137) - (r[24] * e134)
         + ((s_l_knee * f_l_knee_x) + (c_l_knee * f_l_knee_y));
-    const float f_l_hip_pitch_z = (r[24] * e141) - (r[23] * e140) + f_l_knee_z;
+    const float f_l_hip_pitch_z = (r[24] * e139) - (r[23] * e138) + f_l_knee_z;
     /* l_hip_roll */
-    const float f_l_hip_roll_x = (r[22] * e124) - (r[21] * e121) + f_l_hip_pitch_z;
-    const float f_l_hip_roll_y = (r[21] * e125) - (r[22] * e122)
+    const float f_l_hip_roll_x = (r[22] * e122) - (r[21] * e119) + f_l_hip_pitch_z;
+    const float f_l_hip_roll_y = (r[21] * e123) - (r[22] * e120)
         + ((s_l_hip_pitch * f_l_hip_pitch_x) + (c_l_hip_pitch * f_l_hip_pitch_y));
-    const float f_l_hip_roll_z = (r[21] * e126) + (r[22] * e127)
+    const float f_l_hip_roll_z = (r[21] * e124) + (r[22] * e125)
         + ((c_l_hip_pitch * f_l_hip_pitch_x) - (s_l_hip_pitch * f_l_hip_pitch_y));
     /* l_hip_yaw */
-    const float f_l_hip_yaw_x = (r[20] * e111) - (r[19] * e110) + f_l_hip_roll_z;
-    const float f_l_hip_yaw_y = (r[19] * e112) - (r[20] * (e105 + e107))
+    const float f_l_hip_yaw_x = (r[20] * e109) - (r[19] * e108) + f_l_hip_roll_z;
+    const float f_l_hip_yaw_y = (r[19] * e110) - (r[20] * (e103 + e105))
         + ((c_l_hip_roll * f_l_hip_roll_x) + (s_l_hip_roll * f_l_hip_roll_y));
-    const float f_l_hip_yaw_z = (r[19] * e113) + (r[20] * e114)
+    const float f_l_hip_yaw_z = (r[19] * e111) + (r[20] * e112)
         + ((c_l_hip_roll * f_l_hip_roll_y) - (s_l_hip_roll * f_l_hip_roll_x));
     /* head_tilt */
-    const float f_head_tilt_x = (r[18] * e101) - (r[17] * e98);
-    const float e287 = (r[17] * e102) + (r[18] * e99);
-    const float f_head_tilt_z = (r[18] * e104) - (r[17] * e103);
+    const float f_head_tilt_x = (r[18] * e99) - (r[17] * e96);
+    const float e285 = (r[17] * e100) + (r[18] * e97);
+    const float f_head_tilt_z = (r[18] * e102) - (r[17] * e101);
     /* head_pan */
-    const float f_head_pan_x = (c_head_tilt * f_head_tilt_x) - (s_head_tilt * e287)
-        - ((r[15] * e80) + (r[16] * e83));
-    const float f_head_pan_y = (r[15] * e85) - (r[16] * e81) + f_head_tilt_z;
-    const float f_head_pan_z = (r[15] * e87) + (r[16] * e88)
-        + ((s_head_tilt * f_head_tilt_x) + (c_head_tilt * e287));
+    const float f_head_pan_x = (c_head_tilt * f_head_tilt_x) - (s_head_tilt * e285)
+        - ((r[15] * e78) + (r[16] * e81));
+    const float f_head_pan_y = (r[15] * e83) - (r[16] * e79) + f_head_tilt_z;
+    const float f_head_pan_z = (r[15] * e85) + (r[16] * e86)
+        + ((s_head_tilt * f_head_tilt_x) + (c_head_tilt * e285));
     /* r_hip_yaw */
     const float f_r_hip_yaw_x = (c_head_pan * f_head_pan_x) - (s_head_pan * f_head_pan_y)
-        - ((r[13] * e63) + (r[14] * e66))
+        - ((r[13] * e61) + (r[14] * e64))
         + ((c_l_sho_pitch * f_l_sho_pitch_x) + (s_l_sho_pitch * f_l_sho_pitch_y))
         + ((c_r_sho_pitch * f_r_sho_pitch_x) - (s_r_sho_pitch * f_r_sho_pitch_y))
         + ((c_l_hip_yaw * f_l_hip_yaw_x) + (s_l_hip_yaw * f_l_hip_yaw_y));
-    const float f_r_hip_yaw_y = (r[13] * e68) - (r[14] * e64)
+    const float f_r_hip_yaw_y = (r[13] * e66) - (r[14] * e62)
         + ((s_head_pan * f_head_pan_x) + (c_head_pan * f_head_pan_y)) + f_l_sho_pitch_z
         + f_r_sho_pitch_z + ((c_l_hip_yaw * f_l_hip_yaw_y) - (s_l_hip_yaw * f_l_hip_yaw_x));
-    const float f_r_hip_yaw_z = (r[13] * e70) + (r[14] * e71) + f_head_pan_z
+    const float f_r_hip_yaw_z = (r[13] * e68) + (r[14] * e69) + f_head_pan_z
         + ((c_l_sho_pitch * f_l_sho_pitch_y) - (s_l_sho_pitch * f_l_sho_pitch_x))
         + ((s_r_sho_pitch * f_r_sho_pitch_x) + (c_r_sho_pitch * f_r_sho_pitch_y)) + f_l_hip_yaw_z;
     /* r_hip_roll */
     const float f_r_hip_roll_x = (s_r_hip_yaw * f_r_hip_yaw_x) + (c_r_hip_yaw * f_r_hip_yaw_y)
-        - ((r[11] * (e46 + e47)) + (r[12] * e51));
-    const float f_r_hip_roll_y = (r[11] * e52) - (r[12] * e50) + f_r_hip_yaw_z;
-    const float f_r_hip_roll_z = (r[12] * e54) - (r[11] * e53)
+        - ((r[11] * (e44 + e45)) + (r[12] * e49));
+    const float f_r_hip_roll_y = (r[11] * e50) - (r[12] * e48) + f_r_hip_yaw_z;
+    const float f_r_hip_roll_z = (r[12] * e52) - (r[11] * e51)
         + ((c_r_hip_yaw * f_r_hip_yaw_x) - (s_r_hip_yaw * f_r_hip_yaw_y));
     /* r_hip_pitch */
-    const float f_r_hip_pitch_x = (r[10] * e40) - (r[9] * e37) + f_r_hip_roll_z;
-    const float f_r_hip_pitch_y = (r[9] * e41) - (r[10] * e38)
+    const float f_r_hip_pitch_x = (r[10] * e38) - (r[9] * e35) + f_r_hip_roll_z;
+    const float f_r_hip_pitch_y = (r[9] * e39) - (r[10] * e36)
         + ((s_r_hip_roll * f_r_hip_roll_x) + (c_r_hip_roll * f_r_hip_roll_y));
-    const float f_r_hip_pitch_z = (r[9] * e42) + (r[10] * e43)
+    const float f_r_hip_pitch_z = (r[9] * e40) + (r[10] * e41)
         + ((c_r_hip_roll * f_r_hip_roll_x) - (s_r_hip_roll * f_r_hip_roll_y));
     /* r_knee */
-    const float f_r_knee_x = (r[8] * e27) - (r[7] * e24)
+    const float f_r_knee_x = (r[8] * e25) - (r[7] * e22)
         + ((c_r_hip_pitch * f_r_hip_pitch_x) - (s_r_hip_pitch * f_r_hip_pitch_y));
-    const float f_r_knee_y = (r[7] * e28) - (r[8] * e25)
+    const float f_r_knee_y = (r[7] * e26) - (r[8] * e23)
         + ((s_r_hip_pitch * f_r_hip_pitch_x) + (c_r_hip_pitch * f_r_hip_pitch_y));
-    const float f_r_knee_z = (r[7] * e29) + (r[8] * e30) + f_r_hip_pitch_z;
+    const float f_r_knee_z = (r[7] * e27) + (r[8] * e28) + f_r_hip_pitch_z;
     /* r_ank_pitch */
-    const float f_r_ank_pitch_x = (r[6] * e14) - (r[5] * e11)
+    const float f_r_ank_pitch_x = (r[6] * e12) - (r[5] * e9)
         + ((c_r_knee * f_r_knee_x) - (s_r_knee * f_r_knee_y));
-    const float f_r_ank_pitch_y = (r[5] * e15) - (r[6] * e12)
+    const float f_r_ank_pitch_y = (r[5] * e13) - (r[6] * e10)
         + ((s_r_knee * f_r_knee_x) + (c_r_knee * f_r_knee_y));
-    const float f_r_ank_pitch_z = (r[6] * e17) - (r[5] * e16) + f_r_knee_z;
+    const float f_r_ank_pitch_z = (r[6] * e15) - (r[5] * e14) + f_r_knee_z;
     /* r_ank_roll */
     const float f_r_ank_roll_z = (c_r_ank_pitch * f_r_ank_pitch_x)
         + (s_r_ank_pitch * f_r_ank_pitch_y);
-    const float f_r_ank_roll_x = (r[4] * qdd[16]) - (r[3] * e4) + f_r_ank_pitch_z;
+    const float f_r_ank_roll_x = (r[4] * qdd[16]) - (r[3] * e2) + f_r_ank_pitch_z;
     const float f_r_ank_roll_y = (c_r_ank_pitch * f_r_ank_pitch_y)
-        - (s_r_ank_pitch * f_r_ank_pitch_x) - ((r[3] * qdd[16]) + (r[4] * e4));
+        - (s_r_ank_pitch * f_r_ank_pitch_x) - ((r[3] * qdd[16]) + (r[4] * e2));
     /* r_sole */
     const float f_r_sole_y = (c_r_ank_roll * f_r_ank_roll_x) + (s_r_ank_roll * f_r_ank_roll_y);
     const float f_r_sole_z = (c_r_ank_roll * f_r_ank_roll_y) - (s_r_ank_roll * f_r_ank_roll_x);
     /* r_el */
-    const float g_r_el_x = (0.00027340816f * e277) + (0.0009290175f * e280);
-    const float g_r_el_y = (0.0009290175f * e278) - (0.00027340816f * e281);
-    const float g_r_el_z = (0.00027340816f * e282) - (0.0009290175f * e283);
-    const float n_r_el_x = (6.8651454e-5f * e283) - (1.47495875e-5f * e282) - (8.004954e-6f * e279)
-        - ((1.9716072e-6f * e281) - (8.004954e-6f * e278));
-    const float e288 = (1.9716072e-6f * e277) + (8.004954e-6f * e280)
-        + ((1.47495875e-5f * e283) - (7.3121573e-6f * e282) - (1.9716072e-6f * e279));
-    const float n_r_el_z = (7.3121573e-6f * e281) - (1.47495875e-5f * e278)
-        + (1.9716072e-6f * (e276 - a_r_el_x))
-        - ((8.004954e-6f * (a_r_el_y - e275)) - ((1.47495875e-5f * e277) + (6.8651454e-5f * e280)));
+    const float g_r_el_x = (0.00027340816f * e275) + (0.0009290175f * e278);
+    const float g_r_el_y = (0.0009290175f * e276) - (0.00027340816f * e279);
+    const float g_r_el_z = (0.00027340816f * e280) - (0.0009290175f * e281);
+    const float n_r_el_x = (6.8651454e-5f * e281) - (1.47495875e-5f * e280) - (8.004954e-6f * e277)
+        - ((1.9716072e-6f * e279) - (8.004954e-6f * e276));
+    const float e286 = (1.9716072e-6f * e275) + (8.004954e-6f * e278)
+        + ((1.47495875e-5f * e281) - (7.3121573e-6f * e280) - (1.9716072e-6f * e277));
+    const float n_r_el_z = (7.3121573e-6f * e279) - (1.47495875e-5f * e276)
+        + (1.9716072e-6f * (e274 - a_r_el_x))
+        - ((8.004954e-6f * (a_r_el_y - e273)) - ((1.47495875e-5f * e275) + (6.8651454e-5f * e278)));
     /* r_sho_roll */
-    const float e289 = (0.0009290175f * s_r_el) - (0.00027340816f * c_r_el);
+    const float e287 = (0.0009290175f * s_r_el) - (0.00027340816f * c_r_el);
     const float h_r_sho_roll_z = (0.00027340816f * s_r_el) + (0.0009290175f * c_r_el);
-    const float e290 = (c_r_el * g_r_el_x) - (s_r_el * g_r_el_y);
-    const float e291 = (s_r_el * g_r_el_x) + (c_r_el * g_r_el_y);
-    const float e292 = (0.06f * e264) - (0.016f * e265);
-    const float h_r_sho_roll_y = e289 - 0.0033018994f;
-    const float g_r_sho_roll_x = (0.00017307096f * e261) + (0.0033018994f * e264) + g_r_el_z;
-    const float g_r_sho_roll_y = (0.0033018994f * e262) - (0.00017307096f * e266) + e290;
-    const float e293 = (0.00017307096f * e268) + (0.0033018994f * e269) + e291;
-    const float n_r_sho_roll_x = (8.77044e-6f * e268) + (0.00018228272f * e269)
-        + (2.1611695e-5f * e263) - ((2.1611695e-5f * e262) - (2.490703e-6f * e266))
-        + ((0.06f * e291) - (0.016f * e290) - n_r_el_z
-        - ((e289 * ((0.06f * e269) + (0.016f * e263)))
-        + (h_r_sho_roll_z * ((0.06f * e262) + (0.016f * e267)))));
-    const float n_r_sho_roll_y = (2.490703e-6f * e261) + (2.1611695e-5f * e264)
-        - ((9.582825e-6f * e268) + (8.77044e-6f * e269) + (2.490703e-6f * e263))
-        + ((0.016f * g_r_el_z) - ((c_r_el * n_r_el_x) + (s_r_el * e288)) + (h_r_sho_roll_z * e292));
-    const float n_r_sho_roll_z = (9.582825e-6f * e266) - (8.77044e-6f * e262)
-        - (2.490703e-6f * e267)
-        - ((2.1611695e-5f * e265) - ((8.77044e-6f * e261) + (0.00018228272f * e264)))
-        + ((0.06f * g_r_el_z) - ((c_r_el * e288) - (s_r_el * n_r_el_x)) - (e289 * e292));
+    const float e288 = (c_r_el * g_r_el_x) - (s_r_el * g_r_el_y);
+    const float e289 = (s_r_el * g_r_el_x) + (c_r_el * g_r_el_y);
+    const float e290 = (0.06f * e262) - (0.016f * e263);
+    const float h_r_sho_roll_y = e287 - 0.0033018994f;
+    const float g_r_sho_roll_x = (0.00017307096f * e259) + (0.0033018994f * e262) + g_r_el_z;
+    const float g_r_sho_roll_y = (0.0033018994f * e260) - (0.00017307096f * e264) + e288;
+    const float e291 = (0.00017307096f * e266) + (0.0033018994f * e267) + e289;
+    const float n_r_sho_roll_x = (8.77044e-6f * e266) + (0.00018228272f * e267)
+        + (2.1611695e-5f * e261) - ((2.1611695e-5f * e260) - (2.490703e-6f * e264))
+        + ((0.06f * e289) - (0.016f * e288) - n_r_el_z
+        - ((e287 * ((0.06f * e267) + (0.016f * e261)))
+        + (h_r_sho_roll_z * ((0.06f * e260) + (0.016f * e265)))));
+    const float n_r_sho_roll_y = (2.490703e-6f * e259) + (2.1611695e-5f * e262)
+        - ((9.582825e-6f * e266) + (8.77044e-6f * e267) + (2.490703e-6f * e261))
+        + ((0.016f * g_r_el_z) - ((c_r_el * n_r_el_x) + (s_r_el * e286)) + (h_r_sho_roll_z * e290));
+    const float n_r_sho_roll_z = (9.582825e-6f * e264) - (8.77044e-6f * e260)
+        - (2.490703e-6f * e265)
+        - ((2.1611695e-5f * e263) - ((8.77044e-6f * e259) + (0.00018228272f * e262)))
+        + ((0.06f * g_r_el_z) - ((c_r_el * e286) - (s_r_el * n_r_el_x)) - (e287 * e290));
     /* r_sho_pitch */
-    const float e294 = (0.00017307096f * s_r_sho_roll) + (c_r_sho_roll * h_r_sho_roll_y);
+    const float e292 = (0.00017307096f * s_r_sho_roll) + (c_r_sho_roll * h_r_sho_roll_y);
     const float h_r_sho_pitch_z = (s_r_sho_roll * h_r_sho_roll_y) - (0.00017307096f * c_r_sho_roll);
-    const float e295 = (c_r_sho_roll * g_r_sho_roll_y) - (s_r_sho_roll * g_r_sho_roll_x);
-    const float e296 = (c_r_sho_roll * g_r_sho_roll_x) + (s_r_sho_roll * g_r_sho_roll_y);
-    const float e297 = (0.016f * e246) + (0.045f * e247);
-    const float e298 = (0.016f * e244) - (0.045f * e249);
-    const float e299 = (0.016f * e251) + (0.045f * e245);
+    const float e293 = (c_r_sho_roll * g_r_sho_roll_y) - (s_r_sho_roll * g_r_sho_roll_x);
+    const float e294 = (c_r_sho_roll * g_r_sho_roll_x) + (s_r_sho_roll * g_r_sho_roll_y);
+    const float e295 = (0.016f * e244) + (0.045f * e245);
+    const float e296 = (0.016f * e242) - (0.045f * e247);
+    const float e297 = (0.016f * e249) + (0.045f * e243);
     const float h_r_sho_pitch_x = 0.0003788733f + h_r_sho_roll_z;
-    const float h_r_sho_pitch_y = e294 - 0.0012960221f;
-    const float e300 = (0.0003788733f * e243) + (0.0012960221f * e246) + e293;
-    const float g_r_sho_pitch_y = (0.0003788733f * e248) + (0.0012960221f * e244) + e295;
-    const float g_r_sho_pitch_z = (0.0012960221f * e251) - (0.0003788733f * e250) + e296;
-    const float n_r_sho_pitch_x = (6.049467e-6f * e250) - (2.1025264e-5f * e251)
-        - (5.821203e-5f * e245) + ((1.7036793e-5f * e248) + (5.821203e-5f * e244))
-        + ((0.045f * e295) - (0.016f * e296) - n_r_sho_roll_z
-        + ((e294 * e299) - (h_r_sho_pitch_z * e298)));
-    const float n_r_sho_pitch_y = (1.7036793e-5f * e243) + (5.821203e-5f * e246)
-        - ((6.049467e-6f * e251) - (1.575147e-5f * e250) + (1.7036793e-5f * e245))
-        + ((0.045f * e293) - ((c_r_sho_roll * n_r_sho_roll_y) - (s_r_sho_roll * n_r_sho_roll_x))
-        - ((h_r_sho_pitch_z * e297) + (h_r_sho_roll_z * e299)));
-    const float n_r_sho_pitch_z = (1.575147e-5f * e248) + (6.049467e-6f * e244)
-        - (1.7036793e-5f * e249)
-        - ((6.049467e-6f * e243) + (2.1025264e-5f * e246) + (5.821203e-5f * e247))
-        + ((h_r_sho_roll_z * e298) + (e294 * e297)
-        - ((c_r_sho_roll * n_r_sho_roll_x) + (s_r_sho_roll * n_r_sho_roll_y) + (0.016f * e293)));
+    const float h_r_sho_pitch_y = e292 - 0.0012960221f;
+    const float e298 = (0.0003788733f * e241) + (0.0012960221f * e244) + e291;
+    const float g_r_sho_pitch_y = (0.0003788733f * e246) + (0.0012960221f * e242) + e293;
+    const float g_r_sho_pitch_z = (0.0012960221f * e249) - (0.0003788733f * e248) + e294;
+    const float n_r_sho_pitch_x = (6.049467e-6f * e248) - (2.1025264e-5f * e249)
+        - (5.821203e-5f * e243) + ((1.7036793e-5f * e246) + (5.821203e-5f * e242))
+        + ((0.045f * e293) - (0.016f * e294) - n_r_sho_roll_z
+        + ((e292 * e297) - (h_r_sho_pitch_z * e296)));
+    const float n_r_sho_pitch_y = (1.7036793e-5f * e241) + (5.821203e-5f * e244)
+        - ((6.049467e-6f * e249) - (1.575147e-5f * e248) + (1.7036793e-5f * e243))
+        + ((0.045f * e291) - ((c_r_sho_roll * n_r_sho_roll_y) - (s_r_sho_roll * n_r_sho_roll_x))
+        - ((h_r_sho_pitch_z * e295) + (h_r_sho_roll_z * e297)));
+    const float n_r_sho_pitch_z = (1.575147e-5f * e246) + (6.049467e-6f * e242)
+        - (1.7036793e-5f * e247)
+        - ((6.049467e-6f * e241) + (2.1025264e-5f * e244) + (5.821203e-5f * e245))
+        + ((h_r_sho_roll_z * e296) + (e292 * e295)
+        - ((c_r_sho_roll * n_r_sho_roll_x) + (s_r_sho_roll * n_r_sho_roll_y) + (0.016f * e291)));
     /* l_el */
-    const float g_l_el_x = (0.00027340816f * e227) + (0.0009290175f * e230);
-    const float g_l_el_y = (0.0009290175f * e228) - (0.00027340816f * e231);
-    const float e301 = (0.00027340816f * e232) + (0.0009290175f * e233);
-    const float n_l_el_x = (1.47495875e-5f * e232) + (6.8651454e-5f * e233) + (8.004954e-6f * e229)
-        - ((8.004954e-6f * e228) - (1.9716072e-6f * e231));
-    const float n_l_el_y = (1.9716072e-6f * e227) + (8.004954e-6f * e230)
-        - ((7.3121573e-6f * e232) + (1.47495875e-5f * e233) + (1.9716072e-6f * e229));
-    const float n_l_el_z = (7.3121573e-6f * e231) - (1.47495875e-5f * e228)
-        - (1.9716072e-6f * (e226 + e219))
-        - ((8.004954e-6f * (e225 + e220)) - ((1.47495875e-5f * e227) + (6.8651454e-5f * e230)));
+    const float g_l_el_x = (0.00027340816f * e225) + (0.0009290175f * e228);
+    const float g_l_el_y = (0.0009290175f * e226) - (0.00027340816f * e229);
+    const float e299 = (0.00027340816f * e230) + (0.0009290175f * e231);
+    const float n_l_el_x = (1.47495875e-5f * e230) + (6.8651454e-5f * e231) + (8.004954e-6f * e227)
+        - ((8.004954e-6f * e226) - (1.9716072e-6f * e229));
+    const float n_l_el_y = (1.9716072e-6f * e225) + (8.004954e-6f * e228)
+        - ((7.3121573e-6f * e230) + (1.47495875e-5f * e231) + (1.9716072e-6f * e227));
+    const float n_l_el_z = (7.3121573e-6f * e229) - (1.47495875e-5f * e226)
+        - (1.9716072e-6f * (e224 + e217))
+        - ((8.004954e-6f * (e223 + e218)) - ((1.47495875e-5f * e225) + (6.8651454e-5f * e228)));
     /* l_sho_roll */
-    const float e302 = (0.00027340816f * c_l_el) + (0.0009290175f * s_l_el);
+    const float e300 = (0.00027340816f * c_l_el) + (0.0009290175f * s_l_el);
     const float h_l_sho_roll_z = (0.0009290175f * c_l_el) - (0.00027340816f * s_l_el);
-    const float e303 = (c_l_el * g_l_el_x) + (s_l_el * g_l_el_y);
-    const float e304 = (s_l_el * g_l_el_x) - (c_l_el * g_l_el_y);
-    const float e305 = (0.016f * e213) - (0.06f * e212);
-    const float e306 = e302 + 0.0033018994f;
-    const float e307 = (0.00017307096f * e209) + (0.0033018994f * e212) + e301;
-    const float g_l_sho_roll_y = (0.0033018994f * e210) - (0.00017307096f * e214) + e303;
-    const float g_l_sho_roll_z = e304 - ((0.00017307096f * e216) + (0.0033018994f * e217));
-    const float n_l_sho_roll_x = (8.77044e-6f * e216) + (0.00018228272f * e217)
-        + (2.1611695e-5f * e211) - ((2.1611695e-5f * e210) - (2.490703e-6f * e214))
-        + ((e302 * ((0.06f * e217) + (0.016f * e211)))
-        - (h_l_sho_roll_z * ((0.06f * e210) + (0.016f * e215)))
-        - (n_l_el_z + ((0.06f * e304) + (0.016f * e303))));
-    const float n_l_sho_roll_y = (9.582825e-6f * e216) + (8.77044e-6f * e217)
-        + (2.490703e-6f * e211) - ((2.490703e-6f * e209) + (2.1611695e-5f * e212))
-        + ((h_l_sho_roll_z * e305) - ((c_l_el * n_l_el_x) + (s_l_el * n_l_el_y) + (0.016f * e301)));
-    const float n_l_sho_roll_z = (8.77044e-6f * e210) - (9.582825e-6f * e214)
-        + (2.490703e-6f * e215)
-        - ((8.77044e-6f * e209) + (0.00018228272f * e212) - (2.1611695e-5f * e213))
-        + ((e302 * e305) - ((s_l_el * n_l_el_x) - (c_l_el * n_l_el_y) + (0.06f * e301)));
+    const float e301 = (c_l_el * g_l_el_x) + (s_l_el * g_l_el_y);
+    const float e302 = (s_l_el * g_l_el_x) - (c_l_el * g_l_el_y);
+    const float e303 = (0.016f * e211) - (0.06f * e210);
+    const float e304 = e300 + 0.0033018994f;
+    const float e305 = (0.00017307096f * e207) + (0.0033018994f * e210) + e299;
+    const float g_l_sho_roll_y = (0.0033018994f * e208) - (0.00017307096f * e212) + e301;
+    const float g_l_sho_roll_z = e302 - ((0.00017307096f * e214) + (0.0033018994f * e215));
+    const float n_l_sho_roll_x = (8.77044e-6f * e214) + (0.00018228272f * e215)
+        + (2.1611695e-5f * e209) - ((2.1611695e-5f * e208) - (2.490703e-6f * e212))
+        + ((e300 * ((0.06f * e215) + (0.016f * e209)))
+        - (h_l_sho_roll_z * ((0.06f * e208) + (0.016f * e213)))
+        - (n_l_el_z + ((0.06f * e302) + (0.016f * e301))));
+    const float n_l_sho_roll_y = (9.582825e-6f * e214) + (8.77044e-6f * e215)
+        + (2.490703e-6f * e209) - ((2.490703e-6f * e207) + (2.1611695e-5f * e210))
+        + ((h_l_sho_roll_z * e303) - ((c_l_el * n_l_el_x) + (s_l_el * n_l_el_y) + (0.016f * e299)));
+    const float n_l_sho_roll_z = (8.77044e-6f * e208) - (9.582825e-6f * e212)
+        + (2.490703e-6f * e213)
+        - ((8.77044e-6f * e207) + (0.00018228272f * e210) - (2.1611695e-5f * e211))
+        + ((e300 * e303) - ((s_l_el * n_l_el_x) - (c_l_el * n_l_el_y) + (0.06f * e299)));
     /* l_sho_pitch */
-    const float e308 = (0.00017307096f * s_l_sho_roll) + (c_l_sho_roll * e306);
-    const float h_l_sho_pitch_z = (0.00017307096f * c_l_sho_roll) - (s_l_sho_roll * e306);
-    const float e309 = (s_l_sho_roll * e307) + (c_l_sho_roll * g_l_sho_roll_y);
-    const float e310 = (s_l_sho_roll * g_l_sho_roll_y) - (c_l_sho_roll * e307);
-    const float e311 = (0.016f * e194) + (0.119f * e195);
-    const float e312 = (0.016f * e192) - (0.119f * e197);
-    const float e313 = (0.016f * e199) + (0.119f * e193);
+    const float e306 = (0.00017307096f * s_l_sho_roll) + (c_l_sho_roll * e304);
+    const float h_l_sho_pitch_z = (0.00017307096f * c_l_sho_roll) - (s_l_sho_roll * e304);
+    const float e307 = (s_l_sho_roll * e305) + (c_l_sho_roll * g_l_sho_roll_y);
+    const float e308 = (s_l_sho_roll * g_l_sho_roll_y) - (c_l_sho_roll * e305);
+    const float e309 = (0.016f * e192) + (0.119f * e193);
+    const float e310 = (0.016f * e190) - (0.119f * e195);
+    const float e311 = (0.016f * e197) + (0.119f * e191);
     const float h_l_sho_pitch_x = 0.0003788733f + h_l_sho_roll_z;
-    const float e314 = e308 + 0.0012960221f;
+    const float e312 = e306 + 0.0012960221f;
     const float g_l_sho_pitch_x = g_l_sho_roll_z
-        - ((0.0003788733f * e191) + (0.0012960221f * e194));
-    const float g_l_sho_pitch_y = (0.0003788733f * e196) + (0.0012960221f * e192) + e309;
-    const float g_l_sho_pitch_z = (0.0003788733f * e198) - (0.0012960221f * e199) + e310;
-    const float n_l_sho_pitch_x = (2.1025264e-5f * e199) - (6.049467e-6f * e198)
-        + (0.00015411766f * e193) - ((4.5073415e-5f * e196) + (0.00015411766f * e192))
-        + ((e308 * e313) - (h_l_sho_pitch_z * e312)
-        - (n_l_sho_roll_z + ((0.016f * e310) + (0.119f * e309))));
+        - ((0.0003788733f * e189) + (0.0012960221f * e192));
+    const float g_l_sho_pitch_y = (0.0003788733f * e194) + (0.0012960221f * e190) + e307;
+    const float g_l_sho_pitch_z = (0.0003788733f * e196) - (0.0012960221f * e197) + e308;
+    const float n_l_sho_pitch_x = (2.1025264e-5f * e197) - (6.049467e-6f * e196)
+        + (0.00015411766f * e191) - ((4.5073415e-5f * e194) + (0.00015411766f * e190))
+        + ((e306 * e311) - (h_l_sho_pitch_z * e310)
+        - (n_l_sho_roll_z + ((0.016f * e308) + (0.119f * e307))));
     const float n_l_sho_pitch_y = (0.119f * g_l_sho_roll_z)
         - ((c_l_sho_roll * n_l_sho_roll_y) - (s_l_sho_roll * n_l_sho_roll_x))
-        + ((h_l_sho_roll_z * e313) - (h_l_sho_pitch_z * e311))
-        - ((4.5073415e-5f * e191) + (0.00015411766f * e194)
-        + ((1.575147e-5f * e198) - (6.049467e-6f * e199) - (4.5073415e-5f * e193)));
-    const float n_l_sho_pitch_z = (1.575147e-5f * e196) + (6.049467e-6f * e192)
-        - (4.5073415e-5f * e197)
-        - ((6.049467e-6f * e191) + (2.1025264e-5f * e194) + (0.00015411766f * e195))
+        + ((h_l_sho_roll_z * e311) - (h_l_sho_pitch_z * e309))
+        - ((4.5073415e-5f * e189) + (0.00015411766f * e192)
+        + ((1.575147e-5f * e196) - (6.049467e-6f * e197) - (4.5073415e-5f * e191)));
+    const float n_l_sho_pitch_z = (1.575147e-5f * e194) + (6.049467e-6f * e190)
+        - (4.5073415e-5f * e195)
+        - ((6.049467e-6f * e189) + (2.1025264e-5f * e192) + (0.00015411766f * e193))
         + ((0.016f * g_l_sho_roll_z)
         - ((c_l_sho_roll * n_l_sho_roll_x) + (s_l_sho_roll * n_l_sho_roll_y))
-        + ((h_l_sho_roll_z * e312) - (e308 * e311)));
+        + ((h_l_sho_roll_z * e310) - (e306 * e309)));
     /* l_ank_roll */
-    const float g_l_ank_roll_x = (0.00070598227f * e178) - (0.0002581614f * e175);
-    const float g_l_ank_roll_y = (0.0002581614f * e179) + (0.00070598227f * e176);
-    const float n_l_ank_roll_x = (7.5768867e-6f * e180) + (2.1134118e-5f * e181)
-        - (2.1314062e-8f * e177) + ((2.0458297e-7f * e179) + (2.1314062e-8f * e176));
-    const float n_l_ank_roll_y = (2.0458297e-7f * e175) - (2.1314062e-8f * e178)
-        - ((2.0458297e-7f * e177) - ((1.1924058e-5f * e180) + (7.5768867e-6f * e181)));
-    const float n_l_ank_roll_z = (1.1924058e-5f * e179) + (7.5768867e-6f * e176)
-        - (2.0458297e-7f * (e174 - a_l_ank_roll_x))
-        - ((7.5768867e-6f * e175) - (2.1134118e-5f * e178)
-        + (2.1314062e-8f * (a_l_ank_roll_y - e173)));
+    const float g_l_ank_roll_x = (0.00070598227f * e176) - (0.0002581614f * e173);
+    const float g_l_ank_roll_y = (0.0002581614f * e177) + (0.00070598227f * e174);
+    const float n_l_ank_roll_x = (7.5768867e-6f * e178) + (2.1134118e-5f * e179)
+        - (2.1314062e-8f * e175) + ((2.0458297e-7f * e177) + (2.1314062e-8f * e174));
+    const float n_l_ank_roll_y = (2.0458297e-7f * e173) - (2.1314062e-8f * e176)
+        - ((2.0458297e-7f * e175) - ((1.1924058e-5f * e178) + (7.5768867e-6f * e179)));
+    const float n_l_ank_roll_z = (1.1924058e-5f * e177) + (7.5768867e-6f * e174)
+        - (2.0458297e-7f * (e172 - a_l_ank_roll_x))
+        - ((7.5768867e-6f * e173) - (2.1134118e-5f * e176)
+        + (2.1314062e-8f * (a_l_ank_roll_y - e171)));
     /* l_ank_pitch */
     const float h_l_ank_pitch_z = (0.0002581614f * c_l_ank_roll) + (0.00070598227f * s_l_ank_roll);
     const float h_l_ank_pitch_y = 0.00079249474f
         + ((0.0002581614f * s_l_ank_roll) - (0.00070598227f * c_l_ank_roll));
-    const float g_l_ank_pitch_x = (0.0010725238f * e161) + (0.00079249474f * e164)
-        - ((0.0002581614f * e180) + (0.00070598227f * e181));
+    const float g_l_ank_pitch_x = (0.0010725238f * e159) + (0.00079249474f * e162)
+        - ((0.0002581614f * e178) + (0.00070598227f * e179));
     const float g_l_ank_pitch_y = (s_l_ank_roll * g_l_ank_roll_x) + (c_l_ank_roll * g_l_ank_roll_y)
-        - ((0.0010725238f * e165) + (0.00079249474f * e162));
-    const float g_l_ank_pitch_z = (0.00079249474f * e167) - (0.0010725238f * e166)
+        - ((0.0010725238f * e163) + (0.00079249474f * e160));
+    const float g_l_ank_pitch_z = (0.00079249474f * e165) - (0.0010725238f * e164)
         + ((c_l_ank_roll * g_l_ank_roll_x) - (s_l_ank_roll * g_l_ank_roll_y));
-    const float n_l_ank_pitch_x = (2.0191303e-5f * e167) - (1.7108983e-5f * e166)
-        - (1.03344085e-7f * e163) - ((3.607336e-7f * e165) - (1.03344085e-7f * e162))
+    const float n_l_ank_pitch_x = (2.0191303e-5f * e165) - (1.7108983e-5f * e164)
+        - (1.03344085e-7f * e161) - ((3.607336e-7f * e163) - (1.03344085e-7f * e160))
         - n_l_ank_roll_z;
-    const float n_l_ank_pitch_y = (1.03344085e-7f * e164) - (3.607336e-7f * e161)
-        - ((7.230369e-5f * e166) - (1.7108983e-5f * e167) - (3.607336e-7f * e163))
+    const float n_l_ank_pitch_y = (1.03344085e-7f * e162) - (3.607336e-7f * e159)
+        - ((7.230369e-5f * e164) - (1.7108983e-5f * e165) - (3.607336e-7f * e161))
         - ((s_l_ank_roll * n_l_ank_roll_x) + (c_l_ank_roll * n_l_ank_roll_y));
-    const float n_l_ank_pitch_z = (7.230369e-5f * e165) + (1.7108983e-5f * e162)
-        + (3.607336e-7f * (e160 - a_l_ank_pitch_x))
-        - ((1.7108983e-5f * e161) + (2.0191303e-5f * e164)
-        + (1.03344085e-7f * (e159 + a_l_ank_pitch_y)))
+    const float n_l_ank_pitch_z = (7.230369e-5f * e163) + (1.7108983e-5f * e160)
+        + (3.607336e-7f * (e158 - a_l_ank_pitch_x))
+        - ((1.7108983e-5f * e159) + (2.0191303e-5f * e162)
+        + (1.03344085e-7f * (e157 + a_l_ank_pitch_y)))
         - ((c_l_ank_roll * n_l_ank_roll_x) - (s_l_ank_roll * n_l_ank_roll_y));
     /* l_knee */
-    const float e315 = (s_l_ank_pitch * h_l_ank_pitch_y) - (0.0010725238f * c_l_ank_pitch);
-    const float e316 = (0.0010725238f * s_l_ank_pitch) + (c_l_ank_pitch * h_l_ank_pitch_y);
-    const float e317 = (c_l_ank_pitch * g_l_ank_pitch_x) + (s_l_ank_pitch * g_l_ank_pitch_y);
-    const float e318 = 0.093f * e151;
-    const float e319 = 0.093f * e149;
-    const float e320 = 0.093f * e154;
-    const float h_l_knee_x = 0.0001573714f + e315;
-    const float h_l_knee_y = e316 - 0.008776738f;
-    const float g_l_knee_x = e317 - ((0.0001573714f * e148) + (0.008776738f * e151));
-    const float g_l_knee_y = (0.0001573714f * e152) + (0.008776738f * e149)
+    const float e313 = (s_l_ank_pitch * h_l_ank_pitch_y) - (0.0010725238f * c_l_ank_pitch);
+    const float e314 = (0.0010725238f * s_l_ank_pitch) + (c_l_ank_pitch * h_l_ank_pitch_y);
+    const float e315 = (c_l_ank_pitch * g_l_ank_pitch_x) + (s_l_ank_pitch * g_l_ank_pitch_y);
+    const float e316 = 0.093f * e149;
+    const float e317 = 0.093f * e147;
+    const float e318 = 0.093f * e152;
+    const float h_l_knee_x = 0.0001573714f + e313;
+    const float h_l_knee_y = e314 - 0.008776738f;
+    const float g_l_knee_x = e315 - ((0.0001573714f * e146) + (0.008776738f * e149));
+    const float g_l_knee_y = (0.0001573714f * e150) + (0.008776738f * e147)
         + ((c_l_ank_pitch * g_l_ank_pitch_y) - (s_l_ank_pitch * g_l_ank_pitch_x));
-    const float g_l_knee_z = (0.0001573714f * e153) - (0.008776738f * e154) + g_l_ank_pitch_z;
-    const float n_l_knee_x = (0.000793051f * e154) - (1.7490652e-6f * e153) - (2.0113266e-6f * e150)
-        + ((1.122252e-8f * e152) + (2.0113266e-6f * e149))
+    const float g_l_knee_z = (0.0001573714f * e151) - (0.008776738f * e152) + g_l_ank_pitch_z;
+    const float n_l_knee_x = (0.000793051f * e152) - (1.7490652e-6f * e151) - (2.0113266e-6f * e148)
+        + ((1.122252e-8f * e150) + (2.0113266e-6f * e147))
         + ((c_l_ank_pitch * n_l_ank_pitch_x) + (s_l_ank_pitch * n_l_ank_pitch_y)
-        - (0.093f * g_l_ank_pitch_z) - ((e316 * e320) + (h_l_ank_pitch_z * e319)));
-    const float n_l_knee_y = (1.122252e-8f * e148) + (2.0113266e-6f * e151)
-        - ((5.500015e-6f * e153) - (1.7490652e-6f * e154) + (1.122252e-8f * e150))
+        - (0.093f * g_l_ank_pitch_z) - ((e314 * e318) + (h_l_ank_pitch_z * e317)));
+    const float n_l_knee_y = (1.122252e-8f * e146) + (2.0113266e-6f * e149)
+        - ((5.500015e-6f * e151) - (1.7490652e-6f * e152) + (1.122252e-8f * e148))
         + ((c_l_ank_pitch * n_l_ank_pitch_y) - (s_l_ank_pitch * n_l_ank_pitch_x)
-        + ((e315 * e320) - (h_l_ank_pitch_z * e318)));
-    const float n_l_knee_z = (5.500015e-6f * e152) + (1.7490652e-6f * e149)
-        - (1.122252e-8f * (e147 - a_l_knee_x))
-        - ((1.7490652e-6f * e148) + (0.000793051f * e151) + (2.0113266e-6f * (e146 + a_l_knee_y)))
-        + (n_l_ank_pitch_z + (0.093f * e317) + ((e315 * e319) + (e316 * e318)));
+        + ((e313 * e318) - (h_l_ank_pitch_z * e316)));
+    const float n_l_knee_z = (5.500015e-6f * e150) + (1.7490652e-6f * e147)
+        - (1.122252e-8f * (e145 - a_l_knee_x))
+        - ((1.7490652e-6f * e146) + (0.000793051f * e149) + (2.0113266e-6f * (e144 + a_l_knee_y)))
+        + (n_l_ank_pitch_z + (0.093f * e315) + ((e313 * e317) + (e314 * e316)));
     /* l_hip_pitch */
-    const float e321 = (c_l_knee * h_l_knee_x) - (s_l_knee * h_l_knee_y);
-    const float e322 = (s_l_knee * h_l_knee_x) + (c_l_knee * h_l_knee_y);
-    const float e323 = (c_l_knee * g_l_knee_x) - (s_l_knee * g_l_knee_y);
-    const float e324 = 0.093f * e138;
-    const float e325 = 0.093f * e136;
-    const float e326 = 0.093f * e141;
-    const float h_l_hip_pitch_x = 2.8156464e-5f + e321;
-    const float h_l_hip_pitch_y = e322 - 0.012635849f;
-    const float g_l_hip_pitch_x = (0.012635849f * e138) - (2.8156464e-5f * e135) + e323;
-    const float g_l_hip_pitch_y = (2.8156464e-5f * e139) + (0.012635849f * e136)
+    const float e319 = (c_l_knee * h_l_knee_x) - (s_l_knee * h_l_knee_y);
+    const float e320 = (s_l_knee * h_l_knee_x) + (c_l_knee * h_l_knee_y);
+    const float e321 = (c_l_knee * g_l_knee_x) - (s_l_knee * g_l_knee_y);
+    const float e322 = 0.093f * e136;
+    const float e323 = 0.093f * e134;
+    const float e324 = 0.093f * e139;
+    const float h_l_hip_pitch_x = 2.8156464e-5f + e319;
+    const float h_l_hip_pitch_y = e320 - 0.012635849f;
+    const float g_l_hip_pitch_x = (0.012635849f * e136) - (2.8156464e-5f * e133) + e321;
+    const float g_l_hip_pitch_y = (2.8156464e-5f * e137) + (0.012635849f * e134)
         + ((s_l_knee * g_l_knee_x) + (c_l_knee * g_l_knee_y));
-    const float g_l_hip_pitch_z = g_l_knee_z - ((2.8156464e-5f * e140) + (0.012635849f * e141));
-    const float n_l_hip_pitch_x = (1.1071821e-6f * e140) + (0.0011289481f * e141)
-        - (2.8721834e-6f * e137) - ((6.346494e-8f * e139) - (2.8721834e-6f * e136))
+    const float g_l_hip_pitch_z = g_l_knee_z - ((2.8156464e-5f * e138) + (0.012635849f * e139));
+    const float n_l_hip_pitch_x = (1.1071821e-6f * e138) + (0.0011289481f * e139)
+        - (2.8721834e-6f * e135) - ((6.346494e-8f * e137) - (2.8721834e-6f * e134))
         + ((c_l_knee * n_l_knee_x) - (s_l_knee * n_l_knee_y) - (0.093f * g_l_knee_z)
-        - ((e322 * e326) + (h_l_ank_pitch_z * e325)));
-    const float n_l_hip_pitch_y = (2.7309065e-6f * e140) + (1.1071821e-6f * e141)
-        + (6.346494e-8f * e137) - ((6.346494e-8f * e135) + (2.8721834e-6f * e138))
+        - ((e320 * e324) + (h_l_ank_pitch_z * e323)));
+    const float n_l_hip_pitch_y = (2.7309065e-6f * e138) + (1.1071821e-6f * e139)
+        + (6.346494e-8f * e135) - ((6.346494e-8f * e133) + (2.8721834e-6f * e136))
         + ((s_l_knee * n_l_knee_x) + (c_l_knee * n_l_knee_y)
-        + ((h_l_ank_pitch_z * e324) + (e321 * e326)));
-    const float n_l_hip_pitch_z = (2.7309065e-6f * e139) + (1.1071821e-6f * e136)
-        + (6.346494e-8f * (e134 - a_l_hip_pitch_x))
-        - ((1.1071821e-6f * e135) - (0.0011289481f * e138)
-        + (2.8721834e-6f * (a_l_hip_pitch_y - e133)))
-        + (n_l_knee_z + (0.093f * e323) + ((e321 * e325) - (e322 * e324)));
+        + ((h_l_ank_pitch_z * e322) + (e319 * e324)));
+    const float n_l_hip_pitch_z = (2.7309065e-6f * e137) + (1.1071821e-6f * e134)
+        + (6.346494e-8f * (e132 - a_l_hip_pitch_x))
+        - ((1.1071821e-6f * e133) - (0.0011289481f * e136)
+        + (2.8721834e-6f * (a_l_hip_pitch_y - e131)))
+        + (n_l_knee_z + (0.093f * e321) + ((e319 * e323) - (e320 * e322)));
     /* l_hip_roll */
     const float h_l_hip_roll_z = (c_l_hip_pitch * h_l_hip_pitch_x)
         - (s_l_hip_pitch * h_l_hip_pitch_y);
     const float h_l_hip_roll_x = h_l_ank_pitch_z - 3.5009605e-5f;
     const float h_l_hip_roll_y = (s_l_hip_pitch * h_l_hip_pitch_x)
         + (c_l_hip_pitch * h_l_hip_pitch_y) - 0.00079249474f;
-    const float g_l_hip_roll_x = (3.5009605e-5f * e121) - (0.00079249474f * e124) + g_l_hip_pitch_z;
-    const float g_l_hip_roll_y = (0.00079249474f * e122) - (3.5009605e-5f * e125)
+    const float g_l_hip_roll_x = (3.5009605e-5f * e119) - (0.00079249474f * e122) + g_l_hip_pitch_z;
+    const float g_l_hip_roll_y = (0.00079249474f * e120) - (3.5009605e-5f * e123)
         + ((s_l_hip_pitch * g_l_hip_pitch_x) + (c_l_hip_pitch * g_l_hip_pitch_y));
     const float g_l_hip_roll_z = (c_l_hip_pitch * g_l_hip_pitch_x)
-        - (s_l_hip_pitch * g_l_hip_pitch_y) - ((3.5009605e-5f * e126) + (0.00079249474f * e127));
-    const float n_l_hip_roll_x = (2.0191404e-5f * e127) - (3.0652984e-7f * e126)
-        - (1.6905811e-5f * e123) + ((3.607334e-7f * e125) + (1.6905811e-5f * e122))
+        - (s_l_hip_pitch * g_l_hip_pitch_y) - ((3.5009605e-5f * e124) + (0.00079249474f * e125));
+    const float n_l_hip_roll_x = (2.0191404e-5f * e125) - (3.0652984e-7f * e124)
+        - (1.6905811e-5f * e121) + ((3.607334e-7f * e123) + (1.6905811e-5f * e120))
         - n_l_hip_pitch_z;
-    const float n_l_hip_roll_y = (3.607334e-7f * e121) + (1.6905811e-5f * e124)
-        - ((3.0124214e-5f * e126) - (3.0652984e-7f * e127) + (3.607334e-7f * e123))
+    const float n_l_hip_roll_y = (3.607334e-7f * e119) + (1.6905811e-5f * e122)
+        - ((3.0124214e-5f * e124) - (3.0652984e-7f * e125) + (3.607334e-7f * e121))
         - ((s_l_hip_pitch * n_l_hip_pitch_x) + (c_l_hip_pitch * n_l_hip_pitch_y));
-    const float n_l_hip_roll_z = (3.0124214e-5f * e125) + (3.0652984e-7f * e122)
-        - (3.607334e-7f * (e120 - a_l_hip_roll_x))
-        - ((3.0652984e-7f * e121) + (2.0191404e-5f * e124)
-        + (1.6905811e-5f * (e119 + a_l_hip_roll_y)))
+    const float n_l_hip_roll_z = (3.0124214e-5f * e123) + (3.0652984e-7f * e120)
+        - (3.607334e-7f * (e118 - a_l_hip_roll_x))
+        - ((3.0652984e-7f * e119) + (2.0191404e-5f * e122)
+        + (1.6905811e-5f * (e117 + a_l_hip_roll_y)))
         - ((c_l_hip_pitch * n_l_hip_pitch_x) - (s_l_hip_pitch * n_l_hip_pitch_y));
     /* l_hip_yaw */
     const float h_l_hip_yaw_y = (c_l_hip_roll * h_l_hip_roll_x) + (s_l_hip_roll * h_l_hip_roll_y);
     const float h_l_hip_yaw_z = (c_l_hip_roll * h_l_hip_roll_y) - (s_l_hip_roll * h_l_hip_roll_x);
     const float h_l_hip_yaw_x = h_l_hip_roll_z - 0.0010376462f;
-    const float g_l_hip_yaw_x = (0.0010376462f * e110) + g_l_hip_roll_z;
+    const float g_l_hip_yaw_x = (0.0010376462f * e108) + g_l_hip_roll_z;
     const float g_l_hip_yaw_y = (c_l_hip_roll * g_l_hip_roll_x) + (s_l_hip_roll * g_l_hip_roll_y)
-        - (0.0010376462f * e112);
+        - (0.0010376462f * e110);
     const float g_l_hip_yaw_z = (c_l_hip_roll * g_l_hip_roll_y) - (s_l_hip_roll * g_l_hip_roll_x)
-        - (0.0010376462f * e113);
-    const float n_l_hip_yaw_x = (4.2597827e-7f * e114) - (3.3265562e-7f * e112) + n_l_hip_roll_z;
+        - (0.0010376462f * e111);
+    const float n_l_hip_yaw_x = (4.2597827e-7f * e112) - (3.3265562e-7f * e110) + n_l_hip_roll_z;
     const float n_l_hip_yaw_y = (c_l_hip_roll * n_l_hip_roll_x) + (s_l_hip_roll * n_l_hip_roll_y)
-        - ((3.3265562e-7f * e110) + ((5.517082e-5f * e113) - (3.3265562e-7f * (e105 + e106))));
-    const float n_l_hip_yaw_z = (5.517082e-5f * e112) + (3.3265562e-7f * (e109 - a_l_hip_yaw_x))
-        - (4.2597827e-7f * e111)
+        - ((3.3265562e-7f * e108) + ((5.517082e-5f * e111) - (3.3265562e-7f * (e103 + e104))));
+    const float n_l_hip_yaw_z = (5.517082e-5f * e110) + (3.3265562e-7f * (e107 - a_l_hip_yaw_x))
+        - (4.2597827e-7f * e109)
         + ((c_l_hip_roll * n_l_hip_roll_y) - (s_l_hip_roll * n_l_hip_roll_x));
     /* head_tilt */
-    const float e327 = (0.0008936193f * e98) + (0.0006155634f * e101);
-    const float g_head_tilt_y = (0.0006155634f * e99) - (0.0008936193f * e102);
-    const float e328 = (0.0008936193f * e103) + (0.0006155634f * e104);
-    const float n_head_tilt_x = (8.173087e-6f * e103) + (3.187295e-5f * e104)
-        - (1.9992667e-7f * e100) - ((6.710094e-8f * e102) - (1.9992667e-7f * e99));
-    const float n_head_tilt_y = (6.710094e-8f * e98) + (1.9992667e-7f * e101)
-        - ((6.710094e-8f * e100) - ((3.229937e-5f * e103) + (8.173087e-6f * e104)));
-    const float n_head_tilt_z = (8.173087e-6f * e99) - (3.229937e-5f * e102)
-        - (6.710094e-8f * (e97 - a_head_tilt_x))
-        - ((8.173087e-6f * e98) + (3.187295e-5f * e101) + (1.9992667e-7f * (a_head_tilt_y - e96)));
+    const float e325 = (0.0008936193f * e96) + (0.0006155634f * e99);
+    const float g_head_tilt_y = (0.0006155634f * e97) - (0.0008936193f * e100);
+    const float e326 = (0.0008936193f * e101) + (0.0006155634f * e102);
+    const float n_head_tilt_x = (8.173087e-6f * e101) + (3.187295e-5f * e102)
+        - (1.9992667e-7f * e98) - ((6.710094e-8f * e100) - (1.9992667e-7f * e97));
+    const float n_head_tilt_y = (6.710094e-8f * e96) + (1.9992667e-7f * e99)
+        - ((6.710094e-8f * e98) - ((3.229937e-5f * e101) + (8.173087e-6f * e102)));
+    const float n_head_tilt_z = (8.173087e-6f * e97) - (3.229937e-5f * e100)
+        - (6.710094e-8f * (e95 - a_head_tilt_x))
+        - ((8.173087e-6f * e96) + (3.187295e-5f * e99) + (1.9992667e-7f * (a_head_tilt_y - e94)));
     /* head_pan */
-    const float e329 = (0.0008936193f * c_head_tilt) - (0.0006155634f * s_head_tilt);
+    const float e327 = (0.0008936193f * c_head_tilt) - (0.0006155634f * s_head_tilt);
     const float h_head_pan_z = (0.0008936193f * s_head_tilt) + (0.0006155634f * c_head_tilt);
-    const float e330 = (s_head_tilt * g_head_tilt_y) - (c_head_tilt * e327);
-    const float e331 = 0.1727f * e86;
-    const float h_head_pan_x = e329 - 5.9352205e-6f;
-    const float g_head_pan_x = (5.9352205e-6f * e80) - (1.531256e-5f * e83) + e330;
-    const float e332 = (5.9352205e-6f * e85) + (1.531256e-5f * e81) + e328;
-    const float g_head_pan_z = (1.531256e-5f * e88) - (5.9352205e-6f * e87)
-        - ((s_head_tilt * e327) + (c_head_tilt * g_head_tilt_y));
-    const float n_head_pan_x = (3.3021018e-15f * e87) + (2.1234626e-5f * e88)
-        - (2.6446626e-6f * e82) + ((8.6096753e-7f * e85) + (2.6446626e-6f * e81))
-        + ((c_head_tilt * n_head_tilt_x) + (s_head_tilt * n_head_tilt_y) + (0.1727f * e328)
-        + (h_head_pan_z * e331));
-    const float n_head_pan_y = (8.6096753e-7f * e80) - (2.6446626e-6f * e83)
-        - ((3.3801922e-7f * e87) + (3.3021018e-15f * e88) + (8.6096753e-7f * e82))
-        + (n_head_tilt_z + (0.1727f * e330)
-        + ((h_head_pan_z * (0.1727f * e84)) + (e329 * (0.1727f * e82))));
-    const float n_head_pan_z = (3.3801922e-7f * e85) - (3.3021018e-15f * e81)
-        + (8.6096753e-7f * e86)
-        - ((2.6446626e-6f * e84) - ((3.3021018e-15f * e80) + (2.1234626e-5f * e83)))
-        + ((s_head_tilt * n_head_tilt_x) - (c_head_tilt * n_head_tilt_y) - (e329 * e331));
+    const float e328 = (s_head_tilt * g_head_tilt_y) - (c_head_tilt * e325);
+    const float e329 = 0.1727f * e84;
+    const float h_head_pan_x = e327 - 5.9352205e-6f;
+    const float g_head_pan_x = (5.9352205e-6f * e78) - (1.531256e-5f * e81) + e328;
+    const float e330 = (5.9352205e-6f * e83) + (1.531256e-5f * e79) + e326;
+    const float g_head_pan_z = (1.531256e-5f * e86) - (5.9352205e-6f * e85)
+        - ((s_head_tilt * e325) + (c_head_tilt * g_head_tilt_y));
+    const float n_head_pan_x = (3.3021018e-15f * e85) + (2.1234626e-5f * e86)
+        - (2.6446626e-6f * e80) + ((8.6096753e-7f * e83) + (2.6446626e-6f * e79))
+        + ((c_head_tilt * n_head_tilt_x) + (s_head_tilt * n_head_tilt_y) + (0.1727f * e326)
+        + (h_head_pan_z * e329));
+    const float n_head_pan_y = (8.6096753e-7f * e78) - (2.6446626e-6f * e81)
+        - ((3.3801922e-7f * e85) + (3.3021018e-15f * e86) + (8.6096753e-7f * e80))
+        + (n_head_tilt_z + (0.1727f * e328)
+        + ((h_head_pan_z * (0.1727f * e82)) + (e327 * (0.1727f * e80))));
+    const float n_head_pan_z = (3.3801922e-7f * e83) - (3.3021018e-15f * e79)
+        + (8.6096753e-7f * e84)
+        - ((2.6446626e-6f * e82) - ((3.3021018e-15f * e78) + (2.1234626e-5f * e81)))
+        + ((s_head_tilt * n_head_tilt_x) - (c_head_tilt * n_head_tilt_y) - (e327 * e329));
     /* r_hip_yaw */
-    const float e333 = (c_head_pan * h_head_pan_x) - (1.531256e-5f * s_head_pan);
-    const float e334 = (s_head_pan * h_head_pan_x) + (1.531256e-5f * c_head_pan);
-    const float e335 = (c_head_pan * g_head_pan_x) + (s_head_pan * e332);
-    const float e336 = (s_head_pan * g_head_pan_x) - (c_head_pan * e332);
-    const float e337 = 0.005f * e63;
-    const float e338 = e337 + (0.037f * e66);
+    const float e331 = (c_head_pan * h_head_pan_x) - (1.531256e-5f * s_head_pan);
+    const float e332 = (s_head_pan * h_head_pan_x) + (1.531256e-5f * c_head_pan);
+    const float e333 = (c_head_pan * g_head_pan_x) + (s_head_pan * e330);
+    const float e334 = (s_head_pan * g_head_pan_x) - (c_head_pan * e330);
+    const float e335 = 0.005f * e61;
+    const float e336 = e335 + (0.037f * e64);
+    const float e337 = 0.005f * e66;
+    const float e338 = e337 - (0.037f * e62);
     const float e339 = 0.005f * e68;
-    const float e340 = e339 - (0.037f * e64);
-    const float e341 = 0.005f * e70;
-    const float e342 = e341 + (0.037f * e71);
-    const float e343 = (c_l_sho_pitch * h_l_sho_pitch_x) - (s_l_sho_pitch * e314);
-    const float e344 = (s_l_sho_pitch * h_l_sho_pitch_x) + (c_l_sho_pitch * e314);
-    const float e345 = (c_l_sho_pitch * g_l_sho_pitch_x) + (s_l_sho_pitch * g_l_sho_pitch_y);
-    const float e346 = (c_l_sho_pitch * g_l_sho_pitch_y) - (s_l_sho_pitch * g_l_sho_pitch_x);
-    const float e347 = (0.1222f * e67) - e337;
-    const float e348 = e339 - (0.1222f * e69);
-    const float e349 = e341 - (0.1222f * e65);
-    const float e350 = (0.0034573963f * e71) - (0.00012209061f * e70) - (0.0021249873f * e65)
-        + ((0.00024561278f * e68) + (0.0021249873f * e64))
+    const float e340 = e339 + (0.037f * e69);
+    const float e341 = (c_l_sho_pitch * h_l_sho_pitch_x) - (s_l_sho_pitch * e312);
+    const float e342 = (s_l_sho_pitch * h_l_sho_pitch_x) + (c_l_sho_pitch * e312);
+    const float e343 = (c_l_sho_pitch * g_l_sho_pitch_x) + (s_l_sho_pitch * g_l_sho_pitch_y);
+    const float e344 = (c_l_sho_pitch * g_l_sho_pitch_y) - (s_l_sho_pitch * g_l_sho_pitch_x);
+    const float e345 = (0.1222f * e65) - e335;
+    const float e346 = e337 - (0.1222f * e67);
+    const float e347 = e339 - (0.1222f * e63);
+    const float e348 = (0.0034573963f * e69) - (0.00012209061f * e68) - (0.0021249873f * e63)
+        + ((0.00024561278f * e66) + (0.0021249873f * e62))
         + ((c_head_pan * n_head_pan_x) - (s_head_pan * n_head_pan_y) + (0.037f * g_head_pan_z)
-        + ((e334 * e342) - (h_head_pan_z * e340)))
-        + ((h_l_sho_pitch_z * e349) + (e344 * e348)
+        + ((e332 * e340) - (h_head_pan_z * e338)))
+        + ((h_l_sho_pitch_z * e347) + (e342 * e346)
         - ((c_l_sho_pitch * n_l_sho_pitch_x) + (s_l_sho_pitch * n_l_sho_pitch_y)
         + (0.1222f * g_l_sho_pitch_z)));
-    const float e351 = (0.00024561278f * e63) - (0.0021249873f * e66)
-        - ((0.00044578433f * e70) - (0.00012209061f * e71) + (0.00024561278f * e65))
+    const float e349 = (0.00024561278f * e61) - (0.0021249873f * e64)
+        - ((0.00044578433f * e68) - (0.00012209061f * e69) + (0.00024561278f * e63))
         + ((s_head_pan * n_head_pan_x) + (c_head_pan * n_head_pan_y) - (0.005f * g_head_pan_z)
-        - ((h_head_pan_z * e338) + (e333 * e342)))
-        + ((0.1222f * e345) - (0.005f * e346) - n_l_sho_pitch_z - ((e344 * e347) + (e343 * e349)));
-    const float e352 = (0.00044578433f * e68) + (0.00012209061f * e64) + (0.00024561278f * e69)
-        - ((0.00012209061f * e63) - (0.0034573963f * e66) + (0.0021249873f * e67))
-        + (n_head_pan_z + ((0.005f * e336) - (0.037f * e335)) + ((e333 * e340) + (e334 * e338)))
+        - ((h_head_pan_z * e336) + (e331 * e340)))
+        + ((0.1222f * e343) - (0.005f * e344) - n_l_sho_pitch_z - ((e342 * e345) + (e341 * e347)));
+    const float e350 = (0.00044578433f * e66) + (0.00012209061f * e62) + (0.00024561278f * e67)
+        - ((0.00012209061f * e61) - (0.0034573963f * e64) + (0.0021249873f * e65))
+        + (n_head_pan_z + ((0.005f * e334) - (0.037f * e333)) + ((e331 * e338) + (e332 * e336)))
         + ((0.005f * g_l_sho_pitch_z)
         - ((c_l_sho_pitch * n_l_sho_pitch_y) - (s_l_sho_pitch * n_l_sho_pitch_x))
-        + ((e343 * e348) - (h_l_sho_pitch_z * e347)));
-    const float e353 = (c_r_sho_pitch * h_r_sho_pitch_x) - (s_r_sho_pitch * h_r_sho_pitch_y);
-    const float e354 = (s_r_sho_pitch * h_r_sho_pitch_x) + (c_r_sho_pitch * h_r_sho_pitch_y);
-    const float e355 = (c_r_sho_pitch * e300) + (s_r_sho_pitch * g_r_sho_pitch_y);
-    const float e356 = (c_r_sho_pitch * g_r_sho_pitch_y) - (s_r_sho_pitch * e300);
-    const float e357 = (c_l_hip_yaw * h_l_hip_yaw_x) + (s_l_hip_yaw * h_l_hip_yaw_y);
-    const float e358 = (c_l_hip_yaw * h_l_hip_yaw_y) - (s_l_hip_yaw * h_l_hip_yaw_x);
-    const float e359 = (c_l_hip_yaw * g_l_hip_yaw_x) + (s_l_hip_yaw * g_l_hip_yaw_y);
-    const float e360 = 0.074f * e66;
-    const float e361 = 0.074f * e64;
-    const float e362 = 0.074f * e71;
-    const float h_r_hip_yaw_x = e333 - 0.0037115626f + e343 + e353 + e357;
-    const float h_r_hip_yaw_y = 0.035960846f + e334 + h_l_sho_pitch_z + h_r_sho_pitch_z + e358;
-    const float h_r_hip_yaw_z = h_head_pan_z - e344 + e354 + h_l_hip_yaw_z;
-    const float g_r_hip_yaw_x = (0.0037115626f * e63) - (0.035960846f * e66) + e335 + e345
-        - e355 + e359;
-    const float g_r_hip_yaw_y = e336 - ((0.0037115626f * e68) + (0.035960846f * e64))
+        + ((e341 * e346) - (h_l_sho_pitch_z * e345)));
+    const float e351 = (c_r_sho_pitch * h_r_sho_pitch_x) - (s_r_sho_pitch * h_r_sho_pitch_y);
+    const float e352 = (s_r_sho_pitch * h_r_sho_pitch_x) + (c_r_sho_pitch * h_r_sho_pitch_y);
+    const float e353 = (c_r_sho_pitch * e298) + (s_r_sho_pitch * g_r_sho_pitch_y);
+    const float e354 = (c_r_sho_pitch * g_r_sho_pitch_y) - (s_r_sho_pitch * e298);
+    const float e355 = (c_l_hip_yaw * h_l_hip_yaw_x) + (s_l_hip_yaw * h_l_hip_yaw_y);
+    const float e356 = (c_l_hip_yaw * h_l_hip_yaw_y) - (s_l_hip_yaw * h_l_hip_yaw_x);
+    const float e357 = (c_l_hip_yaw * g_l_hip_yaw_x) + (s_l_hip_yaw * g_l_hip_yaw_y);
+    const float e358 = 0.074f * e64;
+    const float e359 = 0.074f * e62;
+    const float e360 = 0.074f * e69;
+    const float h_r_hip_yaw_x = e331 - 0.0037115626f + e341 + e351 + e355;
+    const float h_r_hip_yaw_y = 0.035960846f + e332 + h_l_sho_pitch_z + h_r_sho_pitch_z + e356;
+    const float h_r_hip_yaw_z = h_head_pan_z - e342 + e352 + h_l_hip_yaw_z;
+    const float g_r_hip_yaw_x = (0.0037115626f * e61) - (0.035960846f * e64) + e333 + e343
+        - e353 + e357;
+    const float g_r_hip_yaw_y = e334 - ((0.0037115626f * e66) + (0.035960846f * e62))
         + g_l_sho_pitch_z + g_r_sho_pitch_z
         + ((c_l_hip_yaw * g_l_hip_yaw_y) - (s_l_hip_yaw * g_l_hip_yaw_x));
-    const float g_r_hip_yaw_z = (0.035960846f * e71) - (0.0037115626f * e70) + g_head_pan_z + e346
-        + e356 + g_l_hip_yaw_z;
-    const float n_r_hip_yaw_x = e350
-        + ((h_r_sho_pitch_z * e349) - (e354 * e348)
+    const float g_r_hip_yaw_z = (0.035960846f * e69) - (0.0037115626f * e68) + g_head_pan_z + e344
+        + e354 + g_l_hip_yaw_z;
+    const float n_r_hip_yaw_x = e348
+        + ((h_r_sho_pitch_z * e347) - (e352 * e346)
         - ((c_r_sho_pitch * n_r_sho_pitch_x) - (s_r_sho_pitch * n_r_sho_pitch_y)
         + (0.1222f * g_r_sho_pitch_z)))
         + ((c_l_hip_yaw * n_l_hip_yaw_x) + (s_l_hip_yaw * n_l_hip_yaw_y) + (0.074f * g_l_hip_yaw_z)
-        + ((e358 * e362) + (h_l_hip_yaw_z * e361)));
-    const float n_r_hip_yaw_y = e351
-        + ((e354 * e347) - (e353 * e349) - (n_r_sho_pitch_z + ((0.1222f * e355) + (0.005f * e356))))
+        + ((e356 * e360) + (h_l_hip_yaw_z * e359)));
+    const float n_r_hip_yaw_y = e349
+        + ((e352 * e345) - (e351 * e347) - (n_r_sho_pitch_z + ((0.1222f * e353) + (0.005f * e354))))
         + ((c_l_hip_yaw * n_l_hip_yaw_y) - (s_l_hip_yaw * n_l_hip_yaw_x)
-        - ((h_l_hip_yaw_z * e360) + (e357 * e362)));
-    const float n_r_hip_yaw_z = e352
+        - ((h_l_hip_yaw_z * e358) + (e355 * e360)));
+    const float n_r_hip_yaw_z = e350
         + ((0.005f * g_r_sho_pitch_z)
         - ((s_r_sho_pitch * n_r_sho_pitch_x) + (c_r_sho_pitch * n_r_sho_pitch_y))
-        + ((e353 * e348) - (h_r_sho_pitch_z * e347)))
-        + (n_l_hip_yaw_z - (0.074f * e359) + ((e358 * e360) - (e357 * e361)));
+        + ((e351 * e346) - (h_r_sho_pitch_z * e345)))
+        + (n_l_hip_yaw_z - (0.074f * e357) + ((e356 * e358) - (e355 * e359)));
     /* r_hip_roll */
     const float h_r_hip_roll_x = (s_r_hip_yaw * h_r_hip_yaw_x) + (c_r_hip_yaw * h_r_hip_yaw_y);
     const float h_r_hip_roll_z = (c_r_hip_yaw * h_r_hip_yaw_x) - (s_r_hip_yaw * h_r_hip_yaw_y);
     const float h_r_hip_roll_y = 0.059756316f + h_r_hip_yaw_z;
     const float g_r_hip_roll_x = (s_r_hip_yaw * g_r_hip_yaw_x) + (c_r_hip_yaw * g_r_hip_yaw_y)
-        - (0.059756316f * e51);
-    const float g_r_hip_roll_y = g_r_hip_yaw_z - (0.059756316f * e50);
-    const float g_r_hip_roll_z = (0.059756316f * e54)
+        - (0.059756316f * e49);
+    const float g_r_hip_roll_y = g_r_hip_yaw_z - (0.059756316f * e48);
+    const float g_r_hip_roll_z = (0.059756316f * e52)
         + ((c_r_hip_yaw * g_r_hip_yaw_x) - (s_r_hip_yaw * g_r_hip_yaw_y));
-    const float n_r_hip_roll_x = (0.007136011f * e54) - (3.3265562e-7f * (e45 + e46))
-        + (3.3265562e-7f * e50) + ((s_r_hip_yaw * n_r_hip_yaw_x) + (c_r_hip_yaw * n_r_hip_yaw_y));
-    const float n_r_hip_roll_y = (4.2597827e-7f * e53) - (3.3265562e-7f * e51) + n_r_hip_yaw_z;
-    const float n_r_hip_roll_z = (4.2597827e-7f * e52)
-        - ((3.3265562e-7f * (a_r_hip_roll_y - e49)) - (0.007136011f * e51))
+    const float n_r_hip_roll_x = (0.007136011f * e52) - (3.3265562e-7f * (e43 + e44))
+        + (3.3265562e-7f * e48) + ((s_r_hip_yaw * n_r_hip_yaw_x) + (c_r_hip_yaw * n_r_hip_yaw_y));
+    const float n_r_hip_roll_y = (4.2597827e-7f * e51) - (3.3265562e-7f * e49) + n_r_hip_yaw_z;
+    const float n_r_hip_roll_z = (4.2597827e-7f * e50)
+        - ((3.3265562e-7f * (a_r_hip_roll_y - e47)) - (0.007136011f * e49))
         + ((c_r_hip_yaw * n_r_hip_yaw_x) - (s_r_hip_yaw * n_r_hip_yaw_y));
     /* r_hip_pitch */
     const float h_r_hip_pitch_z = (c_r_hip_roll * h_r_hip_roll_x) - (s_r_hip_roll * h_r_hip_roll_y);
     const float h_r_hip_pitch_x = h_r_hip_roll_z - 0.0010376462f;
     const float h_r_hip_pitch_y = (s_r_hip_roll * h_r_hip_roll_x) + (c_r_hip_roll * h_r_hip_roll_y)
         - 0.00079249474f;
-    const float g_r_hip_pitch_x = (0.0010376462f * e37) - (0.00079249474f * e40) + g_r_hip_roll_z;
-    const float g_r_hip_pitch_y = (0.00079249474f * e38) - (0.0010376462f * e41)
+    const float g_r_hip_pitch_x = (0.0010376462f * e35) - (0.00079249474f * e38) + g_r_hip_roll_z;
+    const float g_r_hip_pitch_y = (0.00079249474f * e36) - (0.0010376462f * e39)
         + ((s_r_hip_roll * g_r_hip_roll_x) + (c_r_hip_roll * g_r_hip_roll_y));
     const float g_r_hip_pitch_z = (c_r_hip_roll * g_r_hip_roll_x) - (s_r_hip_roll * g_r_hip_roll_y)
-        - ((0.0010376462f * e42) + (0.00079249474f * e43));
-    const float n_r_hip_pitch_x = (1.6905811e-5f * e42) + (2.0191404e-5f * e43)
-        - (3.0652984e-7f * e39) - ((3.607334e-7f * e41) - (3.0652984e-7f * e38)) - n_r_hip_roll_z;
-    const float n_r_hip_pitch_y = (3.0652984e-7f * e40) - (3.607334e-7f * e37)
-        - ((5.517082e-5f * e42) + (1.6905811e-5f * e43) - (3.607334e-7f * e39))
+        - ((0.0010376462f * e40) + (0.00079249474f * e41));
+    const float n_r_hip_pitch_x = (1.6905811e-5f * e40) + (2.0191404e-5f * e41)
+        - (3.0652984e-7f * e37) - ((3.607334e-7f * e39) - (3.0652984e-7f * e36)) - n_r_hip_roll_z;
+    const float n_r_hip_pitch_y = (3.0652984e-7f * e38) - (3.607334e-7f * e35)
+        - ((5.517082e-5f * e40) + (1.6905811e-5f * e41) - (3.607334e-7f * e37))
         - ((s_r_hip_roll * n_r_hip_roll_x) + (c_r_hip_roll * n_r_hip_roll_y));
-    const float n_r_hip_pitch_z = (5.517082e-5f * e41) - (1.6905811e-5f * e38)
-        + (3.607334e-7f * (e36 - a_r_hip_pitch_x))
-        - ((2.0191404e-5f * e40) - (1.6905811e-5f * e37)
-        + (3.0652984e-7f * (e35 + a_r_hip_pitch_y)))
+    const float n_r_hip_pitch_z = (5.517082e-5f * e39) - (1.6905811e-5f * e36)
+        + (3.607334e-7f * (e34 - a_r_hip_pitch_x))
+        - ((2.0191404e-5f * e38) - (1.6905811e-5f * e35)
+        + (3.0652984e-7f * (e33 + a_r_hip_pitch_y)))
         - ((c_r_hip_roll * n_r_hip_roll_x) - (s_r_hip_roll * n_r_hip_roll_y));
     /* r_knee */
-    const float e363 = (c_r_hip_pitch * h_r_hip_pitch_x) - (s_r_hip_pitch * h_r_hip_pitch_y);
-    const float e364 = (s_r_hip_pitch * h_r_hip_pitch_x) + (c_r_hip_pitch * h_r_hip_pitch_y);
-    const float e365 = (c_r_hip_pitch * g_r_hip_pitch_x) - (s_r_hip_pitch * g_r_hip_pitch_y);
-    const float e366 = 0.093f * e27;
-    const float e367 = 0.093f * e25;
-    const float e368 = 0.093f * e30;
-    const float h_r_knee_x = 2.8156464e-5f + e363;
-    const float h_r_knee_y = 0.08036415f + e364;
-    const float g_r_knee_x = (0.08036415f * e27) - (2.8156464e-5f * e24) + e365;
-    const float g_r_knee_y = (2.8156464e-5f * e28) - (0.08036415f * e25)
+    const float e361 = (c_r_hip_pitch * h_r_hip_pitch_x) - (s_r_hip_pitch * h_r_hip_pitch_y);
+    const float e362 = (s_r_hip_pitch * h_r_hip_pitch_x) + (c_r_hip_pitch * h_r_hip_pitch_y);
+    const float e363 = (c_r_hip_pitch * g_r_hip_pitch_x) - (s_r_hip_pitch * g_r_hip_pitch_y);
+    const float e364 = 0.093f * e25;
+    const float e365 = 0.093f * e23;
+    const float e366 = 0.093f * e28;
+    const float h_r_knee_x = 2.8156464e-5f + e361;
+    const float h_r_knee_y = 0.08036415f + e362;
+    const float g_r_knee_x = (0.08036415f * e25) - (2.8156464e-5f * e22) + e363;
+    const float g_r_knee_y = (2.8156464e-5f * e26) - (0.08036415f * e23)
         + ((s_r_hip_pitch * g_r_hip_pitch_x) + (c_r_hip_pitch * g_r_hip_pitch_y));
-    const float g_r_knee_z = (2.8156464e-5f * e29) + (0.08036415f * e30) + g_r_hip_pitch_z;
-    const float n_r_knee_x = (1.5113691e-6f * e29) + (0.0074276803f * e30) - (3.8370985e-7f * e26)
-        + ((6.346494e-8f * e28) + (3.8370985e-7f * e25))
+    const float g_r_knee_z = (2.8156464e-5f * e27) + (0.08036415f * e28) + g_r_hip_pitch_z;
+    const float n_r_knee_x = (1.5113691e-6f * e27) + (0.0074276803f * e28) - (3.8370985e-7f * e24)
+        + ((6.346494e-8f * e26) + (3.8370985e-7f * e23))
         + ((c_r_hip_pitch * n_r_hip_pitch_x) - (s_r_hip_pitch * n_r_hip_pitch_y)
-        + (0.093f * g_r_hip_pitch_z) + ((e364 * e368) + (h_r_hip_pitch_z * e367)));
-    const float n_r_knee_y = (6.346494e-8f * e24) + (3.8370985e-7f * e27)
-        - ((2.7309065e-6f * e29) + (1.5113691e-6f * e30) + (6.346494e-8f * e26))
+        + (0.093f * g_r_hip_pitch_z) + ((e362 * e366) + (h_r_hip_pitch_z * e365)));
+    const float n_r_knee_y = (6.346494e-8f * e22) + (3.8370985e-7f * e25)
+        - ((2.7309065e-6f * e27) + (1.5113691e-6f * e28) + (6.346494e-8f * e24))
         + ((s_r_hip_pitch * n_r_hip_pitch_x) + (c_r_hip_pitch * n_r_hip_pitch_y)
-        + ((h_r_hip_pitch_z * e366) - (e363 * e368)));
-    const float n_r_knee_z = (2.7309065e-6f * e28) - (1.5113691e-6f * e25)
-        - (6.346494e-8f * (e23 - a_r_knee_x))
-        - ((0.0074276803f * e27) - (1.5113691e-6f * e24) + (3.8370985e-7f * (e22 + a_r_knee_y)))
-        + (n_r_hip_pitch_z - (0.093f * e365) - ((e363 * e367) + (e364 * e366)));
+        + ((h_r_hip_pitch_z * e364) - (e361 * e366)));
+    const float n_r_knee_z = (2.7309065e-6f * e26) - (1.5113691e-6f * e23)
+        - (6.346494e-8f * (e21 - a_r_knee_x))
+        - ((0.0074276803f * e25) - (1.5113691e-6f * e22) + (3.8370985e-7f * (e20 + a_r_knee_y)))
+        + (n_r_hip_pitch_z - (0.093f * e363) - ((e361 * e365) + (e362 * e364)));
     /* r_ank_pitch */
-    const float e369 = (c_r_knee * h_r_knee_x) - (s_r_knee * h_r_knee_y);
-    const float e370 = (s_r_knee * h_r_knee_x) + (c_r_knee * h_r_knee_y);
-    const float e371 = (c_r_knee * g_r_knee_x) - (s_r_knee * g_r_knee_y);
-    const float e372 = 0.093f * e14;
-    const float e373 = 0.093f * e12;
-    const float e374 = 0.093f * e17;
-    const float h_r_ank_pitch_x = 0.0001573714f + e369;
-    const float h_r_ank_pitch_y = 0.08422326f + e370;
-    const float g_r_ank_pitch_x = (0.08422326f * e14) - (0.0001573714f * e11) + e371;
-    const float g_r_ank_pitch_y = (0.0001573714f * e15) - (0.08422326f * e12)
+    const float e367 = (c_r_knee * h_r_knee_x) - (s_r_knee * h_r_knee_y);
+    const float e368 = (s_r_knee * h_r_knee_x) + (c_r_knee * h_r_knee_y);
+    const float e369 = (c_r_knee * g_r_knee_x) - (s_r_knee * g_r_knee_y);
+    const float e370 = 0.093f * e12;
+    const float e371 = 0.093f * e10;
+    const float e372 = 0.093f * e15;
+    const float h_r_ank_pitch_x = 0.0001573714f + e367;
+    const float h_r_ank_pitch_y = 0.08422326f + e368;
+    const float g_r_ank_pitch_x = (0.08422326f * e12) - (0.0001573714f * e9) + e369;
+    const float g_r_ank_pitch_y = (0.0001573714f * e13) - (0.08422326f * e10)
         + ((s_r_knee * g_r_knee_x) + (c_r_knee * g_r_knee_y));
-    const float g_r_ank_pitch_z = (0.08422326f * e17) - (0.0001573714f * e16) + g_r_knee_z;
-    const float n_r_ank_pitch_x = (0.0078095775f * e17) - (1.2886475e-5f * e16)
-        - (1.2445664e-6f * e13) - ((1.122252e-8f * e15) - (1.2445664e-6f * e12))
+    const float g_r_ank_pitch_z = (0.08422326f * e15) - (0.0001573714f * e14) + g_r_knee_z;
+    const float n_r_ank_pitch_x = (0.0078095775f * e15) - (1.2886475e-5f * e14)
+        - (1.2445664e-6f * e11) - ((1.122252e-8f * e13) - (1.2445664e-6f * e10))
         + ((c_r_knee * n_r_knee_x) - (s_r_knee * n_r_knee_y) + (0.093f * g_r_knee_z)
-        + ((e370 * e374) + (h_r_hip_pitch_z * e373)));
-    const float n_r_ank_pitch_y = (1.2445664e-6f * e14) - (1.122252e-8f * e11)
-        - ((1.2886475e-5f * e17) - (5.500015e-6f * e16) - (1.122252e-8f * e13))
+        + ((e368 * e372) + (h_r_hip_pitch_z * e371)));
+    const float n_r_ank_pitch_y = (1.2445664e-6f * e12) - (1.122252e-8f * e9)
+        - ((1.2886475e-5f * e15) - (5.500015e-6f * e14) - (1.122252e-8f * e11))
         + ((s_r_knee * n_r_knee_x) + (c_r_knee * n_r_knee_y)
-        + ((h_r_hip_pitch_z * e372) - (e369 * e374)));
-    const float n_r_ank_pitch_z = (5.500015e-6f * e15) - (1.2886475e-5f * e12)
-        - (1.122252e-8f * (e5 + a_r_ank_pitch_x))
-        - ((0.0078095775f * e14) - (1.2886475e-5f * e11) + (1.2445664e-6f * (a_r_ank_pitch_y - e6)))
-        + (n_r_knee_z - (0.093f * e371) - ((e369 * e373) + (e370 * e372)));
+        + ((h_r_hip_pitch_z * e370) - (e367 * e372)));
+    const float n_r_ank_pitch_z = (5.500015e-6f * e13) - (1.2886475e-5f * e10)
+        - (1.122252e-8f * (e3 + a_r_ank_pitch_x))
+        - ((0.0078095775f * e12) - (1.2886475e-5f * e9) + (1.2445664e-6f * (a_r_ank_pitch_y - e4)))
+        + (n_r_knee_z - (0.093f * e369) - ((e367 * e371) + (e368 * e370)));
     /* r_ank_roll */
-    const float e375 = 1.03344085e-7f * e4;
+    const float e373 = 1.03344085e-7f * e2;
     const float h_r_ank_roll_z = (c_r_ank_pitch * h_r_ank_pitch_x)
         + (s_r_ank_pitch * h_r_ank_pitch_y);
     const float g_r_ank_roll_z = (c_r_ank_pitch * g_r_ank_pitch_x)
@@ -3879,21 +4065,21 @@ void op2_r_sole_zmp(
     const float h_r_ank_roll_x = 3.5009605e-5f + h_r_hip_pitch_z;
     const float h_r_ank_roll_y = 0.00079249474f
         + ((c_r_ank_pitch * h_r_ank_pitch_y) - (s_r_ank_pitch * h_r_ank_pitch_x));
-    const float g_r_ank_roll_x = (0.00079249474f * qdd[16]) - (3.5009605e-5f * e4)
+    const float g_r_ank_roll_x = (0.00079249474f * qdd[16]) - (3.5009605e-5f * e2)
         + g_r_ank_pitch_z;
     const float g_r_ank_roll_y = (c_r_ank_pitch * g_r_ank_pitch_y)
-        - (s_r_ank_pitch * g_r_ank_pitch_x) - ((3.5009605e-5f * qdd[16]) + (0.00079249474f * e4));
-    const float n_r_ank_roll_y = (3.607336e-7f * e4) - (1.7108983e-5f * qdd[16])
+        - (s_r_ank_pitch * g_r_ank_pitch_x) - ((3.5009605e-5f * qdd[16]) + (0.00079249474f * e2));
+    const float n_r_ank_roll_y = (3.607336e-7f * e2) - (1.7108983e-5f * qdd[16])
         - ((c_r_ank_pitch * n_r_ank_pitch_y) - (s_r_ank_pitch * n_r_ank_pitch_x));
-    const float n_r_ank_roll_z = e375 - (3.0124214e-5f * qdd[16])
-        - (e375 + (2.0191303e-5f * qdd[16]))
+    const float n_r_ank_roll_z = e373 - (3.0124214e-5f * qdd[16])
+        - (e373 + (2.0191303e-5f * qdd[16]))
         - ((c_r_ank_pitch * n_r_ank_pitch_x) + (s_r_ank_pitch * n_r_ank_pitch_y));
     /* r_sole */
     const float g_r_sole_y = (c_r_ank_roll * g_r_ank_roll_x) + (s_r_ank_roll * g_r_ank_roll_y);
     const float g_r_sole_z = (c_r_ank_roll * g_r_ank_roll_y) - (s_r_ank_roll * g_r_ank_roll_x);
     const float n_r_sole_x = n_r_ank_roll_z + ((0.0105f * g_r_sole_z) - (0.0335f * g_r_sole_y));
     const float n_r_sole_y = (s_r_ank_roll * n_r_ank_roll_y)
-        - (c_r_ank_roll * ((3.607336e-7f * qdd[16]) + (1.7108983e-5f * e4) + n_r_ank_pitch_z))
+        - (c_r_ank_roll * ((3.607336e-7f * qdd[16]) + (1.7108983e-5f * e2) + n_r_ank_pitch_z))
         + (0.0335f * g_r_ank_roll_z);
     const float h_r_sole_x = h_r_ank_roll_z - 0.0010725238f;
     const float h_r_sole_y = 0.010241838f
@@ -3902,13 +4088,23 @@ void op2_r_sole_zmp(
         + ((c_r_ank_roll * h_r_ank_roll_y) - (s_r_ank_roll * h_r_ank_roll_x));
     /* ZMP */
     const float load = 9.80665f + f_r_sole_z;
-    const float e376 = 1.0f / load;
+    const float e374 = 1.0f / load;
     zmp[0] = v_r_sole_x
         - (((v_r_sole_z * f_r_ank_roll_z)
-        + (n_r_sole_y - ((h_r_sole_z * g_r_ank_roll_z) - (h_r_sole_x * g_r_sole_z)))) * e376);
+        + (n_r_sole_y - ((h_r_sole_z * g_r_ank_roll_z) - (h_r_sole_x * g_r_sole_z)))) * e374);
     zmp[1] = v_r_sole_y
         - (((v_r_sole_z * f_r_sole_y)
-        - (n_r_sole_x - ((h_r_sole_y * g_r_sole_z) - (h_r_sole_z * g_r_sole_y)))) * e376);
+        - (n_r_sole_x - ((h_r_sole_y * g_r_sole_z) - (h_r_sole_z * g_r_sole_y)))) * e374);
+}
+
+void op2_r_sole_zmp(
+    const op2_r_sole_real q[],
+    const op2_r_sole_real qd[],
+    const op2_r_sole_real qdd[],
+    const op2_r_sole_real r[],
+    op2_r_sole_real zmp[restrict 2])
+{
+    op2_r_sole_zmp_core(0, q, q, q, qd, qdd, r, zmp);
 }
 
 void op2_r_sole_com_sc(
@@ -3917,83 +4113,7 @@ void op2_r_sole_com_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real com[restrict 3])
 {
-    /* r_sho_roll */
-    const float v_r_sho_roll_y = r[40] + (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    /* r_sho_pitch */
-    const float v_r_sho_pitch_x = r[37] - ((sin_q[19] * r[41]) + (cos_q[19] * r[42]));
-    const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
-    const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
-    /* l_sho_roll */
-    const float v_l_sho_roll_y = r[34] + (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
-    const float v_l_sho_roll_z = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    /* l_sho_pitch */
-    const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
-    const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
-    const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
-    /* l_ank_pitch */
-    const float v_l_ank_pitch_y = r[28] + (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
-    const float v_l_ank_pitch_z = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
-    /* l_knee */
-    const float v_l_knee_x = r[25] + (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
-    const float v_l_knee_y = r[26] - (sin_q[6] * r[27]) + (cos_q[6] * v_l_ank_pitch_y);
-    /* l_hip_pitch */
-    const float v_l_hip_pitch_x = r[23] + (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
-    const float v_l_hip_pitch_y = r[24] + (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
-    /* l_hip_roll */
-    const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
-    const float v_l_hip_roll_y = r[22] + (sin_q[4] * v_l_hip_pitch_x)
-        + (cos_q[4] * v_l_hip_pitch_y);
-    const float v_l_hip_roll_z = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
-    /* l_hip_yaw */
-    const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
-    const float v_l_hip_yaw_y = r[20] + (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
-    const float v_l_hip_yaw_z = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
-    /* head_pan */
-    const float v_head_pan_x = r[15] + (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
-    const float v_head_pan_z = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
-    /* r_hip_yaw */
-    const float e1 = r[13] + (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16])
-        + (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y)
-        + (cos_q[17] * v_r_sho_pitch_x);
-    const float v_r_hip_yaw_x = e1 - (sin_q[17] * v_r_sho_pitch_y) + (cos_q[2] * v_l_hip_yaw_x)
-        + (sin_q[2] * v_l_hip_yaw_y);
-    const float e2 = r[14] + (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]) + v_l_sho_pitch_z
-        + v_r_sho_pitch_z - (sin_q[2] * v_l_hip_yaw_x);
-    const float v_r_hip_yaw_y = e2 + (cos_q[2] * v_l_hip_yaw_y);
-    const float v_r_hip_yaw_z = v_head_pan_z - (sin_q[8] * v_l_sho_pitch_x)
-        + (cos_q[8] * v_l_sho_pitch_y) + (sin_q[17] * v_r_sho_pitch_x)
-        + (cos_q[17] * v_r_sho_pitch_y) + v_l_hip_yaw_z;
-    /* r_hip_roll */
-    const float v_r_hip_roll_x = r[11] + (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
-    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    const float v_r_hip_roll_z = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
-    /* r_hip_pitch */
-    const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
-    const float v_r_hip_pitch_y = r[10] + (sin_q[12] * v_r_hip_roll_x)
-        + (cos_q[12] * v_r_hip_roll_y);
-    const float v_r_hip_pitch_z = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
-    /* r_knee */
-    const float v_r_knee_x = r[7] + (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
-    const float v_r_knee_y = r[8] + (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
-    /* r_ank_pitch */
-    const float v_r_ank_pitch_x = r[5] + (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
-    const float v_r_ank_pitch_y = r[6] + (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
-    /* r_ank_roll */
-    const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
-    const float v_r_ank_roll_y = r[4] - (sin_q[15] * v_r_ank_pitch_x)
-        + (cos_q[15] * v_r_ank_pitch_y);
-    const float v_r_ank_roll_z = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
-    /* r_sole */
-    const float v_r_sole_x = r[0] + v_r_ank_roll_z;
-    const float v_r_sole_y = r[1] + (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
-    const float v_r_sole_z = r[2] - (sin_q[16] * v_r_ank_roll_x) + (cos_q[16] * v_r_ank_roll_y);
-    com[0] = v_r_sole_x;
-    com[1] = v_r_sole_y;
-    com[2] = v_r_sole_z;
+    op2_r_sole_com_core(1, sin_q, sin_q, cos_q, r, com);
 }
 
 void op2_r_sole_com_jacobian_sc(
@@ -4002,250 +4122,7 @@ void op2_r_sole_com_jacobian_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real jac[restrict 3 * op2_r_sole_DOF])
 {
-    /* r_el */
-    const float t_r_el_x = (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
-    const float e1 = (sin_q[19] * r[41]) + (cos_q[19] * r[42]);
-    /* r_sho_roll */
-    const float v_r_sho_roll_y = r[40] + t_r_el_x;
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
-    const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
-    /* r_sho_pitch */
-    const float v_r_sho_pitch_x = r[37] - e1;
-    const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    const float t_r_sho_pitch_x = (cos_q[17] * v_r_sho_pitch_x) - (sin_q[17] * v_r_sho_pitch_y);
-    const float t_r_sho_pitch_y = (sin_q[17] * v_r_sho_pitch_x) + (cos_q[17] * v_r_sho_pitch_y);
-    /* l_el */
-    const float t_l_el_x = (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
-    const float t_l_el_y = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
-    /* l_sho_roll */
-    const float v_l_sho_roll_y = r[34] + t_l_el_x;
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
-    const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
-    /* l_sho_pitch */
-    const float v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-    const float t_l_sho_pitch_x = (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y);
-    const float t_l_sho_pitch_y = (cos_q[8] * v_l_sho_pitch_y) - (sin_q[8] * v_l_sho_pitch_x);
-    /* l_ank_roll */
-    const float t_l_ank_roll_x = (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
-    const float t_l_ank_roll_y = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
-    /* l_ank_pitch */
-    const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-    const float t_l_ank_pitch_x = (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
-    const float t_l_ank_pitch_y = (cos_q[6] * v_l_ank_pitch_y) - (sin_q[6] * r[27]);
-    /* l_knee */
-    const float v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
-    const float t_l_knee_x = (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
-    const float t_l_knee_y = (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
-    /* l_hip_pitch */
-    const float v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
-    const float t_l_hip_pitch_x = (sin_q[4] * v_l_hip_pitch_x) + (cos_q[4] * v_l_hip_pitch_y);
-    const float t_l_hip_pitch_y = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
-    /* l_hip_roll */
-    const float v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-    const float t_l_hip_roll_x = (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
-    const float t_l_hip_roll_y = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
-    /* l_hip_yaw */
-    const float v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-    const float t_l_hip_yaw_x = (cos_q[2] * v_l_hip_yaw_x) + (sin_q[2] * v_l_hip_yaw_y);
-    const float t_l_hip_yaw_y = (cos_q[2] * v_l_hip_yaw_y) - (sin_q[2] * v_l_hip_yaw_x);
-    /* head_tilt */
-    const float t_head_tilt_x = (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
-    const float t_head_tilt_y = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
-    /* head_pan */
-    const float v_head_pan_x = r[15] + t_head_tilt_x;
-    const float t_head_pan_x = (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16]);
-    const float t_head_pan_y = (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]);
-    /* r_hip_yaw */
-    const float v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-        + t_l_hip_yaw_x;
-    const float v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-        + t_l_hip_yaw_y;
-    const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
-    const float t_r_hip_yaw_x = (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
-    const float t_r_hip_yaw_y = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
-    /* r_hip_roll */
-    const float v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    const float t_r_hip_roll_x = (sin_q[12] * v_r_hip_roll_x) + (cos_q[12] * v_r_hip_roll_y);
-    const float t_r_hip_roll_y = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
-    /* r_hip_pitch */
-    const float v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-    const float t_r_hip_pitch_x = (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
-    const float t_r_hip_pitch_y = (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
-    /* r_knee */
-    const float v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
-    const float t_r_knee_x = (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
-    const float t_r_knee_y = (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
-    /* r_ank_pitch */
-    const float v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
-    const float t_r_ank_pitch_x = (cos_q[15] * v_r_ank_pitch_y) - (sin_q[15] * v_r_ank_pitch_x);
-    const float t_r_ank_pitch_y = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
-    /* r_ank_roll */
-    const float v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-    const float t_r_ank_roll_x = (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
-    const float t_r_ank_roll_y = (cos_q[16] * v_r_ank_roll_y) - (sin_q[16] * v_r_ank_roll_x);
-    /* r_ank_pitch */
-    const float e2 = sin_q[16] * sin_q[15];
-    const float by_r_ank_pitch_y = sin_q[16] * cos_q[15];
-    const float e3 = cos_q[16] * sin_q[15];
-    const float bz_r_ank_pitch_y = cos_q[16] * cos_q[15];
-    /* r_knee */
-    const float bx_r_knee_x = (cos_q[15] * cos_q[14]) + (sin_q[15] * sin_q[14]);
-    const float bx_r_knee_y = (sin_q[15] * cos_q[14]) - (cos_q[15] * sin_q[14]);
-    const float by_r_knee_x = (by_r_ank_pitch_y * sin_q[14]) - (e2 * cos_q[14]);
-    const float by_r_knee_y = (by_r_ank_pitch_y * cos_q[14]) + (e2 * sin_q[14]);
-    const float bz_r_knee_x = (bz_r_ank_pitch_y * sin_q[14]) - (e3 * cos_q[14]);
-    const float bz_r_knee_y = (bz_r_ank_pitch_y * cos_q[14]) + (e3 * sin_q[14]);
-    /* r_hip_pitch */
-    const float bx_r_hip_pitch_x = (bx_r_knee_x * cos_q[13]) + (bx_r_knee_y * sin_q[13]);
-    const float bx_r_hip_pitch_y = (bx_r_knee_y * cos_q[13]) - (bx_r_knee_x * sin_q[13]);
-    const float by_r_hip_pitch_x = (by_r_knee_x * cos_q[13]) + (by_r_knee_y * sin_q[13]);
-    const float by_r_hip_pitch_y = (by_r_knee_y * cos_q[13]) - (by_r_knee_x * sin_q[13]);
-    const float bz_r_hip_pitch_x = (bz_r_knee_x * cos_q[13]) + (bz_r_knee_y * sin_q[13]);
-    const float bz_r_hip_pitch_y = (bz_r_knee_y * cos_q[13]) - (bz_r_knee_x * sin_q[13]);
-    /* r_hip_roll */
-    const float bx_r_hip_roll_x = bx_r_hip_pitch_y * sin_q[12];
-    const float bx_r_hip_roll_y = bx_r_hip_pitch_y * cos_q[12];
-    const float by_r_hip_roll_x = (by_r_hip_pitch_y * sin_q[12]) + (cos_q[16] * cos_q[12]);
-    const float e4 = (cos_q[16] * sin_q[12]) - (by_r_hip_pitch_y * cos_q[12]);
-    const float bz_r_hip_roll_x = (bz_r_hip_pitch_y * sin_q[12]) - (sin_q[16] * cos_q[12]);
-    const float bz_r_hip_roll_y = (sin_q[16] * sin_q[12]) + (bz_r_hip_pitch_y * cos_q[12]);
-    /* r_hip_yaw */
-    const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * sin_q[11]) + (bx_r_hip_pitch_x * cos_q[11]);
-    const float e5 = (bx_r_hip_pitch_x * sin_q[11]) - (bx_r_hip_roll_x * cos_q[11]);
-    const float by_r_hip_yaw_x = (by_r_hip_roll_x * sin_q[11]) + (by_r_hip_pitch_x * cos_q[11]);
-    const float e6 = (by_r_hip_pitch_x * sin_q[11]) - (by_r_hip_roll_x * cos_q[11]);
-    const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * sin_q[11]) + (bz_r_hip_pitch_x * cos_q[11]);
-    const float e7 = (bz_r_hip_pitch_x * sin_q[11]) - (bz_r_hip_roll_x * cos_q[11]);
-    /* head_pan */
-    const float bx_head_pan_x = (bx_r_hip_yaw_x * cos_q[0]) - (e5 * sin_q[0]);
-    const float by_head_pan_x = (by_r_hip_yaw_x * cos_q[0]) - (e6 * sin_q[0]);
-    const float bz_head_pan_x = (bz_r_hip_yaw_x * cos_q[0]) - (e7 * sin_q[0]);
-    /* l_hip_yaw */
-    const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * cos_q[2]) + (e5 * sin_q[2]);
-    const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * sin_q[2]) - (e5 * cos_q[2]);
-    const float by_l_hip_yaw_x = (by_r_hip_yaw_x * cos_q[2]) + (e6 * sin_q[2]);
-    const float by_l_hip_yaw_y = (by_r_hip_yaw_x * sin_q[2]) - (e6 * cos_q[2]);
-    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * cos_q[2]) + (e7 * sin_q[2]);
-    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * sin_q[2]) - (e7 * cos_q[2]);
-    /* l_hip_roll */
-    const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * cos_q[3]) - (bx_r_hip_roll_y * sin_q[3]);
-    const float bx_l_hip_roll_y = (bx_r_hip_roll_y * cos_q[3]) + (bx_l_hip_yaw_y * sin_q[3]);
-    const float by_l_hip_roll_x = (by_l_hip_yaw_y * cos_q[3]) + (e4 * sin_q[3]);
-    const float by_l_hip_roll_y = (by_l_hip_yaw_y * sin_q[3]) - (e4 * cos_q[3]);
-    const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * cos_q[3]) - (bz_r_hip_roll_y * sin_q[3]);
-    const float bz_l_hip_roll_y = (bz_r_hip_roll_y * cos_q[3]) + (bz_l_hip_yaw_y * sin_q[3]);
-    /* l_hip_pitch */
-    const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * sin_q[4]) + (bx_l_hip_yaw_x * cos_q[4]);
-    const float e8 = (bx_l_hip_yaw_x * sin_q[4]) - (bx_l_hip_roll_y * cos_q[4]);
-    const float by_l_hip_pitch_x = (by_l_hip_roll_y * sin_q[4]) + (by_l_hip_yaw_x * cos_q[4]);
-    const float e9 = (by_l_hip_yaw_x * sin_q[4]) - (by_l_hip_roll_y * cos_q[4]);
-    const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * sin_q[4]) + (bz_l_hip_yaw_x * cos_q[4]);
-    const float e10 = (bz_l_hip_yaw_x * sin_q[4]) - (bz_l_hip_roll_y * cos_q[4]);
-    /* l_knee */
-    const float bx_l_knee_x = (bx_l_hip_pitch_x * cos_q[5]) - (e8 * sin_q[5]);
-    const float e11 = (e8 * cos_q[5]) + (bx_l_hip_pitch_x * sin_q[5]);
-    const float by_l_knee_x = (by_l_hip_pitch_x * cos_q[5]) - (e9 * sin_q[5]);
-    const float e12 = (e9 * cos_q[5]) + (by_l_hip_pitch_x * sin_q[5]);
-    const float bz_l_knee_x = (bz_l_hip_pitch_x * cos_q[5]) - (e10 * sin_q[5]);
-    const float e13 = (e10 * cos_q[5]) + (bz_l_hip_pitch_x * sin_q[5]);
-    /* l_ank_pitch */
-    const float bx_l_ank_pitch_y = (bx_l_knee_x * sin_q[6]) - (e11 * cos_q[6]);
-    const float by_l_ank_pitch_y = (by_l_knee_x * sin_q[6]) - (e12 * cos_q[6]);
-    const float bz_l_ank_pitch_y = (bz_l_knee_x * sin_q[6]) - (e13 * cos_q[6]);
-    /* l_sho_pitch */
-    const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[8]) - (bx_r_hip_roll_y * sin_q[8]);
-    const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * cos_q[8]) + (bx_r_hip_yaw_x * sin_q[8]);
-    const float by_l_sho_pitch_x = (by_r_hip_yaw_x * cos_q[8]) + (e4 * sin_q[8]);
-    const float by_l_sho_pitch_y = (by_r_hip_yaw_x * sin_q[8]) - (e4 * cos_q[8]);
-    const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[8]) - (bz_r_hip_roll_y * sin_q[8]);
-    const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * cos_q[8]) + (bz_r_hip_yaw_x * sin_q[8]);
-    /* r_sho_pitch */
-    const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[17]) + (bx_r_hip_roll_y * sin_q[17]);
-    const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * cos_q[17]) - (bx_r_hip_yaw_x * sin_q[17]);
-    const float by_r_sho_pitch_x = (by_r_hip_yaw_x * cos_q[17]) - (e4 * sin_q[17]);
-    const float e14 = (e4 * cos_q[17]) + (by_r_hip_yaw_x * sin_q[17]);
-    const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[17]) + (bz_r_hip_roll_y * sin_q[17]);
-    const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * cos_q[17]) - (bz_r_hip_yaw_x * sin_q[17]);
-    jac[0] = -((e5 * t_head_pan_x) + (bx_r_hip_yaw_x * t_head_pan_y));
-    jac[1] = (bx_r_hip_roll_y * t_head_tilt_x) - (bx_head_pan_x * t_head_tilt_y);
-    jac[2] = (e5 * t_l_hip_yaw_x) + (bx_r_hip_yaw_x * t_l_hip_yaw_y);
-    jac[3] = -((bx_r_hip_roll_y * t_l_hip_roll_x) - (bx_l_hip_yaw_y * t_l_hip_roll_y));
-    jac[4] = -((bx_l_hip_yaw_x * t_l_hip_pitch_x) - (bx_l_hip_roll_y * t_l_hip_pitch_y));
-    jac[5] = -((e8 * t_l_knee_x) + (bx_l_hip_pitch_x * t_l_knee_y));
-    jac[6] = (e11 * t_l_ank_pitch_x) + (bx_l_knee_x * t_l_ank_pitch_y);
-    jac[7] = -((bx_l_hip_roll_x * t_l_ank_roll_x) - (bx_l_ank_pitch_y * t_l_ank_roll_y));
-    jac[8] = -((bx_r_hip_roll_y * t_l_sho_pitch_x) - (bx_r_hip_yaw_x * t_l_sho_pitch_y));
-    jac[9] = -((e5 * t_l_sho_roll_x) + (bx_l_sho_pitch_y * t_l_sho_roll_y));
-    jac[10] = (bx_l_sho_pitch_x * t_l_el_x)
-        + (((e5 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y);
-    jac[11] = -((bx_r_hip_pitch_x * t_r_hip_yaw_x) - (bx_r_hip_roll_x * t_r_hip_yaw_y));
-    jac[12] = bx_r_hip_pitch_y * t_r_hip_roll_y;
-    jac[13] = (bx_r_knee_y * t_r_hip_pitch_x) - (bx_r_knee_x * t_r_hip_pitch_y);
-    jac[14] = (sin_q[15] * t_r_knee_x) - (cos_q[15] * t_r_knee_y);
-    jac[15] = t_r_ank_pitch_x;
-    jac[16] = 0.0f;
-    jac[17] = (bx_r_hip_roll_y * t_r_sho_pitch_x) - (bx_r_hip_yaw_x * t_r_sho_pitch_y);
-    jac[18] = -((e5 * t_r_sho_roll_x) + (bx_r_sho_pitch_y * t_r_sho_roll_y));
-    jac[19] = -((bx_r_sho_pitch_x * t_r_el_x)
-        - (((e5 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll)) * e1));
-    jac[20] = -((e6 * t_head_pan_x) + (by_r_hip_yaw_x * t_head_pan_y));
-    jac[21] = -((e4 * t_head_tilt_x) + (by_head_pan_x * t_head_tilt_y));
-    jac[22] = (e6 * t_l_hip_yaw_x) + (by_r_hip_yaw_x * t_l_hip_yaw_y);
-    jac[23] = (e4 * t_l_hip_roll_x) + (by_l_hip_yaw_y * t_l_hip_roll_y);
-    jac[24] = -((by_l_hip_yaw_x * t_l_hip_pitch_x) - (by_l_hip_roll_y * t_l_hip_pitch_y));
-    jac[25] = -((e9 * t_l_knee_x) + (by_l_hip_pitch_x * t_l_knee_y));
-    jac[26] = (e12 * t_l_ank_pitch_x) + (by_l_knee_x * t_l_ank_pitch_y);
-    jac[27] = -((by_l_hip_roll_x * t_l_ank_roll_x) - (by_l_ank_pitch_y * t_l_ank_roll_y));
-    jac[28] = (e4 * t_l_sho_pitch_x) + (by_r_hip_yaw_x * t_l_sho_pitch_y);
-    jac[29] = -((e6 * t_l_sho_roll_x) + (by_l_sho_pitch_y * t_l_sho_roll_y));
-    jac[30] = (by_l_sho_pitch_x * t_l_el_x)
-        + (((e6 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y);
-    jac[31] = -((by_r_hip_pitch_x * t_r_hip_yaw_x) - (by_r_hip_roll_x * t_r_hip_yaw_y));
-    jac[32] = -((cos_q[16] * t_r_hip_roll_x) - (by_r_hip_pitch_y * t_r_hip_roll_y));
-    jac[33] = (by_r_knee_y * t_r_hip_pitch_x) - (by_r_knee_x * t_r_hip_pitch_y);
-    jac[34] = (by_r_ank_pitch_y * t_r_knee_x) + (e2 * t_r_knee_y);
-    jac[35] = -(sin_q[16] * t_r_ank_pitch_y);
-    jac[36] = t_r_ank_roll_y;
-    jac[37] = -((e4 * t_r_sho_pitch_x) + (by_r_hip_yaw_x * t_r_sho_pitch_y));
-    jac[38] = (e14 * t_r_sho_roll_y) - (e6 * t_r_sho_roll_x);
-    jac[39] = -((by_r_sho_pitch_x * t_r_el_x)
-        - (((e6 * s_r_sho_roll) + (e14 * c_r_sho_roll)) * e1));
-    jac[40] = -((e7 * t_head_pan_x) + (bz_r_hip_yaw_x * t_head_pan_y));
-    jac[41] = (bz_r_hip_roll_y * t_head_tilt_x) - (bz_head_pan_x * t_head_tilt_y);
-    jac[42] = (e7 * t_l_hip_yaw_x) + (bz_r_hip_yaw_x * t_l_hip_yaw_y);
-    jac[43] = -((bz_r_hip_roll_y * t_l_hip_roll_x) - (bz_l_hip_yaw_y * t_l_hip_roll_y));
-    jac[44] = -((bz_l_hip_yaw_x * t_l_hip_pitch_x) - (bz_l_hip_roll_y * t_l_hip_pitch_y));
-    jac[45] = -((e10 * t_l_knee_x) + (bz_l_hip_pitch_x * t_l_knee_y));
-    jac[46] = (e13 * t_l_ank_pitch_x) + (bz_l_knee_x * t_l_ank_pitch_y);
-    jac[47] = -((bz_l_hip_roll_x * t_l_ank_roll_x) - (bz_l_ank_pitch_y * t_l_ank_roll_y));
-    jac[48] = -((bz_r_hip_roll_y * t_l_sho_pitch_x) - (bz_r_hip_yaw_x * t_l_sho_pitch_y));
-    jac[49] = -((e7 * t_l_sho_roll_x) + (bz_l_sho_pitch_y * t_l_sho_roll_y));
-    jac[50] = (bz_l_sho_pitch_x * t_l_el_x)
-        + (((e7 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y);
-    jac[51] = -((bz_r_hip_pitch_x * t_r_hip_yaw_x) - (bz_r_hip_roll_x * t_r_hip_yaw_y));
-    jac[52] = (sin_q[16] * t_r_hip_roll_x) + (bz_r_hip_pitch_y * t_r_hip_roll_y);
-    jac[53] = (bz_r_knee_y * t_r_hip_pitch_x) - (bz_r_knee_x * t_r_hip_pitch_y);
-    jac[54] = (bz_r_ank_pitch_y * t_r_knee_x) + (e3 * t_r_knee_y);
-    jac[55] = -(cos_q[16] * t_r_ank_pitch_y);
-    jac[56] = -t_r_ank_roll_x;
-    jac[57] = (bz_r_hip_roll_y * t_r_sho_pitch_x) - (bz_r_hip_yaw_x * t_r_sho_pitch_y);
-    jac[58] = -((e7 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y));
-    jac[59] = -((bz_r_sho_pitch_x * t_r_el_x)
-        - (((e7 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1));
+    op2_r_sole_com_jacobian_core(1, sin_q, sin_q, cos_q, r, jac);
 }
 
 void op2_r_sole_com_velocity_sc(
@@ -4255,190 +4132,7 @@ void op2_r_sole_com_velocity_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real velocity[restrict 3])
 {
-    /* r_el */
-    const float t_r_el_x = (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
-    const float e1 = (sin_q[19] * r[41]) + (cos_q[19] * r[42]);
-    /* r_sho_roll */
-    const float v_r_sho_roll_y = r[40] + t_r_el_x;
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
-    const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
-    /* r_sho_pitch */
-    const float v_r_sho_pitch_x = r[37] - e1;
-    const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    const float t_r_sho_pitch_x = (cos_q[17] * v_r_sho_pitch_x) - (sin_q[17] * v_r_sho_pitch_y);
-    const float t_r_sho_pitch_y = (sin_q[17] * v_r_sho_pitch_x) + (cos_q[17] * v_r_sho_pitch_y);
-    /* l_el */
-    const float t_l_el_x = (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
-    const float t_l_el_y = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
-    /* l_sho_roll */
-    const float v_l_sho_roll_y = r[34] + t_l_el_x;
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
-    const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
-    /* l_sho_pitch */
-    const float v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-    const float t_l_sho_pitch_x = (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y);
-    const float t_l_sho_pitch_y = (cos_q[8] * v_l_sho_pitch_y) - (sin_q[8] * v_l_sho_pitch_x);
-    /* l_ank_roll */
-    const float t_l_ank_roll_x = (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
-    const float t_l_ank_roll_y = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
-    /* l_ank_pitch */
-    const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-    const float t_l_ank_pitch_x = (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
-    const float t_l_ank_pitch_y = (cos_q[6] * v_l_ank_pitch_y) - (sin_q[6] * r[27]);
-    /* l_knee */
-    const float v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
-    const float t_l_knee_x = (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
-    const float t_l_knee_y = (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
-    /* l_hip_pitch */
-    const float v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
-    const float t_l_hip_pitch_x = (sin_q[4] * v_l_hip_pitch_x) + (cos_q[4] * v_l_hip_pitch_y);
-    const float t_l_hip_pitch_y = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
-    /* l_hip_roll */
-    const float v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-    const float t_l_hip_roll_x = (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
-    const float t_l_hip_roll_y = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
-    /* l_hip_yaw */
-    const float v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-    const float t_l_hip_yaw_x = (cos_q[2] * v_l_hip_yaw_x) + (sin_q[2] * v_l_hip_yaw_y);
-    const float t_l_hip_yaw_y = (cos_q[2] * v_l_hip_yaw_y) - (sin_q[2] * v_l_hip_yaw_x);
-    /* head_tilt */
-    const float t_head_tilt_x = (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
-    const float t_head_tilt_y = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
-    /* head_pan */
-    const float v_head_pan_x = r[15] + t_head_tilt_x;
-    const float t_head_pan_x = (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16]);
-    const float t_head_pan_y = (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]);
-    /* r_hip_yaw */
-    const float v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-        + t_l_hip_yaw_x;
-    const float v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-        + t_l_hip_yaw_y;
-    const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
-    const float t_r_hip_yaw_x = (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
-    const float t_r_hip_yaw_y = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
-    /* r_hip_roll */
-    const float v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    const float t_r_hip_roll_x = (sin_q[12] * v_r_hip_roll_x) + (cos_q[12] * v_r_hip_roll_y);
-    const float t_r_hip_roll_y = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
-    /* r_hip_pitch */
-    const float v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-    const float t_r_hip_pitch_x = (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
-    const float t_r_hip_pitch_y = (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
-    /* r_knee */
-    const float v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
-    const float t_r_knee_x = (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
-    const float t_r_knee_y = (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
-    /* r_ank_pitch */
-    const float v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
-    const float t_r_ank_pitch_x = (cos_q[15] * v_r_ank_pitch_y) - (sin_q[15] * v_r_ank_pitch_x);
-    const float t_r_ank_pitch_y = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
-    /* r_ank_roll */
-    const float v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-    const float t_r_ank_roll_x = (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
-    const float t_r_ank_roll_y = (cos_q[16] * v_r_ank_roll_y) - (sin_q[16] * v_r_ank_roll_x);
-    /* r_el */
-    const float e2 = qd[19] * e1;
-    const float e3 = qd[19] * t_r_el_x;
-    /* r_sho_roll */
-    const float e4 = (c_r_sho_roll * e2) + (qd[18] * t_r_sho_roll_y);
-    const float dt_r_sho_roll_y = (qd[18] * t_r_sho_roll_x) - (s_r_sho_roll * e2);
-    /* r_sho_pitch */
-    const float dt_r_sho_pitch_x = (sin_q[17] * e4) - (cos_q[17] * e3) - (qd[17] * t_r_sho_pitch_y);
-    const float dt_r_sho_pitch_y = (qd[17] * t_r_sho_pitch_x)
-        - ((sin_q[17] * e3) + (cos_q[17] * e4));
-    /* l_el */
-    const float e5 = qd[10] * t_l_el_y;
-    const float dt_l_el_y = qd[10] * t_l_el_x;
-    /* l_sho_roll */
-    const float e6 = (c_l_sho_roll * e5) + (qd[9] * t_l_sho_roll_y);
-    const float dt_l_sho_roll_y = (qd[9] * t_l_sho_roll_x) - (s_l_sho_roll * e5);
-    /* l_sho_pitch */
-    const float dt_l_sho_pitch_x = (cos_q[8] * dt_l_el_y) - (sin_q[8] * e6)
-        + (qd[8] * t_l_sho_pitch_y);
-    /* l_ank_roll */
-    const float dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
-    const float e7 = qd[7] * t_l_ank_roll_x;
-    /* l_ank_pitch */
-    const float dt_l_ank_pitch_x = (sin_q[6] * dt_l_ank_roll_x) + (qd[6] * t_l_ank_pitch_y);
-    const float dt_l_ank_pitch_y = (cos_q[6] * dt_l_ank_roll_x) - (qd[6] * t_l_ank_pitch_x);
-    /* l_knee */
-    const float dt_l_knee_x = (cos_q[5] * dt_l_ank_pitch_x) - (sin_q[5] * dt_l_ank_pitch_y)
-        - (qd[5] * t_l_knee_y);
-    const float dt_l_knee_y = (sin_q[5] * dt_l_ank_pitch_x) + (cos_q[5] * dt_l_ank_pitch_y)
-        + (qd[5] * t_l_knee_x);
-    /* l_hip_pitch */
-    const float dt_l_hip_pitch_x = (sin_q[4] * dt_l_knee_x) + (cos_q[4] * dt_l_knee_y)
-        + (qd[4] * t_l_hip_pitch_y);
-    const float dt_l_hip_pitch_y = (cos_q[4] * dt_l_knee_x) - (sin_q[4] * dt_l_knee_y)
-        - (qd[4] * t_l_hip_pitch_x);
-    /* l_hip_roll */
-    const float dt_l_hip_roll_x = (sin_q[3] * dt_l_hip_pitch_x) - (cos_q[3] * e7)
-        + (qd[3] * t_l_hip_roll_y);
-    const float dt_l_hip_roll_y = (sin_q[3] * e7) + (cos_q[3] * dt_l_hip_pitch_x)
-        - (qd[3] * t_l_hip_roll_x);
-    /* l_hip_yaw */
-    const float dt_l_hip_yaw_x = (cos_q[2] * dt_l_hip_pitch_y) + (sin_q[2] * dt_l_hip_roll_x)
-        + (qd[2] * t_l_hip_yaw_y);
-    const float dt_l_hip_yaw_y = (cos_q[2] * dt_l_hip_roll_x) - (sin_q[2] * dt_l_hip_pitch_y)
-        - (qd[2] * t_l_hip_yaw_x);
-    /* head_tilt */
-    const float e8 = qd[1] * t_head_tilt_y;
-    const float dt_head_tilt_y = qd[1] * t_head_tilt_x;
-    /* head_pan */
-    const float dt_head_pan_y = (qd[0] * t_head_pan_x) - (sin_q[0] * e8);
-    /* r_hip_yaw */
-    const float dv_r_hip_yaw_x = dt_l_sho_pitch_x - ((cos_q[0] * e8) + (qd[0] * t_head_pan_y))
-        + dt_r_sho_pitch_x + dt_l_hip_yaw_x;
-    const float dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y + dt_l_hip_yaw_y;
-    const float dv_r_hip_yaw_z = dt_head_tilt_y
-        - ((sin_q[8] * dt_l_el_y) + (cos_q[8] * e6) + (qd[8] * t_l_sho_pitch_x)) + dt_r_sho_pitch_y
-        + dt_l_hip_roll_y;
-    const float dt_r_hip_yaw_x = (sin_q[11] * dv_r_hip_yaw_x) + (cos_q[11] * dv_r_hip_yaw_y)
-        + (qd[11] * t_r_hip_yaw_y);
-    const float dt_r_hip_yaw_y = (cos_q[11] * dv_r_hip_yaw_x) - (sin_q[11] * dv_r_hip_yaw_y)
-        - (qd[11] * t_r_hip_yaw_x);
-    /* r_hip_roll */
-    const float dt_r_hip_roll_x = (sin_q[12] * dt_r_hip_yaw_x) + (cos_q[12] * dv_r_hip_yaw_z)
-        + (qd[12] * t_r_hip_roll_y);
-    const float dt_r_hip_roll_y = (cos_q[12] * dt_r_hip_yaw_x) - (sin_q[12] * dv_r_hip_yaw_z)
-        - (qd[12] * t_r_hip_roll_x);
-    /* r_hip_pitch */
-    const float dt_r_hip_pitch_x = (cos_q[13] * dt_r_hip_yaw_y) - (sin_q[13] * dt_r_hip_roll_x)
-        - (qd[13] * t_r_hip_pitch_y);
-    const float dt_r_hip_pitch_y = (sin_q[13] * dt_r_hip_yaw_y) + (cos_q[13] * dt_r_hip_roll_x)
-        + (qd[13] * t_r_hip_pitch_x);
-    /* r_knee */
-    const float dt_r_knee_x = (cos_q[14] * dt_r_hip_pitch_x) - (sin_q[14] * dt_r_hip_pitch_y)
-        - (qd[14] * t_r_knee_y);
-    const float dt_r_knee_y = (sin_q[14] * dt_r_hip_pitch_x) + (cos_q[14] * dt_r_hip_pitch_y)
-        + (qd[14] * t_r_knee_x);
-    /* r_ank_pitch */
-    const float dt_r_ank_pitch_x = (cos_q[15] * dt_r_knee_y) - (sin_q[15] * dt_r_knee_x)
-        - (qd[15] * t_r_ank_pitch_y);
-    const float dt_r_ank_pitch_y = (cos_q[15] * dt_r_knee_x) + (sin_q[15] * dt_r_knee_y)
-        + (qd[15] * t_r_ank_pitch_x);
-    /* r_ank_roll */
-    const float dt_r_ank_roll_x = (cos_q[16] * dt_r_hip_roll_y) + (sin_q[16] * dt_r_ank_pitch_x)
-        + (qd[16] * t_r_ank_roll_y);
-    const float dt_r_ank_roll_y = (cos_q[16] * dt_r_ank_pitch_x) - (sin_q[16] * dt_r_hip_roll_y)
-        - (qd[16] * t_r_ank_roll_x);
-    velocity[0] = dt_r_ank_pitch_y;
-    velocity[1] = dt_r_ank_roll_x;
-    velocity[2] = dt_r_ank_roll_y;
+    op2_r_sole_com_velocity_core(1, sin_q, sin_q, cos_q, qd, r, velocity);
 }
 
 void op2_r_sole_gravity_moments_sc(
@@ -4447,159 +4141,7 @@ void op2_r_sole_gravity_moments_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real moments[restrict op2_r_sole_DOF])
 {
-    /* r_el */
-    const float t_r_el_x = (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
-    const float e1 = (sin_q[19] * r[41]) + (cos_q[19] * r[42]);
-    /* r_sho_roll */
-    const float v_r_sho_roll_y = r[40] + t_r_el_x;
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
-    const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
-    /* r_sho_pitch */
-    const float v_r_sho_pitch_x = r[37] - e1;
-    const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-    const float t_r_sho_pitch_x = (cos_q[17] * v_r_sho_pitch_x) - (sin_q[17] * v_r_sho_pitch_y);
-    const float t_r_sho_pitch_y = (sin_q[17] * v_r_sho_pitch_x) + (cos_q[17] * v_r_sho_pitch_y);
-    /* l_el */
-    const float t_l_el_x = (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
-    const float t_l_el_y = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
-    /* l_sho_roll */
-    const float v_l_sho_roll_y = r[34] + t_l_el_x;
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
-    const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
-    /* l_sho_pitch */
-    const float v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-    const float t_l_sho_pitch_x = (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y);
-    const float t_l_sho_pitch_y = (cos_q[8] * v_l_sho_pitch_y) - (sin_q[8] * v_l_sho_pitch_x);
-    /* l_ank_roll */
-    const float t_l_ank_roll_x = (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
-    const float t_l_ank_roll_y = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
-    /* l_ank_pitch */
-    const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-    const float t_l_ank_pitch_x = (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
-    const float t_l_ank_pitch_y = (cos_q[6] * v_l_ank_pitch_y) - (sin_q[6] * r[27]);
-    /* l_knee */
-    const float v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
-    const float t_l_knee_x = (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
-    const float t_l_knee_y = (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
-    /* l_hip_pitch */
-    const float v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
-    const float t_l_hip_pitch_x = (sin_q[4] * v_l_hip_pitch_x) + (cos_q[4] * v_l_hip_pitch_y);
-    const float t_l_hip_pitch_y = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
-    /* l_hip_roll */
-    const float v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-    const float t_l_hip_roll_x = (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
-    const float t_l_hip_roll_y = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
-    /* l_hip_yaw */
-    const float v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-    const float t_l_hip_yaw_x = (cos_q[2] * v_l_hip_yaw_x) + (sin_q[2] * v_l_hip_yaw_y);
-    const float t_l_hip_yaw_y = (cos_q[2] * v_l_hip_yaw_y) - (sin_q[2] * v_l_hip_yaw_x);
-    /* head_tilt */
-    const float t_head_tilt_x = (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
-    const float t_head_tilt_y = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
-    /* head_pan */
-    const float v_head_pan_x = r[15] + t_head_tilt_x;
-    const float t_head_pan_x = (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16]);
-    const float t_head_pan_y = (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]);
-    /* r_hip_yaw */
-    const float v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-        + t_l_hip_yaw_x;
-    const float v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-        + t_l_hip_yaw_y;
-    const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
-    const float t_r_hip_yaw_x = (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
-    const float t_r_hip_yaw_y = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
-    /* r_hip_roll */
-    const float v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    const float t_r_hip_roll_x = (sin_q[12] * v_r_hip_roll_x) + (cos_q[12] * v_r_hip_roll_y);
-    const float t_r_hip_roll_y = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
-    /* r_hip_pitch */
-    const float v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-    const float t_r_hip_pitch_x = (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
-    const float t_r_hip_pitch_y = (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
-    /* r_knee */
-    const float v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
-    const float t_r_knee_x = (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
-    const float t_r_knee_y = (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
-    /* r_ank_pitch */
-    const float v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
-    const float t_r_ank_pitch_x = (cos_q[15] * v_r_ank_pitch_y) - (sin_q[15] * v_r_ank_pitch_x);
-    const float t_r_ank_pitch_y = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
-    /* r_ank_roll */
-    const float v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-    const float t_r_ank_roll_x = (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
-    /* r_ank_pitch */
-    const float e2 = cos_q[16] * sin_q[15];
-    const float bz_r_ank_pitch_y = cos_q[16] * cos_q[15];
-    /* r_knee */
-    const float bz_r_knee_x = (bz_r_ank_pitch_y * sin_q[14]) - (e2 * cos_q[14]);
-    const float bz_r_knee_y = (bz_r_ank_pitch_y * cos_q[14]) + (e2 * sin_q[14]);
-    /* r_hip_pitch */
-    const float bz_r_hip_pitch_x = (bz_r_knee_x * cos_q[13]) + (bz_r_knee_y * sin_q[13]);
-    const float bz_r_hip_pitch_y = (bz_r_knee_y * cos_q[13]) - (bz_r_knee_x * sin_q[13]);
-    /* r_hip_roll */
-    const float bz_r_hip_roll_x = (bz_r_hip_pitch_y * sin_q[12]) - (sin_q[16] * cos_q[12]);
-    const float bz_r_hip_roll_y = (sin_q[16] * sin_q[12]) + (bz_r_hip_pitch_y * cos_q[12]);
-    /* r_hip_yaw */
-    const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * sin_q[11]) + (bz_r_hip_pitch_x * cos_q[11]);
-    const float e3 = (bz_r_hip_pitch_x * sin_q[11]) - (bz_r_hip_roll_x * cos_q[11]);
-    /* head_pan */
-    const float bz_head_pan_x = (bz_r_hip_yaw_x * cos_q[0]) - (e3 * sin_q[0]);
-    /* l_hip_yaw */
-    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * cos_q[2]) + (e3 * sin_q[2]);
-    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * sin_q[2]) - (e3 * cos_q[2]);
-    /* l_hip_roll */
-    const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * cos_q[3]) - (bz_r_hip_roll_y * sin_q[3]);
-    const float bz_l_hip_roll_y = (bz_r_hip_roll_y * cos_q[3]) + (bz_l_hip_yaw_y * sin_q[3]);
-    /* l_hip_pitch */
-    const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * sin_q[4]) + (bz_l_hip_yaw_x * cos_q[4]);
-    const float e4 = (bz_l_hip_yaw_x * sin_q[4]) - (bz_l_hip_roll_y * cos_q[4]);
-    /* l_knee */
-    const float bz_l_knee_x = (bz_l_hip_pitch_x * cos_q[5]) - (e4 * sin_q[5]);
-    const float e5 = (e4 * cos_q[5]) + (bz_l_hip_pitch_x * sin_q[5]);
-    /* l_ank_pitch */
-    const float bz_l_ank_pitch_y = (bz_l_knee_x * sin_q[6]) - (e5 * cos_q[6]);
-    /* l_sho_pitch */
-    const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[8]) - (bz_r_hip_roll_y * sin_q[8]);
-    const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * cos_q[8]) + (bz_r_hip_yaw_x * sin_q[8]);
-    /* r_sho_pitch */
-    const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[17]) + (bz_r_hip_roll_y * sin_q[17]);
-    const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * cos_q[17]) - (bz_r_hip_yaw_x * sin_q[17]);
-    moments[0] = (e3 * t_head_pan_x) + (bz_r_hip_yaw_x * t_head_pan_y);
-    moments[1] = -((bz_r_hip_roll_y * t_head_tilt_x) - (bz_head_pan_x * t_head_tilt_y));
-    moments[2] = -((e3 * t_l_hip_yaw_x) + (bz_r_hip_yaw_x * t_l_hip_yaw_y));
-    moments[3] = (bz_r_hip_roll_y * t_l_hip_roll_x) - (bz_l_hip_yaw_y * t_l_hip_roll_y);
-    moments[4] = (bz_l_hip_yaw_x * t_l_hip_pitch_x) - (bz_l_hip_roll_y * t_l_hip_pitch_y);
-    moments[5] = (e4 * t_l_knee_x) + (bz_l_hip_pitch_x * t_l_knee_y);
-    moments[6] = -((e5 * t_l_ank_pitch_x) + (bz_l_knee_x * t_l_ank_pitch_y));
-    moments[7] = (bz_l_hip_roll_x * t_l_ank_roll_x) - (bz_l_ank_pitch_y * t_l_ank_roll_y);
-    moments[8] = (bz_r_hip_roll_y * t_l_sho_pitch_x) - (bz_r_hip_yaw_x * t_l_sho_pitch_y);
-    moments[9] = (e3 * t_l_sho_roll_x) + (bz_l_sho_pitch_y * t_l_sho_roll_y);
-    moments[10] = -((bz_l_sho_pitch_x * t_l_el_x)
-        + (((e3 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y));
-    moments[11] = (bz_r_hip_pitch_x * t_r_hip_yaw_x) - (bz_r_hip_roll_x * t_r_hip_yaw_y);
-    moments[12] = -((sin_q[16] * t_r_hip_roll_x) + (bz_r_hip_pitch_y * t_r_hip_roll_y));
-    moments[13] = -((bz_r_knee_y * t_r_hip_pitch_x) - (bz_r_knee_x * t_r_hip_pitch_y));
-    moments[14] = -((bz_r_ank_pitch_y * t_r_knee_x) + (e2 * t_r_knee_y));
-    moments[15] = cos_q[16] * t_r_ank_pitch_y;
-    moments[16] = t_r_ank_roll_x;
-    moments[17] = -((bz_r_hip_roll_y * t_r_sho_pitch_x) - (bz_r_hip_yaw_x * t_r_sho_pitch_y));
-    moments[18] = (e3 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y);
-    moments[19] = (bz_r_sho_pitch_x * t_r_el_x)
-        - (((e3 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1);
+    op2_r_sole_gravity_moments_core(1, sin_q, sin_q, cos_q, r, moments);
 }
 
 void op2_r_sole_regressor_sc(
@@ -4607,291 +4149,7 @@ void op2_r_sole_regressor_sc(
     const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 3 * op2_r_sole_BASE_PARAMS])
 {
-    /* r_ank_roll */
-    const float bz_r_ank_roll_x = -sin_q[16];
-    /* r_ank_pitch */
-    const float e1 = sin_q[16] * sin_q[15];
-    const float by_r_ank_pitch_x = -e1;
-    const float by_r_ank_pitch_y = sin_q[16] * cos_q[15];
-    const float e2 = cos_q[16] * sin_q[15];
-    const float bz_r_ank_pitch_x = -e2;
-    const float bz_r_ank_pitch_y = cos_q[16] * cos_q[15];
-    /* r_knee */
-    const float bx_r_knee_x = (cos_q[15] * cos_q[14]) + (sin_q[15] * sin_q[14]);
-    const float bx_r_knee_y = (sin_q[15] * cos_q[14]) - (cos_q[15] * sin_q[14]);
-    const float by_r_knee_x = (by_r_ank_pitch_y * sin_q[14]) - (e1 * cos_q[14]);
-    const float by_r_knee_y = (by_r_ank_pitch_y * cos_q[14]) + (e1 * sin_q[14]);
-    const float bz_r_knee_x = (bz_r_ank_pitch_y * sin_q[14]) - (e2 * cos_q[14]);
-    const float bz_r_knee_y = (bz_r_ank_pitch_y * cos_q[14]) + (e2 * sin_q[14]);
-    /* r_hip_pitch */
-    const float bx_r_hip_pitch_x = (bx_r_knee_x * cos_q[13]) + (bx_r_knee_y * sin_q[13]);
-    const float bx_r_hip_pitch_y = (bx_r_knee_y * cos_q[13]) - (bx_r_knee_x * sin_q[13]);
-    const float by_r_hip_pitch_x = (by_r_knee_x * cos_q[13]) + (by_r_knee_y * sin_q[13]);
-    const float by_r_hip_pitch_y = (by_r_knee_y * cos_q[13]) - (by_r_knee_x * sin_q[13]);
-    const float bz_r_hip_pitch_x = (bz_r_knee_x * cos_q[13]) + (bz_r_knee_y * sin_q[13]);
-    const float bz_r_hip_pitch_y = (bz_r_knee_y * cos_q[13]) - (bz_r_knee_x * sin_q[13]);
-    /* r_hip_roll */
-    const float bx_r_hip_roll_x = bx_r_hip_pitch_y * sin_q[12];
-    const float bx_r_hip_roll_y = bx_r_hip_pitch_y * cos_q[12];
-    const float by_r_hip_roll_x = (by_r_hip_pitch_y * sin_q[12]) + (cos_q[16] * cos_q[12]);
-    const float e3 = (cos_q[16] * sin_q[12]) - (by_r_hip_pitch_y * cos_q[12]);
-    const float by_r_hip_roll_y = -e3;
-    const float bz_r_hip_roll_x = (bz_r_hip_pitch_y * sin_q[12]) - (sin_q[16] * cos_q[12]);
-    const float bz_r_hip_roll_y = (sin_q[16] * sin_q[12]) + (bz_r_hip_pitch_y * cos_q[12]);
-    /* r_hip_yaw */
-    const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * sin_q[11]) + (bx_r_hip_pitch_x * cos_q[11]);
-    const float e4 = (bx_r_hip_pitch_x * sin_q[11]) - (bx_r_hip_roll_x * cos_q[11]);
-    const float bx_r_hip_yaw_y = -e4;
-    const float by_r_hip_yaw_x = (by_r_hip_roll_x * sin_q[11]) + (by_r_hip_pitch_x * cos_q[11]);
-    const float e5 = (by_r_hip_pitch_x * sin_q[11]) - (by_r_hip_roll_x * cos_q[11]);
-    const float by_r_hip_yaw_y = -e5;
-    const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * sin_q[11]) + (bz_r_hip_pitch_x * cos_q[11]);
-    const float e6 = (bz_r_hip_pitch_x * sin_q[11]) - (bz_r_hip_roll_x * cos_q[11]);
-    const float bz_r_hip_yaw_y = -e6;
-    /* head_pan */
-    const float bx_head_pan_x = (bx_r_hip_yaw_x * cos_q[0]) - (e4 * sin_q[0]);
-    const float bx_head_pan_y = -((e4 * cos_q[0]) + (bx_r_hip_yaw_x * sin_q[0]));
-    const float by_head_pan_x = (by_r_hip_yaw_x * cos_q[0]) - (e5 * sin_q[0]);
-    const float by_head_pan_y = -((e5 * cos_q[0]) + (by_r_hip_yaw_x * sin_q[0]));
-    const float bz_head_pan_x = (bz_r_hip_yaw_x * cos_q[0]) - (e6 * sin_q[0]);
-    const float bz_head_pan_y = -((e6 * cos_q[0]) + (bz_r_hip_yaw_x * sin_q[0]));
-    /* head_tilt */
-    const float bx_head_tilt_x = (bx_head_pan_x * cos_q[1]) + (bx_r_hip_roll_y * sin_q[1]);
-    const float bx_head_tilt_y = -((bx_r_hip_roll_y * cos_q[1]) - (bx_head_pan_x * sin_q[1]));
-    const float by_head_tilt_x = (by_head_pan_x * cos_q[1]) - (e3 * sin_q[1]);
-    const float by_head_tilt_y = (e3 * cos_q[1]) + (by_head_pan_x * sin_q[1]);
-    const float bz_head_tilt_x = (bz_head_pan_x * cos_q[1]) + (bz_r_hip_roll_y * sin_q[1]);
-    const float bz_head_tilt_y = -((bz_r_hip_roll_y * cos_q[1]) - (bz_head_pan_x * sin_q[1]));
-    /* l_hip_yaw */
-    const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * cos_q[2]) + (e4 * sin_q[2]);
-    const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * sin_q[2]) - (e4 * cos_q[2]);
-    const float by_l_hip_yaw_x = (by_r_hip_yaw_x * cos_q[2]) + (e5 * sin_q[2]);
-    const float by_l_hip_yaw_y = (by_r_hip_yaw_x * sin_q[2]) - (e5 * cos_q[2]);
-    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * cos_q[2]) + (e6 * sin_q[2]);
-    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * sin_q[2]) - (e6 * cos_q[2]);
-    /* l_hip_roll */
-    const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * cos_q[3]) - (bx_r_hip_roll_y * sin_q[3]);
-    const float bx_l_hip_roll_y = (bx_r_hip_roll_y * cos_q[3]) + (bx_l_hip_yaw_y * sin_q[3]);
-    const float by_l_hip_roll_x = (by_l_hip_yaw_y * cos_q[3]) + (e3 * sin_q[3]);
-    const float by_l_hip_roll_y = (by_l_hip_yaw_y * sin_q[3]) - (e3 * cos_q[3]);
-    const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * cos_q[3]) - (bz_r_hip_roll_y * sin_q[3]);
-    const float bz_l_hip_roll_y = (bz_r_hip_roll_y * cos_q[3]) + (bz_l_hip_yaw_y * sin_q[3]);
-    /* l_hip_pitch */
-    const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * sin_q[4]) + (bx_l_hip_yaw_x * cos_q[4]);
-    const float e7 = (bx_l_hip_yaw_x * sin_q[4]) - (bx_l_hip_roll_y * cos_q[4]);
-    const float bx_l_hip_pitch_y = -e7;
-    const float by_l_hip_pitch_x = (by_l_hip_roll_y * sin_q[4]) + (by_l_hip_yaw_x * cos_q[4]);
-    const float e8 = (by_l_hip_yaw_x * sin_q[4]) - (by_l_hip_roll_y * cos_q[4]);
-    const float by_l_hip_pitch_y = -e8;
-    const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * sin_q[4]) + (bz_l_hip_yaw_x * cos_q[4]);
-    const float e9 = (bz_l_hip_yaw_x * sin_q[4]) - (bz_l_hip_roll_y * cos_q[4]);
-    const float bz_l_hip_pitch_y = -e9;
-    /* l_knee */
-    const float bx_l_knee_x = (bx_l_hip_pitch_x * cos_q[5]) - (e7 * sin_q[5]);
-    const float e10 = (e7 * cos_q[5]) + (bx_l_hip_pitch_x * sin_q[5]);
-    const float bx_l_knee_y = -e10;
-    const float by_l_knee_x = (by_l_hip_pitch_x * cos_q[5]) - (e8 * sin_q[5]);
-    const float e11 = (e8 * cos_q[5]) + (by_l_hip_pitch_x * sin_q[5]);
-    const float by_l_knee_y = -e11;
-    const float bz_l_knee_x = (bz_l_hip_pitch_x * cos_q[5]) - (e9 * sin_q[5]);
-    const float e12 = (e9 * cos_q[5]) + (bz_l_hip_pitch_x * sin_q[5]);
-    const float bz_l_knee_y = -e12;
-    /* l_ank_pitch */
-    const float bx_l_ank_pitch_x = (bx_l_knee_x * cos_q[6]) + (e10 * sin_q[6]);
-    const float bx_l_ank_pitch_y = (bx_l_knee_x * sin_q[6]) - (e10 * cos_q[6]);
-    const float by_l_ank_pitch_x = (by_l_knee_x * cos_q[6]) + (e11 * sin_q[6]);
-    const float by_l_ank_pitch_y = (by_l_knee_x * sin_q[6]) - (e11 * cos_q[6]);
-    const float bz_l_ank_pitch_x = (bz_l_knee_x * cos_q[6]) + (e12 * sin_q[6]);
-    const float bz_l_ank_pitch_y = (bz_l_knee_x * sin_q[6]) - (e12 * cos_q[6]);
-    /* l_ank_roll */
-    const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * sin_q[7]) + (bx_l_hip_roll_x * cos_q[7]);
-    const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * sin_q[7]) - (bx_l_ank_pitch_y * cos_q[7]));
-    const float by_l_ank_roll_x = (by_l_ank_pitch_y * sin_q[7]) + (by_l_hip_roll_x * cos_q[7]);
-    const float by_l_ank_roll_y = -((by_l_hip_roll_x * sin_q[7]) - (by_l_ank_pitch_y * cos_q[7]));
-    const float bz_l_ank_roll_x = (bz_l_ank_pitch_y * sin_q[7]) + (bz_l_hip_roll_x * cos_q[7]);
-    const float bz_l_ank_roll_y = -((bz_l_hip_roll_x * sin_q[7]) - (bz_l_ank_pitch_y * cos_q[7]));
-    /* l_sho_pitch */
-    const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[8]) - (bx_r_hip_roll_y * sin_q[8]);
-    const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * cos_q[8]) + (bx_r_hip_yaw_x * sin_q[8]);
-    const float by_l_sho_pitch_x = (by_r_hip_yaw_x * cos_q[8]) + (e3 * sin_q[8]);
-    const float by_l_sho_pitch_y = (by_r_hip_yaw_x * sin_q[8]) - (e3 * cos_q[8]);
-    const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[8]) - (bz_r_hip_roll_y * sin_q[8]);
-    const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * cos_q[8]) + (bz_r_hip_yaw_x * sin_q[8]);
-    /* l_sho_roll */
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
-    const float e13 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
-    const float bx_l_sho_roll_y = -e13;
-    const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e5 * c_l_sho_roll));
-    const float e14 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
-    const float by_l_sho_roll_y = -e14;
-    const float bz_l_sho_roll_x = -((bz_l_sho_pitch_y * s_l_sho_roll) + (e6 * c_l_sho_roll));
-    const float e15 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
-    const float bz_l_sho_roll_y = -e15;
-    /* l_el */
-    const float bx_l_el_x = (bx_l_sho_pitch_x * sin_q[10]) - (e13 * cos_q[10]);
-    const float bx_l_el_y = -((bx_l_sho_pitch_x * cos_q[10]) + (e13 * sin_q[10]));
-    const float by_l_el_x = (by_l_sho_pitch_x * sin_q[10]) - (e14 * cos_q[10]);
-    const float by_l_el_y = -((by_l_sho_pitch_x * cos_q[10]) + (e14 * sin_q[10]));
-    const float bz_l_el_x = (bz_l_sho_pitch_x * sin_q[10]) - (e15 * cos_q[10]);
-    const float bz_l_el_y = -((bz_l_sho_pitch_x * cos_q[10]) + (e15 * sin_q[10]));
-    /* r_sho_pitch */
-    const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[17]) + (bx_r_hip_roll_y * sin_q[17]);
-    const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * cos_q[17]) - (bx_r_hip_yaw_x * sin_q[17]);
-    const float by_r_sho_pitch_x = (by_r_hip_yaw_x * cos_q[17]) - (e3 * sin_q[17]);
-    const float e16 = (e3 * cos_q[17]) + (by_r_hip_yaw_x * sin_q[17]);
-    const float by_r_sho_pitch_y = -e16;
-    const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[17]) + (bz_r_hip_roll_y * sin_q[17]);
-    const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * cos_q[17]) - (bz_r_hip_yaw_x * sin_q[17]);
-    /* r_sho_roll */
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e4 * c_r_sho_roll));
-    const float e17 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
-    const float bx_r_sho_roll_y = -e17;
-    const float by_r_sho_roll_x = (e16 * s_r_sho_roll) - (e5 * c_r_sho_roll);
-    const float e18 = (e5 * s_r_sho_roll) + (e16 * c_r_sho_roll);
-    const float by_r_sho_roll_y = -e18;
-    const float bz_r_sho_roll_x = -((bz_r_sho_pitch_y * s_r_sho_roll) + (e6 * c_r_sho_roll));
-    const float e19 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
-    const float bz_r_sho_roll_y = -e19;
-    /* r_el */
-    const float bx_r_el_x = -((e17 * cos_q[19]) + (bx_r_sho_pitch_x * sin_q[19]));
-    const float bx_r_el_y = -((bx_r_sho_pitch_x * cos_q[19]) - (e17 * sin_q[19]));
-    const float by_r_el_x = -((e18 * cos_q[19]) + (by_r_sho_pitch_x * sin_q[19]));
-    const float by_r_el_y = -((by_r_sho_pitch_x * cos_q[19]) - (e18 * sin_q[19]));
-    const float bz_r_el_x = -((e19 * cos_q[19]) + (bz_r_sho_pitch_x * sin_q[19]));
-    const float bz_r_el_y = -((bz_r_sho_pitch_x * cos_q[19]) - (e19 * sin_q[19]));
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = 0.0f;
-    rows[4] = 0.0f;
-    rows[5] = cos_q[15];
-    rows[6] = sin_q[15];
-    rows[7] = bx_r_knee_x;
-    rows[8] = bx_r_knee_y;
-    rows[9] = bx_r_hip_pitch_x;
-    rows[10] = bx_r_hip_pitch_y;
-    rows[11] = bx_r_hip_roll_x;
-    rows[12] = bx_r_hip_roll_y;
-    rows[13] = bx_r_hip_yaw_x;
-    rows[14] = bx_r_hip_yaw_y;
-    rows[15] = bx_head_pan_x;
-    rows[16] = bx_head_pan_y;
-    rows[17] = bx_head_tilt_x;
-    rows[18] = bx_head_tilt_y;
-    rows[19] = bx_l_hip_yaw_x;
-    rows[20] = bx_l_hip_yaw_y;
-    rows[21] = bx_l_hip_roll_x;
-    rows[22] = bx_l_hip_roll_y;
-    rows[23] = bx_l_hip_pitch_x;
-    rows[24] = bx_l_hip_pitch_y;
-    rows[25] = bx_l_knee_x;
-    rows[26] = bx_l_knee_y;
-    rows[27] = bx_l_ank_pitch_x;
-    rows[28] = bx_l_ank_pitch_y;
-    rows[29] = bx_l_ank_roll_x;
-    rows[30] = bx_l_ank_roll_y;
-    rows[31] = bx_l_sho_pitch_x;
-    rows[32] = bx_l_sho_pitch_y;
-    rows[33] = bx_l_sho_roll_x;
-    rows[34] = bx_l_sho_roll_y;
-    rows[35] = bx_l_el_x;
-    rows[36] = bx_l_el_y;
-    rows[37] = bx_r_sho_pitch_x;
-    rows[38] = bx_r_sho_pitch_y;
-    rows[39] = bx_r_sho_roll_x;
-    rows[40] = bx_r_sho_roll_y;
-    rows[41] = bx_r_el_x;
-    rows[42] = bx_r_el_y;
-    rows[43] = 0.0f;
-    rows[44] = 1.0f;
-    rows[45] = 0.0f;
-    rows[46] = cos_q[16];
-    rows[47] = sin_q[16];
-    rows[48] = by_r_ank_pitch_x;
-    rows[49] = by_r_ank_pitch_y;
-    rows[50] = by_r_knee_x;
-    rows[51] = by_r_knee_y;
-    rows[52] = by_r_hip_pitch_x;
-    rows[53] = by_r_hip_pitch_y;
-    rows[54] = by_r_hip_roll_x;
-    rows[55] = by_r_hip_roll_y;
-    rows[56] = by_r_hip_yaw_x;
-    rows[57] = by_r_hip_yaw_y;
-    rows[58] = by_head_pan_x;
-    rows[59] = by_head_pan_y;
-    rows[60] = by_head_tilt_x;
-    rows[61] = by_head_tilt_y;
-    rows[62] = by_l_hip_yaw_x;
-    rows[63] = by_l_hip_yaw_y;
-    rows[64] = by_l_hip_roll_x;
-    rows[65] = by_l_hip_roll_y;
-    rows[66] = by_l_hip_pitch_x;
-    rows[67] = by_l_hip_pitch_y;
-    rows[68] = by_l_knee_x;
-    rows[69] = by_l_knee_y;
-    rows[70] = by_l_ank_pitch_x;
-    rows[71] = by_l_ank_pitch_y;
-    rows[72] = by_l_ank_roll_x;
-    rows[73] = by_l_ank_roll_y;
-    rows[74] = by_l_sho_pitch_x;
-    rows[75] = by_l_sho_pitch_y;
-    rows[76] = by_l_sho_roll_x;
-    rows[77] = by_l_sho_roll_y;
-    rows[78] = by_l_el_x;
-    rows[79] = by_l_el_y;
-    rows[80] = by_r_sho_pitch_x;
-    rows[81] = by_r_sho_pitch_y;
-    rows[82] = by_r_sho_roll_x;
-    rows[83] = by_r_sho_roll_y;
-    rows[84] = by_r_el_x;
-    rows[85] = by_r_el_y;
-    rows[86] = 0.0f;
-    rows[87] = 0.0f;
-    rows[88] = 1.0f;
-    rows[89] = bz_r_ank_roll_x;
-    rows[90] = cos_q[16];
-    rows[91] = bz_r_ank_pitch_x;
-    rows[92] = bz_r_ank_pitch_y;
-    rows[93] = bz_r_knee_x;
-    rows[94] = bz_r_knee_y;
-    rows[95] = bz_r_hip_pitch_x;
-    rows[96] = bz_r_hip_pitch_y;
-    rows[97] = bz_r_hip_roll_x;
-    rows[98] = bz_r_hip_roll_y;
-    rows[99] = bz_r_hip_yaw_x;
-    rows[100] = bz_r_hip_yaw_y;
-    rows[101] = bz_head_pan_x;
-    rows[102] = bz_head_pan_y;
-    rows[103] = bz_head_tilt_x;
-    rows[104] = bz_head_tilt_y;
-    rows[105] = bz_l_hip_yaw_x;
-    rows[106] = bz_l_hip_yaw_y;
-    rows[107] = bz_l_hip_roll_x;
-    rows[108] = bz_l_hip_roll_y;
-    rows[109] = bz_l_hip_pitch_x;
-    rows[110] = bz_l_hip_pitch_y;
-    rows[111] = bz_l_knee_x;
-    rows[112] = bz_l_knee_y;
-    rows[113] = bz_l_ank_pitch_x;
-    rows[114] = bz_l_ank_pitch_y;
-    rows[115] = bz_l_ank_roll_x;
-    rows[116] = bz_l_ank_roll_y;
-    rows[117] = bz_l_sho_pitch_x;
-    rows[118] = bz_l_sho_pitch_y;
-    rows[119] = bz_l_sho_roll_x;
-    rows[120] = bz_l_sho_roll_y;
-    rows[121] = bz_l_el_x;
-    rows[122] = bz_l_el_y;
-    rows[123] = bz_r_sho_pitch_x;
-    rows[124] = bz_r_sho_pitch_y;
-    rows[125] = bz_r_sho_roll_x;
-    rows[126] = bz_r_sho_roll_y;
-    rows[127] = bz_r_el_x;
-    rows[128] = bz_r_el_y;
+    op2_r_sole_regressor_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void op2_r_sole_regressor_cop_sc(
@@ -4899,202 +4157,7 @@ void op2_r_sole_regressor_cop_sc(
     const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 2 * op2_r_sole_BASE_PARAMS])
 {
-    /* r_ank_pitch */
-    const float e1 = sin_q[16] * sin_q[15];
-    const float by_r_ank_pitch_x = -e1;
-    const float by_r_ank_pitch_y = sin_q[16] * cos_q[15];
-    /* r_knee */
-    const float bx_r_knee_x = (cos_q[15] * cos_q[14]) + (sin_q[15] * sin_q[14]);
-    const float bx_r_knee_y = (sin_q[15] * cos_q[14]) - (cos_q[15] * sin_q[14]);
-    const float by_r_knee_x = (by_r_ank_pitch_y * sin_q[14]) - (e1 * cos_q[14]);
-    const float by_r_knee_y = (by_r_ank_pitch_y * cos_q[14]) + (e1 * sin_q[14]);
-    /* r_hip_pitch */
-    const float bx_r_hip_pitch_x = (bx_r_knee_x * cos_q[13]) + (bx_r_knee_y * sin_q[13]);
-    const float bx_r_hip_pitch_y = (bx_r_knee_y * cos_q[13]) - (bx_r_knee_x * sin_q[13]);
-    const float by_r_hip_pitch_x = (by_r_knee_x * cos_q[13]) + (by_r_knee_y * sin_q[13]);
-    const float by_r_hip_pitch_y = (by_r_knee_y * cos_q[13]) - (by_r_knee_x * sin_q[13]);
-    /* r_hip_roll */
-    const float bx_r_hip_roll_x = bx_r_hip_pitch_y * sin_q[12];
-    const float bx_r_hip_roll_y = bx_r_hip_pitch_y * cos_q[12];
-    const float by_r_hip_roll_x = (by_r_hip_pitch_y * sin_q[12]) + (cos_q[16] * cos_q[12]);
-    const float e2 = (cos_q[16] * sin_q[12]) - (by_r_hip_pitch_y * cos_q[12]);
-    const float by_r_hip_roll_y = -e2;
-    /* r_hip_yaw */
-    const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * sin_q[11]) + (bx_r_hip_pitch_x * cos_q[11]);
-    const float e3 = (bx_r_hip_pitch_x * sin_q[11]) - (bx_r_hip_roll_x * cos_q[11]);
-    const float bx_r_hip_yaw_y = -e3;
-    const float by_r_hip_yaw_x = (by_r_hip_roll_x * sin_q[11]) + (by_r_hip_pitch_x * cos_q[11]);
-    const float e4 = (by_r_hip_pitch_x * sin_q[11]) - (by_r_hip_roll_x * cos_q[11]);
-    const float by_r_hip_yaw_y = -e4;
-    /* head_pan */
-    const float bx_head_pan_x = (bx_r_hip_yaw_x * cos_q[0]) - (e3 * sin_q[0]);
-    const float bx_head_pan_y = -((e3 * cos_q[0]) + (bx_r_hip_yaw_x * sin_q[0]));
-    const float by_head_pan_x = (by_r_hip_yaw_x * cos_q[0]) - (e4 * sin_q[0]);
-    const float by_head_pan_y = -((e4 * cos_q[0]) + (by_r_hip_yaw_x * sin_q[0]));
-    /* head_tilt */
-    const float bx_head_tilt_x = (bx_head_pan_x * cos_q[1]) + (bx_r_hip_roll_y * sin_q[1]);
-    const float bx_head_tilt_y = -((bx_r_hip_roll_y * cos_q[1]) - (bx_head_pan_x * sin_q[1]));
-    const float by_head_tilt_x = (by_head_pan_x * cos_q[1]) - (e2 * sin_q[1]);
-    const float by_head_tilt_y = (e2 * cos_q[1]) + (by_head_pan_x * sin_q[1]);
-    /* l_hip_yaw */
-    const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * cos_q[2]) + (e3 * sin_q[2]);
-    const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * sin_q[2]) - (e3 * cos_q[2]);
-    const float by_l_hip_yaw_x = (by_r_hip_yaw_x * cos_q[2]) + (e4 * sin_q[2]);
-    const float by_l_hip_yaw_y = (by_r_hip_yaw_x * sin_q[2]) - (e4 * cos_q[2]);
-    /* l_hip_roll */
-    const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * cos_q[3]) - (bx_r_hip_roll_y * sin_q[3]);
-    const float bx_l_hip_roll_y = (bx_r_hip_roll_y * cos_q[3]) + (bx_l_hip_yaw_y * sin_q[3]);
-    const float by_l_hip_roll_x = (by_l_hip_yaw_y * cos_q[3]) + (e2 * sin_q[3]);
-    const float by_l_hip_roll_y = (by_l_hip_yaw_y * sin_q[3]) - (e2 * cos_q[3]);
-    /* l_hip_pitch */
-    const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * sin_q[4]) + (bx_l_hip_yaw_x * cos_q[4]);
-    const float e5 = (bx_l_hip_yaw_x * sin_q[4]) - (bx_l_hip_roll_y * cos_q[4]);
-    const float bx_l_hip_pitch_y = -e5;
-    const float by_l_hip_pitch_x = (by_l_hip_roll_y * sin_q[4]) + (by_l_hip_yaw_x * cos_q[4]);
-    const float e6 = (by_l_hip_yaw_x * sin_q[4]) - (by_l_hip_roll_y * cos_q[4]);
-    const float by_l_hip_pitch_y = -e6;
-    /* l_knee */
-    const float bx_l_knee_x = (bx_l_hip_pitch_x * cos_q[5]) - (e5 * sin_q[5]);
-    const float e7 = (e5 * cos_q[5]) + (bx_l_hip_pitch_x * sin_q[5]);
-    const float bx_l_knee_y = -e7;
-    const float by_l_knee_x = (by_l_hip_pitch_x * cos_q[5]) - (e6 * sin_q[5]);
-    const float e8 = (e6 * cos_q[5]) + (by_l_hip_pitch_x * sin_q[5]);
-    const float by_l_knee_y = -e8;
-    /* l_ank_pitch */
-    const float bx_l_ank_pitch_x = (bx_l_knee_x * cos_q[6]) + (e7 * sin_q[6]);
-    const float bx_l_ank_pitch_y = (bx_l_knee_x * sin_q[6]) - (e7 * cos_q[6]);
-    const float by_l_ank_pitch_x = (by_l_knee_x * cos_q[6]) + (e8 * sin_q[6]);
-    const float by_l_ank_pitch_y = (by_l_knee_x * sin_q[6]) - (e8 * cos_q[6]);
-    /* l_ank_roll */
-    const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * sin_q[7]) + (bx_l_hip_roll_x * cos_q[7]);
-    const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * sin_q[7]) - (bx_l_ank_pitch_y * cos_q[7]));
-    const float by_l_ank_roll_x = (by_l_ank_pitch_y * sin_q[7]) + (by_l_hip_roll_x * cos_q[7]);
-    const float by_l_ank_roll_y = -((by_l_hip_roll_x * sin_q[7]) - (by_l_ank_pitch_y * cos_q[7]));
-    /* l_sho_pitch */
-    const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[8]) - (bx_r_hip_roll_y * sin_q[8]);
-    const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * cos_q[8]) + (bx_r_hip_yaw_x * sin_q[8]);
-    const float by_l_sho_pitch_x = (by_r_hip_yaw_x * cos_q[8]) + (e2 * sin_q[8]);
-    const float by_l_sho_pitch_y = (by_r_hip_yaw_x * sin_q[8]) - (e2 * cos_q[8]);
-    /* l_sho_roll */
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e3 * c_l_sho_roll));
-    const float e9 = (e3 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
-    const float bx_l_sho_roll_y = -e9;
-    const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
-    const float e10 = (e4 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
-    const float by_l_sho_roll_y = -e10;
-    /* l_el */
-    const float bx_l_el_x = (bx_l_sho_pitch_x * sin_q[10]) - (e9 * cos_q[10]);
-    const float bx_l_el_y = -((bx_l_sho_pitch_x * cos_q[10]) + (e9 * sin_q[10]));
-    const float by_l_el_x = (by_l_sho_pitch_x * sin_q[10]) - (e10 * cos_q[10]);
-    const float by_l_el_y = -((by_l_sho_pitch_x * cos_q[10]) + (e10 * sin_q[10]));
-    /* r_sho_pitch */
-    const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[17]) + (bx_r_hip_roll_y * sin_q[17]);
-    const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * cos_q[17]) - (bx_r_hip_yaw_x * sin_q[17]);
-    const float by_r_sho_pitch_x = (by_r_hip_yaw_x * cos_q[17]) - (e2 * sin_q[17]);
-    const float e11 = (e2 * cos_q[17]) + (by_r_hip_yaw_x * sin_q[17]);
-    const float by_r_sho_pitch_y = -e11;
-    /* r_sho_roll */
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e3 * c_r_sho_roll));
-    const float e12 = (e3 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
-    const float bx_r_sho_roll_y = -e12;
-    const float by_r_sho_roll_x = (e11 * s_r_sho_roll) - (e4 * c_r_sho_roll);
-    const float e13 = (e4 * s_r_sho_roll) + (e11 * c_r_sho_roll);
-    const float by_r_sho_roll_y = -e13;
-    /* r_el */
-    const float bx_r_el_x = -((e12 * cos_q[19]) + (bx_r_sho_pitch_x * sin_q[19]));
-    const float bx_r_el_y = -((bx_r_sho_pitch_x * cos_q[19]) - (e12 * sin_q[19]));
-    const float by_r_el_x = -((e13 * cos_q[19]) + (by_r_sho_pitch_x * sin_q[19]));
-    const float by_r_el_y = -((by_r_sho_pitch_x * cos_q[19]) - (e13 * sin_q[19]));
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = 0.0f;
-    rows[4] = 0.0f;
-    rows[5] = cos_q[15];
-    rows[6] = sin_q[15];
-    rows[7] = bx_r_knee_x;
-    rows[8] = bx_r_knee_y;
-    rows[9] = bx_r_hip_pitch_x;
-    rows[10] = bx_r_hip_pitch_y;
-    rows[11] = bx_r_hip_roll_x;
-    rows[12] = bx_r_hip_roll_y;
-    rows[13] = bx_r_hip_yaw_x;
-    rows[14] = bx_r_hip_yaw_y;
-    rows[15] = bx_head_pan_x;
-    rows[16] = bx_head_pan_y;
-    rows[17] = bx_head_tilt_x;
-    rows[18] = bx_head_tilt_y;
-    rows[19] = bx_l_hip_yaw_x;
-    rows[20] = bx_l_hip_yaw_y;
-    rows[21] = bx_l_hip_roll_x;
-    rows[22] = bx_l_hip_roll_y;
-    rows[23] = bx_l_hip_pitch_x;
-    rows[24] = bx_l_hip_pitch_y;
-    rows[25] = bx_l_knee_x;
-    rows[26] = bx_l_knee_y;
-    rows[27] = bx_l_ank_pitch_x;
-    rows[28] = bx_l_ank_pitch_y;
-    rows[29] = bx_l_ank_roll_x;
-    rows[30] = bx_l_ank_roll_y;
-    rows[31] = bx_l_sho_pitch_x;
-    rows[32] = bx_l_sho_pitch_y;
-    rows[33] = bx_l_sho_roll_x;
-    rows[34] = bx_l_sho_roll_y;
-    rows[35] = bx_l_el_x;
-    rows[36] = bx_l_el_y;
-    rows[37] = bx_r_sho_pitch_x;
-    rows[38] = bx_r_sho_pitch_y;
-    rows[39] = bx_r_sho_roll_x;
-    rows[40] = bx_r_sho_roll_y;
-    rows[41] = bx_r_el_x;
-    rows[42] = bx_r_el_y;
-    rows[43] = 0.0f;
-    rows[44] = 1.0f;
-    rows[45] = 0.0f;
-    rows[46] = cos_q[16];
-    rows[47] = sin_q[16];
-    rows[48] = by_r_ank_pitch_x;
-    rows[49] = by_r_ank_pitch_y;
-    rows[50] = by_r_knee_x;
-    rows[51] = by_r_knee_y;
-    rows[52] = by_r_hip_pitch_x;
-    rows[53] = by_r_hip_pitch_y;
-    rows[54] = by_r_hip_roll_x;
-    rows[55] = by_r_hip_roll_y;
-    rows[56] = by_r_hip_yaw_x;
-    rows[57] = by_r_hip_yaw_y;
-    rows[58] = by_head_pan_x;
-    rows[59] = by_head_pan_y;
-    rows[60] = by_head_tilt_x;
-    rows[61] = by_head_tilt_y;
-    rows[62] = by_l_hip_yaw_x;
-    rows[63] = by_l_hip_yaw_y;
-    rows[64] = by_l_hip_roll_x;
-    rows[65] = by_l_hip_roll_y;
-    rows[66] = by_l_hip_pitch_x;
-    rows[67] = by_l_hip_pitch_y;
-    rows[68] = by_l_knee_x;
-    rows[69] = by_l_knee_y;
-    rows[70] = by_l_ank_pitch_x;
-    rows[71] = by_l_ank_pitch_y;
-    rows[72] = by_l_ank_roll_x;
-    rows[73] = by_l_ank_roll_y;
-    rows[74] = by_l_sho_pitch_x;
-    rows[75] = by_l_sho_pitch_y;
-    rows[76] = by_l_sho_roll_x;
-    rows[77] = by_l_sho_roll_y;
-    rows[78] = by_l_el_x;
-    rows[79] = by_l_el_y;
-    rows[80] = by_r_sho_pitch_x;
-    rows[81] = by_r_sho_pitch_y;
-    rows[82] = by_r_sho_roll_x;
-    rows[83] = by_r_sho_roll_y;
-    rows[84] = by_r_el_x;
-    rows[85] = by_r_el_y;
+    op2_r_sole_regressor_cop_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void op2_r_sole_regressor_full_sc(
@@ -5102,351 +4165,7 @@ void op2_r_sole_regressor_full_sc(
     const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 3 * op2_r_sole_FULL_PARAMS])
 {
-    /* r_ank_roll */
-    const float bz_r_ank_roll_x = -sin_q[16];
-    /* r_ank_pitch */
-    const float e1 = sin_q[16] * sin_q[15];
-    const float by_r_ank_pitch_x = -e1;
-    const float by_r_ank_pitch_y = sin_q[16] * cos_q[15];
-    const float e2 = cos_q[16] * sin_q[15];
-    const float bz_r_ank_pitch_x = -e2;
-    const float bz_r_ank_pitch_y = cos_q[16] * cos_q[15];
-    /* r_knee */
-    const float bx_r_knee_x = (cos_q[15] * cos_q[14]) + (sin_q[15] * sin_q[14]);
-    const float bx_r_knee_y = (sin_q[15] * cos_q[14]) - (cos_q[15] * sin_q[14]);
-    const float by_r_knee_x = (by_r_ank_pitch_y * sin_q[14]) - (e1 * cos_q[14]);
-    const float by_r_knee_y = (by_r_ank_pitch_y * cos_q[14]) + (e1 * sin_q[14]);
-    const float bz_r_knee_x = (bz_r_ank_pitch_y * sin_q[14]) - (e2 * cos_q[14]);
-    const float bz_r_knee_y = (bz_r_ank_pitch_y * cos_q[14]) + (e2 * sin_q[14]);
-    /* r_hip_pitch */
-    const float bx_r_hip_pitch_x = (bx_r_knee_x * cos_q[13]) + (bx_r_knee_y * sin_q[13]);
-    const float bx_r_hip_pitch_y = (bx_r_knee_y * cos_q[13]) - (bx_r_knee_x * sin_q[13]);
-    const float by_r_hip_pitch_x = (by_r_knee_x * cos_q[13]) + (by_r_knee_y * sin_q[13]);
-    const float by_r_hip_pitch_y = (by_r_knee_y * cos_q[13]) - (by_r_knee_x * sin_q[13]);
-    const float bz_r_hip_pitch_x = (bz_r_knee_x * cos_q[13]) + (bz_r_knee_y * sin_q[13]);
-    const float bz_r_hip_pitch_y = (bz_r_knee_y * cos_q[13]) - (bz_r_knee_x * sin_q[13]);
-    /* r_hip_roll */
-    const float bx_r_hip_roll_x = bx_r_hip_pitch_y * sin_q[12];
-    const float bx_r_hip_roll_y = bx_r_hip_pitch_y * cos_q[12];
-    const float by_r_hip_roll_x = (by_r_hip_pitch_y * sin_q[12]) + (cos_q[16] * cos_q[12]);
-    const float e3 = (cos_q[16] * sin_q[12]) - (by_r_hip_pitch_y * cos_q[12]);
-    const float by_r_hip_roll_y = -e3;
-    const float bz_r_hip_roll_x = (bz_r_hip_pitch_y * sin_q[12]) - (sin_q[16] * cos_q[12]);
-    const float bz_r_hip_roll_y = (sin_q[16] * sin_q[12]) + (bz_r_hip_pitch_y * cos_q[12]);
-    /* r_hip_yaw */
-    const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * sin_q[11]) + (bx_r_hip_pitch_x * cos_q[11]);
-    const float e4 = (bx_r_hip_pitch_x * sin_q[11]) - (bx_r_hip_roll_x * cos_q[11]);
-    const float bx_r_hip_yaw_y = -e4;
-    const float by_r_hip_yaw_x = (by_r_hip_roll_x * sin_q[11]) + (by_r_hip_pitch_x * cos_q[11]);
-    const float e5 = (by_r_hip_pitch_x * sin_q[11]) - (by_r_hip_roll_x * cos_q[11]);
-    const float by_r_hip_yaw_y = -e5;
-    const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * sin_q[11]) + (bz_r_hip_pitch_x * cos_q[11]);
-    const float e6 = (bz_r_hip_pitch_x * sin_q[11]) - (bz_r_hip_roll_x * cos_q[11]);
-    const float bz_r_hip_yaw_y = -e6;
-    /* head_pan */
-    const float bx_head_pan_x = (bx_r_hip_yaw_x * cos_q[0]) - (e4 * sin_q[0]);
-    const float bx_head_pan_y = -((e4 * cos_q[0]) + (bx_r_hip_yaw_x * sin_q[0]));
-    const float by_head_pan_x = (by_r_hip_yaw_x * cos_q[0]) - (e5 * sin_q[0]);
-    const float by_head_pan_y = -((e5 * cos_q[0]) + (by_r_hip_yaw_x * sin_q[0]));
-    const float bz_head_pan_x = (bz_r_hip_yaw_x * cos_q[0]) - (e6 * sin_q[0]);
-    const float bz_head_pan_y = -((e6 * cos_q[0]) + (bz_r_hip_yaw_x * sin_q[0]));
-    /* head_tilt */
-    const float bx_head_tilt_x = (bx_head_pan_x * cos_q[1]) + (bx_r_hip_roll_y * sin_q[1]);
-    const float e7 = (bx_r_hip_roll_y * cos_q[1]) - (bx_head_pan_x * sin_q[1]);
-    const float by_head_tilt_x = (by_head_pan_x * cos_q[1]) - (e3 * sin_q[1]);
-    const float by_head_tilt_y = (e3 * cos_q[1]) + (by_head_pan_x * sin_q[1]);
-    const float bz_head_tilt_x = (bz_head_pan_x * cos_q[1]) + (bz_r_hip_roll_y * sin_q[1]);
-    const float e8 = (bz_r_hip_roll_y * cos_q[1]) - (bz_head_pan_x * sin_q[1]);
-    /* l_hip_yaw */
-    const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * cos_q[2]) + (e4 * sin_q[2]);
-    const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * sin_q[2]) - (e4 * cos_q[2]);
-    const float by_l_hip_yaw_x = (by_r_hip_yaw_x * cos_q[2]) + (e5 * sin_q[2]);
-    const float by_l_hip_yaw_y = (by_r_hip_yaw_x * sin_q[2]) - (e5 * cos_q[2]);
-    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * cos_q[2]) + (e6 * sin_q[2]);
-    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * sin_q[2]) - (e6 * cos_q[2]);
-    /* l_hip_roll */
-    const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * cos_q[3]) - (bx_r_hip_roll_y * sin_q[3]);
-    const float bx_l_hip_roll_y = (bx_r_hip_roll_y * cos_q[3]) + (bx_l_hip_yaw_y * sin_q[3]);
-    const float by_l_hip_roll_x = (by_l_hip_yaw_y * cos_q[3]) + (e3 * sin_q[3]);
-    const float by_l_hip_roll_y = (by_l_hip_yaw_y * sin_q[3]) - (e3 * cos_q[3]);
-    const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * cos_q[3]) - (bz_r_hip_roll_y * sin_q[3]);
-    const float bz_l_hip_roll_y = (bz_r_hip_roll_y * cos_q[3]) + (bz_l_hip_yaw_y * sin_q[3]);
-    /* l_hip_pitch */
-    const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * sin_q[4]) + (bx_l_hip_yaw_x * cos_q[4]);
-    const float e9 = (bx_l_hip_yaw_x * sin_q[4]) - (bx_l_hip_roll_y * cos_q[4]);
-    const float bx_l_hip_pitch_y = -e9;
-    const float by_l_hip_pitch_x = (by_l_hip_roll_y * sin_q[4]) + (by_l_hip_yaw_x * cos_q[4]);
-    const float e10 = (by_l_hip_yaw_x * sin_q[4]) - (by_l_hip_roll_y * cos_q[4]);
-    const float by_l_hip_pitch_y = -e10;
-    const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * sin_q[4]) + (bz_l_hip_yaw_x * cos_q[4]);
-    const float e11 = (bz_l_hip_yaw_x * sin_q[4]) - (bz_l_hip_roll_y * cos_q[4]);
-    const float bz_l_hip_pitch_y = -e11;
-    /* l_knee */
-    const float bx_l_knee_x = (bx_l_hip_pitch_x * cos_q[5]) - (e9 * sin_q[5]);
-    const float e12 = (e9 * cos_q[5]) + (bx_l_hip_pitch_x * sin_q[5]);
-    const float bx_l_knee_y = -e12;
-    const float by_l_knee_x = (by_l_hip_pitch_x * cos_q[5]) - (e10 * sin_q[5]);
-    const float e13 = (e10 * cos_q[5]) + (by_l_hip_pitch_x * sin_q[5]);
-    const float by_l_knee_y = -e13;
-    const float bz_l_knee_x = (bz_l_hip_pitch_x * cos_q[5]) - (e11 * sin_q[5]);
-    const float e14 = (e11 * cos_q[5]) + (bz_l_hip_pitch_x * sin_q[5]);
-    const float bz_l_knee_y = -e14;
-    /* l_ank_pitch */
-    const float bx_l_ank_pitch_x = (bx_l_knee_x * cos_q[6]) + (e12 * sin_q[6]);
-    const float bx_l_ank_pitch_y = (bx_l_knee_x * sin_q[6]) - (e12 * cos_q[6]);
-    const float by_l_ank_pitch_x = (by_l_knee_x * cos_q[6]) + (e13 * sin_q[6]);
-    const float by_l_ank_pitch_y = (by_l_knee_x * sin_q[6]) - (e13 * cos_q[6]);
-    const float bz_l_ank_pitch_x = (bz_l_knee_x * cos_q[6]) + (e14 * sin_q[6]);
-    const float bz_l_ank_pitch_y = (bz_l_knee_x * sin_q[6]) - (e14 * cos_q[6]);
-    /* l_ank_roll */
-    const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * sin_q[7]) + (bx_l_hip_roll_x * cos_q[7]);
-    const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * sin_q[7]) - (bx_l_ank_pitch_y * cos_q[7]));
-    const float by_l_ank_roll_x = (by_l_ank_pitch_y * sin_q[7]) + (by_l_hip_roll_x * cos_q[7]);
-    const float by_l_ank_roll_y = -((by_l_hip_roll_x * sin_q[7]) - (by_l_ank_pitch_y * cos_q[7]));
-    const float bz_l_ank_roll_x = (bz_l_ank_pitch_y * sin_q[7]) + (bz_l_hip_roll_x * cos_q[7]);
-    const float bz_l_ank_roll_y = -((bz_l_hip_roll_x * sin_q[7]) - (bz_l_ank_pitch_y * cos_q[7]));
-    /* l_sho_pitch */
-    const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[8]) - (bx_r_hip_roll_y * sin_q[8]);
-    const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * cos_q[8]) + (bx_r_hip_yaw_x * sin_q[8]);
-    const float by_l_sho_pitch_x = (by_r_hip_yaw_x * cos_q[8]) + (e3 * sin_q[8]);
-    const float by_l_sho_pitch_y = (by_r_hip_yaw_x * sin_q[8]) - (e3 * cos_q[8]);
-    const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[8]) - (bz_r_hip_roll_y * sin_q[8]);
-    const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * cos_q[8]) + (bz_r_hip_yaw_x * sin_q[8]);
-    /* l_sho_roll */
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
-    const float e15 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
-    const float bx_l_sho_roll_y = -e15;
-    const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e5 * c_l_sho_roll));
-    const float e16 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
-    const float by_l_sho_roll_y = -e16;
-    const float bz_l_sho_roll_x = -((bz_l_sho_pitch_y * s_l_sho_roll) + (e6 * c_l_sho_roll));
-    const float e17 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
-    const float bz_l_sho_roll_y = -e17;
-    /* l_el */
-    const float bx_l_el_x = (bx_l_sho_pitch_x * sin_q[10]) - (e15 * cos_q[10]);
-    const float bx_l_el_y = -((bx_l_sho_pitch_x * cos_q[10]) + (e15 * sin_q[10]));
-    const float by_l_el_x = (by_l_sho_pitch_x * sin_q[10]) - (e16 * cos_q[10]);
-    const float by_l_el_y = -((by_l_sho_pitch_x * cos_q[10]) + (e16 * sin_q[10]));
-    const float bz_l_el_x = (bz_l_sho_pitch_x * sin_q[10]) - (e17 * cos_q[10]);
-    const float bz_l_el_y = -((bz_l_sho_pitch_x * cos_q[10]) + (e17 * sin_q[10]));
-    /* r_sho_pitch */
-    const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[17]) + (bx_r_hip_roll_y * sin_q[17]);
-    const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * cos_q[17]) - (bx_r_hip_yaw_x * sin_q[17]);
-    const float by_r_sho_pitch_x = (by_r_hip_yaw_x * cos_q[17]) - (e3 * sin_q[17]);
-    const float e18 = (e3 * cos_q[17]) + (by_r_hip_yaw_x * sin_q[17]);
-    const float by_r_sho_pitch_y = -e18;
-    const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[17]) + (bz_r_hip_roll_y * sin_q[17]);
-    const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * cos_q[17]) - (bz_r_hip_yaw_x * sin_q[17]);
-    /* r_sho_roll */
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e4 * c_r_sho_roll));
-    const float e19 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
-    const float bx_r_sho_roll_y = -e19;
-    const float by_r_sho_roll_x = (e18 * s_r_sho_roll) - (e5 * c_r_sho_roll);
-    const float e20 = (e5 * s_r_sho_roll) + (e18 * c_r_sho_roll);
-    const float by_r_sho_roll_y = -e20;
-    const float bz_r_sho_roll_x = -((bz_r_sho_pitch_y * s_r_sho_roll) + (e6 * c_r_sho_roll));
-    const float e21 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
-    const float bz_r_sho_roll_y = -e21;
-    /* r_el */
-    const float bx_r_el_x = -((e19 * cos_q[19]) + (bx_r_sho_pitch_x * sin_q[19]));
-    const float bx_r_el_y = -((bx_r_sho_pitch_x * cos_q[19]) - (e19 * sin_q[19]));
-    const float by_r_el_x = -((e20 * cos_q[19]) + (by_r_sho_pitch_x * sin_q[19]));
-    const float by_r_el_y = -((by_r_sho_pitch_x * cos_q[19]) - (e20 * sin_q[19]));
-    const float bz_r_el_x = -((e21 * cos_q[19]) + (bz_r_sho_pitch_x * sin_q[19]));
-    const float bz_r_el_y = -((bz_r_sho_pitch_x * cos_q[19]) - (e21 * sin_q[19]));
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = 1.0f;
-    rows[4] = 0.0f;
-    rows[5] = 0.0f;
-    rows[6] = cos_q[15];
-    rows[7] = 0.0f;
-    rows[8] = sin_q[15];
-    rows[9] = bx_r_knee_x;
-    rows[10] = 0.0f;
-    rows[11] = bx_r_knee_y;
-    rows[12] = bx_r_hip_pitch_x;
-    rows[13] = 0.0f;
-    rows[14] = bx_r_hip_pitch_y;
-    rows[15] = bx_r_hip_pitch_x;
-    rows[16] = bx_r_hip_roll_x;
-    rows[17] = bx_r_hip_roll_y;
-    rows[18] = bx_r_hip_yaw_x;
-    rows[19] = bx_r_hip_yaw_y;
-    rows[20] = bx_r_hip_roll_y;
-    rows[21] = bx_head_pan_x;
-    rows[22] = bx_head_pan_y;
-    rows[23] = bx_r_hip_roll_y;
-    rows[24] = (0.83867055f * bx_head_tilt_x) - (0.54463905f * e7);
-    rows[25] = bx_head_pan_y;
-    rows[26] = (0.54463905f * bx_head_tilt_x) + (0.83867055f * e7);
-    rows[27] = bx_l_hip_yaw_x;
-    rows[28] = bx_l_hip_yaw_y;
-    rows[29] = bx_r_hip_roll_y;
-    rows[30] = bx_l_hip_yaw_x;
-    rows[31] = bx_l_hip_roll_x;
-    rows[32] = bx_l_hip_roll_y;
-    rows[33] = bx_l_hip_pitch_x;
-    rows[34] = bx_l_hip_roll_x;
-    rows[35] = bx_l_hip_pitch_y;
-    rows[36] = bx_l_knee_x;
-    rows[37] = bx_l_hip_roll_x;
-    rows[38] = bx_l_knee_y;
-    rows[39] = bx_l_ank_pitch_x;
-    rows[40] = bx_l_hip_roll_x;
-    rows[41] = bx_l_ank_pitch_y;
-    rows[42] = bx_l_ank_pitch_x;
-    rows[43] = bx_l_ank_roll_x;
-    rows[44] = bx_l_ank_roll_y;
-    rows[45] = bx_l_sho_pitch_x;
-    rows[46] = bx_r_hip_yaw_y;
-    rows[47] = bx_l_sho_pitch_y;
-    rows[48] = bx_l_sho_pitch_x;
-    rows[49] = bx_l_sho_roll_x;
-    rows[50] = bx_l_sho_roll_y;
-    rows[51] = bx_l_el_x;
-    rows[52] = bx_l_sho_roll_x;
-    rows[53] = bx_l_el_y;
-    rows[54] = bx_r_sho_pitch_x;
-    rows[55] = bx_r_hip_yaw_y;
-    rows[56] = bx_r_sho_pitch_y;
-    rows[57] = bx_r_sho_pitch_x;
-    rows[58] = bx_r_sho_roll_x;
-    rows[59] = bx_r_sho_roll_y;
-    rows[60] = bx_r_el_x;
-    rows[61] = bx_r_sho_roll_x;
-    rows[62] = bx_r_el_y;
-    rows[63] = 0.0f;
-    rows[64] = 1.0f;
-    rows[65] = 0.0f;
-    rows[66] = 0.0f;
-    rows[67] = cos_q[16];
-    rows[68] = sin_q[16];
-    rows[69] = by_r_ank_pitch_x;
-    rows[70] = cos_q[16];
-    rows[71] = by_r_ank_pitch_y;
-    rows[72] = by_r_knee_x;
-    rows[73] = cos_q[16];
-    rows[74] = by_r_knee_y;
-    rows[75] = by_r_hip_pitch_x;
-    rows[76] = cos_q[16];
-    rows[77] = by_r_hip_pitch_y;
-    rows[78] = by_r_hip_pitch_x;
-    rows[79] = by_r_hip_roll_x;
-    rows[80] = by_r_hip_roll_y;
-    rows[81] = by_r_hip_yaw_x;
-    rows[82] = by_r_hip_yaw_y;
-    rows[83] = by_r_hip_roll_y;
-    rows[84] = by_head_pan_x;
-    rows[85] = by_head_pan_y;
-    rows[86] = by_r_hip_roll_y;
-    rows[87] = (0.83867055f * by_head_tilt_x) + (0.54463905f * by_head_tilt_y);
-    rows[88] = by_head_pan_y;
-    rows[89] = (0.54463905f * by_head_tilt_x) - (0.83867055f * by_head_tilt_y);
-    rows[90] = by_l_hip_yaw_x;
-    rows[91] = by_l_hip_yaw_y;
-    rows[92] = by_r_hip_roll_y;
-    rows[93] = by_l_hip_yaw_x;
-    rows[94] = by_l_hip_roll_x;
-    rows[95] = by_l_hip_roll_y;
-    rows[96] = by_l_hip_pitch_x;
-    rows[97] = by_l_hip_roll_x;
-    rows[98] = by_l_hip_pitch_y;
-    rows[99] = by_l_knee_x;
-    rows[100] = by_l_hip_roll_x;
-    rows[101] = by_l_knee_y;
-    rows[102] = by_l_ank_pitch_x;
-    rows[103] = by_l_hip_roll_x;
-    rows[104] = by_l_ank_pitch_y;
-    rows[105] = by_l_ank_pitch_x;
-    rows[106] = by_l_ank_roll_x;
-    rows[107] = by_l_ank_roll_y;
-    rows[108] = by_l_sho_pitch_x;
-    rows[109] = by_r_hip_yaw_y;
-    rows[110] = by_l_sho_pitch_y;
-    rows[111] = by_l_sho_pitch_x;
-    rows[112] = by_l_sho_roll_x;
-    rows[113] = by_l_sho_roll_y;
-    rows[114] = by_l_el_x;
-    rows[115] = by_l_sho_roll_x;
-    rows[116] = by_l_el_y;
-    rows[117] = by_r_sho_pitch_x;
-    rows[118] = by_r_hip_yaw_y;
-    rows[119] = by_r_sho_pitch_y;
-    rows[120] = by_r_sho_pitch_x;
-    rows[121] = by_r_sho_roll_x;
-    rows[122] = by_r_sho_roll_y;
-    rows[123] = by_r_el_x;
-    rows[124] = by_r_sho_roll_x;
-    rows[125] = by_r_el_y;
-    rows[126] = 0.0f;
-    rows[127] = 0.0f;
-    rows[128] = 1.0f;
-    rows[129] = 0.0f;
-    rows[130] = bz_r_ank_roll_x;
-    rows[131] = cos_q[16];
-    rows[132] = bz_r_ank_pitch_x;
-    rows[133] = bz_r_ank_roll_x;
-    rows[134] = bz_r_ank_pitch_y;
-    rows[135] = bz_r_knee_x;
-    rows[136] = bz_r_ank_roll_x;
-    rows[137] = bz_r_knee_y;
-    rows[138] = bz_r_hip_pitch_x;
-    rows[139] = bz_r_ank_roll_x;
-    rows[140] = bz_r_hip_pitch_y;
-    rows[141] = bz_r_hip_pitch_x;
-    rows[142] = bz_r_hip_roll_x;
-    rows[143] = bz_r_hip_roll_y;
-    rows[144] = bz_r_hip_yaw_x;
-    rows[145] = bz_r_hip_yaw_y;
-    rows[146] = bz_r_hip_roll_y;
-    rows[147] = bz_head_pan_x;
-    rows[148] = bz_head_pan_y;
-    rows[149] = bz_r_hip_roll_y;
-    rows[150] = (0.83867055f * bz_head_tilt_x) - (0.54463905f * e8);
-    rows[151] = bz_head_pan_y;
-    rows[152] = (0.54463905f * bz_head_tilt_x) + (0.83867055f * e8);
-    rows[153] = bz_l_hip_yaw_x;
-    rows[154] = bz_l_hip_yaw_y;
-    rows[155] = bz_r_hip_roll_y;
-    rows[156] = bz_l_hip_yaw_x;
-    rows[157] = bz_l_hip_roll_x;
-    rows[158] = bz_l_hip_roll_y;
-    rows[159] = bz_l_hip_pitch_x;
-    rows[160] = bz_l_hip_roll_x;
-    rows[161] = bz_l_hip_pitch_y;
-    rows[162] = bz_l_knee_x;
-    rows[163] = bz_l_hip_roll_x;
-    rows[164] = bz_l_knee_y;
-    rows[165] = bz_l_ank_pitch_x;
-    rows[166] = bz_l_hip_roll_x;
-    rows[167] = bz_l_ank_pitch_y;
-    rows[168] = bz_l_ank_pitch_x;
-    rows[169] = bz_l_ank_roll_x;
-    rows[170] = bz_l_ank_roll_y;
-    rows[171] = bz_l_sho_pitch_x;
-    rows[172] = bz_r_hip_yaw_y;
-    rows[173] = bz_l_sho_pitch_y;
-    rows[174] = bz_l_sho_pitch_x;
-    rows[175] = bz_l_sho_roll_x;
-    rows[176] = bz_l_sho_roll_y;
-    rows[177] = bz_l_el_x;
-    rows[178] = bz_l_sho_roll_x;
-    rows[179] = bz_l_el_y;
-    rows[180] = bz_r_sho_pitch_x;
-    rows[181] = bz_r_hip_yaw_y;
-    rows[182] = bz_r_sho_pitch_y;
-    rows[183] = bz_r_sho_pitch_x;
-    rows[184] = bz_r_sho_roll_x;
-    rows[185] = bz_r_sho_roll_y;
-    rows[186] = bz_r_el_x;
-    rows[187] = bz_r_sho_roll_x;
-    rows[188] = bz_r_el_y;
+    op2_r_sole_regressor_full_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void op2_r_sole_cop_sc(
@@ -5455,81 +4174,7 @@ void op2_r_sole_cop_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real cop[restrict 2])
 {
-    /* r_sho_roll */
-    const float v_r_sho_roll_y = r[40] + (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    /* r_sho_pitch */
-    const float v_r_sho_pitch_x = r[37] - ((sin_q[19] * r[41]) + (cos_q[19] * r[42]));
-    const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
-    const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
-    /* l_sho_roll */
-    const float v_l_sho_roll_y = r[34] + (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
-    const float v_l_sho_roll_z = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    /* l_sho_pitch */
-    const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
-    const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
-    const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
-    /* l_ank_pitch */
-    const float v_l_ank_pitch_y = r[28] + (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
-    const float v_l_ank_pitch_z = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
-    /* l_knee */
-    const float v_l_knee_x = r[25] + (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
-    const float v_l_knee_y = r[26] - (sin_q[6] * r[27]) + (cos_q[6] * v_l_ank_pitch_y);
-    /* l_hip_pitch */
-    const float v_l_hip_pitch_x = r[23] + (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
-    const float v_l_hip_pitch_y = r[24] + (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
-    /* l_hip_roll */
-    const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
-    const float v_l_hip_roll_y = r[22] + (sin_q[4] * v_l_hip_pitch_x)
-        + (cos_q[4] * v_l_hip_pitch_y);
-    const float v_l_hip_roll_z = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
-    /* l_hip_yaw */
-    const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
-    const float v_l_hip_yaw_y = r[20] + (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
-    const float v_l_hip_yaw_z = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
-    /* head_pan */
-    const float v_head_pan_x = r[15] + (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
-    const float v_head_pan_z = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
-    /* r_hip_yaw */
-    const float e1 = r[13] + (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16])
-        + (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y)
-        + (cos_q[17] * v_r_sho_pitch_x);
-    const float v_r_hip_yaw_x = e1 - (sin_q[17] * v_r_sho_pitch_y) + (cos_q[2] * v_l_hip_yaw_x)
-        + (sin_q[2] * v_l_hip_yaw_y);
-    const float e2 = r[14] + (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]) + v_l_sho_pitch_z
-        + v_r_sho_pitch_z - (sin_q[2] * v_l_hip_yaw_x);
-    const float v_r_hip_yaw_y = e2 + (cos_q[2] * v_l_hip_yaw_y);
-    const float v_r_hip_yaw_z = v_head_pan_z - (sin_q[8] * v_l_sho_pitch_x)
-        + (cos_q[8] * v_l_sho_pitch_y) + (sin_q[17] * v_r_sho_pitch_x)
-        + (cos_q[17] * v_r_sho_pitch_y) + v_l_hip_yaw_z;
-    /* r_hip_roll */
-    const float v_r_hip_roll_x = r[11] + (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
-    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    const float v_r_hip_roll_z = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
-    /* r_hip_pitch */
-    const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
-    const float v_r_hip_pitch_y = r[10] + (sin_q[12] * v_r_hip_roll_x)
-        + (cos_q[12] * v_r_hip_roll_y);
-    const float v_r_hip_pitch_z = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
-    /* r_knee */
-    const float v_r_knee_x = r[7] + (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
-    const float v_r_knee_y = r[8] + (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
-    /* r_ank_pitch */
-    const float v_r_ank_pitch_x = r[5] + (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
-    const float v_r_ank_pitch_y = r[6] + (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
-    /* r_ank_roll */
-    const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
-    const float v_r_ank_roll_y = r[4] - (sin_q[15] * v_r_ank_pitch_x)
-        + (cos_q[15] * v_r_ank_pitch_y);
-    const float v_r_ank_roll_z = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
-    /* r_sole */
-    const float v_r_sole_x = r[0] + v_r_ank_roll_z;
-    const float v_r_sole_y = r[1] + (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
-    cop[0] = v_r_sole_x;
-    cop[1] = v_r_sole_y;
+    op2_r_sole_cop_core(1, sin_q, sin_q, cos_q, r, cop);
 }
 
 void op2_r_sole_zmp_sc(
@@ -5540,1080 +4185,7 @@ void op2_r_sole_zmp_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real zmp[restrict 2])
 {
-    /* r_sho_roll */
-    const float v_r_sho_roll_y = r[40] + (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    /* r_sho_pitch */
-    const float v_r_sho_pitch_x = r[37] - ((sin_q[19] * r[41]) + (cos_q[19] * r[42]));
-    const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
-    const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
-    /* l_sho_roll */
-    const float v_l_sho_roll_y = r[34] + (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
-    const float v_l_sho_roll_z = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    /* l_sho_pitch */
-    const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
-    const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
-    const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
-    /* l_ank_pitch */
-    const float v_l_ank_pitch_y = r[28] + (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
-    const float v_l_ank_pitch_z = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
-    /* l_knee */
-    const float v_l_knee_x = r[25] + (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
-    const float v_l_knee_y = r[26] - (sin_q[6] * r[27]) + (cos_q[6] * v_l_ank_pitch_y);
-    /* l_hip_pitch */
-    const float v_l_hip_pitch_x = r[23] + (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
-    const float v_l_hip_pitch_y = r[24] + (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
-    /* l_hip_roll */
-    const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
-    const float v_l_hip_roll_y = r[22] + (sin_q[4] * v_l_hip_pitch_x)
-        + (cos_q[4] * v_l_hip_pitch_y);
-    const float v_l_hip_roll_z = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
-    /* l_hip_yaw */
-    const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
-    const float v_l_hip_yaw_y = r[20] + (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
-    const float v_l_hip_yaw_z = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
-    /* head_pan */
-    const float v_head_pan_x = r[15] + (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
-    const float v_head_pan_z = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
-    /* r_hip_yaw */
-    const float e1 = r[13] + (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16])
-        + (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y)
-        + (cos_q[17] * v_r_sho_pitch_x);
-    const float v_r_hip_yaw_x = e1 - (sin_q[17] * v_r_sho_pitch_y) + (cos_q[2] * v_l_hip_yaw_x)
-        + (sin_q[2] * v_l_hip_yaw_y);
-    const float e2 = r[14] + (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]) + v_l_sho_pitch_z
-        + v_r_sho_pitch_z - (sin_q[2] * v_l_hip_yaw_x);
-    const float v_r_hip_yaw_y = e2 + (cos_q[2] * v_l_hip_yaw_y);
-    const float v_r_hip_yaw_z = v_head_pan_z - (sin_q[8] * v_l_sho_pitch_x)
-        + (cos_q[8] * v_l_sho_pitch_y) + (sin_q[17] * v_r_sho_pitch_x)
-        + (cos_q[17] * v_r_sho_pitch_y) + v_l_hip_yaw_z;
-    /* r_hip_roll */
-    const float v_r_hip_roll_x = r[11] + (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
-    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-    const float v_r_hip_roll_z = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
-    /* r_hip_pitch */
-    const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
-    const float v_r_hip_pitch_y = r[10] + (sin_q[12] * v_r_hip_roll_x)
-        + (cos_q[12] * v_r_hip_roll_y);
-    const float v_r_hip_pitch_z = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
-    /* r_knee */
-    const float v_r_knee_x = r[7] + (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
-    const float v_r_knee_y = r[8] + (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
-    /* r_ank_pitch */
-    const float v_r_ank_pitch_x = r[5] + (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
-    const float v_r_ank_pitch_y = r[6] + (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
-    /* r_ank_roll */
-    const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
-    const float v_r_ank_roll_y = r[4] - (sin_q[15] * v_r_ank_pitch_x)
-        + (cos_q[15] * v_r_ank_pitch_y);
-    const float v_r_ank_roll_z = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
-    /* r_sole */
-    const float v_r_sole_x = r[0] + v_r_ank_roll_z;
-    const float v_r_sole_y = r[1] + (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
-    const float v_r_sole_z = r[2] - (sin_q[16] * v_r_ank_roll_x) + (cos_q[16] * v_r_ank_roll_y);
-    /* r_ank_roll */
-    const float e3 = qd[16] * qd[16];
-    /* r_ank_pitch */
-    const float o_r_ank_pitch_x = qd[16] * cos_q[15];
-    const float o_r_ank_pitch_y = qd[16] * sin_q[15];
-    const float e4 = o_r_ank_pitch_y * qd[15];
-    const float e5 = o_r_ank_pitch_x * qd[15];
-    const float a_r_ank_pitch_x = (qdd[16] * cos_q[15]) - e4;
-    const float a_r_ank_pitch_y = (qdd[16] * sin_q[15]) + e5;
-    const float e6 = o_r_ank_pitch_x * o_r_ank_pitch_x;
-    const float e7 = o_r_ank_pitch_y * o_r_ank_pitch_y;
-    const float e8 = qd[15] * qd[15];
-    const float e9 = o_r_ank_pitch_x * o_r_ank_pitch_y;
-    const float e10 = e7 + e8;
-    const float e11 = e6 + e8;
-    const float e12 = e6 + e7;
-    const float e13 = e9 + qdd[15];
-    const float e14 = e9 - qdd[15];
-    const float e15 = e5 + a_r_ank_pitch_y;
-    const float e16 = a_r_ank_pitch_x - e4;
-    /* r_knee */
-    const float o_r_knee_x = (o_r_ank_pitch_x * cos_q[14]) + (o_r_ank_pitch_y * sin_q[14]);
-    const float o_r_knee_y = (o_r_ank_pitch_y * cos_q[14]) - (o_r_ank_pitch_x * sin_q[14]);
-    const float o_r_knee_z = qd[14] - qd[15];
-    const float a_r_knee_x = (a_r_ank_pitch_x * cos_q[14]) + (a_r_ank_pitch_y * sin_q[14])
-        + (o_r_knee_y * qd[14]);
-    const float a_r_knee_y = (a_r_ank_pitch_y * cos_q[14]) - (a_r_ank_pitch_x * sin_q[14])
-        - (o_r_knee_x * qd[14]);
-    const float a_r_knee_z = qdd[14] - qdd[15];
-    const float e17 = o_r_knee_x * o_r_knee_x;
-    const float e18 = o_r_knee_y * o_r_knee_y;
-    const float e19 = o_r_knee_z * o_r_knee_z;
-    const float e20 = o_r_knee_x * o_r_knee_y;
-    const float e21 = o_r_knee_x * o_r_knee_z;
-    const float e22 = o_r_knee_y * o_r_knee_z;
-    const float e23 = e18 + e19;
-    const float e24 = e17 + e19;
-    const float e25 = e17 + e18;
-    const float e26 = e20 - a_r_knee_z;
-    const float e27 = e20 + a_r_knee_z;
-    const float e28 = e21 - a_r_knee_y;
-    const float e29 = e22 + a_r_knee_x;
-    /* r_hip_pitch */
-    const float o_r_hip_pitch_x = (o_r_knee_x * cos_q[13]) + (o_r_knee_y * sin_q[13]);
-    const float o_r_hip_pitch_y = (o_r_knee_y * cos_q[13]) - (o_r_knee_x * sin_q[13]);
-    const float o_r_hip_pitch_z = o_r_knee_z + qd[13];
-    const float a_r_hip_pitch_x = (a_r_knee_x * cos_q[13]) + (a_r_knee_y * sin_q[13])
-        + (o_r_hip_pitch_y * qd[13]);
-    const float a_r_hip_pitch_y = (a_r_knee_y * cos_q[13]) - (a_r_knee_x * sin_q[13])
-        - (o_r_hip_pitch_x * qd[13]);
-    const float a_r_hip_pitch_z = a_r_knee_z + qdd[13];
-    const float e30 = o_r_hip_pitch_x * o_r_hip_pitch_x;
-    const float e31 = o_r_hip_pitch_y * o_r_hip_pitch_y;
-    const float e32 = o_r_hip_pitch_z * o_r_hip_pitch_z;
-    const float e33 = o_r_hip_pitch_x * o_r_hip_pitch_y;
-    const float e34 = o_r_hip_pitch_x * o_r_hip_pitch_z;
-    const float e35 = o_r_hip_pitch_y * o_r_hip_pitch_z;
-    const float e36 = e31 + e32;
-    const float e37 = e30 + e32;
-    const float e38 = e30 + e31;
-    const float e39 = e33 - a_r_hip_pitch_z;
-    const float e40 = e33 + a_r_hip_pitch_z;
-    const float e41 = e34 - a_r_hip_pitch_y;
-    const float e42 = e35 + a_r_hip_pitch_x;
-    /* r_hip_roll */
-    const float e43 = (o_r_hip_pitch_y * sin_q[12]) + (o_r_hip_pitch_z * cos_q[12]);
-    const float o_r_hip_roll_y = (o_r_hip_pitch_z * sin_q[12]) - (o_r_hip_pitch_y * cos_q[12]);
-    const float o_r_hip_roll_z = qd[12] - o_r_hip_pitch_x;
-    const float a_r_hip_roll_x = (o_r_hip_roll_y * qd[12])
-        - ((a_r_hip_pitch_y * sin_q[12]) + (a_r_hip_pitch_z * cos_q[12]));
-    const float a_r_hip_roll_y = (a_r_hip_pitch_z * sin_q[12]) - (a_r_hip_pitch_y * cos_q[12])
-        + (e43 * qd[12]);
-    const float a_r_hip_roll_z = qdd[12] - a_r_hip_pitch_x;
-    const float e44 = e43 * e43;
-    const float e45 = o_r_hip_roll_y * o_r_hip_roll_y;
-    const float e46 = o_r_hip_roll_z * o_r_hip_roll_z;
-    const float e47 = e43 * o_r_hip_roll_y;
-    const float e48 = e43 * o_r_hip_roll_z;
-    const float e49 = e44 + e46;
-    const float e50 = e47 + a_r_hip_roll_z;
-    const float e51 = a_r_hip_roll_z - e47;
-    const float e52 = e48 + a_r_hip_roll_y;
-    const float e53 = (o_r_hip_roll_y * o_r_hip_roll_z) + a_r_hip_roll_x;
-    /* r_hip_yaw */
-    const float o_r_hip_yaw_x = (o_r_hip_roll_z * cos_q[11]) - (e43 * sin_q[11]);
-    const float e54 = (o_r_hip_roll_z * sin_q[11]) + (e43 * cos_q[11]);
-    const float o_r_hip_yaw_z = o_r_hip_roll_y + qd[11];
-    const float a_r_hip_yaw_x = (a_r_hip_roll_x * sin_q[11]) + (a_r_hip_roll_z * cos_q[11])
-        - (e54 * qd[11]);
-    const float e55 = (a_r_hip_roll_z * sin_q[11]) - (a_r_hip_roll_x * cos_q[11])
-        + (o_r_hip_yaw_x * qd[11]);
-    const float a_r_hip_yaw_z = a_r_hip_roll_y + qdd[11];
-    const float e56 = o_r_hip_yaw_x * o_r_hip_yaw_x;
-    const float e57 = e54 * e54;
-    const float e58 = o_r_hip_yaw_z * o_r_hip_yaw_z;
-    const float e59 = o_r_hip_yaw_x * e54;
-    const float e60 = o_r_hip_yaw_x * o_r_hip_yaw_z;
-    const float e61 = e54 * o_r_hip_yaw_z;
-    const float e62 = e57 + e58;
-    const float e63 = e56 + e58;
-    const float e64 = e56 + e57;
-    const float e65 = e59 + a_r_hip_yaw_z;
-    const float e66 = e60 - e55;
-    const float e67 = a_r_hip_yaw_z - e59;
-    const float e68 = e61 + a_r_hip_yaw_x;
-    const float e69 = e60 + e55;
-    const float e70 = a_r_hip_yaw_x - e61;
-    /* head_pan */
-    const float o_head_pan_x = (o_r_hip_yaw_x * cos_q[0]) - (e54 * sin_q[0]);
-    const float e71 = (e54 * cos_q[0]) + (o_r_hip_yaw_x * sin_q[0]);
-    const float o_head_pan_z = o_r_hip_yaw_z + qd[0];
-    const float a_head_pan_x = (a_r_hip_yaw_x * cos_q[0]) - (e55 * sin_q[0]) - (e71 * qd[0]);
-    const float e72 = (e55 * cos_q[0]) + (a_r_hip_yaw_x * sin_q[0]) + (o_head_pan_x * qd[0]);
-    const float a_head_pan_z = a_r_hip_yaw_z + qdd[0];
-    const float e73 = o_head_pan_x * o_head_pan_x;
-    const float e74 = e71 * e71;
-    const float e75 = o_head_pan_z * o_head_pan_z;
-    const float e76 = o_head_pan_x * e71;
-    const float e77 = o_head_pan_x * o_head_pan_z;
-    const float e78 = e71 * o_head_pan_z;
-    const float e79 = e74 + e75;
-    const float e80 = e73 + e75;
-    const float e81 = e73 + e74;
-    const float e82 = e76 + a_head_pan_z;
-    const float e83 = e77 - e72;
-    const float e84 = a_head_pan_z - e76;
-    const float e85 = e78 + a_head_pan_x;
-    const float e86 = e77 + e72;
-    const float e87 = a_head_pan_x - e78;
-    /* head_tilt */
-    const float o_head_tilt_x = (o_head_pan_x * cos_q[1]) + (o_head_pan_z * sin_q[1]);
-    const float e88 = (o_head_pan_z * cos_q[1]) - (o_head_pan_x * sin_q[1]);
-    const float e89 = e71 + qd[1];
-    const float a_head_tilt_x = (a_head_pan_x * cos_q[1]) + (a_head_pan_z * sin_q[1])
-        + (e88 * qd[1]);
-    const float a_head_tilt_y = (o_head_tilt_x * qd[1])
-        - ((a_head_pan_z * cos_q[1]) - (a_head_pan_x * sin_q[1]));
-    const float e90 = e72 + qdd[1];
-    const float e91 = o_head_tilt_x * o_head_tilt_x;
-    const float e92 = e88 * e88;
-    const float e93 = e89 * e89;
-    const float e94 = o_head_tilt_x * e88;
-    const float e95 = o_head_tilt_x * e89;
-    const float e96 = e88 * e89;
-    const float e97 = e92 + e93;
-    const float e98 = e91 + e93;
-    const float e99 = e91 + e92;
-    const float e100 = e90 - e94;
-    const float e101 = e94 + e90;
-    const float e102 = e95 + a_head_tilt_y;
-    const float e103 = e96 + a_head_tilt_x;
-    /* l_hip_yaw */
-    const float o_l_hip_yaw_x = (o_r_hip_yaw_x * cos_q[2]) + (e54 * sin_q[2]);
-    const float o_l_hip_yaw_y = (o_r_hip_yaw_x * sin_q[2]) - (e54 * cos_q[2]);
-    const float o_l_hip_yaw_z = o_r_hip_yaw_z - qd[2];
-    const float a_l_hip_yaw_x = (a_r_hip_yaw_x * cos_q[2]) + (e55 * sin_q[2])
-        - (o_l_hip_yaw_y * qd[2]);
-    const float a_l_hip_yaw_y = (a_r_hip_yaw_x * sin_q[2]) - (e55 * cos_q[2])
-        + (o_l_hip_yaw_x * qd[2]);
-    const float a_l_hip_yaw_z = a_r_hip_yaw_z - qdd[2];
-    const float e104 = o_l_hip_yaw_x * o_l_hip_yaw_x;
-    const float e105 = o_l_hip_yaw_y * o_l_hip_yaw_y;
-    const float e106 = o_l_hip_yaw_z * o_l_hip_yaw_z;
-    const float e107 = o_l_hip_yaw_x * o_l_hip_yaw_y;
-    const float e108 = o_l_hip_yaw_y * o_l_hip_yaw_z;
-    const float e109 = e105 + e106;
-    const float e110 = e107 - a_l_hip_yaw_z;
-    const float e111 = e107 + a_l_hip_yaw_z;
-    const float e112 = (o_l_hip_yaw_x * o_l_hip_yaw_z) - a_l_hip_yaw_y;
-    const float e113 = e108 + a_l_hip_yaw_x;
-    /* l_hip_roll */
-    const float o_l_hip_roll_x = (o_l_hip_yaw_y * cos_q[3]) - (o_l_hip_yaw_z * sin_q[3]);
-    const float o_l_hip_roll_y = (o_l_hip_yaw_z * cos_q[3]) + (o_l_hip_yaw_y * sin_q[3]);
-    const float o_l_hip_roll_z = o_l_hip_yaw_x - qd[3];
-    const float a_l_hip_roll_x = (a_l_hip_yaw_y * cos_q[3]) - (a_l_hip_yaw_z * sin_q[3])
-        - (o_l_hip_roll_y * qd[3]);
-    const float a_l_hip_roll_y = (a_l_hip_yaw_z * cos_q[3]) + (a_l_hip_yaw_y * sin_q[3])
-        + (o_l_hip_roll_x * qd[3]);
-    const float a_l_hip_roll_z = a_l_hip_yaw_x - qdd[3];
-    const float e114 = o_l_hip_roll_x * o_l_hip_roll_x;
-    const float e115 = o_l_hip_roll_y * o_l_hip_roll_y;
-    const float e116 = o_l_hip_roll_z * o_l_hip_roll_z;
-    const float e117 = o_l_hip_roll_x * o_l_hip_roll_y;
-    const float e118 = o_l_hip_roll_x * o_l_hip_roll_z;
-    const float e119 = o_l_hip_roll_y * o_l_hip_roll_z;
-    const float e120 = e115 + e116;
-    const float e121 = e114 + e116;
-    const float e122 = e114 + e115;
-    const float e123 = e117 - a_l_hip_roll_z;
-    const float e124 = e117 + a_l_hip_roll_z;
-    const float e125 = e118 - a_l_hip_roll_y;
-    const float e126 = e119 + a_l_hip_roll_x;
-    /* l_hip_pitch */
-    const float e127 = (o_l_hip_roll_y * sin_q[4]) + (o_l_hip_roll_z * cos_q[4]);
-    const float o_l_hip_pitch_y = (o_l_hip_roll_z * sin_q[4]) - (o_l_hip_roll_y * cos_q[4]);
-    const float o_l_hip_pitch_z = qd[4] - o_l_hip_roll_x;
-    const float a_l_hip_pitch_x = (o_l_hip_pitch_y * qd[4])
-        - ((a_l_hip_roll_y * sin_q[4]) + (a_l_hip_roll_z * cos_q[4]));
-    const float a_l_hip_pitch_y = (a_l_hip_roll_z * sin_q[4]) - (a_l_hip_roll_y * cos_q[4])
-        + (e127 * qd[4]);
-    const float a_l_hip_pitch_z = qdd[4] - a_l_hip_roll_x;
-    const float e128 = e127 * e127;
-    const float e129 = o_l_hip_pitch_y * o_l_hip_pitch_y;
-    const float e130 = o_l_hip_pitch_z * o_l_hip_pitch_z;
-    const float e131 = e127 * o_l_hip_pitch_y;
-    const float e132 = e127 * o_l_hip_pitch_z;
-    const float e133 = o_l_hip_pitch_y * o_l_hip_pitch_z;
-    const float e134 = e129 + e130;
-    const float e135 = e128 + e130;
-    const float e136 = e128 + e129;
-    const float e137 = e131 + a_l_hip_pitch_z;
-    const float e138 = a_l_hip_pitch_z - e131;
-    const float e139 = e132 + a_l_hip_pitch_y;
-    const float e140 = e133 + a_l_hip_pitch_x;
-    /* l_knee */
-    const float o_l_knee_x = (o_l_hip_pitch_y * sin_q[5]) - (e127 * cos_q[5]);
-    const float o_l_knee_y = (o_l_hip_pitch_y * cos_q[5]) + (e127 * sin_q[5]);
-    const float o_l_knee_z = o_l_hip_pitch_z + qd[5];
-    const float a_l_knee_x = (a_l_hip_pitch_x * cos_q[5]) + (a_l_hip_pitch_y * sin_q[5])
-        + (o_l_knee_y * qd[5]);
-    const float a_l_knee_y = (a_l_hip_pitch_y * cos_q[5]) - (a_l_hip_pitch_x * sin_q[5])
-        - (o_l_knee_x * qd[5]);
-    const float a_l_knee_z = a_l_hip_pitch_z + qdd[5];
-    const float e141 = o_l_knee_x * o_l_knee_x;
-    const float e142 = o_l_knee_y * o_l_knee_y;
-    const float e143 = o_l_knee_z * o_l_knee_z;
-    const float e144 = o_l_knee_x * o_l_knee_y;
-    const float e145 = o_l_knee_x * o_l_knee_z;
-    const float e146 = o_l_knee_y * o_l_knee_z;
-    const float e147 = e142 + e143;
-    const float e148 = e141 + e143;
-    const float e149 = e141 + e142;
-    const float e150 = e144 - a_l_knee_z;
-    const float e151 = e144 + a_l_knee_z;
-    const float e152 = e145 - a_l_knee_y;
-    const float e153 = e146 + a_l_knee_x;
-    /* l_ank_pitch */
-    const float o_l_ank_pitch_x = (o_l_knee_x * cos_q[6]) - (o_l_knee_y * sin_q[6]);
-    const float o_l_ank_pitch_y = (o_l_knee_y * cos_q[6]) + (o_l_knee_x * sin_q[6]);
-    const float o_l_ank_pitch_z = o_l_knee_z - qd[6];
-    const float a_l_ank_pitch_x = (a_l_knee_x * cos_q[6]) - (a_l_knee_y * sin_q[6])
-        - (o_l_ank_pitch_y * qd[6]);
-    const float a_l_ank_pitch_y = (a_l_knee_y * cos_q[6]) + (a_l_knee_x * sin_q[6])
-        + (o_l_ank_pitch_x * qd[6]);
-    const float a_l_ank_pitch_z = a_l_knee_z - qdd[6];
-    const float e154 = o_l_ank_pitch_x * o_l_ank_pitch_x;
-    const float e155 = o_l_ank_pitch_y * o_l_ank_pitch_y;
-    const float e156 = o_l_ank_pitch_z * o_l_ank_pitch_z;
-    const float e157 = o_l_ank_pitch_x * o_l_ank_pitch_y;
-    const float e158 = o_l_ank_pitch_x * o_l_ank_pitch_z;
-    const float e159 = o_l_ank_pitch_y * o_l_ank_pitch_z;
-    const float e160 = e155 + e156;
-    const float e161 = e154 + e156;
-    const float e162 = e154 + e155;
-    const float e163 = e157 - a_l_ank_pitch_z;
-    const float e164 = e157 + a_l_ank_pitch_z;
-    const float e165 = e158 - a_l_ank_pitch_y;
-    const float e166 = e159 + a_l_ank_pitch_x;
-    /* l_ank_roll */
-    const float e167 = (o_l_ank_pitch_y * sin_q[7]) + (o_l_ank_pitch_z * cos_q[7]);
-    const float o_l_ank_roll_y = (o_l_ank_pitch_z * sin_q[7]) - (o_l_ank_pitch_y * cos_q[7]);
-    const float o_l_ank_roll_z = qd[7] - o_l_ank_pitch_x;
-    const float a_l_ank_roll_x = (o_l_ank_roll_y * qd[7])
-        - ((a_l_ank_pitch_y * sin_q[7]) + (a_l_ank_pitch_z * cos_q[7]));
-    const float a_l_ank_roll_y = (a_l_ank_pitch_z * sin_q[7]) - (a_l_ank_pitch_y * cos_q[7])
-        + (e167 * qd[7]);
-    const float a_l_ank_roll_z = qdd[7] - a_l_ank_pitch_x;
-    const float e168 = e167 * e167;
-    const float e169 = o_l_ank_roll_y * o_l_ank_roll_y;
-    const float e170 = o_l_ank_roll_z * o_l_ank_roll_z;
-    const float e171 = e167 * o_l_ank_roll_y;
-    const float e172 = e167 * o_l_ank_roll_z;
-    const float e173 = o_l_ank_roll_y * o_l_ank_roll_z;
-    const float e174 = e169 + e170;
-    const float e175 = e168 + e170;
-    const float e176 = e168 + e169;
-    const float e177 = e171 + a_l_ank_roll_z;
-    const float e178 = a_l_ank_roll_z - e171;
-    const float e179 = e172 + a_l_ank_roll_y;
-    const float e180 = e173 + a_l_ank_roll_x;
-    /* l_sho_pitch */
-    const float e181 = (o_r_hip_yaw_x * cos_q[8]) - (o_r_hip_yaw_z * sin_q[8]);
-    const float e182 = (o_r_hip_yaw_z * cos_q[8]) + (o_r_hip_yaw_x * sin_q[8]);
-    const float o_l_sho_pitch_z = e54 - qd[8];
-    const float a_l_sho_pitch_x = (e182 * qd[8])
-        - ((a_r_hip_yaw_x * cos_q[8]) - (a_r_hip_yaw_z * sin_q[8]));
-    const float e183 = (a_r_hip_yaw_z * cos_q[8]) + (a_r_hip_yaw_x * sin_q[8]) + (e181 * qd[8]);
-    const float a_l_sho_pitch_z = e55 - qdd[8];
-    const float e184 = e181 * e181;
-    const float e185 = e182 * e182;
-    const float e186 = o_l_sho_pitch_z * o_l_sho_pitch_z;
-    const float e187 = e181 * e182;
-    const float e188 = e181 * o_l_sho_pitch_z;
-    const float e189 = e182 * o_l_sho_pitch_z;
-    const float e190 = e185 + e186;
-    const float e191 = e184 + e186;
-    const float e192 = e184 + e185;
-    const float e193 = e187 - a_l_sho_pitch_z;
-    const float e194 = e188 + e183;
-    const float e195 = e187 + a_l_sho_pitch_z;
-    const float e196 = e189 + a_l_sho_pitch_x;
-    const float e197 = e183 - e188;
-    const float e198 = a_l_sho_pitch_x - e189;
-    /* l_sho_roll */
-    const float e199 = (e182 * s_l_sho_roll) + (o_l_sho_pitch_z * c_l_sho_roll);
-    const float o_l_sho_roll_y = (e182 * c_l_sho_roll) - (o_l_sho_pitch_z * s_l_sho_roll);
-    const float o_l_sho_roll_z = e181 - qd[9];
-    const float e200 = (e183 * s_l_sho_roll) + (a_l_sho_pitch_z * c_l_sho_roll)
-        + (o_l_sho_roll_y * qd[9]);
-    const float a_l_sho_roll_y = (e183 * c_l_sho_roll) - (a_l_sho_pitch_z * s_l_sho_roll)
-        - (e199 * qd[9]);
-    const float e201 = a_l_sho_pitch_x + qdd[9];
-    const float e202 = e199 * e199;
-    const float e203 = o_l_sho_roll_y * o_l_sho_roll_y;
-    const float e204 = o_l_sho_roll_z * o_l_sho_roll_z;
-    const float e205 = e199 * o_l_sho_roll_y;
-    const float e206 = e199 * o_l_sho_roll_z;
-    const float e207 = o_l_sho_roll_y * o_l_sho_roll_z;
-    const float e208 = e203 + e204;
-    const float e209 = e202 + e204;
-    const float e210 = e202 + e203;
-    const float e211 = e201 - e205;
-    const float e212 = a_l_sho_roll_y - e206;
-    const float e213 = e205 + e201;
-    const float e214 = e207 + e200;
-    const float e215 = e206 + a_l_sho_roll_y;
-    const float e216 = e207 - e200;
-    /* l_el */
-    const float e217 = (o_l_sho_roll_y * cos_q[10]) + (o_l_sho_roll_z * sin_q[10]);
-    const float o_l_el_y = (o_l_sho_roll_z * cos_q[10]) - (o_l_sho_roll_y * sin_q[10]);
-    const float o_l_el_z = e199 - qd[10];
-    const float e218 = (a_l_sho_roll_y * cos_q[10]) - (e201 * sin_q[10]) + (o_l_el_y * qd[10]);
-    const float e219 = (e201 * cos_q[10]) + (a_l_sho_roll_y * sin_q[10]) + (e217 * qd[10]);
-    const float a_l_el_z = e200 - qdd[10];
-    const float e220 = e217 * e217;
-    const float e221 = o_l_el_y * o_l_el_y;
-    const float e222 = o_l_el_z * o_l_el_z;
-    const float e223 = e217 * o_l_el_y;
-    const float e224 = e217 * o_l_el_z;
-    const float e225 = o_l_el_y * o_l_el_z;
-    const float e226 = e221 + e222;
-    const float e227 = e220 + e222;
-    const float e228 = e220 + e221;
-    const float e229 = e223 + a_l_el_z;
-    const float e230 = a_l_el_z - e223;
-    const float e231 = e219 - e224;
-    const float e232 = e225 - e218;
-    /* r_sho_pitch */
-    const float e233 = (o_r_hip_yaw_x * cos_q[17]) + (o_r_hip_yaw_z * sin_q[17]);
-    const float e234 = (o_r_hip_yaw_z * cos_q[17]) - (o_r_hip_yaw_x * sin_q[17]);
-    const float o_r_sho_pitch_z = e54 + qd[17];
-    const float e235 = (a_r_hip_yaw_x * cos_q[17]) + (a_r_hip_yaw_z * sin_q[17]) + (e234 * qd[17]);
-    const float a_r_sho_pitch_y = (e233 * qd[17])
-        - ((a_r_hip_yaw_z * cos_q[17]) - (a_r_hip_yaw_x * sin_q[17]));
-    const float a_r_sho_pitch_z = e55 + qdd[17];
-    const float e236 = e233 * e233;
-    const float e237 = e234 * e234;
-    const float e238 = o_r_sho_pitch_z * o_r_sho_pitch_z;
-    const float e239 = e233 * e234;
-    const float e240 = e233 * o_r_sho_pitch_z;
-    const float e241 = e234 * o_r_sho_pitch_z;
-    const float e242 = e237 + e238;
-    const float e243 = e236 + e238;
-    const float e244 = e236 + e237;
-    const float e245 = e239 - a_r_sho_pitch_z;
-    const float e246 = a_r_sho_pitch_y - e240;
-    const float e247 = e239 + a_r_sho_pitch_z;
-    const float e248 = e235 - e241;
-    const float e249 = e240 + a_r_sho_pitch_y;
-    const float e250 = e241 + e235;
-    /* r_sho_roll */
-    const float e251 = (e234 * s_r_sho_roll) + (o_r_sho_pitch_z * c_r_sho_roll);
-    const float o_r_sho_roll_y = (e234 * c_r_sho_roll) - (o_r_sho_pitch_z * s_r_sho_roll);
-    const float o_r_sho_roll_z = e233 - qd[18];
-    const float e252 = (a_r_sho_pitch_z * c_r_sho_roll) - (a_r_sho_pitch_y * s_r_sho_roll)
-        + (o_r_sho_roll_y * qd[18]);
-    const float e253 = (a_r_sho_pitch_z * s_r_sho_roll) + (a_r_sho_pitch_y * c_r_sho_roll)
-        + (e251 * qd[18]);
-    const float a_r_sho_roll_z = e235 - qdd[18];
-    const float e254 = e251 * e251;
-    const float e255 = o_r_sho_roll_y * o_r_sho_roll_y;
-    const float e256 = o_r_sho_roll_z * o_r_sho_roll_z;
-    const float e257 = e251 * o_r_sho_roll_y;
-    const float e258 = e251 * o_r_sho_roll_z;
-    const float e259 = o_r_sho_roll_y * o_r_sho_roll_z;
-    const float e260 = e255 + e256;
-    const float e261 = e254 + e256;
-    const float e262 = e254 + e255;
-    const float e263 = e257 + a_r_sho_roll_z;
-    const float e264 = e258 + e253;
-    const float e265 = a_r_sho_roll_z - e257;
-    const float e266 = e259 + e252;
-    const float e267 = e253 - e258;
-    const float e268 = e259 - e252;
-    /* r_el */
-    const float e269 = (o_r_sho_roll_y * cos_q[19]) - (o_r_sho_roll_z * sin_q[19]);
-    const float o_r_el_y = (o_r_sho_roll_z * cos_q[19]) + (o_r_sho_roll_y * sin_q[19]);
-    const float o_r_el_z = e251 + qd[19];
-    const float a_r_el_x = (e253 * cos_q[19]) + (a_r_sho_roll_z * sin_q[19]) + (o_r_el_y * qd[19]);
-    const float a_r_el_y = (a_r_sho_roll_z * cos_q[19]) - (e253 * sin_q[19]) + (e269 * qd[19]);
-    const float a_r_el_z = e252 + qdd[19];
-    const float e270 = e269 * e269;
-    const float e271 = o_r_el_y * o_r_el_y;
-    const float e272 = o_r_el_z * o_r_el_z;
-    const float e273 = e269 * o_r_el_y;
-    const float e274 = e269 * o_r_el_z;
-    const float e275 = o_r_el_y * o_r_el_z;
-    const float e276 = e271 + e272;
-    const float e277 = e270 + e272;
-    const float e278 = e270 + e271;
-    const float e279 = e273 + a_r_el_z;
-    const float e280 = a_r_el_z - e273;
-    const float e281 = e274 + a_r_el_y;
-    const float e282 = e275 + a_r_el_x;
-    const float e283 = (r[41] * e276) + (r[42] * e279);
-    const float f_r_el_y = (r[41] * e280) - (r[42] * e277);
-    const float f_r_el_z = (r[42] * e282) - (r[41] * e281);
-    /* r_sho_roll */
-    const float f_r_sho_roll_x = f_r_el_z - ((r[39] * e260) + (r[40] * e263));
-    const float f_r_sho_roll_y = (r[39] * e265) - (r[40] * e261)
-        - ((cos_q[19] * e283) + (sin_q[19] * f_r_el_y));
-    const float f_r_sho_roll_z = (r[39] * e267) + (r[40] * e268)
-        + ((sin_q[19] * e283) - (cos_q[19] * f_r_el_y));
-    /* r_sho_pitch */
-    const float f_r_sho_pitch_x = (r[38] * e245) - (r[37] * e242) + f_r_sho_roll_z;
-    const float f_r_sho_pitch_y = (r[37] * e247) - (r[38] * e243)
-        + ((c_r_sho_roll * f_r_sho_roll_y) - (s_r_sho_roll * f_r_sho_roll_x));
-    const float f_r_sho_pitch_z = (c_r_sho_roll * f_r_sho_roll_x) + (s_r_sho_roll * f_r_sho_roll_y)
-        - ((r[37] * e249) + (r[38] * e250));
-    /* l_el */
-    const float e284 = (r[35] * e226) + (r[36] * e229);
-    const float f_l_el_y = (r[35] * e230) - (r[36] * e227);
-    const float f_l_el_z = (r[35] * e231) + (r[36] * e232);
-    /* l_sho_roll */
-    const float f_l_sho_roll_x = (r[34] * e211) - (r[33] * e208) + f_l_el_z;
-    const float f_l_sho_roll_y = (sin_q[10] * f_l_el_y) - (cos_q[10] * e284)
-        - ((r[33] * e213) + (r[34] * e209));
-    const float f_l_sho_roll_z = (r[34] * e216) - (r[33] * e215)
-        - ((sin_q[10] * e284) + (cos_q[10] * f_l_el_y));
-    /* l_sho_pitch */
-    const float f_l_sho_pitch_x = (r[32] * e193) - (r[31] * e190) + f_l_sho_roll_z;
-    const float f_l_sho_pitch_y = (r[31] * e195) - (r[32] * e191)
-        + ((c_l_sho_roll * f_l_sho_roll_y) - (s_l_sho_roll * f_l_sho_roll_x));
-    const float f_l_sho_pitch_z = (r[31] * e197) + (r[32] * e198)
-        + ((c_l_sho_roll * f_l_sho_roll_x) + (s_l_sho_roll * f_l_sho_roll_y));
-    /* l_ank_roll */
-    const float e285 = (r[29] * e174) + (r[30] * e177);
-    const float f_l_ank_roll_y = (r[29] * e178) - (r[30] * e175);
-    const float f_l_ank_roll_z = (r[30] * e180) - (r[29] * e179);
-    /* l_ank_pitch */
-    const float f_l_ank_pitch_x = (r[28] * e163) - (r[27] * e160) + f_l_ank_roll_z;
-    const float f_l_ank_pitch_y = (r[27] * e164) - (r[28] * e161)
-        + ((cos_q[7] * f_l_ank_roll_y) - (sin_q[7] * e285));
-    const float f_l_ank_pitch_z = (r[27] * e165) + (r[28] * e166)
-        - ((cos_q[7] * e285) + (sin_q[7] * f_l_ank_roll_y));
-    /* l_knee */
-    const float f_l_knee_x = (r[26] * e150) - (r[25] * e147)
-        + ((cos_q[6] * f_l_ank_pitch_x) + (sin_q[6] * f_l_ank_pitch_y));
-    const float f_l_knee_y = (r[25] * e151) - (r[26] * e148)
-        + ((cos_q[6] * f_l_ank_pitch_y) - (sin_q[6] * f_l_ank_pitch_x));
-    const float f_l_knee_z = (r[25] * e152) + (r[26] * e153) + f_l_ank_pitch_z;
-    /* l_hip_pitch */
-    const float f_l_hip_pitch_x = (cos_q[5] * f_l_knee_x) - (sin_q[5] * f_l_knee_y)
-        - ((r[23] * e134) + (r[24] * e137));
-    const float f_l_hip_pitch_y = (r[23] * e138) - (r[24] * e135)
-        + ((sin_q[5] * f_l_knee_x) + (cos_q[5] * f_l_knee_y));
-    const float f_l_hip_pitch_z = (r[24] * e140) - (r[23] * e139) + f_l_knee_z;
-    /* l_hip_roll */
-    const float f_l_hip_roll_x = (r[22] * e123) - (r[21] * e120) + f_l_hip_pitch_z;
-    const float f_l_hip_roll_y = (r[21] * e124) - (r[22] * e121)
-        + ((sin_q[4] * f_l_hip_pitch_x) + (cos_q[4] * f_l_hip_pitch_y));
-    const float f_l_hip_roll_z = (r[21] * e125) + (r[22] * e126)
-        + ((cos_q[4] * f_l_hip_pitch_x) - (sin_q[4] * f_l_hip_pitch_y));
-    /* l_hip_yaw */
-    const float f_l_hip_yaw_x = (r[20] * e110) - (r[19] * e109) + f_l_hip_roll_z;
-    const float f_l_hip_yaw_y = (r[19] * e111) - (r[20] * (e104 + e106))
-        + ((cos_q[3] * f_l_hip_roll_x) + (sin_q[3] * f_l_hip_roll_y));
-    const float f_l_hip_yaw_z = (r[19] * e112) + (r[20] * e113)
-        + ((cos_q[3] * f_l_hip_roll_y) - (sin_q[3] * f_l_hip_roll_x));
-    /* head_tilt */
-    const float f_head_tilt_x = (r[18] * e100) - (r[17] * e97);
-    const float e286 = (r[17] * e101) + (r[18] * e98);
-    const float f_head_tilt_z = (r[18] * e103) - (r[17] * e102);
-    /* head_pan */
-    const float f_head_pan_x = (cos_q[1] * f_head_tilt_x) - (sin_q[1] * e286)
-        - ((r[15] * e79) + (r[16] * e82));
-    const float f_head_pan_y = (r[15] * e84) - (r[16] * e80) + f_head_tilt_z;
-    const float f_head_pan_z = (r[15] * e86) + (r[16] * e87)
-        + ((sin_q[1] * f_head_tilt_x) + (cos_q[1] * e286));
-    /* r_hip_yaw */
-    const float f_r_hip_yaw_x = (cos_q[0] * f_head_pan_x) - (sin_q[0] * f_head_pan_y)
-        - ((r[13] * e62) + (r[14] * e65))
-        + ((cos_q[8] * f_l_sho_pitch_x) + (sin_q[8] * f_l_sho_pitch_y))
-        + ((cos_q[17] * f_r_sho_pitch_x) - (sin_q[17] * f_r_sho_pitch_y))
-        + ((cos_q[2] * f_l_hip_yaw_x) + (sin_q[2] * f_l_hip_yaw_y));
-    const float f_r_hip_yaw_y = (r[13] * e67) - (r[14] * e63)
-        + ((sin_q[0] * f_head_pan_x) + (cos_q[0] * f_head_pan_y)) + f_l_sho_pitch_z
-        + f_r_sho_pitch_z + ((cos_q[2] * f_l_hip_yaw_y) - (sin_q[2] * f_l_hip_yaw_x));
-    const float f_r_hip_yaw_z = (r[13] * e69) + (r[14] * e70) + f_head_pan_z
-        + ((cos_q[8] * f_l_sho_pitch_y) - (sin_q[8] * f_l_sho_pitch_x))
-        + ((sin_q[17] * f_r_sho_pitch_x) + (cos_q[17] * f_r_sho_pitch_y)) + f_l_hip_yaw_z;
-    /* r_hip_roll */
-    const float f_r_hip_roll_x = (sin_q[11] * f_r_hip_yaw_x) + (cos_q[11] * f_r_hip_yaw_y)
-        - ((r[11] * (e45 + e46)) + (r[12] * e50));
-    const float f_r_hip_roll_y = (r[11] * e51) - (r[12] * e49) + f_r_hip_yaw_z;
-    const float f_r_hip_roll_z = (r[12] * e53) - (r[11] * e52)
-        + ((cos_q[11] * f_r_hip_yaw_x) - (sin_q[11] * f_r_hip_yaw_y));
-    /* r_hip_pitch */
-    const float f_r_hip_pitch_x = (r[10] * e39) - (r[9] * e36) + f_r_hip_roll_z;
-    const float f_r_hip_pitch_y = (r[9] * e40) - (r[10] * e37)
-        + ((sin_q[12] * f_r_hip_roll_x) + (cos_q[12] * f_r_hip_roll_y));
-    const float f_r_hip_pitch_z = (r[9] * e41) + (r[10] * e42)
-        + ((cos_q[12] * f_r_hip_roll_x) - (sin_q[12] * f_r_hip_roll_y));
-    /* r_knee */
-    const float f_r_knee_x = (r[8] * e26) - (r[7] * e23)
-        + ((cos_q[13] * f_r_hip_pitch_x) - (sin_q[13] * f_r_hip_pitch_y));
-    const float f_r_knee_y = (r[7] * e27) - (r[8] * e24)
-        + ((sin_q[13] * f_r_hip_pitch_x) + (cos_q[13] * f_r_hip_pitch_y));
-    const float f_r_knee_z = (r[7] * e28) + (r[8] * e29) + f_r_hip_pitch_z;
-    /* r_ank_pitch */
-    const float f_r_ank_pitch_x = (r[6] * e13) - (r[5] * e10)
-        + ((cos_q[14] * f_r_knee_x) - (sin_q[14] * f_r_knee_y));
-    const float f_r_ank_pitch_y = (r[5] * e14) - (r[6] * e11)
-        + ((sin_q[14] * f_r_knee_x) + (cos_q[14] * f_r_knee_y));
-    const float f_r_ank_pitch_z = (r[6] * e16) - (r[5] * e15) + f_r_knee_z;
-    /* r_ank_roll */
-    const float f_r_ank_roll_z = (cos_q[15] * f_r_ank_pitch_x) + (sin_q[15] * f_r_ank_pitch_y);
-    const float f_r_ank_roll_x = (r[4] * qdd[16]) - (r[3] * e3) + f_r_ank_pitch_z;
-    const float f_r_ank_roll_y = (cos_q[15] * f_r_ank_pitch_y) - (sin_q[15] * f_r_ank_pitch_x)
-        - ((r[3] * qdd[16]) + (r[4] * e3));
-    /* r_sole */
-    const float f_r_sole_y = (cos_q[16] * f_r_ank_roll_x) + (sin_q[16] * f_r_ank_roll_y);
-    const float f_r_sole_z = (cos_q[16] * f_r_ank_roll_y) - (sin_q[16] * f_r_ank_roll_x);
-    /* r_el */
-    const float g_r_el_x = (0.00027340816f * e276) + (0.0009290175f * e279);
-    const float g_r_el_y = (0.0009290175f * e277) - (0.00027340816f * e280);
-    const float g_r_el_z = (0.00027340816f * e281) - (0.0009290175f * e282);
-    const float n_r_el_x = (6.8651454e-5f * e282) - (1.47495875e-5f * e281) - (8.004954e-6f * e278)
-        - ((1.9716072e-6f * e280) - (8.004954e-6f * e277));
-    const float e287 = (1.9716072e-6f * e276) + (8.004954e-6f * e279)
-        + ((1.47495875e-5f * e282) - (7.3121573e-6f * e281) - (1.9716072e-6f * e278));
-    const float n_r_el_z = (7.3121573e-6f * e280) - (1.47495875e-5f * e277)
-        + (1.9716072e-6f * (e275 - a_r_el_x))
-        - ((8.004954e-6f * (a_r_el_y - e274)) - ((1.47495875e-5f * e276) + (6.8651454e-5f * e279)));
-    /* r_sho_roll */
-    const float e288 = (0.0009290175f * sin_q[19]) - (0.00027340816f * cos_q[19]);
-    const float h_r_sho_roll_z = (0.00027340816f * sin_q[19]) + (0.0009290175f * cos_q[19]);
-    const float e289 = (cos_q[19] * g_r_el_x) - (sin_q[19] * g_r_el_y);
-    const float e290 = (sin_q[19] * g_r_el_x) + (cos_q[19] * g_r_el_y);
-    const float e291 = (0.06f * e263) - (0.016f * e264);
-    const float h_r_sho_roll_y = e288 - 0.0033018994f;
-    const float g_r_sho_roll_x = (0.00017307096f * e260) + (0.0033018994f * e263) + g_r_el_z;
-    const float g_r_sho_roll_y = (0.0033018994f * e261) - (0.00017307096f * e265) + e289;
-    const float e292 = (0.00017307096f * e267) + (0.0033018994f * e268) + e290;
-    const float n_r_sho_roll_x = (8.77044e-6f * e267) + (0.00018228272f * e268)
-        + (2.1611695e-5f * e262) - ((2.1611695e-5f * e261) - (2.490703e-6f * e265))
-        + ((0.06f * e290) - (0.016f * e289) - n_r_el_z
-        - ((e288 * ((0.06f * e268) + (0.016f * e262)))
-        + (h_r_sho_roll_z * ((0.06f * e261) + (0.016f * e266)))));
-    const float n_r_sho_roll_y = (2.490703e-6f * e260) + (2.1611695e-5f * e263)
-        - ((9.582825e-6f * e267) + (8.77044e-6f * e268) + (2.490703e-6f * e262))
-        + ((0.016f * g_r_el_z) - ((cos_q[19] * n_r_el_x) + (sin_q[19] * e287))
-        + (h_r_sho_roll_z * e291));
-    const float n_r_sho_roll_z = (9.582825e-6f * e265) - (8.77044e-6f * e261)
-        - (2.490703e-6f * e266)
-        - ((2.1611695e-5f * e264) - ((8.77044e-6f * e260) + (0.00018228272f * e263)))
-        + ((0.06f * g_r_el_z) - ((cos_q[19] * e287) - (sin_q[19] * n_r_el_x)) - (e288 * e291));
-    /* r_sho_pitch */
-    const float e293 = (0.00017307096f * s_r_sho_roll) + (c_r_sho_roll * h_r_sho_roll_y);
-    const float h_r_sho_pitch_z = (s_r_sho_roll * h_r_sho_roll_y) - (0.00017307096f * c_r_sho_roll);
-    const float e294 = (c_r_sho_roll * g_r_sho_roll_y) - (s_r_sho_roll * g_r_sho_roll_x);
-    const float e295 = (c_r_sho_roll * g_r_sho_roll_x) + (s_r_sho_roll * g_r_sho_roll_y);
-    const float e296 = (0.016f * e245) + (0.045f * e246);
-    const float e297 = (0.016f * e243) - (0.045f * e248);
-    const float e298 = (0.016f * e250) + (0.045f * e244);
-    const float h_r_sho_pitch_x = 0.0003788733f + h_r_sho_roll_z;
-    const float h_r_sho_pitch_y = e293 - 0.0012960221f;
-    const float e299 = (0.0003788733f * e242) + (0.0012960221f * e245) + e292;
-    const float g_r_sho_pitch_y = (0.0003788733f * e247) + (0.0012960221f * e243) + e294;
-    const float g_r_sho_pitch_z = (0.0012960221f * e250) - (0.0003788733f * e249) + e295;
-    const float n_r_sho_pitch_x = (6.049467e-6f * e249) - (2.1025264e-5f * e250)
-        - (5.821203e-5f * e244) + ((1.7036793e-5f * e247) + (5.821203e-5f * e243))
-        + ((0.045f * e294) - (0.016f * e295) - n_r_sho_roll_z
-        + ((e293 * e298) - (h_r_sho_pitch_z * e297)));
-    const float n_r_sho_pitch_y = (1.7036793e-5f * e242) + (5.821203e-5f * e245)
-        - ((6.049467e-6f * e250) - (1.575147e-5f * e249) + (1.7036793e-5f * e244))
-        + ((0.045f * e292) - ((c_r_sho_roll * n_r_sho_roll_y) - (s_r_sho_roll * n_r_sho_roll_x))
-        - ((h_r_sho_pitch_z * e296) + (h_r_sho_roll_z * e298)));
-    const float n_r_sho_pitch_z = (1.575147e-5f * e247) + (6.049467e-6f * e243)
-        - (1.7036793e-5f * e248)
-        - ((6.049467e-6f * e242) + (2.1025264e-5f * e245) + (5.821203e-5f * e246))
-        + ((h_r_sho_roll_z * e297) + (e293 * e296)
-        - ((c_r_sho_roll * n_r_sho_roll_x) + (s_r_sho_roll * n_r_sho_roll_y) + (0.016f * e292)));
-    /* l_el */
-    const float g_l_el_x = (0.00027340816f * e226) + (0.0009290175f * e229);
-    const float g_l_el_y = (0.0009290175f * e227) - (0.00027340816f * e230);
-    const float e300 = (0.00027340816f * e231) + (0.0009290175f * e232);
-    const float n_l_el_x = (1.47495875e-5f * e231) + (6.8651454e-5f * e232) + (8.004954e-6f * e228)
-        - ((8.004954e-6f * e227) - (1.9716072e-6f * e230));
-    const float n_l_el_y = (1.9716072e-6f * e226) + (8.004954e-6f * e229)
-        - ((7.3121573e-6f * e231) + (1.47495875e-5f * e232) + (1.9716072e-6f * e228));
-    const float n_l_el_z = (7.3121573e-6f * e230) - (1.47495875e-5f * e227)
-        - (1.9716072e-6f * (e225 + e218))
-        - ((8.004954e-6f * (e224 + e219)) - ((1.47495875e-5f * e226) + (6.8651454e-5f * e229)));
-    /* l_sho_roll */
-    const float e301 = (0.00027340816f * cos_q[10]) + (0.0009290175f * sin_q[10]);
-    const float h_l_sho_roll_z = (0.0009290175f * cos_q[10]) - (0.00027340816f * sin_q[10]);
-    const float e302 = (cos_q[10] * g_l_el_x) + (sin_q[10] * g_l_el_y);
-    const float e303 = (sin_q[10] * g_l_el_x) - (cos_q[10] * g_l_el_y);
-    const float e304 = (0.016f * e212) - (0.06f * e211);
-    const float e305 = e301 + 0.0033018994f;
-    const float e306 = (0.00017307096f * e208) + (0.0033018994f * e211) + e300;
-    const float g_l_sho_roll_y = (0.0033018994f * e209) - (0.00017307096f * e213) + e302;
-    const float g_l_sho_roll_z = e303 - ((0.00017307096f * e215) + (0.0033018994f * e216));
-    const float n_l_sho_roll_x = (8.77044e-6f * e215) + (0.00018228272f * e216)
-        + (2.1611695e-5f * e210) - ((2.1611695e-5f * e209) - (2.490703e-6f * e213))
-        + ((e301 * ((0.06f * e216) + (0.016f * e210)))
-        - (h_l_sho_roll_z * ((0.06f * e209) + (0.016f * e214)))
-        - (n_l_el_z + ((0.06f * e303) + (0.016f * e302))));
-    const float n_l_sho_roll_y = (9.582825e-6f * e215) + (8.77044e-6f * e216)
-        + (2.490703e-6f * e210) - ((2.490703e-6f * e208) + (2.1611695e-5f * e211))
-        + ((h_l_sho_roll_z * e304)
-        - ((cos_q[10] * n_l_el_x) + (sin_q[10] * n_l_el_y) + (0.016f * e300)));
-    const float n_l_sho_roll_z = (8.77044e-6f * e209) - (9.582825e-6f * e213)
-        + (2.490703e-6f * e214)
-        - ((8.77044e-6f * e208) + (0.00018228272f * e211) - (2.1611695e-5f * e212))
-        + ((e301 * e304) - ((sin_q[10] * n_l_el_x) - (cos_q[10] * n_l_el_y) + (0.06f * e300)));
-    /* l_sho_pitch */
-    const float e307 = (0.00017307096f * s_l_sho_roll) + (c_l_sho_roll * e305);
-    const float h_l_sho_pitch_z = (0.00017307096f * c_l_sho_roll) - (s_l_sho_roll * e305);
-    const float e308 = (s_l_sho_roll * e306) + (c_l_sho_roll * g_l_sho_roll_y);
-    const float e309 = (s_l_sho_roll * g_l_sho_roll_y) - (c_l_sho_roll * e306);
-    const float e310 = (0.016f * e193) + (0.119f * e194);
-    const float e311 = (0.016f * e191) - (0.119f * e196);
-    const float e312 = (0.016f * e198) + (0.119f * e192);
-    const float h_l_sho_pitch_x = 0.0003788733f + h_l_sho_roll_z;
-    const float e313 = e307 + 0.0012960221f;
-    const float g_l_sho_pitch_x = g_l_sho_roll_z
-        - ((0.0003788733f * e190) + (0.0012960221f * e193));
-    const float g_l_sho_pitch_y = (0.0003788733f * e195) + (0.0012960221f * e191) + e308;
-    const float g_l_sho_pitch_z = (0.0003788733f * e197) - (0.0012960221f * e198) + e309;
-    const float n_l_sho_pitch_x = (2.1025264e-5f * e198) - (6.049467e-6f * e197)
-        + (0.00015411766f * e192) - ((4.5073415e-5f * e195) + (0.00015411766f * e191))
-        + ((e307 * e312) - (h_l_sho_pitch_z * e311)
-        - (n_l_sho_roll_z + ((0.016f * e309) + (0.119f * e308))));
-    const float n_l_sho_pitch_y = (0.119f * g_l_sho_roll_z)
-        - ((c_l_sho_roll * n_l_sho_roll_y) - (s_l_sho_roll * n_l_sho_roll_x))
-        + ((h_l_sho_roll_z * e312) - (h_l_sho_pitch_z * e310))
-        - ((4.5073415e-5f * e190) + (0.00015411766f * e193)
-        + ((1.575147e-5f * e197) - (6.049467e-6f * e198) - (4.5073415e-5f * e192)));
-    const float n_l_sho_pitch_z = (1.575147e-5f * e195) + (6.049467e-6f * e191)
-        - (4.5073415e-5f * e196)
-        - ((6.049467e-6f * e190) + (2.1025264e-5f * e193) + (0.00015411766f * e194))
-        + ((0.016f * g_l_sho_roll_z)
-        - ((c_l_sho_roll * n_l_sho_roll_x) + (s_l_sho_roll * n_l_sho_roll_y))
-        + ((h_l_sho_roll_z * e311) - (e307 * e310)));
-    /* l_ank_roll */
-    const float g_l_ank_roll_x = (0.00070598227f * e177) - (0.0002581614f * e174);
-    const float g_l_ank_roll_y = (0.0002581614f * e178) + (0.00070598227f * e175);
-    const float n_l_ank_roll_x = (7.5768867e-6f * e179) + (2.1134118e-5f * e180)
-        - (2.1314062e-8f * e176) + ((2.0458297e-7f * e178) + (2.1314062e-8f * e175));
-    const float n_l_ank_roll_y = (2.0458297e-7f * e174) - (2.1314062e-8f * e177)
-        - ((2.0458297e-7f * e176) - ((1.1924058e-5f * e179) + (7.5768867e-6f * e180)));
-    const float n_l_ank_roll_z = (1.1924058e-5f * e178) + (7.5768867e-6f * e175)
-        - (2.0458297e-7f * (e173 - a_l_ank_roll_x))
-        - ((7.5768867e-6f * e174) - (2.1134118e-5f * e177)
-        + (2.1314062e-8f * (a_l_ank_roll_y - e172)));
-    /* l_ank_pitch */
-    const float h_l_ank_pitch_z = (0.0002581614f * cos_q[7]) + (0.00070598227f * sin_q[7]);
-    const float h_l_ank_pitch_y = 0.00079249474f
-        + ((0.0002581614f * sin_q[7]) - (0.00070598227f * cos_q[7]));
-    const float g_l_ank_pitch_x = (0.0010725238f * e160) + (0.00079249474f * e163)
-        - ((0.0002581614f * e179) + (0.00070598227f * e180));
-    const float g_l_ank_pitch_y = (sin_q[7] * g_l_ank_roll_x) + (cos_q[7] * g_l_ank_roll_y)
-        - ((0.0010725238f * e164) + (0.00079249474f * e161));
-    const float g_l_ank_pitch_z = (0.00079249474f * e166) - (0.0010725238f * e165)
-        + ((cos_q[7] * g_l_ank_roll_x) - (sin_q[7] * g_l_ank_roll_y));
-    const float n_l_ank_pitch_x = (2.0191303e-5f * e166) - (1.7108983e-5f * e165)
-        - (1.03344085e-7f * e162) - ((3.607336e-7f * e164) - (1.03344085e-7f * e161))
-        - n_l_ank_roll_z;
-    const float n_l_ank_pitch_y = (1.03344085e-7f * e163) - (3.607336e-7f * e160)
-        - ((7.230369e-5f * e165) - (1.7108983e-5f * e166) - (3.607336e-7f * e162))
-        - ((sin_q[7] * n_l_ank_roll_x) + (cos_q[7] * n_l_ank_roll_y));
-    const float n_l_ank_pitch_z = (7.230369e-5f * e164) + (1.7108983e-5f * e161)
-        + (3.607336e-7f * (e159 - a_l_ank_pitch_x))
-        - ((1.7108983e-5f * e160) + (2.0191303e-5f * e163)
-        + (1.03344085e-7f * (e158 + a_l_ank_pitch_y)))
-        - ((cos_q[7] * n_l_ank_roll_x) - (sin_q[7] * n_l_ank_roll_y));
-    /* l_knee */
-    const float e314 = (sin_q[6] * h_l_ank_pitch_y) - (0.0010725238f * cos_q[6]);
-    const float e315 = (0.0010725238f * sin_q[6]) + (cos_q[6] * h_l_ank_pitch_y);
-    const float e316 = (cos_q[6] * g_l_ank_pitch_x) + (sin_q[6] * g_l_ank_pitch_y);
-    const float e317 = 0.093f * e150;
-    const float e318 = 0.093f * e148;
-    const float e319 = 0.093f * e153;
-    const float h_l_knee_x = 0.0001573714f + e314;
-    const float h_l_knee_y = e315 - 0.008776738f;
-    const float g_l_knee_x = e316 - ((0.0001573714f * e147) + (0.008776738f * e150));
-    const float g_l_knee_y = (0.0001573714f * e151) + (0.008776738f * e148)
-        + ((cos_q[6] * g_l_ank_pitch_y) - (sin_q[6] * g_l_ank_pitch_x));
-    const float g_l_knee_z = (0.0001573714f * e152) - (0.008776738f * e153) + g_l_ank_pitch_z;
-    const float n_l_knee_x = (0.000793051f * e153) - (1.7490652e-6f * e152) - (2.0113266e-6f * e149)
-        + ((1.122252e-8f * e151) + (2.0113266e-6f * e148))
-        + ((cos_q[6] * n_l_ank_pitch_x) + (sin_q[6] * n_l_ank_pitch_y) - (0.093f * g_l_ank_pitch_z)
-        - ((e315 * e319) + (h_l_ank_pitch_z * e318)));
-    const float n_l_knee_y = (1.122252e-8f * e147) + (2.0113266e-6f * e150)
-        - ((5.500015e-6f * e152) - (1.7490652e-6f * e153) + (1.122252e-8f * e149))
-        + ((cos_q[6] * n_l_ank_pitch_y) - (sin_q[6] * n_l_ank_pitch_x)
-        + ((e314 * e319) - (h_l_ank_pitch_z * e317)));
-    const float n_l_knee_z = (5.500015e-6f * e151) + (1.7490652e-6f * e148)
-        - (1.122252e-8f * (e146 - a_l_knee_x))
-        - ((1.7490652e-6f * e147) + (0.000793051f * e150) + (2.0113266e-6f * (e145 + a_l_knee_y)))
-        + (n_l_ank_pitch_z + (0.093f * e316) + ((e314 * e318) + (e315 * e317)));
-    /* l_hip_pitch */
-    const float e320 = (cos_q[5] * h_l_knee_x) - (sin_q[5] * h_l_knee_y);
-    const float e321 = (sin_q[5] * h_l_knee_x) + (cos_q[5] * h_l_knee_y);
-    const float e322 = (cos_q[5] * g_l_knee_x) - (sin_q[5] * g_l_knee_y);
-    const float e323 = 0.093f * e137;
-    const float e324 = 0.093f * e135;
-    const float e325 = 0.093f * e140;
-    const float h_l_hip_pitch_x = 2.8156464e-5f + e320;
-    const float h_l_hip_pitch_y = e321 - 0.012635849f;
-    const float g_l_hip_pitch_x = (0.012635849f * e137) - (2.8156464e-5f * e134) + e322;
-    const float g_l_hip_pitch_y = (2.8156464e-5f * e138) + (0.012635849f * e135)
-        + ((sin_q[5] * g_l_knee_x) + (cos_q[5] * g_l_knee_y));
-    const float g_l_hip_pitch_z = g_l_knee_z - ((2.8156464e-5f * e139) + (0.012635849f * e140));
-    const float n_l_hip_pitch_x = (1.1071821e-6f * e139) + (0.0011289481f * e140)
-        - (2.8721834e-6f * e136) - ((6.346494e-8f * e138) - (2.8721834e-6f * e135))
-        + ((cos_q[5] * n_l_knee_x) - (sin_q[5] * n_l_knee_y) - (0.093f * g_l_knee_z)
-        - ((e321 * e325) + (h_l_ank_pitch_z * e324)));
-    const float n_l_hip_pitch_y = (2.7309065e-6f * e139) + (1.1071821e-6f * e140)
-        + (6.346494e-8f * e136) - ((6.346494e-8f * e134) + (2.8721834e-6f * e137))
-        + ((sin_q[5] * n_l_knee_x) + (cos_q[5] * n_l_knee_y)
-        + ((h_l_ank_pitch_z * e323) + (e320 * e325)));
-    const float n_l_hip_pitch_z = (2.7309065e-6f * e138) + (1.1071821e-6f * e135)
-        + (6.346494e-8f * (e133 - a_l_hip_pitch_x))
-        - ((1.1071821e-6f * e134) - (0.0011289481f * e137)
-        + (2.8721834e-6f * (a_l_hip_pitch_y - e132)))
-        + (n_l_knee_z + (0.093f * e322) + ((e320 * e324) - (e321 * e323)));
-    /* l_hip_roll */
-    const float h_l_hip_roll_z = (cos_q[4] * h_l_hip_pitch_x) - (sin_q[4] * h_l_hip_pitch_y);
-    const float h_l_hip_roll_x = h_l_ank_pitch_z - 3.5009605e-5f;
-    const float h_l_hip_roll_y = (sin_q[4] * h_l_hip_pitch_x) + (cos_q[4] * h_l_hip_pitch_y)
-        - 0.00079249474f;
-    const float g_l_hip_roll_x = (3.5009605e-5f * e120) - (0.00079249474f * e123) + g_l_hip_pitch_z;
-    const float g_l_hip_roll_y = (0.00079249474f * e121) - (3.5009605e-5f * e124)
-        + ((sin_q[4] * g_l_hip_pitch_x) + (cos_q[4] * g_l_hip_pitch_y));
-    const float g_l_hip_roll_z = (cos_q[4] * g_l_hip_pitch_x) - (sin_q[4] * g_l_hip_pitch_y)
-        - ((3.5009605e-5f * e125) + (0.00079249474f * e126));
-    const float n_l_hip_roll_x = (2.0191404e-5f * e126) - (3.0652984e-7f * e125)
-        - (1.6905811e-5f * e122) + ((3.607334e-7f * e124) + (1.6905811e-5f * e121))
-        - n_l_hip_pitch_z;
-    const float n_l_hip_roll_y = (3.607334e-7f * e120) + (1.6905811e-5f * e123)
-        - ((3.0124214e-5f * e125) - (3.0652984e-7f * e126) + (3.607334e-7f * e122))
-        - ((sin_q[4] * n_l_hip_pitch_x) + (cos_q[4] * n_l_hip_pitch_y));
-    const float n_l_hip_roll_z = (3.0124214e-5f * e124) + (3.0652984e-7f * e121)
-        - (3.607334e-7f * (e119 - a_l_hip_roll_x))
-        - ((3.0652984e-7f * e120) + (2.0191404e-5f * e123)
-        + (1.6905811e-5f * (e118 + a_l_hip_roll_y)))
-        - ((cos_q[4] * n_l_hip_pitch_x) - (sin_q[4] * n_l_hip_pitch_y));
-    /* l_hip_yaw */
-    const float h_l_hip_yaw_y = (cos_q[3] * h_l_hip_roll_x) + (sin_q[3] * h_l_hip_roll_y);
-    const float h_l_hip_yaw_z = (cos_q[3] * h_l_hip_roll_y) - (sin_q[3] * h_l_hip_roll_x);
-    const float h_l_hip_yaw_x = h_l_hip_roll_z - 0.0010376462f;
-    const float g_l_hip_yaw_x = (0.0010376462f * e109) + g_l_hip_roll_z;
-    const float g_l_hip_yaw_y = (cos_q[3] * g_l_hip_roll_x) + (sin_q[3] * g_l_hip_roll_y)
-        - (0.0010376462f * e111);
-    const float g_l_hip_yaw_z = (cos_q[3] * g_l_hip_roll_y) - (sin_q[3] * g_l_hip_roll_x)
-        - (0.0010376462f * e112);
-    const float n_l_hip_yaw_x = (4.2597827e-7f * e113) - (3.3265562e-7f * e111) + n_l_hip_roll_z;
-    const float n_l_hip_yaw_y = (cos_q[3] * n_l_hip_roll_x) + (sin_q[3] * n_l_hip_roll_y)
-        - ((3.3265562e-7f * e109) + ((5.517082e-5f * e112) - (3.3265562e-7f * (e104 + e105))));
-    const float n_l_hip_yaw_z = (5.517082e-5f * e111) + (3.3265562e-7f * (e108 - a_l_hip_yaw_x))
-        - (4.2597827e-7f * e110) + ((cos_q[3] * n_l_hip_roll_y) - (sin_q[3] * n_l_hip_roll_x));
-    /* head_tilt */
-    const float e326 = (0.0008936193f * e97) + (0.0006155634f * e100);
-    const float g_head_tilt_y = (0.0006155634f * e98) - (0.0008936193f * e101);
-    const float e327 = (0.0008936193f * e102) + (0.0006155634f * e103);
-    const float n_head_tilt_x = (8.173087e-6f * e102) + (3.187295e-5f * e103)
-        - (1.9992667e-7f * e99) - ((6.710094e-8f * e101) - (1.9992667e-7f * e98));
-    const float n_head_tilt_y = (6.710094e-8f * e97) + (1.9992667e-7f * e100)
-        - ((6.710094e-8f * e99) - ((3.229937e-5f * e102) + (8.173087e-6f * e103)));
-    const float n_head_tilt_z = (8.173087e-6f * e98) - (3.229937e-5f * e101)
-        - (6.710094e-8f * (e96 - a_head_tilt_x))
-        - ((8.173087e-6f * e97) + (3.187295e-5f * e100) + (1.9992667e-7f * (a_head_tilt_y - e95)));
-    /* head_pan */
-    const float e328 = (0.0008936193f * cos_q[1]) - (0.0006155634f * sin_q[1]);
-    const float h_head_pan_z = (0.0008936193f * sin_q[1]) + (0.0006155634f * cos_q[1]);
-    const float e329 = (sin_q[1] * g_head_tilt_y) - (cos_q[1] * e326);
-    const float e330 = 0.1727f * e85;
-    const float h_head_pan_x = e328 - 5.9352205e-6f;
-    const float g_head_pan_x = (5.9352205e-6f * e79) - (1.531256e-5f * e82) + e329;
-    const float e331 = (5.9352205e-6f * e84) + (1.531256e-5f * e80) + e327;
-    const float g_head_pan_z = (1.531256e-5f * e87) - (5.9352205e-6f * e86)
-        - ((sin_q[1] * e326) + (cos_q[1] * g_head_tilt_y));
-    const float n_head_pan_x = (3.3021018e-15f * e86) + (2.1234626e-5f * e87)
-        - (2.6446626e-6f * e81) + ((8.6096753e-7f * e84) + (2.6446626e-6f * e80))
-        + ((cos_q[1] * n_head_tilt_x) + (sin_q[1] * n_head_tilt_y) + (0.1727f * e327)
-        + (h_head_pan_z * e330));
-    const float n_head_pan_y = (8.6096753e-7f * e79) - (2.6446626e-6f * e82)
-        - ((3.3801922e-7f * e86) + (3.3021018e-15f * e87) + (8.6096753e-7f * e81))
-        + (n_head_tilt_z + (0.1727f * e329)
-        + ((h_head_pan_z * (0.1727f * e83)) + (e328 * (0.1727f * e81))));
-    const float n_head_pan_z = (3.3801922e-7f * e84) - (3.3021018e-15f * e80)
-        + (8.6096753e-7f * e85)
-        - ((2.6446626e-6f * e83) - ((3.3021018e-15f * e79) + (2.1234626e-5f * e82)))
-        + ((sin_q[1] * n_head_tilt_x) - (cos_q[1] * n_head_tilt_y) - (e328 * e330));
-    /* r_hip_yaw */
-    const float e332 = (cos_q[0] * h_head_pan_x) - (1.531256e-5f * sin_q[0]);
-    const float e333 = (sin_q[0] * h_head_pan_x) + (1.531256e-5f * cos_q[0]);
-    const float e334 = (cos_q[0] * g_head_pan_x) + (sin_q[0] * e331);
-    const float e335 = (sin_q[0] * g_head_pan_x) - (cos_q[0] * e331);
-    const float e336 = 0.005f * e62;
-    const float e337 = e336 + (0.037f * e65);
-    const float e338 = 0.005f * e67;
-    const float e339 = e338 - (0.037f * e63);
-    const float e340 = 0.005f * e69;
-    const float e341 = e340 + (0.037f * e70);
-    const float e342 = (cos_q[8] * h_l_sho_pitch_x) - (sin_q[8] * e313);
-    const float e343 = (sin_q[8] * h_l_sho_pitch_x) + (cos_q[8] * e313);
-    const float e344 = (cos_q[8] * g_l_sho_pitch_x) + (sin_q[8] * g_l_sho_pitch_y);
-    const float e345 = (cos_q[8] * g_l_sho_pitch_y) - (sin_q[8] * g_l_sho_pitch_x);
-    const float e346 = (0.1222f * e66) - e336;
-    const float e347 = e338 - (0.1222f * e68);
-    const float e348 = e340 - (0.1222f * e64);
-    const float e349 = (0.0034573963f * e70) - (0.00012209061f * e69) - (0.0021249873f * e64)
-        + ((0.00024561278f * e67) + (0.0021249873f * e63))
-        + ((cos_q[0] * n_head_pan_x) - (sin_q[0] * n_head_pan_y) + (0.037f * g_head_pan_z)
-        + ((e333 * e341) - (h_head_pan_z * e339)))
-        + ((h_l_sho_pitch_z * e348) + (e343 * e347)
-        - ((cos_q[8] * n_l_sho_pitch_x) + (sin_q[8] * n_l_sho_pitch_y)
-        + (0.1222f * g_l_sho_pitch_z)));
-    const float e350 = (0.00024561278f * e62) - (0.0021249873f * e65)
-        - ((0.00044578433f * e69) - (0.00012209061f * e70) + (0.00024561278f * e64))
-        + ((sin_q[0] * n_head_pan_x) + (cos_q[0] * n_head_pan_y) - (0.005f * g_head_pan_z)
-        - ((h_head_pan_z * e337) + (e332 * e341)))
-        + ((0.1222f * e344) - (0.005f * e345) - n_l_sho_pitch_z - ((e343 * e346) + (e342 * e348)));
-    const float e351 = (0.00044578433f * e67) + (0.00012209061f * e63) + (0.00024561278f * e68)
-        - ((0.00012209061f * e62) - (0.0034573963f * e65) + (0.0021249873f * e66))
-        + (n_head_pan_z + ((0.005f * e335) - (0.037f * e334)) + ((e332 * e339) + (e333 * e337)))
-        + ((0.005f * g_l_sho_pitch_z)
-        - ((cos_q[8] * n_l_sho_pitch_y) - (sin_q[8] * n_l_sho_pitch_x))
-        + ((e342 * e347) - (h_l_sho_pitch_z * e346)));
-    const float e352 = (cos_q[17] * h_r_sho_pitch_x) - (sin_q[17] * h_r_sho_pitch_y);
-    const float e353 = (sin_q[17] * h_r_sho_pitch_x) + (cos_q[17] * h_r_sho_pitch_y);
-    const float e354 = (cos_q[17] * e299) + (sin_q[17] * g_r_sho_pitch_y);
-    const float e355 = (cos_q[17] * g_r_sho_pitch_y) - (sin_q[17] * e299);
-    const float e356 = (cos_q[2] * h_l_hip_yaw_x) + (sin_q[2] * h_l_hip_yaw_y);
-    const float e357 = (cos_q[2] * h_l_hip_yaw_y) - (sin_q[2] * h_l_hip_yaw_x);
-    const float e358 = (cos_q[2] * g_l_hip_yaw_x) + (sin_q[2] * g_l_hip_yaw_y);
-    const float e359 = 0.074f * e65;
-    const float e360 = 0.074f * e63;
-    const float e361 = 0.074f * e70;
-    const float h_r_hip_yaw_x = e332 - 0.0037115626f + e342 + e352 + e356;
-    const float h_r_hip_yaw_y = 0.035960846f + e333 + h_l_sho_pitch_z + h_r_sho_pitch_z + e357;
-    const float h_r_hip_yaw_z = h_head_pan_z - e343 + e353 + h_l_hip_yaw_z;
-    const float g_r_hip_yaw_x = (0.0037115626f * e62) - (0.035960846f * e65) + e334 + e344
-        - e354 + e358;
-    const float g_r_hip_yaw_y = e335 - ((0.0037115626f * e67) + (0.035960846f * e63))
-        + g_l_sho_pitch_z + g_r_sho_pitch_z
-        + ((cos_q[2] * g_l_hip_yaw_y) - (sin_q[2] * g_l_hip_yaw_x));
-    const float g_r_hip_yaw_z = (0.035960846f * e70) - (0.0037115626f * e69) + g_head_pan_z + e345
-        + e355 + g_l_hip_yaw_z;
-    const float n_r_hip_yaw_x = e349
-        + ((h_r_sho_pitch_z * e348) - (e353 * e347)
-        - ((cos_q[17] * n_r_sho_pitch_x) - (sin_q[17] * n_r_sho_pitch_y)
-        + (0.1222f * g_r_sho_pitch_z)))
-        + ((cos_q[2] * n_l_hip_yaw_x) + (sin_q[2] * n_l_hip_yaw_y) + (0.074f * g_l_hip_yaw_z)
-        + ((e357 * e361) + (h_l_hip_yaw_z * e360)));
-    const float n_r_hip_yaw_y = e350
-        + ((e353 * e346) - (e352 * e348) - (n_r_sho_pitch_z + ((0.1222f * e354) + (0.005f * e355))))
-        + ((cos_q[2] * n_l_hip_yaw_y) - (sin_q[2] * n_l_hip_yaw_x)
-        - ((h_l_hip_yaw_z * e359) + (e356 * e361)));
-    const float n_r_hip_yaw_z = e351
-        + ((0.005f * g_r_sho_pitch_z)
-        - ((sin_q[17] * n_r_sho_pitch_x) + (cos_q[17] * n_r_sho_pitch_y))
-        + ((e352 * e347) - (h_r_sho_pitch_z * e346)))
-        + (n_l_hip_yaw_z - (0.074f * e358) + ((e357 * e359) - (e356 * e360)));
-    /* r_hip_roll */
-    const float h_r_hip_roll_x = (sin_q[11] * h_r_hip_yaw_x) + (cos_q[11] * h_r_hip_yaw_y);
-    const float h_r_hip_roll_z = (cos_q[11] * h_r_hip_yaw_x) - (sin_q[11] * h_r_hip_yaw_y);
-    const float h_r_hip_roll_y = 0.059756316f + h_r_hip_yaw_z;
-    const float g_r_hip_roll_x = (sin_q[11] * g_r_hip_yaw_x) + (cos_q[11] * g_r_hip_yaw_y)
-        - (0.059756316f * e50);
-    const float g_r_hip_roll_y = g_r_hip_yaw_z - (0.059756316f * e49);
-    const float g_r_hip_roll_z = (0.059756316f * e53)
-        + ((cos_q[11] * g_r_hip_yaw_x) - (sin_q[11] * g_r_hip_yaw_y));
-    const float n_r_hip_roll_x = (0.007136011f * e53) - (3.3265562e-7f * (e44 + e45))
-        + (3.3265562e-7f * e49) + ((sin_q[11] * n_r_hip_yaw_x) + (cos_q[11] * n_r_hip_yaw_y));
-    const float n_r_hip_roll_y = (4.2597827e-7f * e52) - (3.3265562e-7f * e50) + n_r_hip_yaw_z;
-    const float n_r_hip_roll_z = (4.2597827e-7f * e51)
-        - ((3.3265562e-7f * (a_r_hip_roll_y - e48)) - (0.007136011f * e50))
-        + ((cos_q[11] * n_r_hip_yaw_x) - (sin_q[11] * n_r_hip_yaw_y));
-    /* r_hip_pitch */
-    const float h_r_hip_pitch_z = (cos_q[12] * h_r_hip_roll_x) - (sin_q[12] * h_r_hip_roll_y);
-    const float h_r_hip_pitch_x = h_r_hip_roll_z - 0.0010376462f;
-    const float h_r_hip_pitch_y = (sin_q[12] * h_r_hip_roll_x) + (cos_q[12] * h_r_hip_roll_y)
-        - 0.00079249474f;
-    const float g_r_hip_pitch_x = (0.0010376462f * e36) - (0.00079249474f * e39) + g_r_hip_roll_z;
-    const float g_r_hip_pitch_y = (0.00079249474f * e37) - (0.0010376462f * e40)
-        + ((sin_q[12] * g_r_hip_roll_x) + (cos_q[12] * g_r_hip_roll_y));
-    const float g_r_hip_pitch_z = (cos_q[12] * g_r_hip_roll_x) - (sin_q[12] * g_r_hip_roll_y)
-        - ((0.0010376462f * e41) + (0.00079249474f * e42));
-    const float n_r_hip_pitch_x = (1.6905811e-5f * e41) + (2.0191404e-5f * e42)
-        - (3.0652984e-7f * e38) - ((3.607334e-7f * e40) - (3.0652984e-7f * e37)) - n_r_hip_roll_z;
-    const float n_r_hip_pitch_y = (3.0652984e-7f * e39) - (3.607334e-7f * e36)
-        - ((5.517082e-5f * e41) + (1.6905811e-5f * e42) - (3.607334e-7f * e38))
-        - ((sin_q[12] * n_r_hip_roll_x) + (cos_q[12] * n_r_hip_roll_y));
-    const float n_r_hip_pitch_z = (5.517082e-5f * e40) - (1.6905811e-5f * e37)
-        + (3.607334e-7f * (e35 - a_r_hip_pitch_x))
-        - ((2.0191404e-5f * e39) - (1.6905811e-5f * e36)
-        + (3.0652984e-7f * (e34 + a_r_hip_pitch_y)))
-        - ((cos_q[12] * n_r_hip_roll_x) - (sin_q[12] * n_r_hip_roll_y));
-    /* r_knee */
-    const float e362 = (cos_q[13] * h_r_hip_pitch_x) - (sin_q[13] * h_r_hip_pitch_y);
-    const float e363 = (sin_q[13] * h_r_hip_pitch_x) + (cos_q[13] * h_r_hip_pitch_y);
-    const float e364 = (cos_q[13] * g_r_hip_pitch_x) - (sin_q[13] * g_r_hip_pitch_y);
-    const float e365 = 0.093f * e26;
-    const float e366 = 0.093f * e24;
-    const float e367 = 0.093f * e29;
-    const float h_r_knee_x = 2.8156464e-5f + e362;
-    const float h_r_knee_y = 0.08036415f + e363;
-    const float g_r_knee_x = (0.08036415f * e26) - (2.8156464e-5f * e23) + e364;
-    const float g_r_knee_y = (2.8156464e-5f * e27) - (0.08036415f * e24)
-        + ((sin_q[13] * g_r_hip_pitch_x) + (cos_q[13] * g_r_hip_pitch_y));
-    const float g_r_knee_z = (2.8156464e-5f * e28) + (0.08036415f * e29) + g_r_hip_pitch_z;
-    const float n_r_knee_x = (1.5113691e-6f * e28) + (0.0074276803f * e29) - (3.8370985e-7f * e25)
-        + ((6.346494e-8f * e27) + (3.8370985e-7f * e24))
-        + ((cos_q[13] * n_r_hip_pitch_x) - (sin_q[13] * n_r_hip_pitch_y)
-        + (0.093f * g_r_hip_pitch_z) + ((e363 * e367) + (h_r_hip_pitch_z * e366)));
-    const float n_r_knee_y = (6.346494e-8f * e23) + (3.8370985e-7f * e26)
-        - ((2.7309065e-6f * e28) + (1.5113691e-6f * e29) + (6.346494e-8f * e25))
-        + ((sin_q[13] * n_r_hip_pitch_x) + (cos_q[13] * n_r_hip_pitch_y)
-        + ((h_r_hip_pitch_z * e365) - (e362 * e367)));
-    const float n_r_knee_z = (2.7309065e-6f * e27) - (1.5113691e-6f * e24)
-        - (6.346494e-8f * (e22 - a_r_knee_x))
-        - ((0.0074276803f * e26) - (1.5113691e-6f * e23) + (3.8370985e-7f * (e21 + a_r_knee_y)))
-        + (n_r_hip_pitch_z - (0.093f * e364) - ((e362 * e366) + (e363 * e365)));
-    /* r_ank_pitch */
-    const float e368 = (cos_q[14] * h_r_knee_x) - (sin_q[14] * h_r_knee_y);
-    const float e369 = (sin_q[14] * h_r_knee_x) + (cos_q[14] * h_r_knee_y);
-    const float e370 = (cos_q[14] * g_r_knee_x) - (sin_q[14] * g_r_knee_y);
-    const float e371 = 0.093f * e13;
-    const float e372 = 0.093f * e11;
-    const float e373 = 0.093f * e16;
-    const float h_r_ank_pitch_x = 0.0001573714f + e368;
-    const float h_r_ank_pitch_y = 0.08422326f + e369;
-    const float g_r_ank_pitch_x = (0.08422326f * e13) - (0.0001573714f * e10) + e370;
-    const float g_r_ank_pitch_y = (0.0001573714f * e14) - (0.08422326f * e11)
-        + ((sin_q[14] * g_r_knee_x) + (cos_q[14] * g_r_knee_y));
-    const float g_r_ank_pitch_z = (0.08422326f * e16) - (0.0001573714f * e15) + g_r_knee_z;
-    const float n_r_ank_pitch_x = (0.0078095775f * e16) - (1.2886475e-5f * e15)
-        - (1.2445664e-6f * e12) - ((1.122252e-8f * e14) - (1.2445664e-6f * e11))
-        + ((cos_q[14] * n_r_knee_x) - (sin_q[14] * n_r_knee_y) + (0.093f * g_r_knee_z)
-        + ((e369 * e373) + (h_r_hip_pitch_z * e372)));
-    const float n_r_ank_pitch_y = (1.2445664e-6f * e13) - (1.122252e-8f * e10)
-        - ((1.2886475e-5f * e16) - (5.500015e-6f * e15) - (1.122252e-8f * e12))
-        + ((sin_q[14] * n_r_knee_x) + (cos_q[14] * n_r_knee_y)
-        + ((h_r_hip_pitch_z * e371) - (e368 * e373)));
-    const float n_r_ank_pitch_z = (5.500015e-6f * e14) - (1.2886475e-5f * e11)
-        - (1.122252e-8f * (e4 + a_r_ank_pitch_x))
-        - ((0.0078095775f * e13) - (1.2886475e-5f * e10) + (1.2445664e-6f * (a_r_ank_pitch_y - e5)))
-        + (n_r_knee_z - (0.093f * e370) - ((e368 * e372) + (e369 * e371)));
-    /* r_ank_roll */
-    const float e374 = 1.03344085e-7f * e3;
-    const float h_r_ank_roll_z = (cos_q[15] * h_r_ank_pitch_x) + (sin_q[15] * h_r_ank_pitch_y);
-    const float g_r_ank_roll_z = (cos_q[15] * g_r_ank_pitch_x) + (sin_q[15] * g_r_ank_pitch_y);
-    const float h_r_ank_roll_x = 3.5009605e-5f + h_r_hip_pitch_z;
-    const float h_r_ank_roll_y = 0.00079249474f
-        + ((cos_q[15] * h_r_ank_pitch_y) - (sin_q[15] * h_r_ank_pitch_x));
-    const float g_r_ank_roll_x = (0.00079249474f * qdd[16]) - (3.5009605e-5f * e3)
-        + g_r_ank_pitch_z;
-    const float g_r_ank_roll_y = (cos_q[15] * g_r_ank_pitch_y) - (sin_q[15] * g_r_ank_pitch_x)
-        - ((3.5009605e-5f * qdd[16]) + (0.00079249474f * e3));
-    const float n_r_ank_roll_y = (3.607336e-7f * e3) - (1.7108983e-5f * qdd[16])
-        - ((cos_q[15] * n_r_ank_pitch_y) - (sin_q[15] * n_r_ank_pitch_x));
-    const float n_r_ank_roll_z = e374 - (3.0124214e-5f * qdd[16])
-        - (e374 + (2.0191303e-5f * qdd[16]))
-        - ((cos_q[15] * n_r_ank_pitch_x) + (sin_q[15] * n_r_ank_pitch_y));
-    /* r_sole */
-    const float g_r_sole_y = (cos_q[16] * g_r_ank_roll_x) + (sin_q[16] * g_r_ank_roll_y);
-    const float g_r_sole_z = (cos_q[16] * g_r_ank_roll_y) - (sin_q[16] * g_r_ank_roll_x);
-    const float n_r_sole_x = n_r_ank_roll_z + ((0.0105f * g_r_sole_z) - (0.0335f * g_r_sole_y));
-    const float n_r_sole_y = (sin_q[16] * n_r_ank_roll_y)
-        - (cos_q[16] * ((3.607336e-7f * qdd[16]) + (1.7108983e-5f * e3) + n_r_ank_pitch_z))
-        + (0.0335f * g_r_ank_roll_z);
-    const float h_r_sole_x = h_r_ank_roll_z - 0.0010725238f;
-    const float h_r_sole_y = 0.010241838f
-        + ((cos_q[16] * h_r_ank_roll_x) + (sin_q[16] * h_r_ank_roll_y));
-    const float h_r_sole_z = 0.032794017f
-        + ((cos_q[16] * h_r_ank_roll_y) - (sin_q[16] * h_r_ank_roll_x));
-    /* ZMP */
-    const float load = 9.80665f + f_r_sole_z;
-    const float e375 = 1.0f / load;
-    zmp[0] = v_r_sole_x
-        - (((v_r_sole_z * f_r_ank_roll_z)
-        + (n_r_sole_y - ((h_r_sole_z * g_r_ank_roll_z) - (h_r_sole_x * g_r_sole_z)))) * e375);
-    zmp[1] = v_r_sole_y
-        - (((v_r_sole_z * f_r_sole_y)
-        - (n_r_sole_x - ((h_r_sole_y * g_r_sole_z) - (h_r_sole_z * g_r_sole_y)))) * e375);
+    op2_r_sole_zmp_core(1, sin_q, sin_q, cos_q, qd, qdd, r, zmp);
 }
 
 void op2_r_sole_com_ticks(
@@ -7135,7 +4707,7 @@ static int op2_r_sole_rounds_otherwise(op2_r_sole_real result)
 }
 #endif
 
-int op2_r_sole_selftest_fef1ecd1b232a600(void)
+int op2_r_sole_selftest_a3ce607317f5af97(void)
 {
     static const op2_r_sole_real q[20] = {
         0.5581665f,
@@ -7252,5 +4824,5 @@ int op2_r_sole_selftest_fef1ecd1b232a600(void)
 
 int op2_r_sole_selftest(void)
 {
-    return op2_r_sole_selftest_fef1ecd1b232a600();
+    return op2_r_sole_selftest_a3ce607317f5af97();
 }

@@ -6,9 +6,6 @@
 /// `op2` on its link `r_sole`.
 #[rustfmt::skip]
 pub mod op2_r_sole;
-/// `op2` on its link `l_sole`.
-#[rustfmt::skip]
-pub mod op2_l_sole;
 /// `two_link` on its link `foot`.
 #[rustfmt::skip]
 pub mod two_link_foot;

@@ -473,130 +473,10 @@ impl v1::Robot for Op2RSole {
 
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        // r_sho_roll
-        let v_r_sho_roll_y = c_r_el.mul_plus(r[41], r[40]);
-        let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], v_r_sho_roll_y);
-        let e1 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
-        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
-        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
-        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        // l_sho_roll
-        let v_l_sho_roll_y = c_l_el.mul_plus(r[35], r[34]);
-        let v_l_sho_roll_y = s_l_el.mul_plus(r[36], v_l_sho_roll_y);
-        let v_l_sho_roll_z = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
-        let e2 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
-        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[33], r[32]);
-        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
-        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        // l_ank_pitch
-        let v_l_ank_pitch_y = s_l_ank_roll.mul_plus(r[29], r[28]);
-        let v_l_ank_pitch_y = c_l_ank_roll.mul_plus(r[30], v_l_ank_pitch_y);
-        let v_l_ank_pitch_z = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        // l_knee
-        let v_l_knee_x = c_l_ank_pitch.mul_plus(r[27], r[25]);
-        let v_l_knee_x = s_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_x);
-        let v_l_knee_y = (-s_l_ank_pitch).mul_plus(r[27], r[26]);
-        let v_l_knee_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_y);
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        // l_hip_pitch
-        let v_l_hip_pitch_x = c_l_knee.mul_plus(v_l_knee_x, r[23]);
-        let v_l_hip_pitch_x = (-s_l_knee).mul_plus(v_l_knee_y, v_l_hip_pitch_x);
-        let v_l_hip_pitch_y = s_l_knee.mul_plus(v_l_knee_x, r[24]);
-        let v_l_hip_pitch_y = c_l_knee.mul_plus(v_l_knee_y, v_l_hip_pitch_y);
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
-        let v_l_hip_roll_y = s_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[22]);
-        let v_l_hip_roll_y = c_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_hip_roll_y);
-        let v_l_hip_roll_z = c_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
-        let v_l_hip_yaw_y = c_l_hip_roll.mul_plus(v_l_hip_roll_x, r[20]);
-        let v_l_hip_yaw_y = s_l_hip_roll.mul_plus(v_l_hip_roll_y, v_l_hip_yaw_y);
-        let v_l_hip_yaw_z = c_l_hip_roll.mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        // head_pan
-        let v_head_pan_x = c_head_tilt.mul_plus(r[17], r[15]);
-        let v_head_pan_x = s_head_tilt.mul_plus(r[18], v_head_pan_x);
-        let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        // r_hip_yaw
-        let e3 = c_head_pan.mul_plus(v_head_pan_x, r[13]);
-        let e3 = (-s_head_pan).mul_plus(r[16], e3);
-        let e3 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_x, e3);
-        let e3 = s_l_sho_pitch.mul_plus(v_l_sho_pitch_y, e3);
-        let e3 = c_r_sho_pitch.mul_plus(v_r_sho_pitch_x, e3);
-        let e3 = (-s_r_sho_pitch).mul_plus(v_r_sho_pitch_y, e3);
-        let v_r_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, e3);
-        let v_r_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_x);
-        let p1 = s_head_pan.mul_plus(v_head_pan_x, r[14]);
-        let p2 = c_head_pan.mul_plus(r[16], p1);
-        let v_r_hip_yaw_y = (-s_l_hip_yaw)
-            .mul_plus(v_l_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
-        let v_r_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_y);
-        let p3 = (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
-        let p4 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_y, p3);
-        let p5 = s_r_sho_pitch.mul_plus(v_r_sho_pitch_x, p4);
-        let v_r_hip_yaw_z = c_r_sho_pitch.mul_plus(v_r_sho_pitch_y, p5) + v_l_hip_yaw_z;
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        // r_hip_roll
-        let v_r_hip_roll_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, r[11]);
-        let v_r_hip_roll_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_r_hip_roll_x);
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let v_r_hip_roll_z = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
-        let v_r_hip_pitch_y = s_r_hip_roll.mul_plus(v_r_hip_roll_x, r[10]);
-        let v_r_hip_pitch_y = c_r_hip_roll.mul_plus(v_r_hip_roll_y, v_r_hip_pitch_y);
-        let v_r_hip_pitch_z = c_r_hip_roll
-            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        // r_knee
-        let v_r_knee_x = c_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[7]);
-        let v_r_knee_x = (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_y, v_r_knee_x);
-        let v_r_knee_y = s_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[8]);
-        let v_r_knee_y = c_r_hip_pitch.mul_plus(v_r_hip_pitch_y, v_r_knee_y);
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        // r_ank_pitch
-        let v_r_ank_pitch_x = c_r_knee.mul_plus(v_r_knee_x, r[5]);
-        let v_r_ank_pitch_x = (-s_r_knee).mul_plus(v_r_knee_y, v_r_ank_pitch_x);
-        let v_r_ank_pitch_y = s_r_knee.mul_plus(v_r_knee_x, r[6]);
-        let v_r_ank_pitch_y = c_r_knee.mul_plus(v_r_knee_y, v_r_ank_pitch_y);
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
-        let v_r_ank_roll_y = (-s_r_ank_pitch).mul_plus(v_r_ank_pitch_x, r[4]);
-        let v_r_ank_roll_y = c_r_ank_pitch.mul_plus(v_r_ank_pitch_y, v_r_ank_roll_y);
-        let v_r_ank_roll_z = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        // r_sole
-        let v_r_sole_x = r[0] + v_r_ank_roll_z;
-        let v_r_sole_y = c_r_ank_roll.mul_plus(v_r_ank_roll_x, r[1]);
-        let v_r_sole_y = s_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_y);
-        let v_r_sole_z = (-s_r_ank_roll).mul_plus(v_r_ank_roll_x, r[2]);
-        let v_r_sole_z = c_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_z);
-        [v_r_sole_x, v_r_sole_y, v_r_sole_z]
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::com_core(&v1::Positions::new(&angles), r)
     }
 
     #[inline(always)]
@@ -605,3787 +485,66 @@ impl v1::Robot for Op2RSole {
         r: &[T; BASE_PARAMS],
         jacobian: &mut [[T; DOF]; 3],
     ) {
-        let zero = T::from_f64(0.0);
-        jacobian[0][16] = zero;
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
-        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
-        // r_sho_roll
-        let v_r_sho_roll_y = r[40] + t_r_el_x;
-        let e2 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
-        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - e1;
-        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        let t_r_sho_pitch_x = c_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-        let t_r_sho_pitch_y = s_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
-        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
-        // l_sho_roll
-        let v_l_sho_roll_y = r[34] + t_l_el_x;
-        let e3 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
-        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + t_l_el_y;
-        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        let t_l_sho_pitch_x = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-        let t_l_sho_pitch_y = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
-        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
-        // l_ank_pitch
-        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
-        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
-        // l_knee
-        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
-        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        let t_l_hip_pitch_x = s_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
-        let t_l_hip_pitch_y = c_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
-        let t_l_hip_roll_y = c_l_hip_roll
-            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
-        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
-        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-        // head_pan
-        let v_head_pan_x = r[15] + t_head_tilt_x;
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
-        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
-        // r_hip_yaw
-        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-            + t_l_hip_yaw_x;
-        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-            + t_l_hip_yaw_y;
-        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-            + t_l_hip_roll_y;
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
-        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
-        // r_hip_roll
-        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
-        let t_r_hip_roll_y = c_r_hip_roll
-            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        let t_r_hip_pitch_x = c_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
-        let t_r_hip_pitch_y = s_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
-        // r_knee
-        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
-        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        let t_r_ank_pitch_x = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
-        jacobian[0][15] = t_r_ank_pitch_x;
-        let t_r_ank_pitch_y = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
-        let t_r_ank_roll_y = c_r_ank_roll
-            .mul_plus(v_r_ank_roll_y, -(s_r_ank_roll * v_r_ank_roll_x));
-        jacobian[1][16] = t_r_ank_roll_y;
-        // r_ank_roll
-        jacobian[2][16] = -t_r_ank_roll_x;
-        // r_ank_pitch
-        let e4 = s_r_ank_roll * s_r_ank_pitch;
-        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-        let e5 = c_r_ank_roll * s_r_ank_pitch;
-        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-        jacobian[1][15] = -(s_r_ank_roll * t_r_ank_pitch_y);
-        jacobian[2][15] = -(c_r_ank_roll * t_r_ank_pitch_y);
-        // r_knee
-        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
-        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e4 * c_r_knee));
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e4 * s_r_knee);
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e5 * c_r_knee));
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e5 * s_r_knee);
-        jacobian[0][14] = s_r_ank_pitch.mul_plus(t_r_knee_x, -(c_r_ank_pitch * t_r_knee_y));
-        jacobian[1][14] = by_r_ank_pitch_y.mul_plus(t_r_knee_x, e4 * t_r_knee_y);
-        jacobian[2][14] = bz_r_ank_pitch_y.mul_plus(t_r_knee_x, e5 * t_r_knee_y);
-        // r_hip_pitch
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
-        jacobian[0][13] = bx_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bx_r_knee_x * t_r_hip_pitch_y));
-        jacobian[1][13] = by_r_knee_y.mul_plus(t_r_hip_pitch_x, -(by_r_knee_x * t_r_hip_pitch_y));
-        jacobian[2][13] = bz_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y));
-        // r_hip_roll
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
-        let e6 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y
-            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
-        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
-        jacobian[0][12] = bx_r_hip_pitch_y * t_r_hip_roll_y;
-        jacobian[1][12] = -c_r_ank_roll
-            .mul_plus(t_r_hip_roll_x, -(by_r_hip_pitch_y * t_r_hip_roll_y));
-        jacobian[2][12] = s_r_ank_roll.mul_plus(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y);
-        // r_hip_yaw
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
-        let e7 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
-        let e8 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
-        let e9 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
-        jacobian[0][11] = -bx_r_hip_pitch_x
-            .mul_plus(t_r_hip_yaw_x, -(bx_r_hip_roll_x * t_r_hip_yaw_y));
-        jacobian[1][11] = -by_r_hip_pitch_x
-            .mul_plus(t_r_hip_yaw_x, -(by_r_hip_roll_x * t_r_hip_yaw_y));
-        jacobian[2][11] = -bz_r_hip_pitch_x
-            .mul_plus(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y));
-        // head_pan
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e7 * s_head_pan));
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e8 * s_head_pan));
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e9 * s_head_pan));
-        jacobian[0][0] = -e7.mul_plus(t_head_pan_x, bx_r_hip_yaw_x * t_head_pan_y);
-        jacobian[1][0] = -e8.mul_plus(t_head_pan_x, by_r_hip_yaw_x * t_head_pan_y);
-        jacobian[2][0] = -e9.mul_plus(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y);
-        // head_tilt
-        jacobian[0][1] = bx_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y));
-        jacobian[1][1] = -e6.mul_plus(t_head_tilt_x, by_head_pan_x * t_head_tilt_y);
-        jacobian[2][1] = bz_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y));
-        // l_hip_yaw
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e7 * s_l_hip_yaw);
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e7 * c_l_hip_yaw));
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e8 * s_l_hip_yaw);
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e8 * c_l_hip_yaw));
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e9 * s_l_hip_yaw);
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e9 * c_l_hip_yaw));
-        jacobian[0][2] = e7.mul_plus(t_l_hip_yaw_x, bx_r_hip_yaw_x * t_l_hip_yaw_y);
-        jacobian[1][2] = e8.mul_plus(t_l_hip_yaw_x, by_r_hip_yaw_x * t_l_hip_yaw_y);
-        jacobian[2][2] = e9.mul_plus(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y);
-        // l_hip_roll
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e6 * s_l_hip_roll);
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e6 * c_l_hip_roll));
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
-        jacobian[0][3] = -bx_r_hip_roll_y
-            .mul_plus(t_l_hip_roll_x, -(bx_l_hip_yaw_y * t_l_hip_roll_y));
-        jacobian[1][3] = e6.mul_plus(t_l_hip_roll_x, by_l_hip_yaw_y * t_l_hip_roll_y);
-        jacobian[2][3] = -bz_r_hip_roll_y
-            .mul_plus(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y));
-        // l_hip_pitch
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
-        let e10 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
-        let by_l_hip_pitch_x = by_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
-        let e11 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
-        let e12 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
-        jacobian[0][4] = -bx_l_hip_yaw_x
-            .mul_plus(t_l_hip_pitch_x, -(bx_l_hip_roll_y * t_l_hip_pitch_y));
-        jacobian[1][4] = -by_l_hip_yaw_x
-            .mul_plus(t_l_hip_pitch_x, -(by_l_hip_roll_y * t_l_hip_pitch_y));
-        jacobian[2][4] = -bz_l_hip_yaw_x
-            .mul_plus(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y));
-        // l_knee
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e10 * s_l_knee));
-        let e13 = e10.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e11 * s_l_knee));
-        let e14 = e11.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e12 * s_l_knee));
-        let e15 = e12.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
-        jacobian[0][5] = -e10.mul_plus(t_l_knee_x, bx_l_hip_pitch_x * t_l_knee_y);
-        jacobian[1][5] = -e11.mul_plus(t_l_knee_x, by_l_hip_pitch_x * t_l_knee_y);
-        jacobian[2][5] = -e12.mul_plus(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y);
-        // l_ank_pitch
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e13 * c_l_ank_pitch));
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e14 * c_l_ank_pitch));
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e15 * c_l_ank_pitch));
-        jacobian[0][6] = e13.mul_plus(t_l_ank_pitch_x, bx_l_knee_x * t_l_ank_pitch_y);
-        jacobian[1][6] = e14.mul_plus(t_l_ank_pitch_x, by_l_knee_x * t_l_ank_pitch_y);
-        jacobian[2][6] = e15.mul_plus(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y);
-        // l_ank_roll
-        jacobian[0][7] = -bx_l_hip_roll_x
-            .mul_plus(t_l_ank_roll_x, -(bx_l_ank_pitch_y * t_l_ank_roll_y));
-        jacobian[1][7] = -by_l_hip_roll_x
-            .mul_plus(t_l_ank_roll_x, -(by_l_ank_pitch_y * t_l_ank_roll_y));
-        jacobian[2][7] = -bz_l_hip_roll_x
-            .mul_plus(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y));
-        // l_sho_pitch
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e6 * s_l_sho_pitch);
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e6 * c_l_sho_pitch));
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
-        jacobian[0][8] = -bx_r_hip_roll_y
-            .mul_plus(t_l_sho_pitch_x, -(bx_r_hip_yaw_x * t_l_sho_pitch_y));
-        jacobian[1][8] = e6.mul_plus(t_l_sho_pitch_x, by_r_hip_yaw_x * t_l_sho_pitch_y);
-        jacobian[2][8] = -bz_r_hip_roll_y
-            .mul_plus(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y));
-        // l_sho_roll
-        jacobian[0][9] = -e7.mul_plus(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y);
-        jacobian[1][9] = -e8.mul_plus(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y);
-        jacobian[2][9] = -e9.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y);
-        // l_el
-        let p1 = e7.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        jacobian[0][10] = bx_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y);
-        let p2 = e8.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        jacobian[1][10] = by_l_sho_pitch_x.mul_plus(t_l_el_x, p2 * t_l_el_y);
-        let p3 = e9.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        jacobian[2][10] = bz_l_sho_pitch_x.mul_plus(t_l_el_x, p3 * t_l_el_y);
-        // r_sho_pitch
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e6 * s_r_sho_pitch));
-        let e16 = e6.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
-        jacobian[0][17] = bx_r_hip_roll_y
-            .mul_plus(t_r_sho_pitch_x, -(bx_r_hip_yaw_x * t_r_sho_pitch_y));
-        jacobian[1][17] = -e6.mul_plus(t_r_sho_pitch_x, by_r_hip_yaw_x * t_r_sho_pitch_y);
-        jacobian[2][17] = bz_r_hip_roll_y
-            .mul_plus(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y));
-        // r_sho_roll
-        jacobian[0][18] = -e7.mul_plus(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y);
-        jacobian[1][18] = e16.mul_plus(t_r_sho_roll_y, -(e8 * t_r_sho_roll_x));
-        jacobian[2][18] = -e9.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y);
-        // r_el
-        let p4 = e7.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        jacobian[0][19] = -bx_r_sho_pitch_x.mul_plus(t_r_el_x, -(p4 * e1));
-        let p5 = e8.mul_plus(s_r_sho_roll, e16 * c_r_sho_roll);
-        jacobian[1][19] = -by_r_sho_pitch_x.mul_plus(t_r_el_x, -(p5 * e1));
-        let p6 = e9.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        jacobian[2][19] = -bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p6 * e1));
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::com_jacobian_core(&v1::Positions::new(&angles), r, jacobian);
     }
 
     #[inline(always)]
     fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
-        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
-        // r_sho_roll
-        let v_r_sho_roll_y = r[40] + t_r_el_x;
-        let e2 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
-        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - e1;
-        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        let t_r_sho_pitch_x = c_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-        let t_r_sho_pitch_y = s_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
-        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
-        // l_sho_roll
-        let v_l_sho_roll_y = r[34] + t_l_el_x;
-        let e3 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
-        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + t_l_el_y;
-        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        let t_l_sho_pitch_x = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-        let t_l_sho_pitch_y = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
-        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
-        // l_ank_pitch
-        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
-        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
-        // l_knee
-        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
-        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        let t_l_hip_pitch_x = s_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
-        let t_l_hip_pitch_y = c_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
-        let t_l_hip_roll_y = c_l_hip_roll
-            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
-        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
-        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-        // head_pan
-        let v_head_pan_x = r[15] + t_head_tilt_x;
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
-        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
-        // r_hip_yaw
-        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-            + t_l_hip_yaw_x;
-        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-            + t_l_hip_yaw_y;
-        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-            + t_l_hip_roll_y;
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
-        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
-        // r_hip_roll
-        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
-        let t_r_hip_roll_y = c_r_hip_roll
-            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        let t_r_hip_pitch_x = c_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
-        let t_r_hip_pitch_y = s_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
-        // r_knee
-        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
-        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        let t_r_ank_pitch_x = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
-        let t_r_ank_pitch_y = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
-        let t_r_ank_roll_y = c_r_ank_roll
-            .mul_plus(v_r_ank_roll_y, -(s_r_ank_roll * v_r_ank_roll_x));
-        // r_el
-        let e4 = qd[19] * e1;
-        let e5 = qd[19] * t_r_el_x;
-        // r_sho_roll
-        let e6 = c_r_sho_roll.mul_plus(e4, qd[18] * t_r_sho_roll_y);
-        let dt_r_sho_roll_y = qd[18].mul_plus(t_r_sho_roll_x, -(s_r_sho_roll * e4));
-        // r_sho_pitch
-        let dt_r_sho_pitch_x = s_r_sho_pitch.mul_plus(e6, -(c_r_sho_pitch * e5));
-        let dt_r_sho_pitch_x = (-qd[17]).mul_plus(t_r_sho_pitch_y, dt_r_sho_pitch_x);
-        let dt_r_sho_pitch_y = s_r_sho_pitch.mul_plus(e5, c_r_sho_pitch * e6);
-        let dt_r_sho_pitch_y = qd[17].mul_plus(t_r_sho_pitch_x, -dt_r_sho_pitch_y);
-        // l_el
-        let e7 = qd[10] * t_l_el_y;
-        let dt_l_el_y = qd[10] * t_l_el_x;
-        // l_sho_roll
-        let e8 = c_l_sho_roll.mul_plus(e7, qd[9] * t_l_sho_roll_y);
-        let dt_l_sho_roll_y = qd[9].mul_plus(t_l_sho_roll_x, -(s_l_sho_roll * e7));
-        // l_sho_pitch
-        let dt_l_sho_pitch_x = c_l_sho_pitch.mul_plus(dt_l_el_y, -(s_l_sho_pitch * e8));
-        let dt_l_sho_pitch_x = qd[8].mul_plus(t_l_sho_pitch_y, dt_l_sho_pitch_x);
-        // l_ank_roll
-        let dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
-        let e9 = qd[7] * t_l_ank_roll_x;
-        // l_ank_pitch
-        let dt_l_ank_pitch_x = s_l_ank_pitch.mul_plus(dt_l_ank_roll_x, qd[6] * t_l_ank_pitch_y);
-        let dt_l_ank_pitch_y = c_l_ank_pitch.mul_plus(dt_l_ank_roll_x, -(qd[6] * t_l_ank_pitch_x));
-        // l_knee
-        let dt_l_knee_x = c_l_knee.mul_plus(dt_l_ank_pitch_x, -(s_l_knee * dt_l_ank_pitch_y));
-        let dt_l_knee_x = (-qd[5]).mul_plus(t_l_knee_y, dt_l_knee_x);
-        let dt_l_knee_y = s_l_knee.mul_plus(dt_l_ank_pitch_x, c_l_knee * dt_l_ank_pitch_y);
-        let dt_l_knee_y = qd[5].mul_plus(t_l_knee_x, dt_l_knee_y);
-        // l_hip_pitch
-        let dt_l_hip_pitch_x = s_l_hip_pitch.mul_plus(dt_l_knee_x, c_l_hip_pitch * dt_l_knee_y);
-        let dt_l_hip_pitch_x = qd[4].mul_plus(t_l_hip_pitch_y, dt_l_hip_pitch_x);
-        let dt_l_hip_pitch_y = c_l_hip_pitch.mul_plus(dt_l_knee_x, -(s_l_hip_pitch * dt_l_knee_y));
-        let dt_l_hip_pitch_y = (-qd[4]).mul_plus(t_l_hip_pitch_x, dt_l_hip_pitch_y);
-        // l_hip_roll
-        let dt_l_hip_roll_x = s_l_hip_roll.mul_plus(dt_l_hip_pitch_x, -(c_l_hip_roll * e9));
-        let dt_l_hip_roll_x = qd[3].mul_plus(t_l_hip_roll_y, dt_l_hip_roll_x);
-        let dt_l_hip_roll_y = s_l_hip_roll.mul_plus(e9, c_l_hip_roll * dt_l_hip_pitch_x);
-        let dt_l_hip_roll_y = (-qd[3]).mul_plus(t_l_hip_roll_x, dt_l_hip_roll_y);
-        // l_hip_yaw
-        let dt_l_hip_yaw_x = c_l_hip_yaw.mul_plus(dt_l_hip_pitch_y, s_l_hip_yaw * dt_l_hip_roll_x);
-        let dt_l_hip_yaw_x = qd[2].mul_plus(t_l_hip_yaw_y, dt_l_hip_yaw_x);
-        let dt_l_hip_yaw_y = c_l_hip_yaw
-            .mul_plus(dt_l_hip_roll_x, -(s_l_hip_yaw * dt_l_hip_pitch_y));
-        let dt_l_hip_yaw_y = (-qd[2]).mul_plus(t_l_hip_yaw_x, dt_l_hip_yaw_y);
-        // head_tilt
-        let e10 = qd[1] * t_head_tilt_y;
-        let dt_head_tilt_y = qd[1] * t_head_tilt_x;
-        // head_pan
-        let dt_head_pan_y = qd[0].mul_plus(t_head_pan_x, -(s_head_pan * e10));
-        // r_hip_yaw
-        let dv_r_hip_yaw_x = dt_l_sho_pitch_x
-            - c_head_pan.mul_plus(e10, qd[0] * t_head_pan_y) + dt_r_sho_pitch_x
-            + dt_l_hip_yaw_x;
-        let dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y
-            + dt_l_hip_yaw_y;
-        let p1 = s_l_sho_pitch.mul_plus(dt_l_el_y, c_l_sho_pitch * e8);
-        let dv_r_hip_yaw_z = dt_head_tilt_y - qd[8].mul_plus(t_l_sho_pitch_x, p1)
-            + dt_r_sho_pitch_y + dt_l_hip_roll_y;
-        let dt_r_hip_yaw_x = s_r_hip_yaw.mul_plus(dv_r_hip_yaw_x, c_r_hip_yaw * dv_r_hip_yaw_y);
-        let dt_r_hip_yaw_x = qd[11].mul_plus(t_r_hip_yaw_y, dt_r_hip_yaw_x);
-        let dt_r_hip_yaw_y = c_r_hip_yaw.mul_plus(dv_r_hip_yaw_x, -(s_r_hip_yaw * dv_r_hip_yaw_y));
-        let dt_r_hip_yaw_y = (-qd[11]).mul_plus(t_r_hip_yaw_x, dt_r_hip_yaw_y);
-        // r_hip_roll
-        let dt_r_hip_roll_x = s_r_hip_roll.mul_plus(dt_r_hip_yaw_x, c_r_hip_roll * dv_r_hip_yaw_z);
-        let dt_r_hip_roll_x = qd[12].mul_plus(t_r_hip_roll_y, dt_r_hip_roll_x);
-        let dt_r_hip_roll_y = c_r_hip_roll
-            .mul_plus(dt_r_hip_yaw_x, -(s_r_hip_roll * dv_r_hip_yaw_z));
-        let dt_r_hip_roll_y = (-qd[12]).mul_plus(t_r_hip_roll_x, dt_r_hip_roll_y);
-        // r_hip_pitch
-        let dt_r_hip_pitch_x = c_r_hip_pitch
-            .mul_plus(dt_r_hip_yaw_y, -(s_r_hip_pitch * dt_r_hip_roll_x));
-        let dt_r_hip_pitch_x = (-qd[13]).mul_plus(t_r_hip_pitch_y, dt_r_hip_pitch_x);
-        let dt_r_hip_pitch_y = s_r_hip_pitch
-            .mul_plus(dt_r_hip_yaw_y, c_r_hip_pitch * dt_r_hip_roll_x);
-        let dt_r_hip_pitch_y = qd[13].mul_plus(t_r_hip_pitch_x, dt_r_hip_pitch_y);
-        // r_knee
-        let dt_r_knee_x = c_r_knee.mul_plus(dt_r_hip_pitch_x, -(s_r_knee * dt_r_hip_pitch_y));
-        let dt_r_knee_x = (-qd[14]).mul_plus(t_r_knee_y, dt_r_knee_x);
-        let dt_r_knee_y = s_r_knee.mul_plus(dt_r_hip_pitch_x, c_r_knee * dt_r_hip_pitch_y);
-        let dt_r_knee_y = qd[14].mul_plus(t_r_knee_x, dt_r_knee_y);
-        // r_ank_pitch
-        let dt_r_ank_pitch_x = c_r_ank_pitch.mul_plus(dt_r_knee_y, -(s_r_ank_pitch * dt_r_knee_x));
-        let dt_r_ank_pitch_x = (-qd[15]).mul_plus(t_r_ank_pitch_y, dt_r_ank_pitch_x);
-        let dt_r_ank_pitch_y = c_r_ank_pitch.mul_plus(dt_r_knee_x, s_r_ank_pitch * dt_r_knee_y);
-        let dt_r_ank_pitch_y = qd[15].mul_plus(t_r_ank_pitch_x, dt_r_ank_pitch_y);
-        // r_ank_roll
-        let dt_r_ank_roll_x = c_r_ank_roll
-            .mul_plus(dt_r_hip_roll_y, s_r_ank_roll * dt_r_ank_pitch_x);
-        let dt_r_ank_roll_x = qd[16].mul_plus(t_r_ank_roll_y, dt_r_ank_roll_x);
-        let dt_r_ank_roll_y = c_r_ank_roll
-            .mul_plus(dt_r_ank_pitch_x, -(s_r_ank_roll * dt_r_hip_roll_y));
-        let dt_r_ank_roll_y = (-qd[16]).mul_plus(t_r_ank_roll_x, dt_r_ank_roll_y);
-        [dt_r_ank_pitch_y, dt_r_ank_roll_x, dt_r_ank_roll_y]
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::com_velocity_core(&v1::Positions::new(&angles), qd, r)
     }
 
     #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
-        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
-        // r_sho_roll
-        let v_r_sho_roll_y = r[40] + t_r_el_x;
-        let e2 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
-        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - e1;
-        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        let t_r_sho_pitch_x = c_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-        let t_r_sho_pitch_y = s_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
-        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
-        // l_sho_roll
-        let v_l_sho_roll_y = r[34] + t_l_el_x;
-        let e3 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
-        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + t_l_el_y;
-        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        let t_l_sho_pitch_x = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-        let t_l_sho_pitch_y = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
-        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
-        // l_ank_pitch
-        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
-        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
-        // l_knee
-        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
-        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        let t_l_hip_pitch_x = s_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
-        let t_l_hip_pitch_y = c_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
-        let t_l_hip_roll_y = c_l_hip_roll
-            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
-        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
-        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-        // head_pan
-        let v_head_pan_x = r[15] + t_head_tilt_x;
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
-        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
-        // r_hip_yaw
-        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-            + t_l_hip_yaw_x;
-        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-            + t_l_hip_yaw_y;
-        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-            + t_l_hip_roll_y;
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
-        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
-        // r_hip_roll
-        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
-        let t_r_hip_roll_y = c_r_hip_roll
-            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        let t_r_hip_pitch_x = c_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
-        let t_r_hip_pitch_y = s_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
-        // r_knee
-        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
-        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        let t_r_ank_pitch_x = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
-        let t_r_ank_pitch_y = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
-        // r_ank_pitch
-        let e4 = c_r_ank_roll * s_r_ank_pitch;
-        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-        // r_knee
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e4 * c_r_knee));
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e4 * s_r_knee);
-        // r_hip_pitch
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
-        // r_hip_roll
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y
-            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
-        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
-        // r_hip_yaw
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
-        let e5 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
-        // head_pan
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
-        // l_hip_yaw
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e5 * s_l_hip_yaw);
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
-        // l_hip_roll
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
-        // l_hip_pitch
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
-        let e6 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
-        // l_knee
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e6 * s_l_knee));
-        let e7 = e6.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
-        // l_ank_pitch
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e7 * c_l_ank_pitch));
-        // l_sho_pitch
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
-        // r_sho_pitch
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
-        let p1 = e5.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let p2 = e5.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        [
-            e5.mul_plus(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
-            -bz_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
-            -e5.mul_plus(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
-            bz_r_hip_roll_y.mul_plus(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y)),
-            bz_l_hip_yaw_x.mul_plus(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y)),
-            e6.mul_plus(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
-            -e7.mul_plus(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
-            bz_l_hip_roll_x.mul_plus(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y)),
-            bz_r_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y)),
-            e5.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
-            -bz_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
-            bz_r_hip_pitch_x.mul_plus(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y)),
-            -s_r_ank_roll.mul_plus(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y),
-            -bz_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y)),
-            -bz_r_ank_pitch_y.mul_plus(t_r_knee_x, e4 * t_r_knee_y),
-            c_r_ank_roll * t_r_ank_pitch_y,
-            t_r_ank_roll_x,
-            -bz_r_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y)),
-            e5.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
-            bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
-        ]
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::gravity_moments_core(&v1::Positions::new(&angles), r)
     }
 
     #[inline(always)]
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[2][2] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][3] = zero;
-        rows[0][4] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        // r_ank_roll
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        rows[1][4] = s_r_ank_roll;
-        rows[1][3] = c_r_ank_roll;
-        rows[2][4] = c_r_ank_roll;
-        let bz_r_ank_roll_x = -s_r_ank_roll;
-        rows[2][3] = bz_r_ank_roll_x;
-        // r_ank_pitch
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        rows[0][6] = s_r_ank_pitch;
-        rows[0][5] = c_r_ank_pitch;
-        let e1 = s_r_ank_roll * s_r_ank_pitch;
-        let by_r_ank_pitch_x = -e1;
-        rows[1][5] = by_r_ank_pitch_x;
-        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-        rows[1][6] = by_r_ank_pitch_y;
-        let e2 = c_r_ank_roll * s_r_ank_pitch;
-        let bz_r_ank_pitch_x = -e2;
-        rows[2][5] = bz_r_ank_pitch_x;
-        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-        rows[2][6] = bz_r_ank_pitch_y;
-        // r_knee
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
-        rows[0][7] = bx_r_knee_x;
-        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
-        rows[0][8] = bx_r_knee_y;
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e1 * c_r_knee));
-        rows[1][7] = by_r_knee_x;
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e1 * s_r_knee);
-        rows[1][8] = by_r_knee_y;
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e2 * c_r_knee));
-        rows[2][7] = bz_r_knee_x;
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e2 * s_r_knee);
-        rows[2][8] = bz_r_knee_y;
-        // r_hip_pitch
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
-        rows[0][9] = bx_r_hip_pitch_x;
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
-        rows[0][10] = bx_r_hip_pitch_y;
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
-        rows[1][9] = by_r_hip_pitch_x;
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
-        rows[1][10] = by_r_hip_pitch_y;
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
-        rows[2][9] = bz_r_hip_pitch_x;
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
-        rows[2][10] = bz_r_hip_pitch_y;
-        // r_hip_roll
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
-        rows[0][11] = bx_r_hip_roll_x;
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
-        rows[0][12] = bx_r_hip_roll_y;
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
-        rows[1][11] = by_r_hip_roll_x;
-        let e3 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
-        let by_r_hip_roll_y = -e3;
-        rows[1][12] = by_r_hip_roll_y;
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y
-            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
-        rows[2][11] = bz_r_hip_roll_x;
-        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
-        rows[2][12] = bz_r_hip_roll_y;
-        // r_hip_yaw
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
-        rows[0][13] = bx_r_hip_yaw_x;
-        let e4 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
-        let bx_r_hip_yaw_y = -e4;
-        rows[0][14] = bx_r_hip_yaw_y;
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
-        rows[1][13] = by_r_hip_yaw_x;
-        let e5 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
-        let by_r_hip_yaw_y = -e5;
-        rows[1][14] = by_r_hip_yaw_y;
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
-        rows[2][13] = bz_r_hip_yaw_x;
-        let e6 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
-        let bz_r_hip_yaw_y = -e6;
-        rows[2][14] = bz_r_hip_yaw_y;
-        // head_pan
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
-        rows[0][15] = bx_head_pan_x;
-        let bx_head_pan_y = -e4.mul_plus(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
-        rows[0][16] = bx_head_pan_y;
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
-        rows[1][15] = by_head_pan_x;
-        let by_head_pan_y = -e5.mul_plus(c_head_pan, by_r_hip_yaw_x * s_head_pan);
-        rows[1][16] = by_head_pan_y;
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e6 * s_head_pan));
-        rows[2][15] = bz_head_pan_x;
-        let bz_head_pan_y = -e6.mul_plus(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
-        rows[2][16] = bz_head_pan_y;
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
-        rows[0][17] = bx_head_tilt_x;
-        let bx_head_tilt_y = -bx_r_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
-        rows[0][18] = bx_head_tilt_y;
-        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e3 * s_head_tilt));
-        rows[1][17] = by_head_tilt_x;
-        let by_head_tilt_y = e3.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
-        rows[1][18] = by_head_tilt_y;
-        let bz_head_tilt_x = bz_head_pan_x.mul_plus(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
-        rows[2][17] = bz_head_tilt_x;
-        let bz_head_tilt_y = -bz_r_hip_roll_y.mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
-        rows[2][18] = bz_head_tilt_y;
-        // l_hip_yaw
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e4 * s_l_hip_yaw);
-        rows[0][19] = bx_l_hip_yaw_x;
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
-        rows[0][20] = bx_l_hip_yaw_y;
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e5 * s_l_hip_yaw);
-        rows[1][19] = by_l_hip_yaw_x;
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
-        rows[1][20] = by_l_hip_yaw_y;
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e6 * s_l_hip_yaw);
-        rows[2][19] = bz_l_hip_yaw_x;
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e6 * c_l_hip_yaw));
-        rows[2][20] = bz_l_hip_yaw_y;
-        // l_hip_roll
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
-        rows[0][21] = bx_l_hip_roll_x;
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
-        rows[0][22] = bx_l_hip_roll_y;
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e3 * s_l_hip_roll);
-        rows[1][21] = by_l_hip_roll_x;
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e3 * c_l_hip_roll));
-        rows[1][22] = by_l_hip_roll_y;
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
-        rows[2][21] = bz_l_hip_roll_x;
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
-        rows[2][22] = bz_l_hip_roll_y;
-        // l_hip_pitch
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
-        rows[0][23] = bx_l_hip_pitch_x;
-        let e7 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
-        let bx_l_hip_pitch_y = -e7;
-        rows[0][24] = bx_l_hip_pitch_y;
-        let by_l_hip_pitch_x = by_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
-        rows[1][23] = by_l_hip_pitch_x;
-        let e8 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
-        let by_l_hip_pitch_y = -e8;
-        rows[1][24] = by_l_hip_pitch_y;
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
-        rows[2][23] = bz_l_hip_pitch_x;
-        let e9 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
-        let bz_l_hip_pitch_y = -e9;
-        rows[2][24] = bz_l_hip_pitch_y;
-        // l_knee
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e7 * s_l_knee));
-        rows[0][25] = bx_l_knee_x;
-        let e10 = e7.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
-        let bx_l_knee_y = -e10;
-        rows[0][26] = bx_l_knee_y;
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e8 * s_l_knee));
-        rows[1][25] = by_l_knee_x;
-        let e11 = e8.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
-        let by_l_knee_y = -e11;
-        rows[1][26] = by_l_knee_y;
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e9 * s_l_knee));
-        rows[2][25] = bz_l_knee_x;
-        let e12 = e9.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
-        let bz_l_knee_y = -e12;
-        rows[2][26] = bz_l_knee_y;
-        // l_ank_pitch
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(c_l_ank_pitch, e10 * s_l_ank_pitch);
-        rows[0][27] = bx_l_ank_pitch_x;
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e10 * c_l_ank_pitch));
-        rows[0][28] = bx_l_ank_pitch_y;
-        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(c_l_ank_pitch, e11 * s_l_ank_pitch);
-        rows[1][27] = by_l_ank_pitch_x;
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e11 * c_l_ank_pitch));
-        rows[1][28] = by_l_ank_pitch_y;
-        let bz_l_ank_pitch_x = bz_l_knee_x.mul_plus(c_l_ank_pitch, e12 * s_l_ank_pitch);
-        rows[2][27] = bz_l_ank_pitch_x;
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
-        rows[2][28] = bz_l_ank_pitch_y;
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        let bx_l_ank_roll_x = bx_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
-        rows[0][29] = bx_l_ank_roll_x;
-        let bx_l_ank_roll_y = -bx_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
-        rows[0][30] = bx_l_ank_roll_y;
-        let by_l_ank_roll_x = by_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
-        rows[1][29] = by_l_ank_roll_x;
-        let by_l_ank_roll_y = -by_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
-        rows[1][30] = by_l_ank_roll_y;
-        let bz_l_ank_roll_x = bz_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
-        rows[2][29] = bz_l_ank_roll_x;
-        let bz_l_ank_roll_y = -bz_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
-        rows[2][30] = bz_l_ank_roll_y;
-        // l_sho_pitch
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
-        rows[0][31] = bx_l_sho_pitch_x;
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
-        rows[0][32] = bx_l_sho_pitch_y;
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e3 * s_l_sho_pitch);
-        rows[1][31] = by_l_sho_pitch_x;
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e3 * c_l_sho_pitch));
-        rows[1][32] = by_l_sho_pitch_y;
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
-        rows[2][31] = bz_l_sho_pitch_x;
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
-        rows[2][32] = bz_l_sho_pitch_y;
-        // l_sho_roll
-        let e13 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e13.sin_cos();
-        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-        rows[0][33] = bx_l_sho_roll_x;
-        let e14 = e4.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        let bx_l_sho_roll_y = -e14;
-        rows[0][34] = bx_l_sho_roll_y;
-        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
-        rows[1][33] = by_l_sho_roll_x;
-        let e15 = e5.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        let by_l_sho_roll_y = -e15;
-        rows[1][34] = by_l_sho_roll_y;
-        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e6 * c_l_sho_roll);
-        rows[2][33] = bz_l_sho_roll_x;
-        let e16 = e6.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let bz_l_sho_roll_y = -e16;
-        rows[2][34] = bz_l_sho_roll_y;
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e14 * c_l_el));
-        rows[0][35] = bx_l_el_x;
-        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e14 * s_l_el);
-        rows[0][36] = bx_l_el_y;
-        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e15 * c_l_el));
-        rows[1][35] = by_l_el_x;
-        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e15 * s_l_el);
-        rows[1][36] = by_l_el_y;
-        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e16 * c_l_el));
-        rows[2][35] = bz_l_el_x;
-        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e16 * s_l_el);
-        rows[2][36] = bz_l_el_y;
-        // r_sho_pitch
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
-        rows[0][37] = bx_r_sho_pitch_x;
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
-        rows[0][38] = bx_r_sho_pitch_y;
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e3 * s_r_sho_pitch));
-        rows[1][37] = by_r_sho_pitch_x;
-        let e17 = e3.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
-        let by_r_sho_pitch_y = -e17;
-        rows[1][38] = by_r_sho_pitch_y;
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
-        rows[2][37] = bz_r_sho_pitch_x;
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
-        rows[2][38] = bz_r_sho_pitch_y;
-        // r_sho_roll
-        let e18 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e18.sin_cos();
-        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-        rows[0][39] = bx_r_sho_roll_x;
-        let e19 = e4.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        let bx_r_sho_roll_y = -e19;
-        rows[0][40] = bx_r_sho_roll_y;
-        let by_r_sho_roll_x = e17.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
-        rows[1][39] = by_r_sho_roll_x;
-        let e20 = e5.mul_plus(s_r_sho_roll, e17 * c_r_sho_roll);
-        let by_r_sho_roll_y = -e20;
-        rows[1][40] = by_r_sho_roll_y;
-        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
-        rows[2][39] = bz_r_sho_roll_x;
-        let e21 = e6.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        let bz_r_sho_roll_y = -e21;
-        rows[2][40] = bz_r_sho_roll_y;
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        let bx_r_el_x = -e19.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
-        rows[0][41] = bx_r_el_x;
-        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e19 * s_r_el));
-        rows[0][42] = bx_r_el_y;
-        let by_r_el_x = -e20.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
-        rows[1][41] = by_r_el_x;
-        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e20 * s_r_el));
-        rows[1][42] = by_r_el_y;
-        let bz_r_el_x = -e21.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
-        rows[2][41] = bz_r_el_x;
-        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e21 * s_r_el));
-        rows[2][42] = bz_r_el_y;
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::regressor_core(&v1::Positions::new(&angles), rows);
     }
 
     #[inline(always)]
     fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][3] = zero;
-        rows[0][4] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        // r_ank_roll
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        rows[1][4] = s_r_ank_roll;
-        rows[1][3] = c_r_ank_roll;
-        // r_ank_pitch
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        rows[0][6] = s_r_ank_pitch;
-        rows[0][5] = c_r_ank_pitch;
-        let e1 = s_r_ank_roll * s_r_ank_pitch;
-        let by_r_ank_pitch_x = -e1;
-        rows[1][5] = by_r_ank_pitch_x;
-        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-        rows[1][6] = by_r_ank_pitch_y;
-        // r_knee
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
-        rows[0][7] = bx_r_knee_x;
-        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
-        rows[0][8] = bx_r_knee_y;
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e1 * c_r_knee));
-        rows[1][7] = by_r_knee_x;
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e1 * s_r_knee);
-        rows[1][8] = by_r_knee_y;
-        // r_hip_pitch
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
-        rows[0][9] = bx_r_hip_pitch_x;
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
-        rows[0][10] = bx_r_hip_pitch_y;
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
-        rows[1][9] = by_r_hip_pitch_x;
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
-        rows[1][10] = by_r_hip_pitch_y;
-        // r_hip_roll
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
-        rows[0][11] = bx_r_hip_roll_x;
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
-        rows[0][12] = bx_r_hip_roll_y;
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
-        rows[1][11] = by_r_hip_roll_x;
-        let e2 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
-        let by_r_hip_roll_y = -e2;
-        rows[1][12] = by_r_hip_roll_y;
-        // r_hip_yaw
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
-        rows[0][13] = bx_r_hip_yaw_x;
-        let e3 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
-        let bx_r_hip_yaw_y = -e3;
-        rows[0][14] = bx_r_hip_yaw_y;
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
-        rows[1][13] = by_r_hip_yaw_x;
-        let e4 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
-        let by_r_hip_yaw_y = -e4;
-        rows[1][14] = by_r_hip_yaw_y;
-        // head_pan
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
-        rows[0][15] = bx_head_pan_x;
-        let bx_head_pan_y = -e3.mul_plus(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
-        rows[0][16] = bx_head_pan_y;
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
-        rows[1][15] = by_head_pan_x;
-        let by_head_pan_y = -e4.mul_plus(c_head_pan, by_r_hip_yaw_x * s_head_pan);
-        rows[1][16] = by_head_pan_y;
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
-        rows[0][17] = bx_head_tilt_x;
-        let bx_head_tilt_y = -bx_r_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
-        rows[0][18] = bx_head_tilt_y;
-        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e2 * s_head_tilt));
-        rows[1][17] = by_head_tilt_x;
-        let by_head_tilt_y = e2.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
-        rows[1][18] = by_head_tilt_y;
-        // l_hip_yaw
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e3 * s_l_hip_yaw);
-        rows[0][19] = bx_l_hip_yaw_x;
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e3 * c_l_hip_yaw));
-        rows[0][20] = bx_l_hip_yaw_y;
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e4 * s_l_hip_yaw);
-        rows[1][19] = by_l_hip_yaw_x;
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
-        rows[1][20] = by_l_hip_yaw_y;
-        // l_hip_roll
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
-        rows[0][21] = bx_l_hip_roll_x;
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
-        rows[0][22] = bx_l_hip_roll_y;
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e2 * s_l_hip_roll);
-        rows[1][21] = by_l_hip_roll_x;
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e2 * c_l_hip_roll));
-        rows[1][22] = by_l_hip_roll_y;
-        // l_hip_pitch
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
-        rows[0][23] = bx_l_hip_pitch_x;
-        let e5 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
-        let bx_l_hip_pitch_y = -e5;
-        rows[0][24] = bx_l_hip_pitch_y;
-        let by_l_hip_pitch_x = by_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
-        rows[1][23] = by_l_hip_pitch_x;
-        let e6 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
-        let by_l_hip_pitch_y = -e6;
-        rows[1][24] = by_l_hip_pitch_y;
-        // l_knee
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e5 * s_l_knee));
-        rows[0][25] = bx_l_knee_x;
-        let e7 = e5.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
-        let bx_l_knee_y = -e7;
-        rows[0][26] = bx_l_knee_y;
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e6 * s_l_knee));
-        rows[1][25] = by_l_knee_x;
-        let e8 = e6.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
-        let by_l_knee_y = -e8;
-        rows[1][26] = by_l_knee_y;
-        // l_ank_pitch
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(c_l_ank_pitch, e7 * s_l_ank_pitch);
-        rows[0][27] = bx_l_ank_pitch_x;
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e7 * c_l_ank_pitch));
-        rows[0][28] = bx_l_ank_pitch_y;
-        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(c_l_ank_pitch, e8 * s_l_ank_pitch);
-        rows[1][27] = by_l_ank_pitch_x;
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e8 * c_l_ank_pitch));
-        rows[1][28] = by_l_ank_pitch_y;
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        let bx_l_ank_roll_x = bx_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
-        rows[0][29] = bx_l_ank_roll_x;
-        let bx_l_ank_roll_y = -bx_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
-        rows[0][30] = bx_l_ank_roll_y;
-        let by_l_ank_roll_x = by_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
-        rows[1][29] = by_l_ank_roll_x;
-        let by_l_ank_roll_y = -by_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
-        rows[1][30] = by_l_ank_roll_y;
-        // l_sho_pitch
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
-        rows[0][31] = bx_l_sho_pitch_x;
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
-        rows[0][32] = bx_l_sho_pitch_y;
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e2 * s_l_sho_pitch);
-        rows[1][31] = by_l_sho_pitch_x;
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e2 * c_l_sho_pitch));
-        rows[1][32] = by_l_sho_pitch_y;
-        // l_sho_roll
-        let e9 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e9.sin_cos();
-        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-        rows[0][33] = bx_l_sho_roll_x;
-        let e10 = e3.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        let bx_l_sho_roll_y = -e10;
-        rows[0][34] = bx_l_sho_roll_y;
-        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-        rows[1][33] = by_l_sho_roll_x;
-        let e11 = e4.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        let by_l_sho_roll_y = -e11;
-        rows[1][34] = by_l_sho_roll_y;
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e10 * c_l_el));
-        rows[0][35] = bx_l_el_x;
-        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e10 * s_l_el);
-        rows[0][36] = bx_l_el_y;
-        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e11 * c_l_el));
-        rows[1][35] = by_l_el_x;
-        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e11 * s_l_el);
-        rows[1][36] = by_l_el_y;
-        // r_sho_pitch
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
-        rows[0][37] = bx_r_sho_pitch_x;
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
-        rows[0][38] = bx_r_sho_pitch_y;
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e2 * s_r_sho_pitch));
-        rows[1][37] = by_r_sho_pitch_x;
-        let e12 = e2.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
-        let by_r_sho_pitch_y = -e12;
-        rows[1][38] = by_r_sho_pitch_y;
-        // r_sho_roll
-        let e13 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e13.sin_cos();
-        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e3 * c_r_sho_roll);
-        rows[0][39] = bx_r_sho_roll_x;
-        let e14 = e3.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        let bx_r_sho_roll_y = -e14;
-        rows[0][40] = bx_r_sho_roll_y;
-        let by_r_sho_roll_x = e12.mul_plus(s_r_sho_roll, -(e4 * c_r_sho_roll));
-        rows[1][39] = by_r_sho_roll_x;
-        let e15 = e4.mul_plus(s_r_sho_roll, e12 * c_r_sho_roll);
-        let by_r_sho_roll_y = -e15;
-        rows[1][40] = by_r_sho_roll_y;
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        let bx_r_el_x = -e14.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
-        rows[0][41] = bx_r_el_x;
-        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e14 * s_r_el));
-        rows[0][42] = bx_r_el_y;
-        let by_r_el_x = -e15.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
-        rows[1][41] = by_r_el_x;
-        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e15 * s_r_el));
-        rows[1][42] = by_r_el_y;
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::regressor_cop_core(&v1::Positions::new(&angles), rows);
     }
 
     #[inline(always)]
     fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[0][3] = one;
-        rows[1][1] = one;
-        rows[2][2] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][4] = zero;
-        rows[0][5] = zero;
-        rows[0][7] = zero;
-        rows[0][10] = zero;
-        rows[0][13] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        rows[2][3] = zero;
-        // r_ank_roll
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        rows[1][5] = s_r_ank_roll;
-        rows[1][4] = c_r_ank_roll;
-        rows[1][7] = c_r_ank_roll;
-        rows[1][10] = c_r_ank_roll;
-        rows[1][13] = c_r_ank_roll;
-        rows[2][5] = c_r_ank_roll;
-        let bz_r_ank_roll_x = -s_r_ank_roll;
-        rows[2][4] = bz_r_ank_roll_x;
-        rows[2][7] = bz_r_ank_roll_x;
-        rows[2][10] = bz_r_ank_roll_x;
-        rows[2][13] = bz_r_ank_roll_x;
-        // r_ank_pitch
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        rows[0][8] = s_r_ank_pitch;
-        rows[0][6] = c_r_ank_pitch;
-        let e1 = s_r_ank_roll * s_r_ank_pitch;
-        let by_r_ank_pitch_x = -e1;
-        rows[1][6] = by_r_ank_pitch_x;
-        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-        rows[1][8] = by_r_ank_pitch_y;
-        let e2 = c_r_ank_roll * s_r_ank_pitch;
-        let bz_r_ank_pitch_x = -e2;
-        rows[2][6] = bz_r_ank_pitch_x;
-        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-        rows[2][8] = bz_r_ank_pitch_y;
-        // r_knee
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
-        rows[0][9] = bx_r_knee_x;
-        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
-        rows[0][11] = bx_r_knee_y;
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e1 * c_r_knee));
-        rows[1][9] = by_r_knee_x;
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e1 * s_r_knee);
-        rows[1][11] = by_r_knee_y;
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e2 * c_r_knee));
-        rows[2][9] = bz_r_knee_x;
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e2 * s_r_knee);
-        rows[2][11] = bz_r_knee_y;
-        // r_hip_pitch
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
-        rows[0][12] = bx_r_hip_pitch_x;
-        rows[0][15] = bx_r_hip_pitch_x;
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
-        rows[0][14] = bx_r_hip_pitch_y;
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
-        rows[1][12] = by_r_hip_pitch_x;
-        rows[1][15] = by_r_hip_pitch_x;
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
-        rows[1][14] = by_r_hip_pitch_y;
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
-        rows[2][12] = bz_r_hip_pitch_x;
-        rows[2][15] = bz_r_hip_pitch_x;
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
-        rows[2][14] = bz_r_hip_pitch_y;
-        // r_hip_roll
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
-        rows[0][16] = bx_r_hip_roll_x;
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
-        rows[0][17] = bx_r_hip_roll_y;
-        rows[0][20] = bx_r_hip_roll_y;
-        rows[0][23] = bx_r_hip_roll_y;
-        rows[0][29] = bx_r_hip_roll_y;
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
-        rows[1][16] = by_r_hip_roll_x;
-        let e3 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
-        let by_r_hip_roll_y = -e3;
-        rows[1][17] = by_r_hip_roll_y;
-        rows[1][20] = by_r_hip_roll_y;
-        rows[1][23] = by_r_hip_roll_y;
-        rows[1][29] = by_r_hip_roll_y;
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y
-            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
-        rows[2][16] = bz_r_hip_roll_x;
-        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
-        rows[2][17] = bz_r_hip_roll_y;
-        rows[2][20] = bz_r_hip_roll_y;
-        rows[2][23] = bz_r_hip_roll_y;
-        rows[2][29] = bz_r_hip_roll_y;
-        // r_hip_yaw
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
-        rows[0][18] = bx_r_hip_yaw_x;
-        let e4 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
-        let bx_r_hip_yaw_y = -e4;
-        rows[0][19] = bx_r_hip_yaw_y;
-        rows[0][46] = bx_r_hip_yaw_y;
-        rows[0][55] = bx_r_hip_yaw_y;
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
-        rows[1][18] = by_r_hip_yaw_x;
-        let e5 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
-        let by_r_hip_yaw_y = -e5;
-        rows[1][19] = by_r_hip_yaw_y;
-        rows[1][46] = by_r_hip_yaw_y;
-        rows[1][55] = by_r_hip_yaw_y;
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
-        rows[2][18] = bz_r_hip_yaw_x;
-        let e6 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
-        let bz_r_hip_yaw_y = -e6;
-        rows[2][19] = bz_r_hip_yaw_y;
-        rows[2][46] = bz_r_hip_yaw_y;
-        rows[2][55] = bz_r_hip_yaw_y;
-        // head_pan
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
-        rows[0][21] = bx_head_pan_x;
-        let bx_head_pan_y = -e4.mul_plus(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
-        rows[0][22] = bx_head_pan_y;
-        rows[0][25] = bx_head_pan_y;
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
-        rows[1][21] = by_head_pan_x;
-        let by_head_pan_y = -e5.mul_plus(c_head_pan, by_r_hip_yaw_x * s_head_pan);
-        rows[1][22] = by_head_pan_y;
-        rows[1][25] = by_head_pan_y;
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e6 * s_head_pan));
-        rows[2][21] = bz_head_pan_x;
-        let bz_head_pan_y = -e6.mul_plus(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
-        rows[2][22] = bz_head_pan_y;
-        rows[2][25] = bz_head_pan_y;
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
-        let e7 = bx_r_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
-        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e3 * s_head_tilt));
-        let by_head_tilt_y = e3.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
-        let bz_head_tilt_x = bz_head_pan_x.mul_plus(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
-        let e8 = bz_r_hip_roll_y.mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
-        // l_hip_yaw
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e4 * s_l_hip_yaw);
-        rows[0][27] = bx_l_hip_yaw_x;
-        rows[0][30] = bx_l_hip_yaw_x;
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
-        rows[0][28] = bx_l_hip_yaw_y;
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e5 * s_l_hip_yaw);
-        rows[1][27] = by_l_hip_yaw_x;
-        rows[1][30] = by_l_hip_yaw_x;
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
-        rows[1][28] = by_l_hip_yaw_y;
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e6 * s_l_hip_yaw);
-        rows[2][27] = bz_l_hip_yaw_x;
-        rows[2][30] = bz_l_hip_yaw_x;
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e6 * c_l_hip_yaw));
-        rows[2][28] = bz_l_hip_yaw_y;
-        // l_hip_roll
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
-        rows[0][31] = bx_l_hip_roll_x;
-        rows[0][34] = bx_l_hip_roll_x;
-        rows[0][37] = bx_l_hip_roll_x;
-        rows[0][40] = bx_l_hip_roll_x;
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
-        rows[0][32] = bx_l_hip_roll_y;
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e3 * s_l_hip_roll);
-        rows[1][31] = by_l_hip_roll_x;
-        rows[1][34] = by_l_hip_roll_x;
-        rows[1][37] = by_l_hip_roll_x;
-        rows[1][40] = by_l_hip_roll_x;
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e3 * c_l_hip_roll));
-        rows[1][32] = by_l_hip_roll_y;
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
-        rows[2][31] = bz_l_hip_roll_x;
-        rows[2][34] = bz_l_hip_roll_x;
-        rows[2][37] = bz_l_hip_roll_x;
-        rows[2][40] = bz_l_hip_roll_x;
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
-        rows[2][32] = bz_l_hip_roll_y;
-        // l_hip_pitch
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
-        rows[0][33] = bx_l_hip_pitch_x;
-        let e9 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
-        let bx_l_hip_pitch_y = -e9;
-        rows[0][35] = bx_l_hip_pitch_y;
-        let by_l_hip_pitch_x = by_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
-        rows[1][33] = by_l_hip_pitch_x;
-        let e10 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
-        let by_l_hip_pitch_y = -e10;
-        rows[1][35] = by_l_hip_pitch_y;
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
-        rows[2][33] = bz_l_hip_pitch_x;
-        let e11 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
-        let bz_l_hip_pitch_y = -e11;
-        rows[2][35] = bz_l_hip_pitch_y;
-        // l_knee
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e9 * s_l_knee));
-        rows[0][36] = bx_l_knee_x;
-        let e12 = e9.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
-        let bx_l_knee_y = -e12;
-        rows[0][38] = bx_l_knee_y;
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e10 * s_l_knee));
-        rows[1][36] = by_l_knee_x;
-        let e13 = e10.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
-        let by_l_knee_y = -e13;
-        rows[1][38] = by_l_knee_y;
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e11 * s_l_knee));
-        rows[2][36] = bz_l_knee_x;
-        let e14 = e11.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
-        let bz_l_knee_y = -e14;
-        rows[2][38] = bz_l_knee_y;
-        // l_ank_pitch
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(c_l_ank_pitch, e12 * s_l_ank_pitch);
-        rows[0][39] = bx_l_ank_pitch_x;
-        rows[0][42] = bx_l_ank_pitch_x;
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
-        rows[0][41] = bx_l_ank_pitch_y;
-        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(c_l_ank_pitch, e13 * s_l_ank_pitch);
-        rows[1][39] = by_l_ank_pitch_x;
-        rows[1][42] = by_l_ank_pitch_x;
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e13 * c_l_ank_pitch));
-        rows[1][41] = by_l_ank_pitch_y;
-        let bz_l_ank_pitch_x = bz_l_knee_x.mul_plus(c_l_ank_pitch, e14 * s_l_ank_pitch);
-        rows[2][39] = bz_l_ank_pitch_x;
-        rows[2][42] = bz_l_ank_pitch_x;
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e14 * c_l_ank_pitch));
-        rows[2][41] = bz_l_ank_pitch_y;
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        let bx_l_ank_roll_x = bx_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
-        rows[0][43] = bx_l_ank_roll_x;
-        let bx_l_ank_roll_y = -bx_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
-        rows[0][44] = bx_l_ank_roll_y;
-        let by_l_ank_roll_x = by_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
-        rows[1][43] = by_l_ank_roll_x;
-        let by_l_ank_roll_y = -by_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
-        rows[1][44] = by_l_ank_roll_y;
-        let bz_l_ank_roll_x = bz_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
-        rows[2][43] = bz_l_ank_roll_x;
-        let bz_l_ank_roll_y = -bz_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
-        rows[2][44] = bz_l_ank_roll_y;
-        // l_sho_pitch
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
-        rows[0][45] = bx_l_sho_pitch_x;
-        rows[0][48] = bx_l_sho_pitch_x;
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
-        rows[0][47] = bx_l_sho_pitch_y;
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e3 * s_l_sho_pitch);
-        rows[1][45] = by_l_sho_pitch_x;
-        rows[1][48] = by_l_sho_pitch_x;
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e3 * c_l_sho_pitch));
-        rows[1][47] = by_l_sho_pitch_y;
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
-        rows[2][45] = bz_l_sho_pitch_x;
-        rows[2][48] = bz_l_sho_pitch_x;
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
-        rows[2][47] = bz_l_sho_pitch_y;
-        // l_sho_roll
-        let e15 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e15.sin_cos();
-        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-        rows[0][49] = bx_l_sho_roll_x;
-        rows[0][52] = bx_l_sho_roll_x;
-        let e16 = e4.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        let bx_l_sho_roll_y = -e16;
-        rows[0][50] = bx_l_sho_roll_y;
-        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
-        rows[1][49] = by_l_sho_roll_x;
-        rows[1][52] = by_l_sho_roll_x;
-        let e17 = e5.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        let by_l_sho_roll_y = -e17;
-        rows[1][50] = by_l_sho_roll_y;
-        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e6 * c_l_sho_roll);
-        rows[2][49] = bz_l_sho_roll_x;
-        rows[2][52] = bz_l_sho_roll_x;
-        let e18 = e6.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let bz_l_sho_roll_y = -e18;
-        rows[2][50] = bz_l_sho_roll_y;
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e16 * c_l_el));
-        rows[0][51] = bx_l_el_x;
-        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e16 * s_l_el);
-        rows[0][53] = bx_l_el_y;
-        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e17 * c_l_el));
-        rows[1][51] = by_l_el_x;
-        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e17 * s_l_el);
-        rows[1][53] = by_l_el_y;
-        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e18 * c_l_el));
-        rows[2][51] = bz_l_el_x;
-        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e18 * s_l_el);
-        rows[2][53] = bz_l_el_y;
-        // r_sho_pitch
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
-        rows[0][54] = bx_r_sho_pitch_x;
-        rows[0][57] = bx_r_sho_pitch_x;
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
-        rows[0][56] = bx_r_sho_pitch_y;
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e3 * s_r_sho_pitch));
-        rows[1][54] = by_r_sho_pitch_x;
-        rows[1][57] = by_r_sho_pitch_x;
-        let e19 = e3.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
-        let by_r_sho_pitch_y = -e19;
-        rows[1][56] = by_r_sho_pitch_y;
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
-        rows[2][54] = bz_r_sho_pitch_x;
-        rows[2][57] = bz_r_sho_pitch_x;
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
-        rows[2][56] = bz_r_sho_pitch_y;
-        // r_sho_roll
-        let e20 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e20.sin_cos();
-        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-        rows[0][58] = bx_r_sho_roll_x;
-        rows[0][61] = bx_r_sho_roll_x;
-        let e21 = e4.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        let bx_r_sho_roll_y = -e21;
-        rows[0][59] = bx_r_sho_roll_y;
-        let by_r_sho_roll_x = e19.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
-        rows[1][58] = by_r_sho_roll_x;
-        rows[1][61] = by_r_sho_roll_x;
-        let e22 = e5.mul_plus(s_r_sho_roll, e19 * c_r_sho_roll);
-        let by_r_sho_roll_y = -e22;
-        rows[1][59] = by_r_sho_roll_y;
-        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
-        rows[2][58] = bz_r_sho_roll_x;
-        rows[2][61] = bz_r_sho_roll_x;
-        let e23 = e6.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        let bz_r_sho_roll_y = -e23;
-        rows[2][59] = bz_r_sho_roll_y;
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        let bx_r_el_x = -e21.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
-        rows[0][60] = bx_r_el_x;
-        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e21 * s_r_el));
-        rows[0][62] = bx_r_el_y;
-        let by_r_el_x = -e22.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
-        rows[1][60] = by_r_el_x;
-        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e22 * s_r_el));
-        rows[1][62] = by_r_el_y;
-        let bz_r_el_x = -e23.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
-        rows[2][60] = bz_r_el_x;
-        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e23 * s_r_el));
-        rows[2][62] = bz_r_el_y;
-        rows[0][24] = bx_head_tilt_x
-            .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e7));
-        rows[0][26] = bx_head_tilt_x
-            .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e7);
-        rows[1][24] = by_head_tilt_x
-            .mul_plus(
-                T::from_f64(0.8386705680315472),
-                T::from_f64(0.5446390348824093) * by_head_tilt_y,
-            );
-        rows[1][26] = by_head_tilt_x
-            .mul_plus(
-                T::from_f64(0.5446390348824093),
-                -(T::from_f64(0.8386705680315472) * by_head_tilt_y),
-            );
-        rows[2][24] = bz_head_tilt_x
-            .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e8));
-        rows[2][26] = bz_head_tilt_x
-            .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e8);
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::regressor_full_core(&v1::Positions::new(&angles), rows);
     }
 
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        // r_sho_roll
-        let v_r_sho_roll_y = c_r_el.mul_plus(r[41], r[40]);
-        let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], v_r_sho_roll_y);
-        let e1 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
-        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
-        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
-        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        // l_sho_roll
-        let v_l_sho_roll_y = c_l_el.mul_plus(r[35], r[34]);
-        let v_l_sho_roll_y = s_l_el.mul_plus(r[36], v_l_sho_roll_y);
-        let v_l_sho_roll_z = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
-        let e2 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
-        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[33], r[32]);
-        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
-        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        // l_ank_pitch
-        let v_l_ank_pitch_y = s_l_ank_roll.mul_plus(r[29], r[28]);
-        let v_l_ank_pitch_y = c_l_ank_roll.mul_plus(r[30], v_l_ank_pitch_y);
-        let v_l_ank_pitch_z = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        // l_knee
-        let v_l_knee_x = c_l_ank_pitch.mul_plus(r[27], r[25]);
-        let v_l_knee_x = s_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_x);
-        let v_l_knee_y = (-s_l_ank_pitch).mul_plus(r[27], r[26]);
-        let v_l_knee_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_y);
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        // l_hip_pitch
-        let v_l_hip_pitch_x = c_l_knee.mul_plus(v_l_knee_x, r[23]);
-        let v_l_hip_pitch_x = (-s_l_knee).mul_plus(v_l_knee_y, v_l_hip_pitch_x);
-        let v_l_hip_pitch_y = s_l_knee.mul_plus(v_l_knee_x, r[24]);
-        let v_l_hip_pitch_y = c_l_knee.mul_plus(v_l_knee_y, v_l_hip_pitch_y);
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
-        let v_l_hip_roll_y = s_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[22]);
-        let v_l_hip_roll_y = c_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_hip_roll_y);
-        let v_l_hip_roll_z = c_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
-        let v_l_hip_yaw_y = c_l_hip_roll.mul_plus(v_l_hip_roll_x, r[20]);
-        let v_l_hip_yaw_y = s_l_hip_roll.mul_plus(v_l_hip_roll_y, v_l_hip_yaw_y);
-        let v_l_hip_yaw_z = c_l_hip_roll.mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        // head_pan
-        let v_head_pan_x = c_head_tilt.mul_plus(r[17], r[15]);
-        let v_head_pan_x = s_head_tilt.mul_plus(r[18], v_head_pan_x);
-        let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        // r_hip_yaw
-        let e3 = c_head_pan.mul_plus(v_head_pan_x, r[13]);
-        let e3 = (-s_head_pan).mul_plus(r[16], e3);
-        let e3 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_x, e3);
-        let e3 = s_l_sho_pitch.mul_plus(v_l_sho_pitch_y, e3);
-        let e3 = c_r_sho_pitch.mul_plus(v_r_sho_pitch_x, e3);
-        let e3 = (-s_r_sho_pitch).mul_plus(v_r_sho_pitch_y, e3);
-        let v_r_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, e3);
-        let v_r_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_x);
-        let p1 = s_head_pan.mul_plus(v_head_pan_x, r[14]);
-        let p2 = c_head_pan.mul_plus(r[16], p1);
-        let v_r_hip_yaw_y = (-s_l_hip_yaw)
-            .mul_plus(v_l_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
-        let v_r_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_y);
-        let p3 = (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
-        let p4 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_y, p3);
-        let p5 = s_r_sho_pitch.mul_plus(v_r_sho_pitch_x, p4);
-        let v_r_hip_yaw_z = c_r_sho_pitch.mul_plus(v_r_sho_pitch_y, p5) + v_l_hip_yaw_z;
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        // r_hip_roll
-        let v_r_hip_roll_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, r[11]);
-        let v_r_hip_roll_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_r_hip_roll_x);
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let v_r_hip_roll_z = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
-        let v_r_hip_pitch_y = s_r_hip_roll.mul_plus(v_r_hip_roll_x, r[10]);
-        let v_r_hip_pitch_y = c_r_hip_roll.mul_plus(v_r_hip_roll_y, v_r_hip_pitch_y);
-        let v_r_hip_pitch_z = c_r_hip_roll
-            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        // r_knee
-        let v_r_knee_x = c_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[7]);
-        let v_r_knee_x = (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_y, v_r_knee_x);
-        let v_r_knee_y = s_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[8]);
-        let v_r_knee_y = c_r_hip_pitch.mul_plus(v_r_hip_pitch_y, v_r_knee_y);
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        // r_ank_pitch
-        let v_r_ank_pitch_x = c_r_knee.mul_plus(v_r_knee_x, r[5]);
-        let v_r_ank_pitch_x = (-s_r_knee).mul_plus(v_r_knee_y, v_r_ank_pitch_x);
-        let v_r_ank_pitch_y = s_r_knee.mul_plus(v_r_knee_x, r[6]);
-        let v_r_ank_pitch_y = c_r_knee.mul_plus(v_r_knee_y, v_r_ank_pitch_y);
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
-        let v_r_ank_roll_y = (-s_r_ank_pitch).mul_plus(v_r_ank_pitch_x, r[4]);
-        let v_r_ank_roll_y = c_r_ank_pitch.mul_plus(v_r_ank_pitch_y, v_r_ank_roll_y);
-        let v_r_ank_roll_z = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        // r_sole
-        let v_r_sole_x = r[0] + v_r_ank_roll_z;
-        let v_r_sole_y = c_r_ank_roll.mul_plus(v_r_ank_roll_x, r[1]);
-        let v_r_sole_y = s_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_y);
-        [v_r_sole_x, v_r_sole_y]
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::cop_core(&v1::Positions::new(&angles), r)
     }
 
     #[inline(always)]
     fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        // r_sho_roll
-        let v_r_sho_roll_y = c_r_el.mul_plus(r[41], r[40]);
-        let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], v_r_sho_roll_y);
-        let e1 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e1.sin_cos();
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
-        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
-        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
-        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        // l_sho_roll
-        let v_l_sho_roll_y = c_l_el.mul_plus(r[35], r[34]);
-        let v_l_sho_roll_y = s_l_el.mul_plus(r[36], v_l_sho_roll_y);
-        let v_l_sho_roll_z = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
-        let e2 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e2.sin_cos();
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
-        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[33], r[32]);
-        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
-        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        // l_ank_pitch
-        let v_l_ank_pitch_y = s_l_ank_roll.mul_plus(r[29], r[28]);
-        let v_l_ank_pitch_y = c_l_ank_roll.mul_plus(r[30], v_l_ank_pitch_y);
-        let v_l_ank_pitch_z = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        // l_knee
-        let v_l_knee_x = c_l_ank_pitch.mul_plus(r[27], r[25]);
-        let v_l_knee_x = s_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_x);
-        let v_l_knee_y = (-s_l_ank_pitch).mul_plus(r[27], r[26]);
-        let v_l_knee_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_y);
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        // l_hip_pitch
-        let v_l_hip_pitch_x = c_l_knee.mul_plus(v_l_knee_x, r[23]);
-        let v_l_hip_pitch_x = (-s_l_knee).mul_plus(v_l_knee_y, v_l_hip_pitch_x);
-        let v_l_hip_pitch_y = s_l_knee.mul_plus(v_l_knee_x, r[24]);
-        let v_l_hip_pitch_y = c_l_knee.mul_plus(v_l_knee_y, v_l_hip_pitch_y);
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
-        let v_l_hip_roll_y = s_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[22]);
-        let v_l_hip_roll_y = c_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_hip_roll_y);
-        let v_l_hip_roll_z = c_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
-        let v_l_hip_yaw_y = c_l_hip_roll.mul_plus(v_l_hip_roll_x, r[20]);
-        let v_l_hip_yaw_y = s_l_hip_roll.mul_plus(v_l_hip_roll_y, v_l_hip_yaw_y);
-        let v_l_hip_yaw_z = c_l_hip_roll.mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        // head_pan
-        let v_head_pan_x = c_head_tilt.mul_plus(r[17], r[15]);
-        let v_head_pan_x = s_head_tilt.mul_plus(r[18], v_head_pan_x);
-        let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        // r_hip_yaw
-        let e3 = c_head_pan.mul_plus(v_head_pan_x, r[13]);
-        let e3 = (-s_head_pan).mul_plus(r[16], e3);
-        let e3 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_x, e3);
-        let e3 = s_l_sho_pitch.mul_plus(v_l_sho_pitch_y, e3);
-        let e3 = c_r_sho_pitch.mul_plus(v_r_sho_pitch_x, e3);
-        let e3 = (-s_r_sho_pitch).mul_plus(v_r_sho_pitch_y, e3);
-        let v_r_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, e3);
-        let v_r_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_x);
-        let p1 = s_head_pan.mul_plus(v_head_pan_x, r[14]);
-        let p2 = c_head_pan.mul_plus(r[16], p1);
-        let v_r_hip_yaw_y = (-s_l_hip_yaw)
-            .mul_plus(v_l_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
-        let v_r_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_y);
-        let p3 = (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
-        let p4 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_y, p3);
-        let p5 = s_r_sho_pitch.mul_plus(v_r_sho_pitch_x, p4);
-        let v_r_hip_yaw_z = c_r_sho_pitch.mul_plus(v_r_sho_pitch_y, p5) + v_l_hip_yaw_z;
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        // r_hip_roll
-        let v_r_hip_roll_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, r[11]);
-        let v_r_hip_roll_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_r_hip_roll_x);
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let v_r_hip_roll_z = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
-        let v_r_hip_pitch_y = s_r_hip_roll.mul_plus(v_r_hip_roll_x, r[10]);
-        let v_r_hip_pitch_y = c_r_hip_roll.mul_plus(v_r_hip_roll_y, v_r_hip_pitch_y);
-        let v_r_hip_pitch_z = c_r_hip_roll
-            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        // r_knee
-        let v_r_knee_x = c_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[7]);
-        let v_r_knee_x = (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_y, v_r_knee_x);
-        let v_r_knee_y = s_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[8]);
-        let v_r_knee_y = c_r_hip_pitch.mul_plus(v_r_hip_pitch_y, v_r_knee_y);
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        // r_ank_pitch
-        let v_r_ank_pitch_x = c_r_knee.mul_plus(v_r_knee_x, r[5]);
-        let v_r_ank_pitch_x = (-s_r_knee).mul_plus(v_r_knee_y, v_r_ank_pitch_x);
-        let v_r_ank_pitch_y = s_r_knee.mul_plus(v_r_knee_x, r[6]);
-        let v_r_ank_pitch_y = c_r_knee.mul_plus(v_r_knee_y, v_r_ank_pitch_y);
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
-        let v_r_ank_roll_y = (-s_r_ank_pitch).mul_plus(v_r_ank_pitch_x, r[4]);
-        let v_r_ank_roll_y = c_r_ank_pitch.mul_plus(v_r_ank_pitch_y, v_r_ank_roll_y);
-        let v_r_ank_roll_z = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        // r_sole
-        let v_r_sole_x = r[0] + v_r_ank_roll_z;
-        let v_r_sole_y = c_r_ank_roll.mul_plus(v_r_ank_roll_x, r[1]);
-        let v_r_sole_y = s_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_y);
-        let v_r_sole_z = (-s_r_ank_roll).mul_plus(v_r_ank_roll_x, r[2]);
-        let v_r_sole_z = c_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_z);
-        // r_ank_roll
-        let e4 = qd[16] * qd[16];
-        // r_ank_pitch
-        let o_r_ank_pitch_x = qd[16] * c_r_ank_pitch;
-        let o_r_ank_pitch_y = qd[16] * s_r_ank_pitch;
-        let e5 = o_r_ank_pitch_y * qd[15];
-        let e6 = o_r_ank_pitch_x * qd[15];
-        let a_r_ank_pitch_x = qdd[16].mul_plus(c_r_ank_pitch, -e5);
-        let a_r_ank_pitch_y = qdd[16].mul_plus(s_r_ank_pitch, e6);
-        let e7 = o_r_ank_pitch_x * o_r_ank_pitch_x;
-        let e8 = o_r_ank_pitch_y * o_r_ank_pitch_y;
-        let e9 = qd[15] * qd[15];
-        let e10 = o_r_ank_pitch_x * o_r_ank_pitch_y;
-        let e11 = e8 + e9;
-        let e12 = e7 + e9;
-        let e13 = e7 + e8;
-        let e14 = e10 + qdd[15];
-        let e15 = e10 - qdd[15];
-        let e16 = e6 + a_r_ank_pitch_y;
-        let e17 = a_r_ank_pitch_x - e5;
-        // r_knee
-        let o_r_knee_x = o_r_ank_pitch_x.mul_plus(c_r_knee, o_r_ank_pitch_y * s_r_knee);
-        let o_r_knee_y = o_r_ank_pitch_y.mul_plus(c_r_knee, -(o_r_ank_pitch_x * s_r_knee));
-        let o_r_knee_z = qd[14] - qd[15];
-        let a_r_knee_x = a_r_ank_pitch_x.mul_plus(c_r_knee, a_r_ank_pitch_y * s_r_knee);
-        let a_r_knee_x = o_r_knee_y.mul_plus(qd[14], a_r_knee_x);
-        let a_r_knee_y = a_r_ank_pitch_y.mul_plus(c_r_knee, -(a_r_ank_pitch_x * s_r_knee));
-        let a_r_knee_y = (-o_r_knee_x).mul_plus(qd[14], a_r_knee_y);
-        let a_r_knee_z = qdd[14] - qdd[15];
-        let e18 = o_r_knee_x * o_r_knee_x;
-        let e19 = o_r_knee_y * o_r_knee_y;
-        let e20 = o_r_knee_z * o_r_knee_z;
-        let e21 = o_r_knee_x * o_r_knee_y;
-        let e22 = o_r_knee_x * o_r_knee_z;
-        let e23 = o_r_knee_y * o_r_knee_z;
-        let e24 = e19 + e20;
-        let e25 = e18 + e20;
-        let e26 = e18 + e19;
-        let e27 = e21 - a_r_knee_z;
-        let e28 = e21 + a_r_knee_z;
-        let e29 = e22 - a_r_knee_y;
-        let e30 = e23 + a_r_knee_x;
-        // r_hip_pitch
-        let o_r_hip_pitch_x = o_r_knee_x.mul_plus(c_r_hip_pitch, o_r_knee_y * s_r_hip_pitch);
-        let o_r_hip_pitch_y = o_r_knee_y.mul_plus(c_r_hip_pitch, -(o_r_knee_x * s_r_hip_pitch));
-        let o_r_hip_pitch_z = o_r_knee_z + qd[13];
-        let a_r_hip_pitch_x = a_r_knee_x.mul_plus(c_r_hip_pitch, a_r_knee_y * s_r_hip_pitch);
-        let a_r_hip_pitch_x = o_r_hip_pitch_y.mul_plus(qd[13], a_r_hip_pitch_x);
-        let a_r_hip_pitch_y = a_r_knee_y.mul_plus(c_r_hip_pitch, -(a_r_knee_x * s_r_hip_pitch));
-        let a_r_hip_pitch_y = (-o_r_hip_pitch_x).mul_plus(qd[13], a_r_hip_pitch_y);
-        let a_r_hip_pitch_z = a_r_knee_z + qdd[13];
-        let e31 = o_r_hip_pitch_x * o_r_hip_pitch_x;
-        let e32 = o_r_hip_pitch_y * o_r_hip_pitch_y;
-        let e33 = o_r_hip_pitch_z * o_r_hip_pitch_z;
-        let e34 = o_r_hip_pitch_x * o_r_hip_pitch_y;
-        let e35 = o_r_hip_pitch_x * o_r_hip_pitch_z;
-        let e36 = o_r_hip_pitch_y * o_r_hip_pitch_z;
-        let e37 = e32 + e33;
-        let e38 = e31 + e33;
-        let e39 = e31 + e32;
-        let e40 = e34 - a_r_hip_pitch_z;
-        let e41 = e34 + a_r_hip_pitch_z;
-        let e42 = e35 - a_r_hip_pitch_y;
-        let e43 = e36 + a_r_hip_pitch_x;
-        // r_hip_roll
-        let e44 = o_r_hip_pitch_y.mul_plus(s_r_hip_roll, o_r_hip_pitch_z * c_r_hip_roll);
-        let o_r_hip_roll_y = o_r_hip_pitch_z
-            .mul_plus(s_r_hip_roll, -(o_r_hip_pitch_y * c_r_hip_roll));
-        let o_r_hip_roll_z = qd[12] - o_r_hip_pitch_x;
-        let a_r_hip_roll_x = a_r_hip_pitch_y.mul_plus(s_r_hip_roll, a_r_hip_pitch_z * c_r_hip_roll);
-        let a_r_hip_roll_x = o_r_hip_roll_y.mul_plus(qd[12], -a_r_hip_roll_x);
-        let a_r_hip_roll_y = a_r_hip_pitch_z
-            .mul_plus(s_r_hip_roll, -(a_r_hip_pitch_y * c_r_hip_roll));
-        let a_r_hip_roll_y = e44.mul_plus(qd[12], a_r_hip_roll_y);
-        let a_r_hip_roll_z = qdd[12] - a_r_hip_pitch_x;
-        let e45 = e44 * e44;
-        let e46 = o_r_hip_roll_y * o_r_hip_roll_y;
-        let e47 = o_r_hip_roll_z * o_r_hip_roll_z;
-        let e48 = e44 * o_r_hip_roll_y;
-        let e49 = e44 * o_r_hip_roll_z;
-        let e50 = e45 + e47;
-        let e51 = e48 + a_r_hip_roll_z;
-        let e52 = a_r_hip_roll_z - e48;
-        let e53 = e49 + a_r_hip_roll_y;
-        let e54 = o_r_hip_roll_y.mul_plus(o_r_hip_roll_z, a_r_hip_roll_x);
-        // r_hip_yaw
-        let o_r_hip_yaw_x = o_r_hip_roll_z.mul_plus(c_r_hip_yaw, -(e44 * s_r_hip_yaw));
-        let e55 = o_r_hip_roll_z.mul_plus(s_r_hip_yaw, e44 * c_r_hip_yaw);
-        let o_r_hip_yaw_z = o_r_hip_roll_y + qd[11];
-        let a_r_hip_yaw_x = a_r_hip_roll_x.mul_plus(s_r_hip_yaw, a_r_hip_roll_z * c_r_hip_yaw);
-        let a_r_hip_yaw_x = (-e55).mul_plus(qd[11], a_r_hip_yaw_x);
-        let e56 = a_r_hip_roll_z.mul_plus(s_r_hip_yaw, -(a_r_hip_roll_x * c_r_hip_yaw));
-        let e56 = o_r_hip_yaw_x.mul_plus(qd[11], e56);
-        let a_r_hip_yaw_z = a_r_hip_roll_y + qdd[11];
-        let e57 = o_r_hip_yaw_x * o_r_hip_yaw_x;
-        let e58 = e55 * e55;
-        let e59 = o_r_hip_yaw_z * o_r_hip_yaw_z;
-        let e60 = o_r_hip_yaw_x * e55;
-        let e61 = o_r_hip_yaw_x * o_r_hip_yaw_z;
-        let e62 = e55 * o_r_hip_yaw_z;
-        let e63 = e58 + e59;
-        let e64 = e57 + e59;
-        let e65 = e57 + e58;
-        let e66 = e60 + a_r_hip_yaw_z;
-        let e67 = e61 - e56;
-        let e68 = a_r_hip_yaw_z - e60;
-        let e69 = e62 + a_r_hip_yaw_x;
-        let e70 = e61 + e56;
-        let e71 = a_r_hip_yaw_x - e62;
-        // head_pan
-        let o_head_pan_x = o_r_hip_yaw_x.mul_plus(c_head_pan, -(e55 * s_head_pan));
-        let e72 = e55.mul_plus(c_head_pan, o_r_hip_yaw_x * s_head_pan);
-        let o_head_pan_z = o_r_hip_yaw_z + qd[0];
-        let a_head_pan_x = a_r_hip_yaw_x.mul_plus(c_head_pan, -(e56 * s_head_pan));
-        let a_head_pan_x = (-e72).mul_plus(qd[0], a_head_pan_x);
-        let e73 = e56.mul_plus(c_head_pan, a_r_hip_yaw_x * s_head_pan);
-        let e73 = o_head_pan_x.mul_plus(qd[0], e73);
-        let a_head_pan_z = a_r_hip_yaw_z + qdd[0];
-        let e74 = o_head_pan_x * o_head_pan_x;
-        let e75 = e72 * e72;
-        let e76 = o_head_pan_z * o_head_pan_z;
-        let e77 = o_head_pan_x * e72;
-        let e78 = o_head_pan_x * o_head_pan_z;
-        let e79 = e72 * o_head_pan_z;
-        let e80 = e75 + e76;
-        let e81 = e74 + e76;
-        let e82 = e74 + e75;
-        let e83 = e77 + a_head_pan_z;
-        let e84 = e78 - e73;
-        let e85 = a_head_pan_z - e77;
-        let e86 = e79 + a_head_pan_x;
-        let e87 = e78 + e73;
-        let e88 = a_head_pan_x - e79;
-        // head_tilt
-        let o_head_tilt_x = o_head_pan_x.mul_plus(c_head_tilt, o_head_pan_z * s_head_tilt);
-        let e89 = o_head_pan_z.mul_plus(c_head_tilt, -(o_head_pan_x * s_head_tilt));
-        let e90 = e72 + qd[1];
-        let a_head_tilt_x = a_head_pan_x.mul_plus(c_head_tilt, a_head_pan_z * s_head_tilt);
-        let a_head_tilt_x = e89.mul_plus(qd[1], a_head_tilt_x);
-        let a_head_tilt_y = a_head_pan_z.mul_plus(c_head_tilt, -(a_head_pan_x * s_head_tilt));
-        let a_head_tilt_y = o_head_tilt_x.mul_plus(qd[1], -a_head_tilt_y);
-        let e91 = e73 + qdd[1];
-        let e92 = o_head_tilt_x * o_head_tilt_x;
-        let e93 = e89 * e89;
-        let e94 = e90 * e90;
-        let e95 = o_head_tilt_x * e89;
-        let e96 = o_head_tilt_x * e90;
-        let e97 = e89 * e90;
-        let e98 = e93 + e94;
-        let e99 = e92 + e94;
-        let e100 = e92 + e93;
-        let e101 = e91 - e95;
-        let e102 = e95 + e91;
-        let e103 = e96 + a_head_tilt_y;
-        let e104 = e97 + a_head_tilt_x;
-        // l_hip_yaw
-        let o_l_hip_yaw_x = o_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e55 * s_l_hip_yaw);
-        let o_l_hip_yaw_y = o_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e55 * c_l_hip_yaw));
-        let o_l_hip_yaw_z = o_r_hip_yaw_z - qd[2];
-        let a_l_hip_yaw_x = a_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e56 * s_l_hip_yaw);
-        let a_l_hip_yaw_x = (-o_l_hip_yaw_y).mul_plus(qd[2], a_l_hip_yaw_x);
-        let a_l_hip_yaw_y = a_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e56 * c_l_hip_yaw));
-        let a_l_hip_yaw_y = o_l_hip_yaw_x.mul_plus(qd[2], a_l_hip_yaw_y);
-        let a_l_hip_yaw_z = a_r_hip_yaw_z - qdd[2];
-        let e105 = o_l_hip_yaw_x * o_l_hip_yaw_x;
-        let e106 = o_l_hip_yaw_y * o_l_hip_yaw_y;
-        let e107 = o_l_hip_yaw_z * o_l_hip_yaw_z;
-        let e108 = o_l_hip_yaw_x * o_l_hip_yaw_y;
-        let e109 = o_l_hip_yaw_y * o_l_hip_yaw_z;
-        let e110 = e106 + e107;
-        let e111 = e108 - a_l_hip_yaw_z;
-        let e112 = e108 + a_l_hip_yaw_z;
-        let e113 = o_l_hip_yaw_x.mul_plus(o_l_hip_yaw_z, -a_l_hip_yaw_y);
-        let e114 = e109 + a_l_hip_yaw_x;
-        // l_hip_roll
-        let o_l_hip_roll_x = o_l_hip_yaw_y.mul_plus(c_l_hip_roll, -(o_l_hip_yaw_z * s_l_hip_roll));
-        let o_l_hip_roll_y = o_l_hip_yaw_z.mul_plus(c_l_hip_roll, o_l_hip_yaw_y * s_l_hip_roll);
-        let o_l_hip_roll_z = o_l_hip_yaw_x - qd[3];
-        let a_l_hip_roll_x = a_l_hip_yaw_y.mul_plus(c_l_hip_roll, -(a_l_hip_yaw_z * s_l_hip_roll));
-        let a_l_hip_roll_x = (-o_l_hip_roll_y).mul_plus(qd[3], a_l_hip_roll_x);
-        let a_l_hip_roll_y = a_l_hip_yaw_z.mul_plus(c_l_hip_roll, a_l_hip_yaw_y * s_l_hip_roll);
-        let a_l_hip_roll_y = o_l_hip_roll_x.mul_plus(qd[3], a_l_hip_roll_y);
-        let a_l_hip_roll_z = a_l_hip_yaw_x - qdd[3];
-        let e115 = o_l_hip_roll_x * o_l_hip_roll_x;
-        let e116 = o_l_hip_roll_y * o_l_hip_roll_y;
-        let e117 = o_l_hip_roll_z * o_l_hip_roll_z;
-        let e118 = o_l_hip_roll_x * o_l_hip_roll_y;
-        let e119 = o_l_hip_roll_x * o_l_hip_roll_z;
-        let e120 = o_l_hip_roll_y * o_l_hip_roll_z;
-        let e121 = e116 + e117;
-        let e122 = e115 + e117;
-        let e123 = e115 + e116;
-        let e124 = e118 - a_l_hip_roll_z;
-        let e125 = e118 + a_l_hip_roll_z;
-        let e126 = e119 - a_l_hip_roll_y;
-        let e127 = e120 + a_l_hip_roll_x;
-        // l_hip_pitch
-        let e128 = o_l_hip_roll_y.mul_plus(s_l_hip_pitch, o_l_hip_roll_z * c_l_hip_pitch);
-        let o_l_hip_pitch_y = o_l_hip_roll_z
-            .mul_plus(s_l_hip_pitch, -(o_l_hip_roll_y * c_l_hip_pitch));
-        let o_l_hip_pitch_z = qd[4] - o_l_hip_roll_x;
-        let a_l_hip_pitch_x = a_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, a_l_hip_roll_z * c_l_hip_pitch);
-        let a_l_hip_pitch_x = o_l_hip_pitch_y.mul_plus(qd[4], -a_l_hip_pitch_x);
-        let a_l_hip_pitch_y = a_l_hip_roll_z
-            .mul_plus(s_l_hip_pitch, -(a_l_hip_roll_y * c_l_hip_pitch));
-        let a_l_hip_pitch_y = e128.mul_plus(qd[4], a_l_hip_pitch_y);
-        let a_l_hip_pitch_z = qdd[4] - a_l_hip_roll_x;
-        let e129 = e128 * e128;
-        let e130 = o_l_hip_pitch_y * o_l_hip_pitch_y;
-        let e131 = o_l_hip_pitch_z * o_l_hip_pitch_z;
-        let e132 = e128 * o_l_hip_pitch_y;
-        let e133 = e128 * o_l_hip_pitch_z;
-        let e134 = o_l_hip_pitch_y * o_l_hip_pitch_z;
-        let e135 = e130 + e131;
-        let e136 = e129 + e131;
-        let e137 = e129 + e130;
-        let e138 = e132 + a_l_hip_pitch_z;
-        let e139 = a_l_hip_pitch_z - e132;
-        let e140 = e133 + a_l_hip_pitch_y;
-        let e141 = e134 + a_l_hip_pitch_x;
-        // l_knee
-        let o_l_knee_x = o_l_hip_pitch_y.mul_plus(s_l_knee, -(e128 * c_l_knee));
-        let o_l_knee_y = o_l_hip_pitch_y.mul_plus(c_l_knee, e128 * s_l_knee);
-        let o_l_knee_z = o_l_hip_pitch_z + qd[5];
-        let a_l_knee_x = a_l_hip_pitch_x.mul_plus(c_l_knee, a_l_hip_pitch_y * s_l_knee);
-        let a_l_knee_x = o_l_knee_y.mul_plus(qd[5], a_l_knee_x);
-        let a_l_knee_y = a_l_hip_pitch_y.mul_plus(c_l_knee, -(a_l_hip_pitch_x * s_l_knee));
-        let a_l_knee_y = (-o_l_knee_x).mul_plus(qd[5], a_l_knee_y);
-        let a_l_knee_z = a_l_hip_pitch_z + qdd[5];
-        let e142 = o_l_knee_x * o_l_knee_x;
-        let e143 = o_l_knee_y * o_l_knee_y;
-        let e144 = o_l_knee_z * o_l_knee_z;
-        let e145 = o_l_knee_x * o_l_knee_y;
-        let e146 = o_l_knee_x * o_l_knee_z;
-        let e147 = o_l_knee_y * o_l_knee_z;
-        let e148 = e143 + e144;
-        let e149 = e142 + e144;
-        let e150 = e142 + e143;
-        let e151 = e145 - a_l_knee_z;
-        let e152 = e145 + a_l_knee_z;
-        let e153 = e146 - a_l_knee_y;
-        let e154 = e147 + a_l_knee_x;
-        // l_ank_pitch
-        let o_l_ank_pitch_x = o_l_knee_x.mul_plus(c_l_ank_pitch, -(o_l_knee_y * s_l_ank_pitch));
-        let o_l_ank_pitch_y = o_l_knee_y.mul_plus(c_l_ank_pitch, o_l_knee_x * s_l_ank_pitch);
-        let o_l_ank_pitch_z = o_l_knee_z - qd[6];
-        let a_l_ank_pitch_x = a_l_knee_x.mul_plus(c_l_ank_pitch, -(a_l_knee_y * s_l_ank_pitch));
-        let a_l_ank_pitch_x = (-o_l_ank_pitch_y).mul_plus(qd[6], a_l_ank_pitch_x);
-        let a_l_ank_pitch_y = a_l_knee_y.mul_plus(c_l_ank_pitch, a_l_knee_x * s_l_ank_pitch);
-        let a_l_ank_pitch_y = o_l_ank_pitch_x.mul_plus(qd[6], a_l_ank_pitch_y);
-        let a_l_ank_pitch_z = a_l_knee_z - qdd[6];
-        let e155 = o_l_ank_pitch_x * o_l_ank_pitch_x;
-        let e156 = o_l_ank_pitch_y * o_l_ank_pitch_y;
-        let e157 = o_l_ank_pitch_z * o_l_ank_pitch_z;
-        let e158 = o_l_ank_pitch_x * o_l_ank_pitch_y;
-        let e159 = o_l_ank_pitch_x * o_l_ank_pitch_z;
-        let e160 = o_l_ank_pitch_y * o_l_ank_pitch_z;
-        let e161 = e156 + e157;
-        let e162 = e155 + e157;
-        let e163 = e155 + e156;
-        let e164 = e158 - a_l_ank_pitch_z;
-        let e165 = e158 + a_l_ank_pitch_z;
-        let e166 = e159 - a_l_ank_pitch_y;
-        let e167 = e160 + a_l_ank_pitch_x;
-        // l_ank_roll
-        let e168 = o_l_ank_pitch_y.mul_plus(s_l_ank_roll, o_l_ank_pitch_z * c_l_ank_roll);
-        let o_l_ank_roll_y = o_l_ank_pitch_z
-            .mul_plus(s_l_ank_roll, -(o_l_ank_pitch_y * c_l_ank_roll));
-        let o_l_ank_roll_z = qd[7] - o_l_ank_pitch_x;
-        let a_l_ank_roll_x = a_l_ank_pitch_y.mul_plus(s_l_ank_roll, a_l_ank_pitch_z * c_l_ank_roll);
-        let a_l_ank_roll_x = o_l_ank_roll_y.mul_plus(qd[7], -a_l_ank_roll_x);
-        let a_l_ank_roll_y = a_l_ank_pitch_z
-            .mul_plus(s_l_ank_roll, -(a_l_ank_pitch_y * c_l_ank_roll));
-        let a_l_ank_roll_y = e168.mul_plus(qd[7], a_l_ank_roll_y);
-        let a_l_ank_roll_z = qdd[7] - a_l_ank_pitch_x;
-        let e169 = e168 * e168;
-        let e170 = o_l_ank_roll_y * o_l_ank_roll_y;
-        let e171 = o_l_ank_roll_z * o_l_ank_roll_z;
-        let e172 = e168 * o_l_ank_roll_y;
-        let e173 = e168 * o_l_ank_roll_z;
-        let e174 = o_l_ank_roll_y * o_l_ank_roll_z;
-        let e175 = e170 + e171;
-        let e176 = e169 + e171;
-        let e177 = e169 + e170;
-        let e178 = e172 + a_l_ank_roll_z;
-        let e179 = a_l_ank_roll_z - e172;
-        let e180 = e173 + a_l_ank_roll_y;
-        let e181 = e174 + a_l_ank_roll_x;
-        // l_sho_pitch
-        let e182 = o_r_hip_yaw_x.mul_plus(c_l_sho_pitch, -(o_r_hip_yaw_z * s_l_sho_pitch));
-        let e183 = o_r_hip_yaw_z.mul_plus(c_l_sho_pitch, o_r_hip_yaw_x * s_l_sho_pitch);
-        let o_l_sho_pitch_z = e55 - qd[8];
-        let a_l_sho_pitch_x = a_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(a_r_hip_yaw_z * s_l_sho_pitch));
-        let a_l_sho_pitch_x = e183.mul_plus(qd[8], -a_l_sho_pitch_x);
-        let e184 = a_r_hip_yaw_z.mul_plus(c_l_sho_pitch, a_r_hip_yaw_x * s_l_sho_pitch);
-        let e184 = e182.mul_plus(qd[8], e184);
-        let a_l_sho_pitch_z = e56 - qdd[8];
-        let e185 = e182 * e182;
-        let e186 = e183 * e183;
-        let e187 = o_l_sho_pitch_z * o_l_sho_pitch_z;
-        let e188 = e182 * e183;
-        let e189 = e182 * o_l_sho_pitch_z;
-        let e190 = e183 * o_l_sho_pitch_z;
-        let e191 = e186 + e187;
-        let e192 = e185 + e187;
-        let e193 = e185 + e186;
-        let e194 = e188 - a_l_sho_pitch_z;
-        let e195 = e189 + e184;
-        let e196 = e188 + a_l_sho_pitch_z;
-        let e197 = e190 + a_l_sho_pitch_x;
-        let e198 = e184 - e189;
-        let e199 = a_l_sho_pitch_x - e190;
-        // l_sho_roll
-        let e200 = e183.mul_plus(s_l_sho_roll, o_l_sho_pitch_z * c_l_sho_roll);
-        let o_l_sho_roll_y = e183.mul_plus(c_l_sho_roll, -(o_l_sho_pitch_z * s_l_sho_roll));
-        let o_l_sho_roll_z = e182 - qd[9];
-        let e201 = e184.mul_plus(s_l_sho_roll, a_l_sho_pitch_z * c_l_sho_roll);
-        let e201 = o_l_sho_roll_y.mul_plus(qd[9], e201);
-        let a_l_sho_roll_y = e184.mul_plus(c_l_sho_roll, -(a_l_sho_pitch_z * s_l_sho_roll));
-        let a_l_sho_roll_y = (-e200).mul_plus(qd[9], a_l_sho_roll_y);
-        let e202 = a_l_sho_pitch_x + qdd[9];
-        let e203 = e200 * e200;
-        let e204 = o_l_sho_roll_y * o_l_sho_roll_y;
-        let e205 = o_l_sho_roll_z * o_l_sho_roll_z;
-        let e206 = e200 * o_l_sho_roll_y;
-        let e207 = e200 * o_l_sho_roll_z;
-        let e208 = o_l_sho_roll_y * o_l_sho_roll_z;
-        let e209 = e204 + e205;
-        let e210 = e203 + e205;
-        let e211 = e203 + e204;
-        let e212 = e202 - e206;
-        let e213 = a_l_sho_roll_y - e207;
-        let e214 = e206 + e202;
-        let e215 = e208 + e201;
-        let e216 = e207 + a_l_sho_roll_y;
-        let e217 = e208 - e201;
-        // l_el
-        let e218 = o_l_sho_roll_y.mul_plus(c_l_el, o_l_sho_roll_z * s_l_el);
-        let o_l_el_y = o_l_sho_roll_z.mul_plus(c_l_el, -(o_l_sho_roll_y * s_l_el));
-        let o_l_el_z = e200 - qd[10];
-        let e219 = a_l_sho_roll_y.mul_plus(c_l_el, -(e202 * s_l_el));
-        let e219 = o_l_el_y.mul_plus(qd[10], e219);
-        let e220 = e202.mul_plus(c_l_el, a_l_sho_roll_y * s_l_el);
-        let e220 = e218.mul_plus(qd[10], e220);
-        let a_l_el_z = e201 - qdd[10];
-        let e221 = e218 * e218;
-        let e222 = o_l_el_y * o_l_el_y;
-        let e223 = o_l_el_z * o_l_el_z;
-        let e224 = e218 * o_l_el_y;
-        let e225 = e218 * o_l_el_z;
-        let e226 = o_l_el_y * o_l_el_z;
-        let e227 = e222 + e223;
-        let e228 = e221 + e223;
-        let e229 = e221 + e222;
-        let e230 = e224 + a_l_el_z;
-        let e231 = a_l_el_z - e224;
-        let e232 = e220 - e225;
-        let e233 = e226 - e219;
-        // r_sho_pitch
-        let e234 = o_r_hip_yaw_x.mul_plus(c_r_sho_pitch, o_r_hip_yaw_z * s_r_sho_pitch);
-        let e235 = o_r_hip_yaw_z.mul_plus(c_r_sho_pitch, -(o_r_hip_yaw_x * s_r_sho_pitch));
-        let o_r_sho_pitch_z = e55 + qd[17];
-        let e236 = a_r_hip_yaw_x.mul_plus(c_r_sho_pitch, a_r_hip_yaw_z * s_r_sho_pitch);
-        let e236 = e235.mul_plus(qd[17], e236);
-        let a_r_sho_pitch_y = a_r_hip_yaw_z
-            .mul_plus(c_r_sho_pitch, -(a_r_hip_yaw_x * s_r_sho_pitch));
-        let a_r_sho_pitch_y = e234.mul_plus(qd[17], -a_r_sho_pitch_y);
-        let a_r_sho_pitch_z = e56 + qdd[17];
-        let e237 = e234 * e234;
-        let e238 = e235 * e235;
-        let e239 = o_r_sho_pitch_z * o_r_sho_pitch_z;
-        let e240 = e234 * e235;
-        let e241 = e234 * o_r_sho_pitch_z;
-        let e242 = e235 * o_r_sho_pitch_z;
-        let e243 = e238 + e239;
-        let e244 = e237 + e239;
-        let e245 = e237 + e238;
-        let e246 = e240 - a_r_sho_pitch_z;
-        let e247 = a_r_sho_pitch_y - e241;
-        let e248 = e240 + a_r_sho_pitch_z;
-        let e249 = e236 - e242;
-        let e250 = e241 + a_r_sho_pitch_y;
-        let e251 = e242 + e236;
-        // r_sho_roll
-        let e252 = e235.mul_plus(s_r_sho_roll, o_r_sho_pitch_z * c_r_sho_roll);
-        let o_r_sho_roll_y = e235.mul_plus(c_r_sho_roll, -(o_r_sho_pitch_z * s_r_sho_roll));
-        let o_r_sho_roll_z = e234 - qd[18];
-        let e253 = a_r_sho_pitch_z.mul_plus(c_r_sho_roll, -(a_r_sho_pitch_y * s_r_sho_roll));
-        let e253 = o_r_sho_roll_y.mul_plus(qd[18], e253);
-        let e254 = a_r_sho_pitch_z.mul_plus(s_r_sho_roll, a_r_sho_pitch_y * c_r_sho_roll);
-        let e254 = e252.mul_plus(qd[18], e254);
-        let a_r_sho_roll_z = e236 - qdd[18];
-        let e255 = e252 * e252;
-        let e256 = o_r_sho_roll_y * o_r_sho_roll_y;
-        let e257 = o_r_sho_roll_z * o_r_sho_roll_z;
-        let e258 = e252 * o_r_sho_roll_y;
-        let e259 = e252 * o_r_sho_roll_z;
-        let e260 = o_r_sho_roll_y * o_r_sho_roll_z;
-        let e261 = e256 + e257;
-        let e262 = e255 + e257;
-        let e263 = e255 + e256;
-        let e264 = e258 + a_r_sho_roll_z;
-        let e265 = e259 + e254;
-        let e266 = a_r_sho_roll_z - e258;
-        let e267 = e260 + e253;
-        let e268 = e254 - e259;
-        let e269 = e260 - e253;
-        // r_el
-        let e270 = o_r_sho_roll_y.mul_plus(c_r_el, -(o_r_sho_roll_z * s_r_el));
-        let o_r_el_y = o_r_sho_roll_z.mul_plus(c_r_el, o_r_sho_roll_y * s_r_el);
-        let o_r_el_z = e252 + qd[19];
-        let a_r_el_x = e254.mul_plus(c_r_el, a_r_sho_roll_z * s_r_el);
-        let a_r_el_x = o_r_el_y.mul_plus(qd[19], a_r_el_x);
-        let a_r_el_y = a_r_sho_roll_z.mul_plus(c_r_el, -(e254 * s_r_el));
-        let a_r_el_y = e270.mul_plus(qd[19], a_r_el_y);
-        let a_r_el_z = e253 + qdd[19];
-        let e271 = e270 * e270;
-        let e272 = o_r_el_y * o_r_el_y;
-        let e273 = o_r_el_z * o_r_el_z;
-        let e274 = e270 * o_r_el_y;
-        let e275 = e270 * o_r_el_z;
-        let e276 = o_r_el_y * o_r_el_z;
-        let e277 = e272 + e273;
-        let e278 = e271 + e273;
-        let e279 = e271 + e272;
-        let e280 = e274 + a_r_el_z;
-        let e281 = a_r_el_z - e274;
-        let e282 = e275 + a_r_el_y;
-        let e283 = e276 + a_r_el_x;
-        let e284 = r[41].mul_plus(e277, r[42] * e280);
-        let f_r_el_y = r[41].mul_plus(e281, -(r[42] * e278));
-        let f_r_el_z = r[42].mul_plus(e283, -(r[41] * e282));
-        // r_sho_roll
-        let f_r_sho_roll_x = f_r_el_z - r[39].mul_plus(e261, r[40] * e264);
-        let p6 = c_r_el.mul_plus(e284, s_r_el * f_r_el_y);
-        let f_r_sho_roll_y = r[39].mul_plus(e266, -(r[40] * e262)) - p6;
-        let p7 = s_r_el.mul_plus(e284, -(c_r_el * f_r_el_y));
-        let f_r_sho_roll_z = r[39].mul_plus(e268, r[40] * e269) + p7;
-        // r_sho_pitch
-        let f_r_sho_pitch_x = r[38].mul_plus(e246, -(r[37] * e243)) + f_r_sho_roll_z;
-        let p8 = c_r_sho_roll.mul_plus(f_r_sho_roll_y, -(s_r_sho_roll * f_r_sho_roll_x));
-        let f_r_sho_pitch_y = r[37].mul_plus(e248, -(r[38] * e244)) + p8;
-        let p9 = r[37].mul_plus(e250, r[38] * e251);
-        let f_r_sho_pitch_z = c_r_sho_roll
-            .mul_plus(f_r_sho_roll_x, s_r_sho_roll * f_r_sho_roll_y) - p9;
-        // l_el
-        let e285 = r[35].mul_plus(e227, r[36] * e230);
-        let f_l_el_y = r[35].mul_plus(e231, -(r[36] * e228));
-        let f_l_el_z = r[35].mul_plus(e232, r[36] * e233);
-        // l_sho_roll
-        let f_l_sho_roll_x = r[34].mul_plus(e212, -(r[33] * e209)) + f_l_el_z;
-        let p10 = r[33].mul_plus(e214, r[34] * e210);
-        let f_l_sho_roll_y = s_l_el.mul_plus(f_l_el_y, -(c_l_el * e285)) - p10;
-        let p11 = s_l_el.mul_plus(e285, c_l_el * f_l_el_y);
-        let f_l_sho_roll_z = r[34].mul_plus(e217, -(r[33] * e216)) - p11;
-        // l_sho_pitch
-        let f_l_sho_pitch_x = r[32].mul_plus(e194, -(r[31] * e191)) + f_l_sho_roll_z;
-        let p12 = c_l_sho_roll.mul_plus(f_l_sho_roll_y, -(s_l_sho_roll * f_l_sho_roll_x));
-        let f_l_sho_pitch_y = r[31].mul_plus(e196, -(r[32] * e192)) + p12;
-        let p13 = c_l_sho_roll.mul_plus(f_l_sho_roll_x, s_l_sho_roll * f_l_sho_roll_y);
-        let f_l_sho_pitch_z = r[31].mul_plus(e198, r[32] * e199) + p13;
-        // l_ank_roll
-        let e286 = r[29].mul_plus(e175, r[30] * e178);
-        let f_l_ank_roll_y = r[29].mul_plus(e179, -(r[30] * e176));
-        let f_l_ank_roll_z = r[30].mul_plus(e181, -(r[29] * e180));
-        // l_ank_pitch
-        let f_l_ank_pitch_x = r[28].mul_plus(e164, -(r[27] * e161)) + f_l_ank_roll_z;
-        let p14 = c_l_ank_roll.mul_plus(f_l_ank_roll_y, -(s_l_ank_roll * e286));
-        let f_l_ank_pitch_y = r[27].mul_plus(e165, -(r[28] * e162)) + p14;
-        let p15 = c_l_ank_roll.mul_plus(e286, s_l_ank_roll * f_l_ank_roll_y);
-        let f_l_ank_pitch_z = r[27].mul_plus(e166, r[28] * e167) - p15;
-        // l_knee
-        let p16 = c_l_ank_pitch.mul_plus(f_l_ank_pitch_x, s_l_ank_pitch * f_l_ank_pitch_y);
-        let f_l_knee_x = r[26].mul_plus(e151, -(r[25] * e148)) + p16;
-        let p17 = c_l_ank_pitch.mul_plus(f_l_ank_pitch_y, -(s_l_ank_pitch * f_l_ank_pitch_x));
-        let f_l_knee_y = r[25].mul_plus(e152, -(r[26] * e149)) + p17;
-        let f_l_knee_z = r[25].mul_plus(e153, r[26] * e154) + f_l_ank_pitch_z;
-        // l_hip_pitch
-        let p18 = r[23].mul_plus(e135, r[24] * e138);
-        let f_l_hip_pitch_x = c_l_knee.mul_plus(f_l_knee_x, -(s_l_knee * f_l_knee_y))
-            - p18;
-        let p19 = s_l_knee.mul_plus(f_l_knee_x, c_l_knee * f_l_knee_y);
-        let f_l_hip_pitch_y = r[23].mul_plus(e139, -(r[24] * e136)) + p19;
-        let f_l_hip_pitch_z = r[24].mul_plus(e141, -(r[23] * e140)) + f_l_knee_z;
-        // l_hip_roll
-        let f_l_hip_roll_x = r[22].mul_plus(e124, -(r[21] * e121)) + f_l_hip_pitch_z;
-        let p20 = s_l_hip_pitch.mul_plus(f_l_hip_pitch_x, c_l_hip_pitch * f_l_hip_pitch_y);
-        let f_l_hip_roll_y = r[21].mul_plus(e125, -(r[22] * e122)) + p20;
-        let p21 = c_l_hip_pitch.mul_plus(f_l_hip_pitch_x, -(s_l_hip_pitch * f_l_hip_pitch_y));
-        let f_l_hip_roll_z = r[21].mul_plus(e126, r[22] * e127) + p21;
-        // l_hip_yaw
-        let f_l_hip_yaw_x = r[20].mul_plus(e111, -(r[19] * e110)) + f_l_hip_roll_z;
-        let p22 = c_l_hip_roll.mul_plus(f_l_hip_roll_x, s_l_hip_roll * f_l_hip_roll_y);
-        let f_l_hip_yaw_y = r[19].mul_plus(e112, -(r[20] * (e105 + e107))) + p22;
-        let p23 = c_l_hip_roll.mul_plus(f_l_hip_roll_y, -(s_l_hip_roll * f_l_hip_roll_x));
-        let f_l_hip_yaw_z = r[19].mul_plus(e113, r[20] * e114) + p23;
-        // head_tilt
-        let f_head_tilt_x = r[18].mul_plus(e101, -(r[17] * e98));
-        let e287 = r[17].mul_plus(e102, r[18] * e99);
-        let f_head_tilt_z = r[18].mul_plus(e104, -(r[17] * e103));
-        // head_pan
-        let p24 = r[15].mul_plus(e80, r[16] * e83);
-        let f_head_pan_x = c_head_tilt.mul_plus(f_head_tilt_x, -(s_head_tilt * e287))
-            - p24;
-        let f_head_pan_y = r[15].mul_plus(e85, -(r[16] * e81)) + f_head_tilt_z;
-        let p25 = s_head_tilt.mul_plus(f_head_tilt_x, c_head_tilt * e287);
-        let f_head_pan_z = r[15].mul_plus(e87, r[16] * e88) + p25;
-        // r_hip_yaw
-        let p26 = r[13].mul_plus(e63, r[14] * e66);
-        let p27 = c_l_sho_pitch.mul_plus(f_l_sho_pitch_x, s_l_sho_pitch * f_l_sho_pitch_y);
-        let p28 = c_r_sho_pitch.mul_plus(f_r_sho_pitch_x, -(s_r_sho_pitch * f_r_sho_pitch_y));
-        let p29 = c_l_hip_yaw.mul_plus(f_l_hip_yaw_x, s_l_hip_yaw * f_l_hip_yaw_y);
-        let f_r_hip_yaw_x = c_head_pan
-            .mul_plus(f_head_pan_x, -(s_head_pan * f_head_pan_y)) - p26 + p27 + p28
-            + p29;
-        let p30 = s_head_pan.mul_plus(f_head_pan_x, c_head_pan * f_head_pan_y);
-        let p31 = c_l_hip_yaw.mul_plus(f_l_hip_yaw_y, -(s_l_hip_yaw * f_l_hip_yaw_x));
-        let f_r_hip_yaw_y = r[13].mul_plus(e68, -(r[14] * e64)) + p30 + f_l_sho_pitch_z
-            + f_r_sho_pitch_z + p31;
-        let p32 = c_l_sho_pitch.mul_plus(f_l_sho_pitch_y, -(s_l_sho_pitch * f_l_sho_pitch_x));
-        let p33 = s_r_sho_pitch.mul_plus(f_r_sho_pitch_x, c_r_sho_pitch * f_r_sho_pitch_y);
-        let f_r_hip_yaw_z = r[13].mul_plus(e70, r[14] * e71) + f_head_pan_z + p32 + p33
-            + f_l_hip_yaw_z;
-        // r_hip_roll
-        let p34 = r[11].mul_plus(e46 + e47, r[12] * e51);
-        let f_r_hip_roll_x = s_r_hip_yaw.mul_plus(f_r_hip_yaw_x, c_r_hip_yaw * f_r_hip_yaw_y) - p34;
-        let f_r_hip_roll_y = r[11].mul_plus(e52, -(r[12] * e50)) + f_r_hip_yaw_z;
-        let p35 = c_r_hip_yaw.mul_plus(f_r_hip_yaw_x, -(s_r_hip_yaw * f_r_hip_yaw_y));
-        let f_r_hip_roll_z = r[12].mul_plus(e54, -(r[11] * e53)) + p35;
-        // r_hip_pitch
-        let f_r_hip_pitch_x = r[10].mul_plus(e40, -(r[9] * e37)) + f_r_hip_roll_z;
-        let p36 = s_r_hip_roll.mul_plus(f_r_hip_roll_x, c_r_hip_roll * f_r_hip_roll_y);
-        let f_r_hip_pitch_y = r[9].mul_plus(e41, -(r[10] * e38)) + p36;
-        let p37 = c_r_hip_roll.mul_plus(f_r_hip_roll_x, -(s_r_hip_roll * f_r_hip_roll_y));
-        let f_r_hip_pitch_z = r[9].mul_plus(e42, r[10] * e43) + p37;
-        // r_knee
-        let p38 = c_r_hip_pitch.mul_plus(f_r_hip_pitch_x, -(s_r_hip_pitch * f_r_hip_pitch_y));
-        let f_r_knee_x = r[8].mul_plus(e27, -(r[7] * e24)) + p38;
-        let p39 = s_r_hip_pitch.mul_plus(f_r_hip_pitch_x, c_r_hip_pitch * f_r_hip_pitch_y);
-        let f_r_knee_y = r[7].mul_plus(e28, -(r[8] * e25)) + p39;
-        let f_r_knee_z = r[7].mul_plus(e29, r[8] * e30) + f_r_hip_pitch_z;
-        // r_ank_pitch
-        let p40 = c_r_knee.mul_plus(f_r_knee_x, -(s_r_knee * f_r_knee_y));
-        let f_r_ank_pitch_x = r[6].mul_plus(e14, -(r[5] * e11)) + p40;
-        let p41 = s_r_knee.mul_plus(f_r_knee_x, c_r_knee * f_r_knee_y);
-        let f_r_ank_pitch_y = r[5].mul_plus(e15, -(r[6] * e12)) + p41;
-        let f_r_ank_pitch_z = r[6].mul_plus(e17, -(r[5] * e16)) + f_r_knee_z;
-        // r_ank_roll
-        let f_r_ank_roll_z = c_r_ank_pitch
-            .mul_plus(f_r_ank_pitch_x, s_r_ank_pitch * f_r_ank_pitch_y);
-        let f_r_ank_roll_x = r[4].mul_plus(qdd[16], -(r[3] * e4)) + f_r_ank_pitch_z;
-        let p42 = r[3].mul_plus(qdd[16], r[4] * e4);
-        let f_r_ank_roll_y = c_r_ank_pitch
-            .mul_plus(f_r_ank_pitch_y, -(s_r_ank_pitch * f_r_ank_pitch_x)) - p42;
-        // r_sole
-        let f_r_sole_y = c_r_ank_roll.mul_plus(f_r_ank_roll_x, s_r_ank_roll * f_r_ank_roll_y);
-        let f_r_sole_z = c_r_ank_roll.mul_plus(f_r_ank_roll_y, -(s_r_ank_roll * f_r_ank_roll_x));
-        // r_el
-        let g_r_el_x = e277
-            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e280);
-        let g_r_el_y = e278
-            .mul_plus(
-                T::from_f64(0.000929017483189518),
-                -(T::from_f64(0.000273408178112904) * e281),
-            );
-        let g_r_el_z = e282
-            .mul_plus(
-                T::from_f64(0.000273408178112904),
-                -(T::from_f64(0.000929017483189518) * e283),
-            );
-        let p43 = e283
-            .mul_plus(
-                T::from_f64(0.00006865145386171288),
-                -(T::from_f64(0.000014749587945905814) * e282),
-            );
-        let p44 = e281
-            .mul_plus(
-                T::from_f64(0.0000019716071492440347),
-                -(T::from_f64(0.000008004954384683086) * e278),
-            );
-        let n_r_el_x = (-e279).mul_plus(T::from_f64(0.000008004954384683086), p43) - p44;
-        let p45 = e283
-            .mul_plus(
-                T::from_f64(0.000014749587945905814),
-                -(T::from_f64(0.000007312157109986523) * e282),
-            );
-        let p46 = (-e279).mul_plus(T::from_f64(0.0000019716071492440347), p45);
-        let e288 = e277
-            .mul_plus(
-                T::from_f64(0.0000019716071492440347),
-                T::from_f64(0.000008004954384683086) * e280,
-            ) + p46;
-        let p47 = e281
-            .mul_plus(
-                T::from_f64(0.000007312157109986523),
-                -(T::from_f64(0.000014749587945905814) * e278),
-            );
-        let p48 = e277
-            .mul_plus(
-                T::from_f64(0.000014749587945905814),
-                T::from_f64(0.00006865145386171288) * e280,
-            );
-        let p49 = (a_r_el_y - e275).mul_plus(T::from_f64(0.000008004954384683086), -p48);
-        let n_r_el_z = (e276 - a_r_el_x).mul_plus(T::from_f64(0.0000019716071492440347), p47) - p49;
-        // r_sho_roll
-        let e289 = s_r_el
-            .mul_plus(
-                T::from_f64(0.000929017483189518),
-                -(T::from_f64(0.000273408178112904) * c_r_el),
-            );
-        let h_r_sho_roll_z = s_r_el
-            .mul_plus(
-                T::from_f64(0.000273408178112904),
-                T::from_f64(0.000929017483189518) * c_r_el,
-            );
-        let e290 = c_r_el.mul_plus(g_r_el_x, -(s_r_el * g_r_el_y));
-        let e291 = s_r_el.mul_plus(g_r_el_x, c_r_el * g_r_el_y);
-        let e292 = e264.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e265));
-        let h_r_sho_roll_y = e289 - T::from_f64(0.003301899427745445);
-        let g_r_sho_roll_x = e261
-            .mul_plus(
-                T::from_f64(0.0001730709697837521),
-                T::from_f64(0.003301899427745445) * e264,
-            ) + g_r_el_z;
-        let g_r_sho_roll_y = e262
-            .mul_plus(
-                T::from_f64(0.003301899427745445),
-                -(T::from_f64(0.0001730709697837521) * e266),
-            ) + e290;
-        let e293 = e268
-            .mul_plus(
-                T::from_f64(0.0001730709697837521),
-                T::from_f64(0.003301899427745445) * e269,
-            ) + e291;
-        let p50 = e268
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                T::from_f64(0.00018228272296269858) * e269,
-            );
-        let p51 = e262
-            .mul_plus(
-                T::from_f64(0.000021611694608984365),
-                -(T::from_f64(0.00000249070310952364) * e266),
-            );
-        let p52 = e291.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e290));
-        let p53 = e269.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e263);
-        let p54 = e262.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e267);
-        let p55 = e289.mul_plus(p53, h_r_sho_roll_z * p54);
-        let n_r_sho_roll_x = e263.mul_plus(T::from_f64(0.000021611694608984365), p50)
-            - p51 + (p52 - n_r_el_z - p55);
-        let p56 = e268
-            .mul_plus(
-                T::from_f64(0.000009582825299676476),
-                T::from_f64(0.000008770440350153032) * e269,
-            );
-        let p57 = e263.mul_plus(T::from_f64(0.00000249070310952364), p56);
-        let p58 = c_r_el.mul_plus(n_r_el_x, s_r_el * e288);
-        let p59 = g_r_el_z.mul_plus(T::from_f64(0.016), -p58);
-        let p60 = h_r_sho_roll_z.mul_plus(e292, p59);
-        let n_r_sho_roll_y = e261
-            .mul_plus(
-                T::from_f64(0.00000249070310952364),
-                T::from_f64(0.000021611694608984365) * e264,
-            ) - p57 + p60;
-        let p61 = e266
-            .mul_plus(
-                T::from_f64(0.000009582825299676476),
-                -(T::from_f64(0.000008770440350153032) * e262),
-            );
-        let p62 = e261
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                T::from_f64(0.00018228272296269858) * e264,
-            );
-        let p63 = e265.mul_plus(T::from_f64(0.000021611694608984365), -p62);
-        let p64 = c_r_el.mul_plus(e288, -(s_r_el * n_r_el_x));
-        let p65 = g_r_el_z.mul_plus(T::from_f64(0.06), -p64);
-        let p66 = (-e289).mul_plus(e292, p65);
-        let n_r_sho_roll_z = (-e267).mul_plus(T::from_f64(0.00000249070310952364), p61)
-            - p63 + p66;
-        // r_sho_pitch
-        let e294 = s_r_sho_roll
-            .mul_plus(T::from_f64(0.0001730709697837521), c_r_sho_roll * h_r_sho_roll_y);
-        let h_r_sho_pitch_z = s_r_sho_roll
-            .mul_plus(h_r_sho_roll_y, -(T::from_f64(0.0001730709697837521) * c_r_sho_roll));
-        let e295 = c_r_sho_roll.mul_plus(g_r_sho_roll_y, -(s_r_sho_roll * g_r_sho_roll_x));
-        let e296 = c_r_sho_roll.mul_plus(g_r_sho_roll_x, s_r_sho_roll * g_r_sho_roll_y);
-        let e297 = e246.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e247);
-        let e298 = e244.mul_plus(T::from_f64(0.016), -(T::from_f64(0.045000000000000005) * e249));
-        let e299 = e251.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e245);
-        let h_r_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_r_sho_roll_z;
-        let h_r_sho_pitch_y = e294 - T::from_f64(0.0012960221329661491);
-        let e300 = e243
-            .mul_plus(
-                T::from_f64(0.00037887327917640026),
-                T::from_f64(0.0012960221329661491) * e246,
-            ) + e293;
-        let g_r_sho_pitch_y = e248
-            .mul_plus(
-                T::from_f64(0.00037887327917640026),
-                T::from_f64(0.0012960221329661491) * e244,
-            ) + e295;
-        let g_r_sho_pitch_z = e251
-            .mul_plus(
-                T::from_f64(0.0012960221329661491),
-                -(T::from_f64(0.00037887327917640026) * e250),
-            ) + e296;
-        let p67 = e250
-            .mul_plus(
-                T::from_f64(0.000006049466968514166),
-                -(T::from_f64(0.000021025263749857257) * e251),
-            );
-        let p68 = e248
-            .mul_plus(
-                T::from_f64(0.00001703679220852605),
-                T::from_f64(0.00005821202846670826) * e244,
-            );
-        let p69 = e295.mul_plus(T::from_f64(0.045000000000000005), -(T::from_f64(0.016) * e296));
-        let p70 = e294.mul_plus(e299, -(h_r_sho_pitch_z * e298));
-        let n_r_sho_pitch_x = (-e245).mul_plus(T::from_f64(0.00005821202846670826), p67)
-            + p68 + (p69 - n_r_sho_roll_z + p70);
-        let p71 = e251
-            .mul_plus(
-                T::from_f64(0.000006049466968514166),
-                -(T::from_f64(0.000015751469565172988) * e250),
-            );
-        let p72 = e245.mul_plus(T::from_f64(0.00001703679220852605), p71);
-        let p73 = c_r_sho_roll.mul_plus(n_r_sho_roll_y, -(s_r_sho_roll * n_r_sho_roll_x));
-        let p74 = e293.mul_plus(T::from_f64(0.045000000000000005), -p73);
-        let p75 = h_r_sho_pitch_z.mul_plus(e297, h_r_sho_roll_z * e299);
-        let n_r_sho_pitch_y = e243
-            .mul_plus(
-                T::from_f64(0.00001703679220852605),
-                T::from_f64(0.00005821202846670826) * e246,
-            ) - p72 + (p74 - p75);
-        let p76 = e248
-            .mul_plus(
-                T::from_f64(0.000015751469565172988),
-                T::from_f64(0.000006049466968514166) * e244,
-            );
-        let p77 = e243
-            .mul_plus(
-                T::from_f64(0.000006049466968514166),
-                T::from_f64(0.000021025263749857257) * e246,
-            );
-        let p78 = e247.mul_plus(T::from_f64(0.00005821202846670826), p77);
-        let p79 = h_r_sho_roll_z.mul_plus(e298, e294 * e297);
-        let p80 = c_r_sho_roll.mul_plus(n_r_sho_roll_x, s_r_sho_roll * n_r_sho_roll_y);
-        let p81 = e293.mul_plus(T::from_f64(0.016), p80);
-        let n_r_sho_pitch_z = (-e249).mul_plus(T::from_f64(0.00001703679220852605), p76)
-            - p78 + (p79 - p81);
-        // l_el
-        let g_l_el_x = e227
-            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e230);
-        let g_l_el_y = e228
-            .mul_plus(
-                T::from_f64(0.000929017483189518),
-                -(T::from_f64(0.000273408178112904) * e231),
-            );
-        let e301 = e232
-            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e233);
-        let p82 = e232
-            .mul_plus(
-                T::from_f64(0.000014749587945905814),
-                T::from_f64(0.00006865145386171288) * e233,
-            );
-        let p83 = e228
-            .mul_plus(
-                T::from_f64(0.000008004954384683086),
-                -(T::from_f64(0.0000019716071492440347) * e231),
-            );
-        let n_l_el_x = e229.mul_plus(T::from_f64(0.000008004954384683086), p82) - p83;
-        let p84 = e232
-            .mul_plus(
-                T::from_f64(0.000007312157109986523),
-                T::from_f64(0.000014749587945905814) * e233,
-            );
-        let p85 = e229.mul_plus(T::from_f64(0.0000019716071492440347), p84);
-        let n_l_el_y = e227
-            .mul_plus(
-                T::from_f64(0.0000019716071492440347),
-                T::from_f64(0.000008004954384683086) * e230,
-            ) - p85;
-        let p86 = e231
-            .mul_plus(
-                T::from_f64(0.000007312157109986523),
-                -(T::from_f64(0.000014749587945905814) * e228),
-            );
-        let p87 = e227
-            .mul_plus(
-                T::from_f64(0.000014749587945905814),
-                T::from_f64(0.00006865145386171288) * e230,
-            );
-        let p88 = (e225 + e220).mul_plus(T::from_f64(0.000008004954384683086), -p87);
-        let n_l_el_z = (-(e226 + e219)).mul_plus(T::from_f64(0.0000019716071492440347), p86) - p88;
-        // l_sho_roll
-        let e302 = c_l_el
-            .mul_plus(
-                T::from_f64(0.000273408178112904),
-                T::from_f64(0.000929017483189518) * s_l_el,
-            );
-        let h_l_sho_roll_z = c_l_el
-            .mul_plus(
-                T::from_f64(0.000929017483189518),
-                -(T::from_f64(0.000273408178112904) * s_l_el),
-            );
-        let e303 = c_l_el.mul_plus(g_l_el_x, s_l_el * g_l_el_y);
-        let e304 = s_l_el.mul_plus(g_l_el_x, -(c_l_el * g_l_el_y));
-        let e305 = e213.mul_plus(T::from_f64(0.016), -(T::from_f64(0.06) * e212));
-        let e306 = e302 + T::from_f64(0.003301899427745445);
-        let e307 = e209
-            .mul_plus(
-                T::from_f64(0.0001730709697837521),
-                T::from_f64(0.003301899427745445) * e212,
-            ) + e301;
-        let g_l_sho_roll_y = e210
-            .mul_plus(
-                T::from_f64(0.003301899427745445),
-                -(T::from_f64(0.0001730709697837521) * e214),
-            ) + e303;
-        let g_l_sho_roll_z = e304
-            - e216
-                .mul_plus(
-                    T::from_f64(0.0001730709697837521),
-                    T::from_f64(0.003301899427745445) * e217,
-                );
-        let p89 = e216
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                T::from_f64(0.00018228272296269858) * e217,
-            );
-        let p90 = e210
-            .mul_plus(
-                T::from_f64(0.000021611694608984365),
-                -(T::from_f64(0.00000249070310952364) * e214),
-            );
-        let p91 = e217.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e211);
-        let p92 = e210.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e215);
-        let p93 = e302.mul_plus(p91, -(h_l_sho_roll_z * p92));
-        let p94 = e304.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e303);
-        let n_l_sho_roll_x = e211.mul_plus(T::from_f64(0.000021611694608984365), p89)
-            - p90 + (p93 - (n_l_el_z + p94));
-        let p95 = e216
-            .mul_plus(
-                T::from_f64(0.000009582825299676476),
-                T::from_f64(0.000008770440350153032) * e217,
-            );
-        let p96 = e209
-            .mul_plus(
-                T::from_f64(0.00000249070310952364),
-                T::from_f64(0.000021611694608984365) * e212,
-            );
-        let p97 = c_l_el.mul_plus(n_l_el_x, s_l_el * n_l_el_y);
-        let p98 = e301.mul_plus(T::from_f64(0.016), p97);
-        let p99 = h_l_sho_roll_z.mul_plus(e305, -p98);
-        let n_l_sho_roll_y = e211.mul_plus(T::from_f64(0.00000249070310952364), p95)
-            - p96 + p99;
-        let p100 = e210
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                -(T::from_f64(0.000009582825299676476) * e214),
-            );
-        let p101 = e209
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                T::from_f64(0.00018228272296269858) * e212,
-            );
-        let p102 = (-e213).mul_plus(T::from_f64(0.000021611694608984365), p101);
-        let p103 = s_l_el.mul_plus(n_l_el_x, -(c_l_el * n_l_el_y));
-        let p104 = e301.mul_plus(T::from_f64(0.06), p103);
-        let p105 = e302.mul_plus(e305, -p104);
-        let n_l_sho_roll_z = e215.mul_plus(T::from_f64(0.00000249070310952364), p100)
-            - p102 + p105;
-        // l_sho_pitch
-        let e308 = s_l_sho_roll.mul_plus(T::from_f64(0.0001730709697837521), c_l_sho_roll * e306);
-        let h_l_sho_pitch_z = c_l_sho_roll
-            .mul_plus(T::from_f64(0.0001730709697837521), -(s_l_sho_roll * e306));
-        let e309 = s_l_sho_roll.mul_plus(e307, c_l_sho_roll * g_l_sho_roll_y);
-        let e310 = s_l_sho_roll.mul_plus(g_l_sho_roll_y, -(c_l_sho_roll * e307));
-        let e311 = e194.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e195);
-        let e312 = e192.mul_plus(T::from_f64(0.016), -(T::from_f64(0.119) * e197));
-        let e313 = e199.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e193);
-        let h_l_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_l_sho_roll_z;
-        let e314 = e308 + T::from_f64(0.0012960221329661491);
-        let g_l_sho_pitch_x = g_l_sho_roll_z
-            - e191
-                .mul_plus(
-                    T::from_f64(0.00037887327917640026),
-                    T::from_f64(0.0012960221329661491) * e194,
-                );
-        let g_l_sho_pitch_y = e196
-            .mul_plus(
-                T::from_f64(0.00037887327917640026),
-                T::from_f64(0.0012960221329661491) * e192,
-            ) + e309;
-        let g_l_sho_pitch_z = e198
-            .mul_plus(
-                T::from_f64(0.00037887327917640026),
-                -(T::from_f64(0.0012960221329661491) * e199),
-            ) + e310;
-        let p106 = e199
-            .mul_plus(
-                T::from_f64(0.000021025263749857257),
-                -(T::from_f64(0.000006049466968514166) * e198),
-            );
-        let p107 = e196
-            .mul_plus(
-                T::from_f64(0.00004507341486757967),
-                T::from_f64(0.00015411766630620325) * e192,
-            );
-        let p108 = e308.mul_plus(e313, -(h_l_sho_pitch_z * e312));
-        let p109 = e310.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e309);
-        let n_l_sho_pitch_x = e193.mul_plus(T::from_f64(0.00015411766630620325), p106)
-            - p107 + (p108 - (n_l_sho_roll_z + p109));
-        let p110 = c_l_sho_roll.mul_plus(n_l_sho_roll_y, -(s_l_sho_roll * n_l_sho_roll_x));
-        let p111 = h_l_sho_roll_z.mul_plus(e313, -(h_l_sho_pitch_z * e311));
-        let p112 = e191
-            .mul_plus(
-                T::from_f64(0.00004507341486757967),
-                T::from_f64(0.00015411766630620325) * e194,
-            );
-        let p113 = e198
-            .mul_plus(
-                T::from_f64(0.000015751469565172988),
-                -(T::from_f64(0.000006049466968514166) * e199),
-            );
-        let p114 = (-e193).mul_plus(T::from_f64(0.00004507341486757967), p113);
-        let n_l_sho_pitch_y = g_l_sho_roll_z.mul_plus(T::from_f64(0.119), -p110) + p111
-            - (p112 + p114);
-        let p115 = e196
-            .mul_plus(
-                T::from_f64(0.000015751469565172988),
-                T::from_f64(0.000006049466968514166) * e192,
-            );
-        let p116 = e191
-            .mul_plus(
-                T::from_f64(0.000006049466968514166),
-                T::from_f64(0.000021025263749857257) * e194,
-            );
-        let p117 = e195.mul_plus(T::from_f64(0.00015411766630620325), p116);
-        let p118 = c_l_sho_roll.mul_plus(n_l_sho_roll_x, s_l_sho_roll * n_l_sho_roll_y);
-        let p119 = g_l_sho_roll_z.mul_plus(T::from_f64(0.016), -p118);
-        let p120 = h_l_sho_roll_z.mul_plus(e312, -(e308 * e311));
-        let n_l_sho_pitch_z = (-e197).mul_plus(T::from_f64(0.00004507341486757967), p115)
-            - p117 + (p119 + p120);
-        // l_ank_roll
-        let g_l_ank_roll_x = e178
-            .mul_plus(
-                T::from_f64(0.0007059822837621398),
-                -(T::from_f64(0.00025816139346608233) * e175),
-            );
-        let g_l_ank_roll_y = e179
-            .mul_plus(
-                T::from_f64(0.00025816139346608233),
-                T::from_f64(0.0007059822837621398) * e176,
-            );
-        let p121 = e180
-            .mul_plus(
-                T::from_f64(0.000007576886585148148),
-                T::from_f64(0.000021134117049132984) * e181,
-            );
-        let p122 = e179
-            .mul_plus(
-                T::from_f64(0.00000020458297722683973),
-                T::from_f64(0.000000021314061318441703) * e176,
-            );
-        let n_l_ank_roll_x = (-e177).mul_plus(T::from_f64(0.000000021314061318441703), p121) + p122;
-        let p123 = e180
-            .mul_plus(
-                T::from_f64(0.000011924058013889746),
-                T::from_f64(0.000007576886585148148) * e181,
-            );
-        let p124 = e177.mul_plus(T::from_f64(0.00000020458297722683973), -p123);
-        let n_l_ank_roll_y = e175
-            .mul_plus(
-                T::from_f64(0.00000020458297722683973),
-                -(T::from_f64(0.000000021314061318441703) * e178),
-            ) - p124;
-        let p125 = e179
-            .mul_plus(
-                T::from_f64(0.000011924058013889746),
-                T::from_f64(0.000007576886585148148) * e176,
-            );
-        let p126 = e175
-            .mul_plus(
-                T::from_f64(0.000007576886585148148),
-                -(T::from_f64(0.000021134117049132984) * e178),
-            );
-        let p127 = (a_l_ank_roll_y - e173).mul_plus(T::from_f64(0.000000021314061318441703), p126);
-        let n_l_ank_roll_z = (-(e174 - a_l_ank_roll_x))
-            .mul_plus(T::from_f64(0.00000020458297722683973), p125) - p127;
-        // l_ank_pitch
-        let h_l_ank_pitch_z = c_l_ank_roll
-            .mul_plus(
-                T::from_f64(0.00025816139346608233),
-                T::from_f64(0.0007059822837621398) * s_l_ank_roll,
-            );
-        let h_l_ank_pitch_y = T::from_f64(0.0007924947431313887)
-            + s_l_ank_roll
-                .mul_plus(
-                    T::from_f64(0.00025816139346608233),
-                    -(T::from_f64(0.0007059822837621398) * c_l_ank_roll),
-                );
-        let p128 = e180
-            .mul_plus(
-                T::from_f64(0.00025816139346608233),
-                T::from_f64(0.0007059822837621398) * e181,
-            );
-        let g_l_ank_pitch_x = e161
-            .mul_plus(
-                T::from_f64(0.0010725237405351177),
-                T::from_f64(0.0007924947431313887) * e164,
-            ) - p128;
-        let p129 = e165
-            .mul_plus(
-                T::from_f64(0.0010725237405351177),
-                T::from_f64(0.0007924947431313887) * e162,
-            );
-        let g_l_ank_pitch_y = s_l_ank_roll
-            .mul_plus(g_l_ank_roll_x, c_l_ank_roll * g_l_ank_roll_y) - p129;
-        let p130 = c_l_ank_roll.mul_plus(g_l_ank_roll_x, -(s_l_ank_roll * g_l_ank_roll_y));
-        let g_l_ank_pitch_z = e167
-            .mul_plus(
-                T::from_f64(0.0007924947431313887),
-                -(T::from_f64(0.0010725237405351177) * e166),
-            ) + p130;
-        let p131 = e167
-            .mul_plus(
-                T::from_f64(0.000020191301954835163),
-                -(T::from_f64(0.00001710898339479749) * e166),
-            );
-        let p132 = e165
-            .mul_plus(
-                T::from_f64(0.00000036073359429687445),
-                -(T::from_f64(0.00000010334408456612026) * e162),
-            );
-        let n_l_ank_pitch_x = (-e163).mul_plus(T::from_f64(0.00000010334408456612026), p131) - p132
-            - n_l_ank_roll_z;
-        let p133 = e166
-            .mul_plus(
-                T::from_f64(0.00007230368657394565),
-                -(T::from_f64(0.00001710898339479749) * e167),
-            );
-        let p134 = (-e163).mul_plus(T::from_f64(0.00000036073359429687445), p133);
-        let p135 = s_l_ank_roll.mul_plus(n_l_ank_roll_x, c_l_ank_roll * n_l_ank_roll_y);
-        let n_l_ank_pitch_y = e164
-            .mul_plus(
-                T::from_f64(0.00000010334408456612026),
-                -(T::from_f64(0.00000036073359429687445) * e161),
-            ) - p134 - p135;
-        let p136 = e165
-            .mul_plus(
-                T::from_f64(0.00007230368657394565),
-                T::from_f64(0.00001710898339479749) * e162,
-            );
-        let p137 = e161
-            .mul_plus(
-                T::from_f64(0.00001710898339479749),
-                T::from_f64(0.000020191301954835163) * e164,
-            );
-        let p138 = (e159 + a_l_ank_pitch_y).mul_plus(T::from_f64(0.00000010334408456612026), p137);
-        let p139 = c_l_ank_roll.mul_plus(n_l_ank_roll_x, -(s_l_ank_roll * n_l_ank_roll_y));
-        let n_l_ank_pitch_z = (e160 - a_l_ank_pitch_x)
-            .mul_plus(T::from_f64(0.00000036073359429687445), p136) - p138 - p139;
-        // l_knee
-        let e315 = s_l_ank_pitch
-            .mul_plus(h_l_ank_pitch_y, -(T::from_f64(0.0010725237405351177) * c_l_ank_pitch));
-        let e316 = s_l_ank_pitch
-            .mul_plus(T::from_f64(0.0010725237405351177), c_l_ank_pitch * h_l_ank_pitch_y);
-        let e317 = c_l_ank_pitch.mul_plus(g_l_ank_pitch_x, s_l_ank_pitch * g_l_ank_pitch_y);
-        let e318 = T::from_f64(0.093) * e151;
-        let e319 = T::from_f64(0.093) * e149;
-        let e320 = T::from_f64(0.093) * e154;
-        let h_l_knee_x = T::from_f64(0.00015737139520335583) + e315;
-        let h_l_knee_y = e316 - T::from_f64(0.008776738311508022);
-        let g_l_knee_x = e317
-            - e148
-                .mul_plus(
-                    T::from_f64(0.00015737139520335583),
-                    T::from_f64(0.008776738311508022) * e151,
-                );
-        let p140 = c_l_ank_pitch.mul_plus(g_l_ank_pitch_y, -(s_l_ank_pitch * g_l_ank_pitch_x));
-        let g_l_knee_y = e152
-            .mul_plus(
-                T::from_f64(0.00015737139520335583),
-                T::from_f64(0.008776738311508022) * e149,
-            ) + p140;
-        let g_l_knee_z = e153
-            .mul_plus(
-                T::from_f64(0.00015737139520335583),
-                -(T::from_f64(0.008776738311508022) * e154),
-            ) + g_l_ank_pitch_z;
-        let p141 = e154
-            .mul_plus(
-                T::from_f64(0.000793050961834963),
-                -(T::from_f64(0.00000174906521327623) * e153),
-            );
-        let p142 = e152
-            .mul_plus(
-                T::from_f64(0.000000011222519529269976),
-                T::from_f64(0.000002011326687625257) * e149,
-            );
-        let p143 = c_l_ank_pitch.mul_plus(n_l_ank_pitch_x, s_l_ank_pitch * n_l_ank_pitch_y);
-        let p144 = (-g_l_ank_pitch_z).mul_plus(T::from_f64(0.093), p143);
-        let p145 = e316.mul_plus(e320, h_l_ank_pitch_z * e319);
-        let n_l_knee_x = (-e150).mul_plus(T::from_f64(0.000002011326687625257), p141)
-            + p142 + (p144 - p145);
-        let p146 = e153
-            .mul_plus(
-                T::from_f64(0.00000550001522303673),
-                -(T::from_f64(0.00000174906521327623) * e154),
-            );
-        let p147 = e150.mul_plus(T::from_f64(0.000000011222519529269976), p146);
-        let p148 = c_l_ank_pitch.mul_plus(n_l_ank_pitch_y, -(s_l_ank_pitch * n_l_ank_pitch_x));
-        let p149 = e315.mul_plus(e320, -(h_l_ank_pitch_z * e318));
-        let n_l_knee_y = e148
-            .mul_plus(
-                T::from_f64(0.000000011222519529269976),
-                T::from_f64(0.000002011326687625257) * e151,
-            ) - p147 + (p148 + p149);
-        let p150 = e152
-            .mul_plus(
-                T::from_f64(0.00000550001522303673),
-                T::from_f64(0.00000174906521327623) * e149,
-            );
-        let p151 = e148
-            .mul_plus(
-                T::from_f64(0.00000174906521327623),
-                T::from_f64(0.000793050961834963) * e151,
-            );
-        let p152 = (e146 + a_l_knee_y).mul_plus(T::from_f64(0.000002011326687625257), p151);
-        let p153 = e317.mul_plus(T::from_f64(0.093), n_l_ank_pitch_z);
-        let p154 = e315.mul_plus(e319, e316 * e318);
-        let n_l_knee_z = (-(e147 - a_l_knee_x))
-            .mul_plus(T::from_f64(0.000000011222519529269976), p150) - p152
-            + (p153 + p154);
-        // l_hip_pitch
-        let e321 = c_l_knee.mul_plus(h_l_knee_x, -(s_l_knee * h_l_knee_y));
-        let e322 = s_l_knee.mul_plus(h_l_knee_x, c_l_knee * h_l_knee_y);
-        let e323 = c_l_knee.mul_plus(g_l_knee_x, -(s_l_knee * g_l_knee_y));
-        let e324 = T::from_f64(0.093) * e138;
-        let e325 = T::from_f64(0.093) * e136;
-        let e326 = T::from_f64(0.093) * e141;
-        let h_l_hip_pitch_x = T::from_f64(0.00002815646395548345) + e321;
-        let h_l_hip_pitch_y = e322 - T::from_f64(0.012635849175462607);
-        let g_l_hip_pitch_x = e138
-            .mul_plus(
-                T::from_f64(0.012635849175462607),
-                -(T::from_f64(0.00002815646395548345) * e135),
-            ) + e323;
-        let p155 = s_l_knee.mul_plus(g_l_knee_x, c_l_knee * g_l_knee_y);
-        let g_l_hip_pitch_y = e139
-            .mul_plus(
-                T::from_f64(0.00002815646395548345),
-                T::from_f64(0.012635849175462607) * e136,
-            ) + p155;
-        let g_l_hip_pitch_z = g_l_knee_z
-            - e140
-                .mul_plus(
-                    T::from_f64(0.00002815646395548345),
-                    T::from_f64(0.012635849175462607) * e141,
-                );
-        let p156 = e140
-            .mul_plus(
-                T::from_f64(0.0000011071820780754242),
-                T::from_f64(0.001128948052817236) * e141,
-            );
-        let p157 = e139
-            .mul_plus(
-                T::from_f64(0.00000006346493691182975),
-                -(T::from_f64(0.0000028721833266651005) * e136),
-            );
-        let p158 = c_l_knee.mul_plus(n_l_knee_x, -(s_l_knee * n_l_knee_y));
-        let p159 = (-g_l_knee_z).mul_plus(T::from_f64(0.093), p158);
-        let p160 = e322.mul_plus(e326, h_l_ank_pitch_z * e325);
-        let n_l_hip_pitch_x = (-e137).mul_plus(T::from_f64(0.0000028721833266651005), p156) - p157
-            + (p159 - p160);
-        let p161 = e140
-            .mul_plus(
-                T::from_f64(0.0000027309066181058813),
-                T::from_f64(0.0000011071820780754242) * e141,
-            );
-        let p162 = e135
-            .mul_plus(
-                T::from_f64(0.00000006346493691182975),
-                T::from_f64(0.0000028721833266651005) * e138,
-            );
-        let p163 = s_l_knee.mul_plus(n_l_knee_x, c_l_knee * n_l_knee_y);
-        let p164 = h_l_ank_pitch_z.mul_plus(e324, e321 * e326);
-        let n_l_hip_pitch_y = e137.mul_plus(T::from_f64(0.00000006346493691182975), p161)
-            - p162 + (p163 + p164);
-        let p165 = e139
-            .mul_plus(
-                T::from_f64(0.0000027309066181058813),
-                T::from_f64(0.0000011071820780754242) * e136,
-            );
-        let p166 = e135
-            .mul_plus(
-                T::from_f64(0.0000011071820780754242),
-                -(T::from_f64(0.001128948052817236) * e138),
-            );
-        let p167 = (a_l_hip_pitch_y - e133).mul_plus(T::from_f64(0.0000028721833266651005), p166);
-        let p168 = e323.mul_plus(T::from_f64(0.093), n_l_knee_z);
-        let p169 = e321.mul_plus(e325, -(e322 * e324));
-        let n_l_hip_pitch_z = (e134 - a_l_hip_pitch_x)
-            .mul_plus(T::from_f64(0.00000006346493691182975), p165) - p167
-            + (p168 + p169);
-        // l_hip_roll
-        let h_l_hip_roll_z = c_l_hip_pitch
-            .mul_plus(h_l_hip_pitch_x, -(s_l_hip_pitch * h_l_hip_pitch_y));
-        let h_l_hip_roll_x = h_l_ank_pitch_z - T::from_f64(0.00003500960390767528);
-        let h_l_hip_roll_y = s_l_hip_pitch
-            .mul_plus(h_l_hip_pitch_x, c_l_hip_pitch * h_l_hip_pitch_y)
-            - T::from_f64(0.0007924947431313887);
-        let g_l_hip_roll_x = e121
-            .mul_plus(
-                T::from_f64(0.00003500960390767528),
-                -(T::from_f64(0.0007924947431313887) * e124),
-            ) + g_l_hip_pitch_z;
-        let p170 = s_l_hip_pitch.mul_plus(g_l_hip_pitch_x, c_l_hip_pitch * g_l_hip_pitch_y);
-        let g_l_hip_roll_y = e122
-            .mul_plus(
-                T::from_f64(0.0007924947431313887),
-                -(T::from_f64(0.00003500960390767528) * e125),
-            ) + p170;
-        let p171 = e126
-            .mul_plus(
-                T::from_f64(0.00003500960390767528),
-                T::from_f64(0.0007924947431313887) * e127,
-            );
-        let g_l_hip_roll_z = c_l_hip_pitch
-            .mul_plus(g_l_hip_pitch_x, -(s_l_hip_pitch * g_l_hip_pitch_y)) - p171;
-        let p172 = e127
-            .mul_plus(
-                T::from_f64(0.00002019140450753412),
-                -(T::from_f64(0.00000030652985169172185) * e126),
-            );
-        let p173 = e125
-            .mul_plus(
-                T::from_f64(0.00000036073340124169066),
-                T::from_f64(0.000016905810723963404) * e122,
-            );
-        let n_l_hip_roll_x = (-e123).mul_plus(T::from_f64(0.000016905810723963404), p172)
-            + p173 - n_l_hip_pitch_z;
-        let p174 = e126
-            .mul_plus(
-                T::from_f64(0.000030124214184399483),
-                -(T::from_f64(0.00000030652985169172185) * e127),
-            );
-        let p175 = e123.mul_plus(T::from_f64(0.00000036073340124169066), p174);
-        let p176 = s_l_hip_pitch.mul_plus(n_l_hip_pitch_x, c_l_hip_pitch * n_l_hip_pitch_y);
-        let n_l_hip_roll_y = e121
-            .mul_plus(
-                T::from_f64(0.00000036073340124169066),
-                T::from_f64(0.000016905810723963404) * e124,
-            ) - p175 - p176;
-        let p177 = e125
-            .mul_plus(
-                T::from_f64(0.000030124214184399483),
-                T::from_f64(0.00000030652985169172185) * e122,
-            );
-        let p178 = e121
-            .mul_plus(
-                T::from_f64(0.00000030652985169172185),
-                T::from_f64(0.00002019140450753412) * e124,
-            );
-        let p179 = (e119 + a_l_hip_roll_y).mul_plus(T::from_f64(0.000016905810723963404), p178);
-        let p180 = c_l_hip_pitch.mul_plus(n_l_hip_pitch_x, -(s_l_hip_pitch * n_l_hip_pitch_y));
-        let n_l_hip_roll_z = (-(e120 - a_l_hip_roll_x))
-            .mul_plus(T::from_f64(0.00000036073340124169066), p177) - p179 - p180;
-        // l_hip_yaw
-        let h_l_hip_yaw_y = c_l_hip_roll.mul_plus(h_l_hip_roll_x, s_l_hip_roll * h_l_hip_roll_y);
-        let h_l_hip_yaw_z = c_l_hip_roll.mul_plus(h_l_hip_roll_y, -(s_l_hip_roll * h_l_hip_roll_x));
-        let h_l_hip_yaw_x = h_l_hip_roll_z - T::from_f64(0.001037646205786198);
-        let g_l_hip_yaw_x = e110.mul_plus(T::from_f64(0.001037646205786198), g_l_hip_roll_z);
-        let g_l_hip_yaw_y = c_l_hip_roll.mul_plus(g_l_hip_roll_x, s_l_hip_roll * g_l_hip_roll_y);
-        let g_l_hip_yaw_y = (-e112).mul_plus(T::from_f64(0.001037646205786198), g_l_hip_yaw_y);
-        let g_l_hip_yaw_z = c_l_hip_roll.mul_plus(g_l_hip_roll_y, -(s_l_hip_roll * g_l_hip_roll_x));
-        let g_l_hip_yaw_z = (-e113).mul_plus(T::from_f64(0.001037646205786198), g_l_hip_yaw_z);
-        let n_l_hip_yaw_x = e114
-            .mul_plus(
-                T::from_f64(0.00000042597827326108953),
-                -(T::from_f64(0.00000033265562414694076) * e112),
-            ) + n_l_hip_roll_z;
-        let p181 = e113
-            .mul_plus(
-                T::from_f64(0.000055170822665607744),
-                -(T::from_f64(0.00000033265562414694076) * (e105 + e106)),
-            );
-        let p182 = e110.mul_plus(T::from_f64(0.00000033265562414694076), p181);
-        let n_l_hip_yaw_y = c_l_hip_roll
-            .mul_plus(n_l_hip_roll_x, s_l_hip_roll * n_l_hip_roll_y) - p182;
-        let p183 = e112
-            .mul_plus(
-                T::from_f64(0.000055170822665607744),
-                T::from_f64(0.00000033265562414694076) * (e109 - a_l_hip_yaw_x),
-            );
-        let p184 = c_l_hip_roll.mul_plus(n_l_hip_roll_y, -(s_l_hip_roll * n_l_hip_roll_x));
-        let n_l_hip_yaw_z = (-e111).mul_plus(T::from_f64(0.00000042597827326108953), p183) + p184;
-        // head_tilt
-        let e327 = e98
-            .mul_plus(
-                T::from_f64(0.0008936193097188895),
-                T::from_f64(0.0006155634123957239) * e101,
-            );
-        let g_head_tilt_y = e99
-            .mul_plus(
-                T::from_f64(0.0006155634123957239),
-                -(T::from_f64(0.0008936193097188895) * e102),
-            );
-        let e328 = e103
-            .mul_plus(
-                T::from_f64(0.0008936193097188895),
-                T::from_f64(0.0006155634123957239) * e104,
-            );
-        let p185 = e103
-            .mul_plus(
-                T::from_f64(0.000008173086847172008),
-                T::from_f64(0.00003187295052470432) * e104,
-            );
-        let p186 = e102
-            .mul_plus(
-                T::from_f64(0.00000006710094030174738),
-                -(T::from_f64(0.00000019992667651095005) * e99),
-            );
-        let n_head_tilt_x = (-e100).mul_plus(T::from_f64(0.00000019992667651095005), p185) - p186;
-        let p187 = e103
-            .mul_plus(
-                T::from_f64(0.00003229937056313519),
-                T::from_f64(0.000008173086847172004) * e104,
-            );
-        let p188 = e100.mul_plus(T::from_f64(0.00000006710094030174738), -p187);
-        let n_head_tilt_y = e98
-            .mul_plus(
-                T::from_f64(0.00000006710094030174738),
-                T::from_f64(0.00000019992667651095005) * e101,
-            ) - p188;
-        let p189 = e99
-            .mul_plus(
-                T::from_f64(0.000008173086847172004),
-                -(T::from_f64(0.00003229937056313519) * e102),
-            );
-        let p190 = e98
-            .mul_plus(
-                T::from_f64(0.000008173086847172008),
-                T::from_f64(0.00003187295052470432) * e101,
-            );
-        let p191 = (a_head_tilt_y - e96).mul_plus(T::from_f64(0.00000019992667651095005), p190);
-        let n_head_tilt_z = (-(e97 - a_head_tilt_x))
-            .mul_plus(T::from_f64(0.00000006710094030174738), p189) - p191;
-        // head_pan
-        let e329 = c_head_tilt
-            .mul_plus(
-                T::from_f64(0.0008936193097188895),
-                -(T::from_f64(0.0006155634123957239) * s_head_tilt),
-            );
-        let h_head_pan_z = s_head_tilt
-            .mul_plus(
-                T::from_f64(0.0008936193097188895),
-                T::from_f64(0.0006155634123957239) * c_head_tilt,
-            );
-        let e330 = s_head_tilt.mul_plus(g_head_tilt_y, -(c_head_tilt * e327));
-        let e331 = T::from_f64(0.1727) * e86;
-        let h_head_pan_x = e329 - T::from_f64(0.000005935220372607572);
-        let g_head_pan_x = e80
-            .mul_plus(
-                T::from_f64(0.000005935220372607572),
-                -(T::from_f64(0.00001531256050567311) * e83),
-            ) + e330;
-        let e332 = e85
-            .mul_plus(
-                T::from_f64(0.000005935220372607572),
-                T::from_f64(0.00001531256050567311) * e81,
-            ) + e328;
-        let p192 = s_head_tilt.mul_plus(e327, c_head_tilt * g_head_tilt_y);
-        let g_head_pan_z = e88
-            .mul_plus(
-                T::from_f64(0.00001531256050567311),
-                -(T::from_f64(0.000005935220372607572) * e87),
-            ) - p192;
-        let p193 = e87
-            .mul_plus(
-                T::from_f64(0.0000000000000033021019116561955),
-                T::from_f64(0.000021234625817540758) * e88,
-            );
-        let p194 = e85
-            .mul_plus(
-                T::from_f64(0.0000008609675083983043),
-                T::from_f64(0.0000026446625321681368) * e81,
-            );
-        let p195 = c_head_tilt.mul_plus(n_head_tilt_x, s_head_tilt * n_head_tilt_y);
-        let p196 = e328.mul_plus(T::from_f64(0.1727), p195);
-        let p197 = h_head_pan_z.mul_plus(e331, p196);
-        let n_head_pan_x = (-e82).mul_plus(T::from_f64(0.0000026446625321681368), p193)
-            + p194 + p197;
-        let p198 = e87
-            .mul_plus(
-                T::from_f64(0.0000003380192149095407),
-                T::from_f64(0.0000000000000033021019116561955) * e88,
-            );
-        let p199 = e82.mul_plus(T::from_f64(0.0000008609675083983043), p198);
-        let p200 = e330.mul_plus(T::from_f64(0.1727), n_head_tilt_z);
-        let p201 = h_head_pan_z
-            .mul_plus(T::from_f64(0.1727) * e84, e329 * (T::from_f64(0.1727) * e82));
-        let n_head_pan_y = e80
-            .mul_plus(
-                T::from_f64(0.0000008609675083983043),
-                -(T::from_f64(0.0000026446625321681368) * e83),
-            ) - p199 + (p200 + p201);
-        let p202 = e85
-            .mul_plus(
-                T::from_f64(0.0000003380192149095407),
-                -(T::from_f64(0.0000000000000033021019116561955) * e81),
-            );
-        let p203 = e80
-            .mul_plus(
-                T::from_f64(0.0000000000000033021019116561955),
-                T::from_f64(0.000021234625817540758) * e83,
-            );
-        let p204 = e84.mul_plus(T::from_f64(0.0000026446625321681368), -p203);
-        let p205 = s_head_tilt.mul_plus(n_head_tilt_x, -(c_head_tilt * n_head_tilt_y));
-        let p206 = (-e329).mul_plus(e331, p205);
-        let n_head_pan_z = e86.mul_plus(T::from_f64(0.0000008609675083983043), p202)
-            - p204 + p206;
-        // r_hip_yaw
-        let e333 = c_head_pan
-            .mul_plus(h_head_pan_x, -(T::from_f64(0.00001531256050567311) * s_head_pan));
-        let e334 = s_head_pan
-            .mul_plus(h_head_pan_x, T::from_f64(0.00001531256050567311) * c_head_pan);
-        let e335 = c_head_pan.mul_plus(g_head_pan_x, s_head_pan * e332);
-        let e336 = s_head_pan.mul_plus(g_head_pan_x, -(c_head_pan * e332));
-        let e337 = T::from_f64(0.005) * e63;
-        let e338 = e66.mul_plus(T::from_f64(0.037), e337);
-        let e339 = T::from_f64(0.005) * e68;
-        let e340 = (-e64).mul_plus(T::from_f64(0.037), e339);
-        let e341 = T::from_f64(0.005) * e70;
-        let e342 = e71.mul_plus(T::from_f64(0.037), e341);
-        let e343 = c_l_sho_pitch.mul_plus(h_l_sho_pitch_x, -(s_l_sho_pitch * e314));
-        let e344 = s_l_sho_pitch.mul_plus(h_l_sho_pitch_x, c_l_sho_pitch * e314);
-        let e345 = c_l_sho_pitch.mul_plus(g_l_sho_pitch_x, s_l_sho_pitch * g_l_sho_pitch_y);
-        let e346 = c_l_sho_pitch.mul_plus(g_l_sho_pitch_y, -(s_l_sho_pitch * g_l_sho_pitch_x));
-        let e347 = e67.mul_plus(T::from_f64(0.1222), -e337);
-        let e348 = (-e69).mul_plus(T::from_f64(0.1222), e339);
-        let e349 = (-e65).mul_plus(T::from_f64(0.1222), e341);
-        let p207 = e71
-            .mul_plus(
-                T::from_f64(0.0034573962375003047),
-                -(T::from_f64(0.00012209060886264806) * e70),
-            );
-        let p208 = e68
-            .mul_plus(T::from_f64(0.00024561277463748104), T::from_f64(0.00212498723523757) * e64);
-        let p209 = c_head_pan.mul_plus(n_head_pan_x, -(s_head_pan * n_head_pan_y));
-        let p210 = g_head_pan_z.mul_plus(T::from_f64(0.037), p209);
-        let p211 = e334.mul_plus(e342, -(h_head_pan_z * e340));
-        let p212 = h_l_sho_pitch_z.mul_plus(e349, e344 * e348);
-        let p213 = c_l_sho_pitch.mul_plus(n_l_sho_pitch_x, s_l_sho_pitch * n_l_sho_pitch_y);
-        let p214 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.1222), p213);
-        let e350 = (-e65).mul_plus(T::from_f64(0.00212498723523757), p207) + p208
-            + (p210 + p211) + (p212 - p214);
-        let p215 = e70
-            .mul_plus(
-                T::from_f64(0.0004457843286160802),
-                -(T::from_f64(0.00012209060886264806) * e71),
-            );
-        let p216 = e65.mul_plus(T::from_f64(0.00024561277463748104), p215);
-        let p217 = s_head_pan.mul_plus(n_head_pan_x, c_head_pan * n_head_pan_y);
-        let p218 = (-g_head_pan_z).mul_plus(T::from_f64(0.005), p217);
-        let p219 = h_head_pan_z.mul_plus(e338, e333 * e342);
-        let p220 = e345.mul_plus(T::from_f64(0.1222), -(T::from_f64(0.005) * e346));
-        let p221 = e344.mul_plus(e347, e343 * e349);
-        let e351 = e63
-            .mul_plus(
-                T::from_f64(0.00024561277463748104),
-                -(T::from_f64(0.00212498723523757) * e66),
-            ) - p216 + (p218 - p219) + (p220 - n_l_sho_pitch_z - p221);
-        let p222 = e68
-            .mul_plus(
-                T::from_f64(0.0004457843286160802),
-                T::from_f64(0.00012209060886264806) * e64,
-            );
-        let p223 = e63
-            .mul_plus(
-                T::from_f64(0.00012209060886264806),
-                -(T::from_f64(0.0034573962375003047) * e66),
-            );
-        let p224 = e67.mul_plus(T::from_f64(0.00212498723523757), p223);
-        let p225 = e336.mul_plus(T::from_f64(0.005), -(T::from_f64(0.037) * e335));
-        let p226 = e333.mul_plus(e340, e334 * e338);
-        let p227 = c_l_sho_pitch.mul_plus(n_l_sho_pitch_y, -(s_l_sho_pitch * n_l_sho_pitch_x));
-        let p228 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.005), -p227);
-        let p229 = e343.mul_plus(e348, -(h_l_sho_pitch_z * e347));
-        let e352 = e69.mul_plus(T::from_f64(0.00024561277463748104), p222) - p224
-            + (n_head_pan_z + p225 + p226) + (p228 + p229);
-        let e353 = c_r_sho_pitch.mul_plus(h_r_sho_pitch_x, -(s_r_sho_pitch * h_r_sho_pitch_y));
-        let e354 = s_r_sho_pitch.mul_plus(h_r_sho_pitch_x, c_r_sho_pitch * h_r_sho_pitch_y);
-        let e355 = c_r_sho_pitch.mul_plus(e300, s_r_sho_pitch * g_r_sho_pitch_y);
-        let e356 = c_r_sho_pitch.mul_plus(g_r_sho_pitch_y, -(s_r_sho_pitch * e300));
-        let e357 = c_l_hip_yaw.mul_plus(h_l_hip_yaw_x, s_l_hip_yaw * h_l_hip_yaw_y);
-        let e358 = c_l_hip_yaw.mul_plus(h_l_hip_yaw_y, -(s_l_hip_yaw * h_l_hip_yaw_x));
-        let e359 = c_l_hip_yaw.mul_plus(g_l_hip_yaw_x, s_l_hip_yaw * g_l_hip_yaw_y);
-        let e360 = T::from_f64(0.074) * e66;
-        let e361 = T::from_f64(0.074) * e64;
-        let e362 = T::from_f64(0.074) * e71;
-        let h_r_hip_yaw_x = e333 - T::from_f64(0.0037115625356265282) + e343 + e353
-            + e357;
-        let h_r_hip_yaw_y = T::from_f64(0.03596084695899683) + e334 + h_l_sho_pitch_z
-            + h_r_sho_pitch_z + e358;
-        let h_r_hip_yaw_z = h_head_pan_z - e344 + e354 + h_l_hip_yaw_z;
-        let g_r_hip_yaw_x = e63
-            .mul_plus(
-                T::from_f64(0.0037115625356265282),
-                -(T::from_f64(0.03596084695899683) * e66),
-            ) + e335 + e345 - e355 + e359;
-        let p230 = c_l_hip_yaw.mul_plus(g_l_hip_yaw_y, -(s_l_hip_yaw * g_l_hip_yaw_x));
-        let g_r_hip_yaw_y = e336
-            - e68
-                .mul_plus(
-                    T::from_f64(0.0037115625356265282),
-                    T::from_f64(0.03596084695899683) * e64,
-                ) + g_l_sho_pitch_z + g_r_sho_pitch_z + p230;
-        let g_r_hip_yaw_z = e71
-            .mul_plus(
-                T::from_f64(0.03596084695899683),
-                -(T::from_f64(0.0037115625356265282) * e70),
-            ) + g_head_pan_z + e346 + e356 + g_l_hip_yaw_z;
-        let p231 = c_r_sho_pitch.mul_plus(n_r_sho_pitch_x, -(s_r_sho_pitch * n_r_sho_pitch_y));
-        let p232 = g_r_sho_pitch_z.mul_plus(T::from_f64(0.1222), p231);
-        let p233 = c_l_hip_yaw.mul_plus(n_l_hip_yaw_x, s_l_hip_yaw * n_l_hip_yaw_y);
-        let p234 = g_l_hip_yaw_z.mul_plus(T::from_f64(0.074), p233);
-        let p235 = e358.mul_plus(e362, h_l_hip_yaw_z * e361);
-        let n_r_hip_yaw_x = e350
-            + (h_r_sho_pitch_z.mul_plus(e349, -(e354 * e348)) - p232) + (p234 + p235);
-        let p236 = e355.mul_plus(T::from_f64(0.1222), T::from_f64(0.005) * e356);
-        let p237 = c_l_hip_yaw.mul_plus(n_l_hip_yaw_y, -(s_l_hip_yaw * n_l_hip_yaw_x));
-        let p238 = h_l_hip_yaw_z.mul_plus(e360, e357 * e362);
-        let n_r_hip_yaw_y = e351
-            + (e354.mul_plus(e347, -(e353 * e349)) - (n_r_sho_pitch_z + p236))
-            + (p237 - p238);
-        let p239 = s_r_sho_pitch.mul_plus(n_r_sho_pitch_x, c_r_sho_pitch * n_r_sho_pitch_y);
-        let p240 = e353.mul_plus(e348, -(h_r_sho_pitch_z * e347));
-        let p241 = (-e359).mul_plus(T::from_f64(0.074), n_l_hip_yaw_z);
-        let p242 = e358.mul_plus(e360, -(e357 * e361));
-        let n_r_hip_yaw_z = e352
-            + (g_r_sho_pitch_z.mul_plus(T::from_f64(0.005), -p239) + p240)
-            + (p241 + p242);
-        // r_hip_roll
-        let h_r_hip_roll_x = s_r_hip_yaw.mul_plus(h_r_hip_yaw_x, c_r_hip_yaw * h_r_hip_yaw_y);
-        let h_r_hip_roll_z = c_r_hip_yaw.mul_plus(h_r_hip_yaw_x, -(s_r_hip_yaw * h_r_hip_yaw_y));
-        let h_r_hip_roll_y = T::from_f64(0.05975631610931729) + h_r_hip_yaw_z;
-        let g_r_hip_roll_x = s_r_hip_yaw.mul_plus(g_r_hip_yaw_x, c_r_hip_yaw * g_r_hip_yaw_y);
-        let g_r_hip_roll_x = (-e51).mul_plus(T::from_f64(0.05975631610931729), g_r_hip_roll_x);
-        let g_r_hip_roll_y = (-e50).mul_plus(T::from_f64(0.05975631610931729), g_r_hip_yaw_z);
-        let g_r_hip_roll_z = c_r_hip_yaw.mul_plus(g_r_hip_yaw_x, -(s_r_hip_yaw * g_r_hip_yaw_y));
-        let g_r_hip_roll_z = e54.mul_plus(T::from_f64(0.05975631610931729), g_r_hip_roll_z);
-        let p243 = e54
-            .mul_plus(
-                T::from_f64(0.007136011009257574),
-                -(T::from_f64(0.00000033265562414694076) * (e45 + e46)),
-            );
-        let p244 = s_r_hip_yaw.mul_plus(n_r_hip_yaw_x, c_r_hip_yaw * n_r_hip_yaw_y);
-        let n_r_hip_roll_x = e50.mul_plus(T::from_f64(0.00000033265562414694076), p243)
-            + p244;
-        let n_r_hip_roll_y = e53
-            .mul_plus(
-                T::from_f64(0.00000042597827326108953),
-                -(T::from_f64(0.00000033265562414694076) * e51),
-            ) + n_r_hip_yaw_z;
-        let p245 = (a_r_hip_roll_y - e49)
-            .mul_plus(
-                T::from_f64(0.00000033265562414694076),
-                -(T::from_f64(0.007136011009257574) * e51),
-            );
-        let p246 = c_r_hip_yaw.mul_plus(n_r_hip_yaw_x, -(s_r_hip_yaw * n_r_hip_yaw_y));
-        let n_r_hip_roll_z = e52.mul_plus(T::from_f64(0.00000042597827326108953), -p245)
-            + p246;
-        // r_hip_pitch
-        let h_r_hip_pitch_z = c_r_hip_roll
-            .mul_plus(h_r_hip_roll_x, -(s_r_hip_roll * h_r_hip_roll_y));
-        let h_r_hip_pitch_x = h_r_hip_roll_z - T::from_f64(0.001037646205786198);
-        let h_r_hip_pitch_y = s_r_hip_roll.mul_plus(h_r_hip_roll_x, c_r_hip_roll * h_r_hip_roll_y)
-            - T::from_f64(0.0007924947431313887);
-        let g_r_hip_pitch_x = e37
-            .mul_plus(
-                T::from_f64(0.001037646205786198),
-                -(T::from_f64(0.0007924947431313887) * e40),
-            ) + g_r_hip_roll_z;
-        let p247 = s_r_hip_roll.mul_plus(g_r_hip_roll_x, c_r_hip_roll * g_r_hip_roll_y);
-        let g_r_hip_pitch_y = e38
-            .mul_plus(
-                T::from_f64(0.0007924947431313887),
-                -(T::from_f64(0.001037646205786198) * e41),
-            ) + p247;
-        let p248 = e42
-            .mul_plus(T::from_f64(0.001037646205786198), T::from_f64(0.0007924947431313887) * e43);
-        let g_r_hip_pitch_z = c_r_hip_roll
-            .mul_plus(g_r_hip_roll_x, -(s_r_hip_roll * g_r_hip_roll_y)) - p248;
-        let p249 = e42
-            .mul_plus(
-                T::from_f64(0.000016905810723963404),
-                T::from_f64(0.00002019140450753412) * e43,
-            );
-        let p250 = e41
-            .mul_plus(
-                T::from_f64(0.00000036073340124169066),
-                -(T::from_f64(0.00000030652985169172185) * e38),
-            );
-        let n_r_hip_pitch_x = (-e39).mul_plus(T::from_f64(0.00000030652985169172185), p249) - p250
-            - n_r_hip_roll_z;
-        let p251 = e42
-            .mul_plus(
-                T::from_f64(0.000055170822665607744),
-                T::from_f64(0.000016905810723963404) * e43,
-            );
-        let p252 = (-e39).mul_plus(T::from_f64(0.00000036073340124169066), p251);
-        let p253 = s_r_hip_roll.mul_plus(n_r_hip_roll_x, c_r_hip_roll * n_r_hip_roll_y);
-        let n_r_hip_pitch_y = e40
-            .mul_plus(
-                T::from_f64(0.00000030652985169172185),
-                -(T::from_f64(0.00000036073340124169066) * e37),
-            ) - p252 - p253;
-        let p254 = e41
-            .mul_plus(
-                T::from_f64(0.000055170822665607744),
-                -(T::from_f64(0.000016905810723963404) * e38),
-            );
-        let p255 = e40
-            .mul_plus(
-                T::from_f64(0.00002019140450753412),
-                -(T::from_f64(0.000016905810723963404) * e37),
-            );
-        let p256 = (e35 + a_r_hip_pitch_y).mul_plus(T::from_f64(0.00000030652985169172185), p255);
-        let p257 = c_r_hip_roll.mul_plus(n_r_hip_roll_x, -(s_r_hip_roll * n_r_hip_roll_y));
-        let n_r_hip_pitch_z = (e36 - a_r_hip_pitch_x)
-            .mul_plus(T::from_f64(0.00000036073340124169066), p254) - p256 - p257;
-        // r_knee
-        let e363 = c_r_hip_pitch.mul_plus(h_r_hip_pitch_x, -(s_r_hip_pitch * h_r_hip_pitch_y));
-        let e364 = s_r_hip_pitch.mul_plus(h_r_hip_pitch_x, c_r_hip_pitch * h_r_hip_pitch_y);
-        let e365 = c_r_hip_pitch.mul_plus(g_r_hip_pitch_x, -(s_r_hip_pitch * g_r_hip_pitch_y));
-        let e366 = T::from_f64(0.093) * e27;
-        let e367 = T::from_f64(0.093) * e25;
-        let e368 = T::from_f64(0.093) * e30;
-        let h_r_knee_x = T::from_f64(0.00002815646395548345) + e363;
-        let h_r_knee_y = T::from_f64(0.08036415082453738) + e364;
-        let g_r_knee_x = e27
-            .mul_plus(
-                T::from_f64(0.08036415082453738),
-                -(T::from_f64(0.00002815646395548345) * e24),
-            ) + e365;
-        let p258 = s_r_hip_pitch.mul_plus(g_r_hip_pitch_x, c_r_hip_pitch * g_r_hip_pitch_y);
-        let g_r_knee_y = e28
-            .mul_plus(
-                T::from_f64(0.00002815646395548345),
-                -(T::from_f64(0.08036415082453738) * e25),
-            ) + p258;
-        let g_r_knee_z = e29
-            .mul_plus(
-                T::from_f64(0.00002815646395548345),
-                T::from_f64(0.08036415082453738) * e30,
-            ) + g_r_hip_pitch_z;
-        let p259 = e29
-            .mul_plus(
-                T::from_f64(0.0000015113690697845367),
-                T::from_f64(0.007427680106181191) * e30,
-            );
-        let p260 = e28
-            .mul_plus(
-                T::from_f64(0.00000006346493691182975),
-                T::from_f64(0.00000038370983674870065) * e25,
-            );
-        let p261 = c_r_hip_pitch.mul_plus(n_r_hip_pitch_x, -(s_r_hip_pitch * n_r_hip_pitch_y));
-        let p262 = g_r_hip_pitch_z.mul_plus(T::from_f64(0.093), p261);
-        let p263 = e364.mul_plus(e368, h_r_hip_pitch_z * e367);
-        let n_r_knee_x = (-e26).mul_plus(T::from_f64(0.00000038370983674870065), p259)
-            + p260 + (p262 + p263);
-        let p264 = e29
-            .mul_plus(
-                T::from_f64(0.0000027309066181058813),
-                T::from_f64(0.0000015113690697845367) * e30,
-            );
-        let p265 = e26.mul_plus(T::from_f64(0.00000006346493691182975), p264);
-        let p266 = s_r_hip_pitch.mul_plus(n_r_hip_pitch_x, c_r_hip_pitch * n_r_hip_pitch_y);
-        let p267 = h_r_hip_pitch_z.mul_plus(e366, -(e363 * e368));
-        let n_r_knee_y = e24
-            .mul_plus(
-                T::from_f64(0.00000006346493691182975),
-                T::from_f64(0.00000038370983674870065) * e27,
-            ) - p265 + (p266 + p267);
-        let p268 = e28
-            .mul_plus(
-                T::from_f64(0.0000027309066181058813),
-                -(T::from_f64(0.0000015113690697845367) * e25),
-            );
-        let p269 = e27
-            .mul_plus(
-                T::from_f64(0.007427680106181191),
-                -(T::from_f64(0.0000015113690697845367) * e24),
-            );
-        let p270 = (e22 + a_r_knee_y).mul_plus(T::from_f64(0.00000038370983674870065), p269);
-        let p271 = (-e365).mul_plus(T::from_f64(0.093), n_r_hip_pitch_z);
-        let p272 = e363.mul_plus(e367, e364 * e366);
-        let n_r_knee_z = (-(e23 - a_r_knee_x))
-            .mul_plus(T::from_f64(0.00000006346493691182975), p268) - p270
-            + (p271 - p272);
-        // r_ank_pitch
-        let e369 = c_r_knee.mul_plus(h_r_knee_x, -(s_r_knee * h_r_knee_y));
-        let e370 = s_r_knee.mul_plus(h_r_knee_x, c_r_knee * h_r_knee_y);
-        let e371 = c_r_knee.mul_plus(g_r_knee_x, -(s_r_knee * g_r_knee_y));
-        let e372 = T::from_f64(0.093) * e14;
-        let e373 = T::from_f64(0.093) * e12;
-        let e374 = T::from_f64(0.093) * e17;
-        let h_r_ank_pitch_x = T::from_f64(0.00015737139520335583) + e369;
-        let h_r_ank_pitch_y = T::from_f64(0.08422326168849198) + e370;
-        let g_r_ank_pitch_x = e14
-            .mul_plus(
-                T::from_f64(0.08422326168849198),
-                -(T::from_f64(0.00015737139520335583) * e11),
-            ) + e371;
-        let p273 = s_r_knee.mul_plus(g_r_knee_x, c_r_knee * g_r_knee_y);
-        let g_r_ank_pitch_y = e15
-            .mul_plus(
-                T::from_f64(0.00015737139520335583),
-                -(T::from_f64(0.08422326168849198) * e12),
-            ) + p273;
-        let g_r_ank_pitch_z = e17
-            .mul_plus(
-                T::from_f64(0.08422326168849198),
-                -(T::from_f64(0.00015737139520335583) * e16),
-            ) + g_r_knee_z;
-        let p274 = e17
-            .mul_plus(
-                T::from_f64(0.0078095776358944715),
-                -(T::from_f64(0.000012886474540635863) * e16),
-            );
-        let p275 = e15
-            .mul_plus(
-                T::from_f64(0.000000011222519529269976),
-                -(T::from_f64(0.0000012445664757885444) * e12),
-            );
-        let p276 = c_r_knee.mul_plus(n_r_knee_x, -(s_r_knee * n_r_knee_y));
-        let p277 = g_r_knee_z.mul_plus(T::from_f64(0.093), p276);
-        let p278 = e370.mul_plus(e374, h_r_hip_pitch_z * e373);
-        let n_r_ank_pitch_x = (-e13).mul_plus(T::from_f64(0.0000012445664757885444), p274) - p275
-            + (p277 + p278);
-        let p279 = e17
-            .mul_plus(
-                T::from_f64(0.000012886474540635863),
-                -(T::from_f64(0.00000550001522303673) * e16),
-            );
-        let p280 = (-e13).mul_plus(T::from_f64(0.000000011222519529269976), p279);
-        let p281 = s_r_knee.mul_plus(n_r_knee_x, c_r_knee * n_r_knee_y);
-        let p282 = h_r_hip_pitch_z.mul_plus(e372, -(e369 * e374));
-        let n_r_ank_pitch_y = e14
-            .mul_plus(
-                T::from_f64(0.0000012445664757885444),
-                -(T::from_f64(0.000000011222519529269976) * e11),
-            ) - p280 + (p281 + p282);
-        let p283 = e15
-            .mul_plus(
-                T::from_f64(0.00000550001522303673),
-                -(T::from_f64(0.000012886474540635863) * e12),
-            );
-        let p284 = e14
-            .mul_plus(
-                T::from_f64(0.0078095776358944715),
-                -(T::from_f64(0.000012886474540635863) * e11),
-            );
-        let p285 = (a_r_ank_pitch_y - e6).mul_plus(T::from_f64(0.0000012445664757885444), p284);
-        let p286 = (-e371).mul_plus(T::from_f64(0.093), n_r_knee_z);
-        let p287 = e369.mul_plus(e373, e370 * e372);
-        let n_r_ank_pitch_z = (-(e5 + a_r_ank_pitch_x))
-            .mul_plus(T::from_f64(0.000000011222519529269976), p283) - p285
-            + (p286 - p287);
-        // r_ank_roll
-        let e375 = T::from_f64(0.00000010334408456612026) * e4;
-        let h_r_ank_roll_z = c_r_ank_pitch
-            .mul_plus(h_r_ank_pitch_x, s_r_ank_pitch * h_r_ank_pitch_y);
-        let g_r_ank_roll_z = c_r_ank_pitch
-            .mul_plus(g_r_ank_pitch_x, s_r_ank_pitch * g_r_ank_pitch_y);
-        let h_r_ank_roll_x = T::from_f64(0.00003500960390767528) + h_r_hip_pitch_z;
-        let h_r_ank_roll_y = T::from_f64(0.0007924947431313887)
-            + c_r_ank_pitch.mul_plus(h_r_ank_pitch_y, -(s_r_ank_pitch * h_r_ank_pitch_x));
-        let g_r_ank_roll_x = qdd[16]
-            .mul_plus(
-                T::from_f64(0.0007924947431313887),
-                -(T::from_f64(0.00003500960390767528) * e4),
-            ) + g_r_ank_pitch_z;
-        let p288 = qdd[16]
-            .mul_plus(T::from_f64(0.00003500960390767528), T::from_f64(0.0007924947431313887) * e4);
-        let g_r_ank_roll_y = c_r_ank_pitch
-            .mul_plus(g_r_ank_pitch_y, -(s_r_ank_pitch * g_r_ank_pitch_x)) - p288;
-        let p289 = c_r_ank_pitch.mul_plus(n_r_ank_pitch_y, -(s_r_ank_pitch * n_r_ank_pitch_x));
-        let n_r_ank_roll_y = e4
-            .mul_plus(
-                T::from_f64(0.00000036073359429687445),
-                -(T::from_f64(0.00001710898339479749) * qdd[16]),
-            ) - p289;
-        let p290 = qdd[16].mul_plus(T::from_f64(0.000020191301954835163), e375);
-        let p291 = c_r_ank_pitch.mul_plus(n_r_ank_pitch_x, s_r_ank_pitch * n_r_ank_pitch_y);
-        let n_r_ank_roll_z = (-qdd[16])
-            .mul_plus(T::from_f64(0.000030124214184399486), e375) - p290 - p291;
-        // r_sole
-        let g_r_sole_y = c_r_ank_roll.mul_plus(g_r_ank_roll_x, s_r_ank_roll * g_r_ank_roll_y);
-        let g_r_sole_z = c_r_ank_roll.mul_plus(g_r_ank_roll_y, -(s_r_ank_roll * g_r_ank_roll_x));
-        let n_r_sole_x = n_r_ank_roll_z
-            + g_r_sole_z.mul_plus(T::from_f64(0.0105), -(T::from_f64(0.0335) * g_r_sole_y));
-        let p292 = qdd[16]
-            .mul_plus(
-                T::from_f64(0.00000036073359429687445),
-                T::from_f64(0.00001710898339479749) * e4,
-            );
-        let n_r_sole_y = s_r_ank_roll
-            .mul_plus(n_r_ank_roll_y, -(c_r_ank_roll * (p292 + n_r_ank_pitch_z)));
-        let n_r_sole_y = g_r_ank_roll_z.mul_plus(T::from_f64(0.0335), n_r_sole_y);
-        let h_r_sole_x = h_r_ank_roll_z - T::from_f64(0.0010725237405351177);
-        let h_r_sole_y = T::from_f64(0.010241838606533918)
-            + c_r_ank_roll.mul_plus(h_r_ank_roll_x, s_r_ank_roll * h_r_ank_roll_y);
-        let h_r_sole_z = T::from_f64(0.03279401771623786)
-            + c_r_ank_roll.mul_plus(h_r_ank_roll_y, -(s_r_ank_roll * h_r_ank_roll_x));
-        // ZMP
-        let load = T::from_f64(9.80665) + f_r_sole_z;
-        let e376 = T::from_f64(1.0) / load;
-        let p293 = h_r_sole_z.mul_plus(g_r_ank_roll_z, -(h_r_sole_x * g_r_sole_z));
-        let p294 = v_r_sole_z.mul_plus(f_r_ank_roll_z, n_r_sole_y - p293);
-        let p295 = h_r_sole_y.mul_plus(g_r_sole_z, -(h_r_sole_z * g_r_sole_y));
-        let p296 = v_r_sole_z.mul_plus(f_r_sole_y, -(n_r_sole_x - p295));
-        [(-p294).mul_plus(e376, v_r_sole_x), (-p296).mul_plus(e376, v_r_sole_y)]
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::zmp_core(&v1::Positions::new(&angles), qd, qdd, r)
     }
 }
 
@@ -4393,108 +552,18 @@ impl v1::Robot for Op2RSole {
 impl v1::SinCosRobot for Op2RSole {
     #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        // r_sho_roll
-        let v_r_sho_roll_y = cos[19].mul_plus(r[41], r[40]);
-        let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], v_r_sho_roll_y);
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
-        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
-        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
-        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // l_sho_roll
-        let v_l_sho_roll_y = cos[10].mul_plus(r[35], r[34]);
-        let v_l_sho_roll_y = sin[10].mul_plus(r[36], v_l_sho_roll_y);
-        let v_l_sho_roll_z = sin[10].mul_plus(r[35], -(cos[10] * r[36]));
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
-        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[33], r[32]);
-        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
-        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_ank_pitch
-        let v_l_ank_pitch_y = sin[7].mul_plus(r[29], r[28]);
-        let v_l_ank_pitch_y = cos[7].mul_plus(r[30], v_l_ank_pitch_y);
-        let v_l_ank_pitch_z = cos[7].mul_plus(r[29], -(sin[7] * r[30]));
-        // l_knee
-        let v_l_knee_x = cos[6].mul_plus(r[27], r[25]);
-        let v_l_knee_x = sin[6].mul_plus(v_l_ank_pitch_y, v_l_knee_x);
-        let v_l_knee_y = (-sin[6]).mul_plus(r[27], r[26]);
-        let v_l_knee_y = cos[6].mul_plus(v_l_ank_pitch_y, v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = cos[5].mul_plus(v_l_knee_x, r[23]);
-        let v_l_hip_pitch_x = (-sin[5]).mul_plus(v_l_knee_y, v_l_hip_pitch_x);
-        let v_l_hip_pitch_y = sin[5].mul_plus(v_l_knee_x, r[24]);
-        let v_l_hip_pitch_y = cos[5].mul_plus(v_l_knee_y, v_l_hip_pitch_y);
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
-        let v_l_hip_roll_y = sin[4].mul_plus(v_l_hip_pitch_x, r[22]);
-        let v_l_hip_roll_y = cos[4].mul_plus(v_l_hip_pitch_y, v_l_hip_roll_y);
-        let v_l_hip_roll_z = cos[4].mul_plus(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
-        let v_l_hip_yaw_y = cos[3].mul_plus(v_l_hip_roll_x, r[20]);
-        let v_l_hip_yaw_y = sin[3].mul_plus(v_l_hip_roll_y, v_l_hip_yaw_y);
-        let v_l_hip_yaw_z = cos[3].mul_plus(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
-        // head_pan
-        let v_head_pan_x = cos[1].mul_plus(r[17], r[15]);
-        let v_head_pan_x = sin[1].mul_plus(r[18], v_head_pan_x);
-        let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-        // r_hip_yaw
-        let e1 = cos[0].mul_plus(v_head_pan_x, r[13]);
-        let e1 = (-sin[0]).mul_plus(r[16], e1);
-        let e1 = cos[8].mul_plus(v_l_sho_pitch_x, e1);
-        let e1 = sin[8].mul_plus(v_l_sho_pitch_y, e1);
-        let e1 = cos[17].mul_plus(v_r_sho_pitch_x, e1);
-        let v_r_hip_yaw_x = (-sin[17]).mul_plus(v_r_sho_pitch_y, e1);
-        let v_r_hip_yaw_x = cos[2].mul_plus(v_l_hip_yaw_x, v_r_hip_yaw_x);
-        let v_r_hip_yaw_x = sin[2].mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_x);
-        let p1 = sin[0].mul_plus(v_head_pan_x, r[14]);
-        let p2 = cos[0].mul_plus(r[16], p1);
-        let e2 = (-sin[2]).mul_plus(v_l_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
-        let v_r_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_y, e2);
-        let p3 = (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
-        let p4 = cos[8].mul_plus(v_l_sho_pitch_y, p3);
-        let p5 = sin[17].mul_plus(v_r_sho_pitch_x, p4);
-        let v_r_hip_yaw_z = cos[17].mul_plus(v_r_sho_pitch_y, p5) + v_l_hip_yaw_z;
-        // r_hip_roll
-        let v_r_hip_roll_x = sin[11].mul_plus(v_r_hip_yaw_x, r[11]);
-        let v_r_hip_roll_x = cos[11].mul_plus(v_r_hip_yaw_y, v_r_hip_roll_x);
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let v_r_hip_roll_z = cos[11].mul_plus(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
-        let v_r_hip_pitch_y = sin[12].mul_plus(v_r_hip_roll_x, r[10]);
-        let v_r_hip_pitch_y = cos[12].mul_plus(v_r_hip_roll_y, v_r_hip_pitch_y);
-        let v_r_hip_pitch_z = cos[12].mul_plus(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
-        // r_knee
-        let v_r_knee_x = cos[13].mul_plus(v_r_hip_pitch_x, r[7]);
-        let v_r_knee_x = (-sin[13]).mul_plus(v_r_hip_pitch_y, v_r_knee_x);
-        let v_r_knee_y = sin[13].mul_plus(v_r_hip_pitch_x, r[8]);
-        let v_r_knee_y = cos[13].mul_plus(v_r_hip_pitch_y, v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = cos[14].mul_plus(v_r_knee_x, r[5]);
-        let v_r_ank_pitch_x = (-sin[14]).mul_plus(v_r_knee_y, v_r_ank_pitch_x);
-        let v_r_ank_pitch_y = sin[14].mul_plus(v_r_knee_x, r[6]);
-        let v_r_ank_pitch_y = cos[14].mul_plus(v_r_knee_y, v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
-        let v_r_ank_roll_y = (-sin[15]).mul_plus(v_r_ank_pitch_x, r[4]);
-        let v_r_ank_roll_y = cos[15].mul_plus(v_r_ank_pitch_y, v_r_ank_roll_y);
-        let v_r_ank_roll_z = cos[15].mul_plus(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
-        // r_sole
-        let v_r_sole_x = r[0] + v_r_ank_roll_z;
-        let v_r_sole_y = cos[16].mul_plus(v_r_ank_roll_x, r[1]);
-        let v_r_sole_y = sin[16].mul_plus(v_r_ank_roll_y, v_r_sole_y);
-        let v_r_sole_z = (-sin[16]).mul_plus(v_r_ank_roll_x, r[2]);
-        let v_r_sole_z = cos[16].mul_plus(v_r_ank_roll_y, v_r_sole_z);
-        [v_r_sole_x, v_r_sole_y, v_r_sole_z]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        Op2RSole::com_core(&(&sin_of, &cos_of), r)
     }
 
     #[inline(always)]
@@ -4503,263 +572,20 @@ impl v1::SinCosRobot for Op2RSole {
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [[T; DOF]; 3] {
-        let zero = T::from_f64(0.0);
-        // r_el
-        let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
-        let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
-        // r_sho_roll
-        let v_r_sho_roll_y = r[40] + t_r_el_x;
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - e1;
-        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-        let t_r_sho_pitch_x = cos[17].mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
-        let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
-        // l_el
-        let t_l_el_x = cos[10].mul_plus(r[35], sin[10] * r[36]);
-        let t_l_el_y = sin[10].mul_plus(r[35], -(cos[10] * r[36]));
-        // l_sho_roll
-        let v_l_sho_roll_y = r[34] + t_l_el_x;
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + t_l_el_y;
-        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-        let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
-        let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
-        // l_ank_roll
-        let t_l_ank_roll_x = sin[7].mul_plus(r[29], cos[7] * r[30]);
-        let t_l_ank_roll_y = cos[7].mul_plus(r[29], -(sin[7] * r[30]));
-        // l_ank_pitch
-        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-        let t_l_ank_pitch_x = cos[6].mul_plus(r[27], sin[6] * v_l_ank_pitch_y);
-        let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_y, -(sin[6] * r[27]));
-        // l_knee
-        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-        let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, -(sin[5] * v_l_knee_y));
-        let t_l_knee_y = sin[5].mul_plus(v_l_knee_x, cos[5] * v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-        let t_l_hip_pitch_x = sin[4].mul_plus(v_l_hip_pitch_x, cos[4] * v_l_hip_pitch_y);
-        let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-        let t_l_hip_roll_x = cos[3].mul_plus(v_l_hip_roll_x, sin[3] * v_l_hip_roll_y);
-        let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-        let t_l_hip_yaw_x = cos[2].mul_plus(v_l_hip_yaw_x, sin[2] * v_l_hip_yaw_y);
-        let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_y, -(sin[2] * v_l_hip_yaw_x));
-        // head_tilt
-        let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
-        let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-        // head_pan
-        let v_head_pan_x = r[15] + t_head_tilt_x;
-        let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
-        let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
-        // r_hip_yaw
-        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-            + t_l_hip_yaw_x;
-        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-            + t_l_hip_yaw_y;
-        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-            + t_l_hip_roll_y;
-        let t_r_hip_yaw_x = sin[11].mul_plus(v_r_hip_yaw_x, cos[11] * v_r_hip_yaw_y);
-        let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
-        // r_hip_roll
-        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let t_r_hip_roll_x = sin[12].mul_plus(v_r_hip_roll_x, cos[12] * v_r_hip_roll_y);
-        let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-        let t_r_hip_pitch_x = cos[13].mul_plus(v_r_hip_pitch_x, -(sin[13] * v_r_hip_pitch_y));
-        let t_r_hip_pitch_y = sin[13].mul_plus(v_r_hip_pitch_x, cos[13] * v_r_hip_pitch_y);
-        // r_knee
-        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-        let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, -(sin[14] * v_r_knee_y));
-        let t_r_knee_y = sin[14].mul_plus(v_r_knee_x, cos[14] * v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-        let t_r_ank_pitch_x = cos[15].mul_plus(v_r_ank_pitch_y, -(sin[15] * v_r_ank_pitch_x));
-        let t_r_ank_pitch_y = cos[15].mul_plus(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-        let t_r_ank_roll_x = cos[16].mul_plus(v_r_ank_roll_x, sin[16] * v_r_ank_roll_y);
-        let t_r_ank_roll_y = cos[16].mul_plus(v_r_ank_roll_y, -(sin[16] * v_r_ank_roll_x));
-        // r_ank_pitch
-        let e2 = sin[16] * sin[15];
-        let by_r_ank_pitch_y = sin[16] * cos[15];
-        let e3 = cos[16] * sin[15];
-        let bz_r_ank_pitch_y = cos[16] * cos[15];
-        // r_knee
-        let bx_r_knee_x = cos[15].mul_plus(cos[14], sin[15] * sin[14]);
-        let bx_r_knee_y = sin[15].mul_plus(cos[14], -(cos[15] * sin[14]));
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(sin[14], -(e2 * cos[14]));
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(cos[14], e2 * sin[14]);
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(sin[14], -(e3 * cos[14]));
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(cos[14], e3 * sin[14]);
-        // r_hip_pitch
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(cos[13], bx_r_knee_y * sin[13]);
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(cos[13], -(bx_r_knee_x * sin[13]));
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(cos[13], by_r_knee_y * sin[13]);
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(cos[13], -(by_r_knee_x * sin[13]));
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(cos[13], bz_r_knee_y * sin[13]);
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(cos[13], -(bz_r_knee_x * sin[13]));
-        // r_hip_roll
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(sin[12], cos[16] * cos[12]);
-        let e4 = cos[16].mul_plus(sin[12], -(by_r_hip_pitch_y * cos[12]));
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_plus(sin[12], -(sin[16] * cos[12]));
-        let bz_r_hip_roll_y = sin[16].mul_plus(sin[12], bz_r_hip_pitch_y * cos[12]);
-        // r_hip_yaw
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(sin[11], bx_r_hip_pitch_x * cos[11]);
-        let e5 = bx_r_hip_pitch_x.mul_plus(sin[11], -(bx_r_hip_roll_x * cos[11]));
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(sin[11], by_r_hip_pitch_x * cos[11]);
-        let e6 = by_r_hip_pitch_x.mul_plus(sin[11], -(by_r_hip_roll_x * cos[11]));
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(sin[11], bz_r_hip_pitch_x * cos[11]);
-        let e7 = bz_r_hip_pitch_x.mul_plus(sin[11], -(bz_r_hip_roll_x * cos[11]));
-        // head_pan
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(cos[0], -(e5 * sin[0]));
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(cos[0], -(e6 * sin[0]));
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(cos[0], -(e7 * sin[0]));
-        // l_hip_yaw
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(cos[2], e5 * sin[2]);
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(sin[2], -(e5 * cos[2]));
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(cos[2], e6 * sin[2]);
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(sin[2], -(e6 * cos[2]));
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(cos[2], e7 * sin[2]);
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(sin[2], -(e7 * cos[2]));
-        // l_hip_roll
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_plus(cos[3], -(bx_r_hip_roll_y * sin[3]));
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(cos[3], bx_l_hip_yaw_y * sin[3]);
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(cos[3], e4 * sin[3]);
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(sin[3], -(e4 * cos[3]));
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_plus(cos[3], -(bz_r_hip_roll_y * sin[3]));
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(cos[3], bz_l_hip_yaw_y * sin[3]);
-        // l_hip_pitch
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_plus(sin[4], bx_l_hip_yaw_x * cos[4]);
-        let e8 = bx_l_hip_yaw_x.mul_plus(sin[4], -(bx_l_hip_roll_y * cos[4]));
-        let by_l_hip_pitch_x = by_l_hip_roll_y.mul_plus(sin[4], by_l_hip_yaw_x * cos[4]);
-        let e9 = by_l_hip_yaw_x.mul_plus(sin[4], -(by_l_hip_roll_y * cos[4]));
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_plus(sin[4], bz_l_hip_yaw_x * cos[4]);
-        let e10 = bz_l_hip_yaw_x.mul_plus(sin[4], -(bz_l_hip_roll_y * cos[4]));
-        // l_knee
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(cos[5], -(e8 * sin[5]));
-        let e11 = e8.mul_plus(cos[5], bx_l_hip_pitch_x * sin[5]);
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(cos[5], -(e9 * sin[5]));
-        let e12 = e9.mul_plus(cos[5], by_l_hip_pitch_x * sin[5]);
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(cos[5], -(e10 * sin[5]));
-        let e13 = e10.mul_plus(cos[5], bz_l_hip_pitch_x * sin[5]);
-        // l_ank_pitch
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(sin[6], -(e11 * cos[6]));
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(sin[6], -(e12 * cos[6]));
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(sin[6], -(e13 * cos[6]));
-        // l_sho_pitch
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[8], -(bx_r_hip_roll_y * sin[8]));
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[8], bx_r_hip_yaw_x * sin[8]);
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[8], e4 * sin[8]);
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(sin[8], -(e4 * cos[8]));
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[8], -(bz_r_hip_roll_y * sin[8]));
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[8], bz_r_hip_yaw_x * sin[8]);
-        // r_sho_pitch
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[17], bx_r_hip_roll_y * sin[17]);
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[17], -(bx_r_hip_yaw_x * sin[17]));
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[17], -(e4 * sin[17]));
-        let e14 = e4.mul_plus(cos[17], by_r_hip_yaw_x * sin[17]);
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[17], bz_r_hip_roll_y * sin[17]);
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[17], -(bz_r_hip_yaw_x * sin[17]));
-        let p1 = e5.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        let p2 = e5.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        let row_x = [
-            -e5.mul_plus(t_head_pan_x, bx_r_hip_yaw_x * t_head_pan_y),
-            bx_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y)),
-            e5.mul_plus(t_l_hip_yaw_x, bx_r_hip_yaw_x * t_l_hip_yaw_y),
-            -bx_r_hip_roll_y.mul_plus(t_l_hip_roll_x, -(bx_l_hip_yaw_y * t_l_hip_roll_y)),
-            -bx_l_hip_yaw_x.mul_plus(t_l_hip_pitch_x, -(bx_l_hip_roll_y * t_l_hip_pitch_y)),
-            -e8.mul_plus(t_l_knee_x, bx_l_hip_pitch_x * t_l_knee_y),
-            e11.mul_plus(t_l_ank_pitch_x, bx_l_knee_x * t_l_ank_pitch_y),
-            -bx_l_hip_roll_x.mul_plus(t_l_ank_roll_x, -(bx_l_ank_pitch_y * t_l_ank_roll_y)),
-            -bx_r_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bx_r_hip_yaw_x * t_l_sho_pitch_y)),
-            -e5.mul_plus(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y),
-            bx_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
-            -bx_r_hip_pitch_x.mul_plus(t_r_hip_yaw_x, -(bx_r_hip_roll_x * t_r_hip_yaw_y)),
-            bx_r_hip_pitch_y * t_r_hip_roll_y,
-            bx_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bx_r_knee_x * t_r_hip_pitch_y)),
-            sin[15].mul_plus(t_r_knee_x, -(cos[15] * t_r_knee_y)),
-            t_r_ank_pitch_x,
-            zero,
-            bx_r_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bx_r_hip_yaw_x * t_r_sho_pitch_y)),
-            -e5.mul_plus(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y),
-            -bx_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
-        ];
-        let p3 = e6.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        let p4 = e6.mul_plus(s_r_sho_roll, e14 * c_r_sho_roll);
-        let row_y = [
-            -e6.mul_plus(t_head_pan_x, by_r_hip_yaw_x * t_head_pan_y),
-            -e4.mul_plus(t_head_tilt_x, by_head_pan_x * t_head_tilt_y),
-            e6.mul_plus(t_l_hip_yaw_x, by_r_hip_yaw_x * t_l_hip_yaw_y),
-            e4.mul_plus(t_l_hip_roll_x, by_l_hip_yaw_y * t_l_hip_roll_y),
-            -by_l_hip_yaw_x.mul_plus(t_l_hip_pitch_x, -(by_l_hip_roll_y * t_l_hip_pitch_y)),
-            -e9.mul_plus(t_l_knee_x, by_l_hip_pitch_x * t_l_knee_y),
-            e12.mul_plus(t_l_ank_pitch_x, by_l_knee_x * t_l_ank_pitch_y),
-            -by_l_hip_roll_x.mul_plus(t_l_ank_roll_x, -(by_l_ank_pitch_y * t_l_ank_roll_y)),
-            e4.mul_plus(t_l_sho_pitch_x, by_r_hip_yaw_x * t_l_sho_pitch_y),
-            -e6.mul_plus(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y),
-            by_l_sho_pitch_x.mul_plus(t_l_el_x, p3 * t_l_el_y),
-            -by_r_hip_pitch_x.mul_plus(t_r_hip_yaw_x, -(by_r_hip_roll_x * t_r_hip_yaw_y)),
-            -cos[16].mul_plus(t_r_hip_roll_x, -(by_r_hip_pitch_y * t_r_hip_roll_y)),
-            by_r_knee_y.mul_plus(t_r_hip_pitch_x, -(by_r_knee_x * t_r_hip_pitch_y)),
-            by_r_ank_pitch_y.mul_plus(t_r_knee_x, e2 * t_r_knee_y),
-            -(sin[16] * t_r_ank_pitch_y),
-            t_r_ank_roll_y,
-            -e4.mul_plus(t_r_sho_pitch_x, by_r_hip_yaw_x * t_r_sho_pitch_y),
-            e14.mul_plus(t_r_sho_roll_y, -(e6 * t_r_sho_roll_x)),
-            -by_r_sho_pitch_x.mul_plus(t_r_el_x, -(p4 * e1)),
-        ];
-        let p5 = e7.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let p6 = e7.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        let row_z = [
-            -e7.mul_plus(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
-            bz_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
-            e7.mul_plus(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
-            -bz_r_hip_roll_y.mul_plus(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y)),
-            -bz_l_hip_yaw_x.mul_plus(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y)),
-            -e10.mul_plus(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
-            e13.mul_plus(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
-            -bz_l_hip_roll_x.mul_plus(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y)),
-            -bz_r_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y)),
-            -e7.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
-            bz_l_sho_pitch_x.mul_plus(t_l_el_x, p5 * t_l_el_y),
-            -bz_r_hip_pitch_x.mul_plus(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y)),
-            sin[16].mul_plus(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y),
-            bz_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y)),
-            bz_r_ank_pitch_y.mul_plus(t_r_knee_x, e3 * t_r_knee_y),
-            -(cos[16] * t_r_ank_pitch_y),
-            -t_r_ank_roll_x,
-            bz_r_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y)),
-            -e7.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
-            -bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p6 * e1)),
-        ];
-        [row_x, row_y, row_z]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
+        Op2RSole::com_jacobian_core(&(&sin_of, &cos_of), r, &mut jacobian);
+        jacobian
     }
 
     #[inline(always)]
@@ -4769,195 +595,18 @@ impl v1::SinCosRobot for Op2RSole {
         qd: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; 3] {
-        // r_el
-        let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
-        let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
-        // r_sho_roll
-        let v_r_sho_roll_y = r[40] + t_r_el_x;
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - e1;
-        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-        let t_r_sho_pitch_x = cos[17].mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
-        let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
-        // l_el
-        let t_l_el_x = cos[10].mul_plus(r[35], sin[10] * r[36]);
-        let t_l_el_y = sin[10].mul_plus(r[35], -(cos[10] * r[36]));
-        // l_sho_roll
-        let v_l_sho_roll_y = r[34] + t_l_el_x;
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + t_l_el_y;
-        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-        let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
-        let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
-        // l_ank_roll
-        let t_l_ank_roll_x = sin[7].mul_plus(r[29], cos[7] * r[30]);
-        let t_l_ank_roll_y = cos[7].mul_plus(r[29], -(sin[7] * r[30]));
-        // l_ank_pitch
-        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-        let t_l_ank_pitch_x = cos[6].mul_plus(r[27], sin[6] * v_l_ank_pitch_y);
-        let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_y, -(sin[6] * r[27]));
-        // l_knee
-        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-        let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, -(sin[5] * v_l_knee_y));
-        let t_l_knee_y = sin[5].mul_plus(v_l_knee_x, cos[5] * v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-        let t_l_hip_pitch_x = sin[4].mul_plus(v_l_hip_pitch_x, cos[4] * v_l_hip_pitch_y);
-        let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-        let t_l_hip_roll_x = cos[3].mul_plus(v_l_hip_roll_x, sin[3] * v_l_hip_roll_y);
-        let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-        let t_l_hip_yaw_x = cos[2].mul_plus(v_l_hip_yaw_x, sin[2] * v_l_hip_yaw_y);
-        let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_y, -(sin[2] * v_l_hip_yaw_x));
-        // head_tilt
-        let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
-        let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-        // head_pan
-        let v_head_pan_x = r[15] + t_head_tilt_x;
-        let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
-        let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
-        // r_hip_yaw
-        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-            + t_l_hip_yaw_x;
-        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-            + t_l_hip_yaw_y;
-        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-            + t_l_hip_roll_y;
-        let t_r_hip_yaw_x = sin[11].mul_plus(v_r_hip_yaw_x, cos[11] * v_r_hip_yaw_y);
-        let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
-        // r_hip_roll
-        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let t_r_hip_roll_x = sin[12].mul_plus(v_r_hip_roll_x, cos[12] * v_r_hip_roll_y);
-        let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-        let t_r_hip_pitch_x = cos[13].mul_plus(v_r_hip_pitch_x, -(sin[13] * v_r_hip_pitch_y));
-        let t_r_hip_pitch_y = sin[13].mul_plus(v_r_hip_pitch_x, cos[13] * v_r_hip_pitch_y);
-        // r_knee
-        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-        let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, -(sin[14] * v_r_knee_y));
-        let t_r_knee_y = sin[14].mul_plus(v_r_knee_x, cos[14] * v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-        let t_r_ank_pitch_x = cos[15].mul_plus(v_r_ank_pitch_y, -(sin[15] * v_r_ank_pitch_x));
-        let t_r_ank_pitch_y = cos[15].mul_plus(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-        let t_r_ank_roll_x = cos[16].mul_plus(v_r_ank_roll_x, sin[16] * v_r_ank_roll_y);
-        let t_r_ank_roll_y = cos[16].mul_plus(v_r_ank_roll_y, -(sin[16] * v_r_ank_roll_x));
-        // r_el
-        let e2 = qd[19] * e1;
-        let e3 = qd[19] * t_r_el_x;
-        // r_sho_roll
-        let e4 = c_r_sho_roll.mul_plus(e2, qd[18] * t_r_sho_roll_y);
-        let dt_r_sho_roll_y = qd[18].mul_plus(t_r_sho_roll_x, -(s_r_sho_roll * e2));
-        // r_sho_pitch
-        let dt_r_sho_pitch_x = sin[17].mul_plus(e4, -(cos[17] * e3));
-        let dt_r_sho_pitch_x = (-qd[17]).mul_plus(t_r_sho_pitch_y, dt_r_sho_pitch_x);
-        let dt_r_sho_pitch_y = sin[17].mul_plus(e3, cos[17] * e4);
-        let dt_r_sho_pitch_y = qd[17].mul_plus(t_r_sho_pitch_x, -dt_r_sho_pitch_y);
-        // l_el
-        let e5 = qd[10] * t_l_el_y;
-        let dt_l_el_y = qd[10] * t_l_el_x;
-        // l_sho_roll
-        let e6 = c_l_sho_roll.mul_plus(e5, qd[9] * t_l_sho_roll_y);
-        let dt_l_sho_roll_y = qd[9].mul_plus(t_l_sho_roll_x, -(s_l_sho_roll * e5));
-        // l_sho_pitch
-        let dt_l_sho_pitch_x = cos[8].mul_plus(dt_l_el_y, -(sin[8] * e6));
-        let dt_l_sho_pitch_x = qd[8].mul_plus(t_l_sho_pitch_y, dt_l_sho_pitch_x);
-        // l_ank_roll
-        let dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
-        let e7 = qd[7] * t_l_ank_roll_x;
-        // l_ank_pitch
-        let dt_l_ank_pitch_x = sin[6].mul_plus(dt_l_ank_roll_x, qd[6] * t_l_ank_pitch_y);
-        let dt_l_ank_pitch_y = cos[6].mul_plus(dt_l_ank_roll_x, -(qd[6] * t_l_ank_pitch_x));
-        // l_knee
-        let dt_l_knee_x = cos[5].mul_plus(dt_l_ank_pitch_x, -(sin[5] * dt_l_ank_pitch_y));
-        let dt_l_knee_x = (-qd[5]).mul_plus(t_l_knee_y, dt_l_knee_x);
-        let dt_l_knee_y = sin[5].mul_plus(dt_l_ank_pitch_x, cos[5] * dt_l_ank_pitch_y);
-        let dt_l_knee_y = qd[5].mul_plus(t_l_knee_x, dt_l_knee_y);
-        // l_hip_pitch
-        let dt_l_hip_pitch_x = sin[4].mul_plus(dt_l_knee_x, cos[4] * dt_l_knee_y);
-        let dt_l_hip_pitch_x = qd[4].mul_plus(t_l_hip_pitch_y, dt_l_hip_pitch_x);
-        let dt_l_hip_pitch_y = cos[4].mul_plus(dt_l_knee_x, -(sin[4] * dt_l_knee_y));
-        let dt_l_hip_pitch_y = (-qd[4]).mul_plus(t_l_hip_pitch_x, dt_l_hip_pitch_y);
-        // l_hip_roll
-        let dt_l_hip_roll_x = sin[3].mul_plus(dt_l_hip_pitch_x, -(cos[3] * e7));
-        let dt_l_hip_roll_x = qd[3].mul_plus(t_l_hip_roll_y, dt_l_hip_roll_x);
-        let dt_l_hip_roll_y = sin[3].mul_plus(e7, cos[3] * dt_l_hip_pitch_x);
-        let dt_l_hip_roll_y = (-qd[3]).mul_plus(t_l_hip_roll_x, dt_l_hip_roll_y);
-        // l_hip_yaw
-        let dt_l_hip_yaw_x = cos[2].mul_plus(dt_l_hip_pitch_y, sin[2] * dt_l_hip_roll_x);
-        let dt_l_hip_yaw_x = qd[2].mul_plus(t_l_hip_yaw_y, dt_l_hip_yaw_x);
-        let dt_l_hip_yaw_y = cos[2].mul_plus(dt_l_hip_roll_x, -(sin[2] * dt_l_hip_pitch_y));
-        let dt_l_hip_yaw_y = (-qd[2]).mul_plus(t_l_hip_yaw_x, dt_l_hip_yaw_y);
-        // head_tilt
-        let e8 = qd[1] * t_head_tilt_y;
-        let dt_head_tilt_y = qd[1] * t_head_tilt_x;
-        // head_pan
-        let dt_head_pan_y = qd[0].mul_plus(t_head_pan_x, -(sin[0] * e8));
-        // r_hip_yaw
-        let dv_r_hip_yaw_x = dt_l_sho_pitch_x - cos[0].mul_plus(e8, qd[0] * t_head_pan_y)
-            + dt_r_sho_pitch_x + dt_l_hip_yaw_x;
-        let dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y
-            + dt_l_hip_yaw_y;
-        let p1 = sin[8].mul_plus(dt_l_el_y, cos[8] * e6);
-        let dv_r_hip_yaw_z = dt_head_tilt_y - qd[8].mul_plus(t_l_sho_pitch_x, p1)
-            + dt_r_sho_pitch_y + dt_l_hip_roll_y;
-        let dt_r_hip_yaw_x = sin[11].mul_plus(dv_r_hip_yaw_x, cos[11] * dv_r_hip_yaw_y);
-        let dt_r_hip_yaw_x = qd[11].mul_plus(t_r_hip_yaw_y, dt_r_hip_yaw_x);
-        let dt_r_hip_yaw_y = cos[11].mul_plus(dv_r_hip_yaw_x, -(sin[11] * dv_r_hip_yaw_y));
-        let dt_r_hip_yaw_y = (-qd[11]).mul_plus(t_r_hip_yaw_x, dt_r_hip_yaw_y);
-        // r_hip_roll
-        let dt_r_hip_roll_x = sin[12].mul_plus(dt_r_hip_yaw_x, cos[12] * dv_r_hip_yaw_z);
-        let dt_r_hip_roll_x = qd[12].mul_plus(t_r_hip_roll_y, dt_r_hip_roll_x);
-        let dt_r_hip_roll_y = cos[12].mul_plus(dt_r_hip_yaw_x, -(sin[12] * dv_r_hip_yaw_z));
-        let dt_r_hip_roll_y = (-qd[12]).mul_plus(t_r_hip_roll_x, dt_r_hip_roll_y);
-        // r_hip_pitch
-        let dt_r_hip_pitch_x = cos[13].mul_plus(dt_r_hip_yaw_y, -(sin[13] * dt_r_hip_roll_x));
-        let dt_r_hip_pitch_x = (-qd[13]).mul_plus(t_r_hip_pitch_y, dt_r_hip_pitch_x);
-        let dt_r_hip_pitch_y = sin[13].mul_plus(dt_r_hip_yaw_y, cos[13] * dt_r_hip_roll_x);
-        let dt_r_hip_pitch_y = qd[13].mul_plus(t_r_hip_pitch_x, dt_r_hip_pitch_y);
-        // r_knee
-        let dt_r_knee_x = cos[14].mul_plus(dt_r_hip_pitch_x, -(sin[14] * dt_r_hip_pitch_y));
-        let dt_r_knee_x = (-qd[14]).mul_plus(t_r_knee_y, dt_r_knee_x);
-        let dt_r_knee_y = sin[14].mul_plus(dt_r_hip_pitch_x, cos[14] * dt_r_hip_pitch_y);
-        let dt_r_knee_y = qd[14].mul_plus(t_r_knee_x, dt_r_knee_y);
-        // r_ank_pitch
-        let dt_r_ank_pitch_x = cos[15].mul_plus(dt_r_knee_y, -(sin[15] * dt_r_knee_x));
-        let dt_r_ank_pitch_x = (-qd[15]).mul_plus(t_r_ank_pitch_y, dt_r_ank_pitch_x);
-        let dt_r_ank_pitch_y = cos[15].mul_plus(dt_r_knee_x, sin[15] * dt_r_knee_y);
-        let dt_r_ank_pitch_y = qd[15].mul_plus(t_r_ank_pitch_x, dt_r_ank_pitch_y);
-        // r_ank_roll
-        let dt_r_ank_roll_x = cos[16].mul_plus(dt_r_hip_roll_y, sin[16] * dt_r_ank_pitch_x);
-        let dt_r_ank_roll_x = qd[16].mul_plus(t_r_ank_roll_y, dt_r_ank_roll_x);
-        let dt_r_ank_roll_y = cos[16].mul_plus(dt_r_ank_pitch_x, -(sin[16] * dt_r_hip_roll_y));
-        let dt_r_ank_roll_y = (-qd[16]).mul_plus(t_r_ank_roll_x, dt_r_ank_roll_y);
-        [dt_r_ank_pitch_y, dt_r_ank_roll_x, dt_r_ank_roll_y]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        Op2RSole::com_velocity_core(&(&sin_of, &cos_of), qd, r)
     }
 
     #[inline(always)]
@@ -4966,1157 +615,88 @@ impl v1::SinCosRobot for Op2RSole {
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; DOF] {
-        // r_el
-        let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
-        let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
-        // r_sho_roll
-        let v_r_sho_roll_y = r[40] + t_r_el_x;
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - e1;
-        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-        let t_r_sho_pitch_x = cos[17].mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
-        let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
-        // l_el
-        let t_l_el_x = cos[10].mul_plus(r[35], sin[10] * r[36]);
-        let t_l_el_y = sin[10].mul_plus(r[35], -(cos[10] * r[36]));
-        // l_sho_roll
-        let v_l_sho_roll_y = r[34] + t_l_el_x;
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + t_l_el_y;
-        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-        let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
-        let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
-        // l_ank_roll
-        let t_l_ank_roll_x = sin[7].mul_plus(r[29], cos[7] * r[30]);
-        let t_l_ank_roll_y = cos[7].mul_plus(r[29], -(sin[7] * r[30]));
-        // l_ank_pitch
-        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-        let t_l_ank_pitch_x = cos[6].mul_plus(r[27], sin[6] * v_l_ank_pitch_y);
-        let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_y, -(sin[6] * r[27]));
-        // l_knee
-        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-        let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, -(sin[5] * v_l_knee_y));
-        let t_l_knee_y = sin[5].mul_plus(v_l_knee_x, cos[5] * v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-        let t_l_hip_pitch_x = sin[4].mul_plus(v_l_hip_pitch_x, cos[4] * v_l_hip_pitch_y);
-        let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-        let t_l_hip_roll_x = cos[3].mul_plus(v_l_hip_roll_x, sin[3] * v_l_hip_roll_y);
-        let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-        let t_l_hip_yaw_x = cos[2].mul_plus(v_l_hip_yaw_x, sin[2] * v_l_hip_yaw_y);
-        let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_y, -(sin[2] * v_l_hip_yaw_x));
-        // head_tilt
-        let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
-        let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-        // head_pan
-        let v_head_pan_x = r[15] + t_head_tilt_x;
-        let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
-        let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
-        // r_hip_yaw
-        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-            + t_l_hip_yaw_x;
-        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-            + t_l_hip_yaw_y;
-        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-            + t_l_hip_roll_y;
-        let t_r_hip_yaw_x = sin[11].mul_plus(v_r_hip_yaw_x, cos[11] * v_r_hip_yaw_y);
-        let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
-        // r_hip_roll
-        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let t_r_hip_roll_x = sin[12].mul_plus(v_r_hip_roll_x, cos[12] * v_r_hip_roll_y);
-        let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-        let t_r_hip_pitch_x = cos[13].mul_plus(v_r_hip_pitch_x, -(sin[13] * v_r_hip_pitch_y));
-        let t_r_hip_pitch_y = sin[13].mul_plus(v_r_hip_pitch_x, cos[13] * v_r_hip_pitch_y);
-        // r_knee
-        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-        let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, -(sin[14] * v_r_knee_y));
-        let t_r_knee_y = sin[14].mul_plus(v_r_knee_x, cos[14] * v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-        let t_r_ank_pitch_x = cos[15].mul_plus(v_r_ank_pitch_y, -(sin[15] * v_r_ank_pitch_x));
-        let t_r_ank_pitch_y = cos[15].mul_plus(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-        let t_r_ank_roll_x = cos[16].mul_plus(v_r_ank_roll_x, sin[16] * v_r_ank_roll_y);
-        // r_ank_pitch
-        let e2 = cos[16] * sin[15];
-        let bz_r_ank_pitch_y = cos[16] * cos[15];
-        // r_knee
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(sin[14], -(e2 * cos[14]));
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(cos[14], e2 * sin[14]);
-        // r_hip_pitch
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(cos[13], bz_r_knee_y * sin[13]);
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(cos[13], -(bz_r_knee_x * sin[13]));
-        // r_hip_roll
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_plus(sin[12], -(sin[16] * cos[12]));
-        let bz_r_hip_roll_y = sin[16].mul_plus(sin[12], bz_r_hip_pitch_y * cos[12]);
-        // r_hip_yaw
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(sin[11], bz_r_hip_pitch_x * cos[11]);
-        let e3 = bz_r_hip_pitch_x.mul_plus(sin[11], -(bz_r_hip_roll_x * cos[11]));
-        // head_pan
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
-        // l_hip_yaw
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(cos[2], e3 * sin[2]);
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(sin[2], -(e3 * cos[2]));
-        // l_hip_roll
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_plus(cos[3], -(bz_r_hip_roll_y * sin[3]));
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(cos[3], bz_l_hip_yaw_y * sin[3]);
-        // l_hip_pitch
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_plus(sin[4], bz_l_hip_yaw_x * cos[4]);
-        let e4 = bz_l_hip_yaw_x.mul_plus(sin[4], -(bz_l_hip_roll_y * cos[4]));
-        // l_knee
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(cos[5], -(e4 * sin[5]));
-        let e5 = e4.mul_plus(cos[5], bz_l_hip_pitch_x * sin[5]);
-        // l_ank_pitch
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(sin[6], -(e5 * cos[6]));
-        // l_sho_pitch
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[8], -(bz_r_hip_roll_y * sin[8]));
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[8], bz_r_hip_yaw_x * sin[8]);
-        // r_sho_pitch
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[17], bz_r_hip_roll_y * sin[17]);
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[17], -(bz_r_hip_yaw_x * sin[17]));
-        let p1 = e3.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let p2 = e3.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        [
-            e3.mul_plus(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
-            -bz_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
-            -e3.mul_plus(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
-            bz_r_hip_roll_y.mul_plus(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y)),
-            bz_l_hip_yaw_x.mul_plus(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y)),
-            e4.mul_plus(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
-            -e5.mul_plus(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
-            bz_l_hip_roll_x.mul_plus(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y)),
-            bz_r_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y)),
-            e3.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
-            -bz_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
-            bz_r_hip_pitch_x.mul_plus(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y)),
-            -sin[16].mul_plus(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y),
-            -bz_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y)),
-            -bz_r_ank_pitch_y.mul_plus(t_r_knee_x, e2 * t_r_knee_y),
-            cos[16] * t_r_ank_pitch_y,
-            t_r_ank_roll_x,
-            -bz_r_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y)),
-            e3.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
-            bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
-        ]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        Op2RSole::gravity_moments_core(&(&sin_of, &cos_of), r)
     }
 
     #[inline(always)]
     fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // r_ank_roll
-        let bz_r_ank_roll_x = -sin[16];
-        // r_ank_pitch
-        let e1 = sin[16] * sin[15];
-        let by_r_ank_pitch_x = -e1;
-        let by_r_ank_pitch_y = sin[16] * cos[15];
-        let e2 = cos[16] * sin[15];
-        let bz_r_ank_pitch_x = -e2;
-        let bz_r_ank_pitch_y = cos[16] * cos[15];
-        // r_knee
-        let bx_r_knee_x = cos[15].mul_plus(cos[14], sin[15] * sin[14]);
-        let bx_r_knee_y = sin[15].mul_plus(cos[14], -(cos[15] * sin[14]));
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(sin[14], -(e1 * cos[14]));
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(cos[14], e1 * sin[14]);
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(sin[14], -(e2 * cos[14]));
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(cos[14], e2 * sin[14]);
-        // r_hip_pitch
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(cos[13], bx_r_knee_y * sin[13]);
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(cos[13], -(bx_r_knee_x * sin[13]));
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(cos[13], by_r_knee_y * sin[13]);
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(cos[13], -(by_r_knee_x * sin[13]));
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(cos[13], bz_r_knee_y * sin[13]);
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(cos[13], -(bz_r_knee_x * sin[13]));
-        // r_hip_roll
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(sin[12], cos[16] * cos[12]);
-        let e3 = cos[16].mul_plus(sin[12], -(by_r_hip_pitch_y * cos[12]));
-        let by_r_hip_roll_y = -e3;
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_plus(sin[12], -(sin[16] * cos[12]));
-        let bz_r_hip_roll_y = sin[16].mul_plus(sin[12], bz_r_hip_pitch_y * cos[12]);
-        // r_hip_yaw
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(sin[11], bx_r_hip_pitch_x * cos[11]);
-        let e4 = bx_r_hip_pitch_x.mul_plus(sin[11], -(bx_r_hip_roll_x * cos[11]));
-        let bx_r_hip_yaw_y = -e4;
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(sin[11], by_r_hip_pitch_x * cos[11]);
-        let e5 = by_r_hip_pitch_x.mul_plus(sin[11], -(by_r_hip_roll_x * cos[11]));
-        let by_r_hip_yaw_y = -e5;
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(sin[11], bz_r_hip_pitch_x * cos[11]);
-        let e6 = bz_r_hip_pitch_x.mul_plus(sin[11], -(bz_r_hip_roll_x * cos[11]));
-        let bz_r_hip_yaw_y = -e6;
-        // head_pan
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
-        let bx_head_pan_y = -e4.mul_plus(cos[0], bx_r_hip_yaw_x * sin[0]);
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(cos[0], -(e5 * sin[0]));
-        let by_head_pan_y = -e5.mul_plus(cos[0], by_r_hip_yaw_x * sin[0]);
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(cos[0], -(e6 * sin[0]));
-        let bz_head_pan_y = -e6.mul_plus(cos[0], bz_r_hip_yaw_x * sin[0]);
-        // head_tilt
-        let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_r_hip_roll_y * sin[1]);
-        let bx_head_tilt_y = -bx_r_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
-        let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e3 * sin[1]));
-        let by_head_tilt_y = e3.mul_plus(cos[1], by_head_pan_x * sin[1]);
-        let bz_head_tilt_x = bz_head_pan_x.mul_plus(cos[1], bz_r_hip_roll_y * sin[1]);
-        let bz_head_tilt_y = -bz_r_hip_roll_y.mul_plus(cos[1], -(bz_head_pan_x * sin[1]));
-        // l_hip_yaw
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(cos[2], e4 * sin[2]);
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(sin[2], -(e4 * cos[2]));
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(cos[2], e5 * sin[2]);
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(sin[2], -(e5 * cos[2]));
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(cos[2], e6 * sin[2]);
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(sin[2], -(e6 * cos[2]));
-        // l_hip_roll
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_plus(cos[3], -(bx_r_hip_roll_y * sin[3]));
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(cos[3], bx_l_hip_yaw_y * sin[3]);
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(cos[3], e3 * sin[3]);
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(sin[3], -(e3 * cos[3]));
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_plus(cos[3], -(bz_r_hip_roll_y * sin[3]));
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(cos[3], bz_l_hip_yaw_y * sin[3]);
-        // l_hip_pitch
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_plus(sin[4], bx_l_hip_yaw_x * cos[4]);
-        let e7 = bx_l_hip_yaw_x.mul_plus(sin[4], -(bx_l_hip_roll_y * cos[4]));
-        let bx_l_hip_pitch_y = -e7;
-        let by_l_hip_pitch_x = by_l_hip_roll_y.mul_plus(sin[4], by_l_hip_yaw_x * cos[4]);
-        let e8 = by_l_hip_yaw_x.mul_plus(sin[4], -(by_l_hip_roll_y * cos[4]));
-        let by_l_hip_pitch_y = -e8;
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_plus(sin[4], bz_l_hip_yaw_x * cos[4]);
-        let e9 = bz_l_hip_yaw_x.mul_plus(sin[4], -(bz_l_hip_roll_y * cos[4]));
-        let bz_l_hip_pitch_y = -e9;
-        // l_knee
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(cos[5], -(e7 * sin[5]));
-        let e10 = e7.mul_plus(cos[5], bx_l_hip_pitch_x * sin[5]);
-        let bx_l_knee_y = -e10;
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(cos[5], -(e8 * sin[5]));
-        let e11 = e8.mul_plus(cos[5], by_l_hip_pitch_x * sin[5]);
-        let by_l_knee_y = -e11;
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(cos[5], -(e9 * sin[5]));
-        let e12 = e9.mul_plus(cos[5], bz_l_hip_pitch_x * sin[5]);
-        let bz_l_knee_y = -e12;
-        // l_ank_pitch
-        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(cos[6], e10 * sin[6]);
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(sin[6], -(e10 * cos[6]));
-        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(cos[6], e11 * sin[6]);
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(sin[6], -(e11 * cos[6]));
-        let bz_l_ank_pitch_x = bz_l_knee_x.mul_plus(cos[6], e12 * sin[6]);
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(sin[6], -(e12 * cos[6]));
-        // l_ank_roll
-        let bx_l_ank_roll_x = bx_l_ank_pitch_y.mul_plus(sin[7], bx_l_hip_roll_x * cos[7]);
-        let bx_l_ank_roll_y = -bx_l_hip_roll_x.mul_plus(sin[7], -(bx_l_ank_pitch_y * cos[7]));
-        let by_l_ank_roll_x = by_l_ank_pitch_y.mul_plus(sin[7], by_l_hip_roll_x * cos[7]);
-        let by_l_ank_roll_y = -by_l_hip_roll_x.mul_plus(sin[7], -(by_l_ank_pitch_y * cos[7]));
-        let bz_l_ank_roll_x = bz_l_ank_pitch_y.mul_plus(sin[7], bz_l_hip_roll_x * cos[7]);
-        let bz_l_ank_roll_y = -bz_l_hip_roll_x.mul_plus(sin[7], -(bz_l_ank_pitch_y * cos[7]));
-        // l_sho_pitch
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[8], -(bx_r_hip_roll_y * sin[8]));
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[8], bx_r_hip_yaw_x * sin[8]);
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[8], e3 * sin[8]);
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(sin[8], -(e3 * cos[8]));
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[8], -(bz_r_hip_roll_y * sin[8]));
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[8], bz_r_hip_yaw_x * sin[8]);
-        // l_sho_roll
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-        let e13 = e4.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        let bx_l_sho_roll_y = -e13;
-        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
-        let e14 = e5.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        let by_l_sho_roll_y = -e14;
-        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e6 * c_l_sho_roll);
-        let e15 = e6.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let bz_l_sho_roll_y = -e15;
-        // l_el
-        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e13 * cos[10]));
-        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e13 * sin[10]);
-        let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e14 * cos[10]));
-        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e14 * sin[10]);
-        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(sin[10], -(e15 * cos[10]));
-        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(cos[10], e15 * sin[10]);
-        // r_sho_pitch
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[17], bx_r_hip_roll_y * sin[17]);
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[17], -(bx_r_hip_yaw_x * sin[17]));
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[17], -(e3 * sin[17]));
-        let e16 = e3.mul_plus(cos[17], by_r_hip_yaw_x * sin[17]);
-        let by_r_sho_pitch_y = -e16;
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[17], bz_r_hip_roll_y * sin[17]);
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[17], -(bz_r_hip_yaw_x * sin[17]));
-        // r_sho_roll
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-        let e17 = e4.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        let bx_r_sho_roll_y = -e17;
-        let by_r_sho_roll_x = e16.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
-        let e18 = e5.mul_plus(s_r_sho_roll, e16 * c_r_sho_roll);
-        let by_r_sho_roll_y = -e18;
-        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
-        let e19 = e6.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        let bz_r_sho_roll_y = -e19;
-        // r_el
-        let bx_r_el_x = -e17.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
-        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e17 * sin[19]));
-        let by_r_el_x = -e18.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
-        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e18 * sin[19]));
-        let bz_r_el_x = -e19.mul_plus(cos[19], bz_r_sho_pitch_x * sin[19]);
-        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(cos[19], -(e19 * sin[19]));
-        let row_x = [
-            one,
-            zero,
-            zero,
-            zero,
-            zero,
-            cos[15],
-            sin[15],
-            bx_r_knee_x,
-            bx_r_knee_y,
-            bx_r_hip_pitch_x,
-            bx_r_hip_pitch_y,
-            bx_r_hip_roll_x,
-            bx_r_hip_roll_y,
-            bx_r_hip_yaw_x,
-            bx_r_hip_yaw_y,
-            bx_head_pan_x,
-            bx_head_pan_y,
-            bx_head_tilt_x,
-            bx_head_tilt_y,
-            bx_l_hip_yaw_x,
-            bx_l_hip_yaw_y,
-            bx_l_hip_roll_x,
-            bx_l_hip_roll_y,
-            bx_l_hip_pitch_x,
-            bx_l_hip_pitch_y,
-            bx_l_knee_x,
-            bx_l_knee_y,
-            bx_l_ank_pitch_x,
-            bx_l_ank_pitch_y,
-            bx_l_ank_roll_x,
-            bx_l_ank_roll_y,
-            bx_l_sho_pitch_x,
-            bx_l_sho_pitch_y,
-            bx_l_sho_roll_x,
-            bx_l_sho_roll_y,
-            bx_l_el_x,
-            bx_l_el_y,
-            bx_r_sho_pitch_x,
-            bx_r_sho_pitch_y,
-            bx_r_sho_roll_x,
-            bx_r_sho_roll_y,
-            bx_r_el_x,
-            bx_r_el_y,
-        ];
-        let row_y = [
-            zero,
-            one,
-            zero,
-            cos[16],
-            sin[16],
-            by_r_ank_pitch_x,
-            by_r_ank_pitch_y,
-            by_r_knee_x,
-            by_r_knee_y,
-            by_r_hip_pitch_x,
-            by_r_hip_pitch_y,
-            by_r_hip_roll_x,
-            by_r_hip_roll_y,
-            by_r_hip_yaw_x,
-            by_r_hip_yaw_y,
-            by_head_pan_x,
-            by_head_pan_y,
-            by_head_tilt_x,
-            by_head_tilt_y,
-            by_l_hip_yaw_x,
-            by_l_hip_yaw_y,
-            by_l_hip_roll_x,
-            by_l_hip_roll_y,
-            by_l_hip_pitch_x,
-            by_l_hip_pitch_y,
-            by_l_knee_x,
-            by_l_knee_y,
-            by_l_ank_pitch_x,
-            by_l_ank_pitch_y,
-            by_l_ank_roll_x,
-            by_l_ank_roll_y,
-            by_l_sho_pitch_x,
-            by_l_sho_pitch_y,
-            by_l_sho_roll_x,
-            by_l_sho_roll_y,
-            by_l_el_x,
-            by_l_el_y,
-            by_r_sho_pitch_x,
-            by_r_sho_pitch_y,
-            by_r_sho_roll_x,
-            by_r_sho_roll_y,
-            by_r_el_x,
-            by_r_el_y,
-        ];
-        let row_z = [
-            zero,
-            zero,
-            one,
-            bz_r_ank_roll_x,
-            cos[16],
-            bz_r_ank_pitch_x,
-            bz_r_ank_pitch_y,
-            bz_r_knee_x,
-            bz_r_knee_y,
-            bz_r_hip_pitch_x,
-            bz_r_hip_pitch_y,
-            bz_r_hip_roll_x,
-            bz_r_hip_roll_y,
-            bz_r_hip_yaw_x,
-            bz_r_hip_yaw_y,
-            bz_head_pan_x,
-            bz_head_pan_y,
-            bz_head_tilt_x,
-            bz_head_tilt_y,
-            bz_l_hip_yaw_x,
-            bz_l_hip_yaw_y,
-            bz_l_hip_roll_x,
-            bz_l_hip_roll_y,
-            bz_l_hip_pitch_x,
-            bz_l_hip_pitch_y,
-            bz_l_knee_x,
-            bz_l_knee_y,
-            bz_l_ank_pitch_x,
-            bz_l_ank_pitch_y,
-            bz_l_ank_roll_x,
-            bz_l_ank_roll_y,
-            bz_l_sho_pitch_x,
-            bz_l_sho_pitch_y,
-            bz_l_sho_roll_x,
-            bz_l_sho_roll_y,
-            bz_l_el_x,
-            bz_l_el_y,
-            bz_r_sho_pitch_x,
-            bz_r_sho_pitch_y,
-            bz_r_sho_roll_x,
-            bz_r_sho_roll_y,
-            bz_r_el_x,
-            bz_r_el_y,
-        ];
-        [row_x, row_y, row_z]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
+        Op2RSole::regressor_core(&(&sin_of, &cos_of), &mut rows);
+        rows
     }
 
     #[inline(always)]
     fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // r_ank_pitch
-        let e1 = sin[16] * sin[15];
-        let by_r_ank_pitch_x = -e1;
-        let by_r_ank_pitch_y = sin[16] * cos[15];
-        // r_knee
-        let bx_r_knee_x = cos[15].mul_plus(cos[14], sin[15] * sin[14]);
-        let bx_r_knee_y = sin[15].mul_plus(cos[14], -(cos[15] * sin[14]));
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(sin[14], -(e1 * cos[14]));
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(cos[14], e1 * sin[14]);
-        // r_hip_pitch
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(cos[13], bx_r_knee_y * sin[13]);
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(cos[13], -(bx_r_knee_x * sin[13]));
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(cos[13], by_r_knee_y * sin[13]);
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(cos[13], -(by_r_knee_x * sin[13]));
-        // r_hip_roll
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(sin[12], cos[16] * cos[12]);
-        let e2 = cos[16].mul_plus(sin[12], -(by_r_hip_pitch_y * cos[12]));
-        let by_r_hip_roll_y = -e2;
-        // r_hip_yaw
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(sin[11], bx_r_hip_pitch_x * cos[11]);
-        let e3 = bx_r_hip_pitch_x.mul_plus(sin[11], -(bx_r_hip_roll_x * cos[11]));
-        let bx_r_hip_yaw_y = -e3;
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(sin[11], by_r_hip_pitch_x * cos[11]);
-        let e4 = by_r_hip_pitch_x.mul_plus(sin[11], -(by_r_hip_roll_x * cos[11]));
-        let by_r_hip_yaw_y = -e4;
-        // head_pan
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
-        let bx_head_pan_y = -e3.mul_plus(cos[0], bx_r_hip_yaw_x * sin[0]);
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
-        let by_head_pan_y = -e4.mul_plus(cos[0], by_r_hip_yaw_x * sin[0]);
-        // head_tilt
-        let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_r_hip_roll_y * sin[1]);
-        let bx_head_tilt_y = -bx_r_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
-        let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e2 * sin[1]));
-        let by_head_tilt_y = e2.mul_plus(cos[1], by_head_pan_x * sin[1]);
-        // l_hip_yaw
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(cos[2], e3 * sin[2]);
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(sin[2], -(e3 * cos[2]));
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(cos[2], e4 * sin[2]);
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(sin[2], -(e4 * cos[2]));
-        // l_hip_roll
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_plus(cos[3], -(bx_r_hip_roll_y * sin[3]));
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(cos[3], bx_l_hip_yaw_y * sin[3]);
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(cos[3], e2 * sin[3]);
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(sin[3], -(e2 * cos[3]));
-        // l_hip_pitch
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_plus(sin[4], bx_l_hip_yaw_x * cos[4]);
-        let e5 = bx_l_hip_yaw_x.mul_plus(sin[4], -(bx_l_hip_roll_y * cos[4]));
-        let bx_l_hip_pitch_y = -e5;
-        let by_l_hip_pitch_x = by_l_hip_roll_y.mul_plus(sin[4], by_l_hip_yaw_x * cos[4]);
-        let e6 = by_l_hip_yaw_x.mul_plus(sin[4], -(by_l_hip_roll_y * cos[4]));
-        let by_l_hip_pitch_y = -e6;
-        // l_knee
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(cos[5], -(e5 * sin[5]));
-        let e7 = e5.mul_plus(cos[5], bx_l_hip_pitch_x * sin[5]);
-        let bx_l_knee_y = -e7;
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(cos[5], -(e6 * sin[5]));
-        let e8 = e6.mul_plus(cos[5], by_l_hip_pitch_x * sin[5]);
-        let by_l_knee_y = -e8;
-        // l_ank_pitch
-        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(cos[6], e7 * sin[6]);
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(sin[6], -(e7 * cos[6]));
-        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(cos[6], e8 * sin[6]);
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(sin[6], -(e8 * cos[6]));
-        // l_ank_roll
-        let bx_l_ank_roll_x = bx_l_ank_pitch_y.mul_plus(sin[7], bx_l_hip_roll_x * cos[7]);
-        let bx_l_ank_roll_y = -bx_l_hip_roll_x.mul_plus(sin[7], -(bx_l_ank_pitch_y * cos[7]));
-        let by_l_ank_roll_x = by_l_ank_pitch_y.mul_plus(sin[7], by_l_hip_roll_x * cos[7]);
-        let by_l_ank_roll_y = -by_l_hip_roll_x.mul_plus(sin[7], -(by_l_ank_pitch_y * cos[7]));
-        // l_sho_pitch
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[8], -(bx_r_hip_roll_y * sin[8]));
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[8], bx_r_hip_yaw_x * sin[8]);
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[8], e2 * sin[8]);
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(sin[8], -(e2 * cos[8]));
-        // l_sho_roll
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
-        let e9 = e3.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        let bx_l_sho_roll_y = -e9;
-        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-        let e10 = e4.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        let by_l_sho_roll_y = -e10;
-        // l_el
-        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e9 * cos[10]));
-        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e9 * sin[10]);
-        let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e10 * cos[10]));
-        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e10 * sin[10]);
-        // r_sho_pitch
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[17], bx_r_hip_roll_y * sin[17]);
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[17], -(bx_r_hip_yaw_x * sin[17]));
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[17], -(e2 * sin[17]));
-        let e11 = e2.mul_plus(cos[17], by_r_hip_yaw_x * sin[17]);
-        let by_r_sho_pitch_y = -e11;
-        // r_sho_roll
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e3 * c_r_sho_roll);
-        let e12 = e3.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        let bx_r_sho_roll_y = -e12;
-        let by_r_sho_roll_x = e11.mul_plus(s_r_sho_roll, -(e4 * c_r_sho_roll));
-        let e13 = e4.mul_plus(s_r_sho_roll, e11 * c_r_sho_roll);
-        let by_r_sho_roll_y = -e13;
-        // r_el
-        let bx_r_el_x = -e12.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
-        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e12 * sin[19]));
-        let by_r_el_x = -e13.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
-        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e13 * sin[19]));
-        let row_x = [
-            one,
-            zero,
-            zero,
-            zero,
-            zero,
-            cos[15],
-            sin[15],
-            bx_r_knee_x,
-            bx_r_knee_y,
-            bx_r_hip_pitch_x,
-            bx_r_hip_pitch_y,
-            bx_r_hip_roll_x,
-            bx_r_hip_roll_y,
-            bx_r_hip_yaw_x,
-            bx_r_hip_yaw_y,
-            bx_head_pan_x,
-            bx_head_pan_y,
-            bx_head_tilt_x,
-            bx_head_tilt_y,
-            bx_l_hip_yaw_x,
-            bx_l_hip_yaw_y,
-            bx_l_hip_roll_x,
-            bx_l_hip_roll_y,
-            bx_l_hip_pitch_x,
-            bx_l_hip_pitch_y,
-            bx_l_knee_x,
-            bx_l_knee_y,
-            bx_l_ank_pitch_x,
-            bx_l_ank_pitch_y,
-            bx_l_ank_roll_x,
-            bx_l_ank_roll_y,
-            bx_l_sho_pitch_x,
-            bx_l_sho_pitch_y,
-            bx_l_sho_roll_x,
-            bx_l_sho_roll_y,
-            bx_l_el_x,
-            bx_l_el_y,
-            bx_r_sho_pitch_x,
-            bx_r_sho_pitch_y,
-            bx_r_sho_roll_x,
-            bx_r_sho_roll_y,
-            bx_r_el_x,
-            bx_r_el_y,
-        ];
-        let row_y = [
-            zero,
-            one,
-            zero,
-            cos[16],
-            sin[16],
-            by_r_ank_pitch_x,
-            by_r_ank_pitch_y,
-            by_r_knee_x,
-            by_r_knee_y,
-            by_r_hip_pitch_x,
-            by_r_hip_pitch_y,
-            by_r_hip_roll_x,
-            by_r_hip_roll_y,
-            by_r_hip_yaw_x,
-            by_r_hip_yaw_y,
-            by_head_pan_x,
-            by_head_pan_y,
-            by_head_tilt_x,
-            by_head_tilt_y,
-            by_l_hip_yaw_x,
-            by_l_hip_yaw_y,
-            by_l_hip_roll_x,
-            by_l_hip_roll_y,
-            by_l_hip_pitch_x,
-            by_l_hip_pitch_y,
-            by_l_knee_x,
-            by_l_knee_y,
-            by_l_ank_pitch_x,
-            by_l_ank_pitch_y,
-            by_l_ank_roll_x,
-            by_l_ank_roll_y,
-            by_l_sho_pitch_x,
-            by_l_sho_pitch_y,
-            by_l_sho_roll_x,
-            by_l_sho_roll_y,
-            by_l_el_x,
-            by_l_el_y,
-            by_r_sho_pitch_x,
-            by_r_sho_pitch_y,
-            by_r_sho_roll_x,
-            by_r_sho_roll_y,
-            by_r_el_x,
-            by_r_el_y,
-        ];
-        [row_x, row_y]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
+        Op2RSole::regressor_cop_core(&(&sin_of, &cos_of), &mut rows);
+        rows
     }
 
     #[inline(always)]
     fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // r_ank_roll
-        let bz_r_ank_roll_x = -sin[16];
-        // r_ank_pitch
-        let e1 = sin[16] * sin[15];
-        let by_r_ank_pitch_x = -e1;
-        let by_r_ank_pitch_y = sin[16] * cos[15];
-        let e2 = cos[16] * sin[15];
-        let bz_r_ank_pitch_x = -e2;
-        let bz_r_ank_pitch_y = cos[16] * cos[15];
-        // r_knee
-        let bx_r_knee_x = cos[15].mul_plus(cos[14], sin[15] * sin[14]);
-        let bx_r_knee_y = sin[15].mul_plus(cos[14], -(cos[15] * sin[14]));
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(sin[14], -(e1 * cos[14]));
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(cos[14], e1 * sin[14]);
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(sin[14], -(e2 * cos[14]));
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(cos[14], e2 * sin[14]);
-        // r_hip_pitch
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(cos[13], bx_r_knee_y * sin[13]);
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(cos[13], -(bx_r_knee_x * sin[13]));
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(cos[13], by_r_knee_y * sin[13]);
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(cos[13], -(by_r_knee_x * sin[13]));
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(cos[13], bz_r_knee_y * sin[13]);
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(cos[13], -(bz_r_knee_x * sin[13]));
-        // r_hip_roll
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(sin[12], cos[16] * cos[12]);
-        let e3 = cos[16].mul_plus(sin[12], -(by_r_hip_pitch_y * cos[12]));
-        let by_r_hip_roll_y = -e3;
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_plus(sin[12], -(sin[16] * cos[12]));
-        let bz_r_hip_roll_y = sin[16].mul_plus(sin[12], bz_r_hip_pitch_y * cos[12]);
-        // r_hip_yaw
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(sin[11], bx_r_hip_pitch_x * cos[11]);
-        let e4 = bx_r_hip_pitch_x.mul_plus(sin[11], -(bx_r_hip_roll_x * cos[11]));
-        let bx_r_hip_yaw_y = -e4;
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(sin[11], by_r_hip_pitch_x * cos[11]);
-        let e5 = by_r_hip_pitch_x.mul_plus(sin[11], -(by_r_hip_roll_x * cos[11]));
-        let by_r_hip_yaw_y = -e5;
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(sin[11], bz_r_hip_pitch_x * cos[11]);
-        let e6 = bz_r_hip_pitch_x.mul_plus(sin[11], -(bz_r_hip_roll_x * cos[11]));
-        let bz_r_hip_yaw_y = -e6;
-        // head_pan
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
-        let bx_head_pan_y = -e4.mul_plus(cos[0], bx_r_hip_yaw_x * sin[0]);
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(cos[0], -(e5 * sin[0]));
-        let by_head_pan_y = -e5.mul_plus(cos[0], by_r_hip_yaw_x * sin[0]);
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(cos[0], -(e6 * sin[0]));
-        let bz_head_pan_y = -e6.mul_plus(cos[0], bz_r_hip_yaw_x * sin[0]);
-        // head_tilt
-        let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_r_hip_roll_y * sin[1]);
-        let e7 = bx_r_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
-        let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e3 * sin[1]));
-        let by_head_tilt_y = e3.mul_plus(cos[1], by_head_pan_x * sin[1]);
-        let bz_head_tilt_x = bz_head_pan_x.mul_plus(cos[1], bz_r_hip_roll_y * sin[1]);
-        let e8 = bz_r_hip_roll_y.mul_plus(cos[1], -(bz_head_pan_x * sin[1]));
-        // l_hip_yaw
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(cos[2], e4 * sin[2]);
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(sin[2], -(e4 * cos[2]));
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(cos[2], e5 * sin[2]);
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(sin[2], -(e5 * cos[2]));
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(cos[2], e6 * sin[2]);
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(sin[2], -(e6 * cos[2]));
-        // l_hip_roll
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_plus(cos[3], -(bx_r_hip_roll_y * sin[3]));
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(cos[3], bx_l_hip_yaw_y * sin[3]);
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(cos[3], e3 * sin[3]);
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(sin[3], -(e3 * cos[3]));
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_plus(cos[3], -(bz_r_hip_roll_y * sin[3]));
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(cos[3], bz_l_hip_yaw_y * sin[3]);
-        // l_hip_pitch
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_plus(sin[4], bx_l_hip_yaw_x * cos[4]);
-        let e9 = bx_l_hip_yaw_x.mul_plus(sin[4], -(bx_l_hip_roll_y * cos[4]));
-        let bx_l_hip_pitch_y = -e9;
-        let by_l_hip_pitch_x = by_l_hip_roll_y.mul_plus(sin[4], by_l_hip_yaw_x * cos[4]);
-        let e10 = by_l_hip_yaw_x.mul_plus(sin[4], -(by_l_hip_roll_y * cos[4]));
-        let by_l_hip_pitch_y = -e10;
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_plus(sin[4], bz_l_hip_yaw_x * cos[4]);
-        let e11 = bz_l_hip_yaw_x.mul_plus(sin[4], -(bz_l_hip_roll_y * cos[4]));
-        let bz_l_hip_pitch_y = -e11;
-        // l_knee
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(cos[5], -(e9 * sin[5]));
-        let e12 = e9.mul_plus(cos[5], bx_l_hip_pitch_x * sin[5]);
-        let bx_l_knee_y = -e12;
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(cos[5], -(e10 * sin[5]));
-        let e13 = e10.mul_plus(cos[5], by_l_hip_pitch_x * sin[5]);
-        let by_l_knee_y = -e13;
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(cos[5], -(e11 * sin[5]));
-        let e14 = e11.mul_plus(cos[5], bz_l_hip_pitch_x * sin[5]);
-        let bz_l_knee_y = -e14;
-        // l_ank_pitch
-        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(cos[6], e12 * sin[6]);
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(sin[6], -(e12 * cos[6]));
-        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(cos[6], e13 * sin[6]);
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(sin[6], -(e13 * cos[6]));
-        let bz_l_ank_pitch_x = bz_l_knee_x.mul_plus(cos[6], e14 * sin[6]);
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(sin[6], -(e14 * cos[6]));
-        // l_ank_roll
-        let bx_l_ank_roll_x = bx_l_ank_pitch_y.mul_plus(sin[7], bx_l_hip_roll_x * cos[7]);
-        let bx_l_ank_roll_y = -bx_l_hip_roll_x.mul_plus(sin[7], -(bx_l_ank_pitch_y * cos[7]));
-        let by_l_ank_roll_x = by_l_ank_pitch_y.mul_plus(sin[7], by_l_hip_roll_x * cos[7]);
-        let by_l_ank_roll_y = -by_l_hip_roll_x.mul_plus(sin[7], -(by_l_ank_pitch_y * cos[7]));
-        let bz_l_ank_roll_x = bz_l_ank_pitch_y.mul_plus(sin[7], bz_l_hip_roll_x * cos[7]);
-        let bz_l_ank_roll_y = -bz_l_hip_roll_x.mul_plus(sin[7], -(bz_l_ank_pitch_y * cos[7]));
-        // l_sho_pitch
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[8], -(bx_r_hip_roll_y * sin[8]));
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[8], bx_r_hip_yaw_x * sin[8]);
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[8], e3 * sin[8]);
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(sin[8], -(e3 * cos[8]));
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[8], -(bz_r_hip_roll_y * sin[8]));
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[8], bz_r_hip_yaw_x * sin[8]);
-        // l_sho_roll
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-        let e15 = e4.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        let bx_l_sho_roll_y = -e15;
-        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
-        let e16 = e5.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        let by_l_sho_roll_y = -e16;
-        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e6 * c_l_sho_roll);
-        let e17 = e6.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let bz_l_sho_roll_y = -e17;
-        // l_el
-        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e15 * cos[10]));
-        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e15 * sin[10]);
-        let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e16 * cos[10]));
-        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e16 * sin[10]);
-        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(sin[10], -(e17 * cos[10]));
-        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(cos[10], e17 * sin[10]);
-        // r_sho_pitch
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[17], bx_r_hip_roll_y * sin[17]);
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[17], -(bx_r_hip_yaw_x * sin[17]));
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[17], -(e3 * sin[17]));
-        let e18 = e3.mul_plus(cos[17], by_r_hip_yaw_x * sin[17]);
-        let by_r_sho_pitch_y = -e18;
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[17], bz_r_hip_roll_y * sin[17]);
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[17], -(bz_r_hip_yaw_x * sin[17]));
-        // r_sho_roll
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-        let e19 = e4.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        let bx_r_sho_roll_y = -e19;
-        let by_r_sho_roll_x = e18.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
-        let e20 = e5.mul_plus(s_r_sho_roll, e18 * c_r_sho_roll);
-        let by_r_sho_roll_y = -e20;
-        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
-        let e21 = e6.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        let bz_r_sho_roll_y = -e21;
-        // r_el
-        let bx_r_el_x = -e19.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
-        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e19 * sin[19]));
-        let by_r_el_x = -e20.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
-        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e20 * sin[19]));
-        let bz_r_el_x = -e21.mul_plus(cos[19], bz_r_sho_pitch_x * sin[19]);
-        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(cos[19], -(e21 * sin[19]));
-        let row_x = [
-            one,
-            zero,
-            zero,
-            one,
-            zero,
-            zero,
-            cos[15],
-            zero,
-            sin[15],
-            bx_r_knee_x,
-            zero,
-            bx_r_knee_y,
-            bx_r_hip_pitch_x,
-            zero,
-            bx_r_hip_pitch_y,
-            bx_r_hip_pitch_x,
-            bx_r_hip_roll_x,
-            bx_r_hip_roll_y,
-            bx_r_hip_yaw_x,
-            bx_r_hip_yaw_y,
-            bx_r_hip_roll_y,
-            bx_head_pan_x,
-            bx_head_pan_y,
-            bx_r_hip_roll_y,
-            bx_head_tilt_x
-                .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e7)),
-            bx_head_pan_y,
-            bx_head_tilt_x
-                .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e7),
-            bx_l_hip_yaw_x,
-            bx_l_hip_yaw_y,
-            bx_r_hip_roll_y,
-            bx_l_hip_yaw_x,
-            bx_l_hip_roll_x,
-            bx_l_hip_roll_y,
-            bx_l_hip_pitch_x,
-            bx_l_hip_roll_x,
-            bx_l_hip_pitch_y,
-            bx_l_knee_x,
-            bx_l_hip_roll_x,
-            bx_l_knee_y,
-            bx_l_ank_pitch_x,
-            bx_l_hip_roll_x,
-            bx_l_ank_pitch_y,
-            bx_l_ank_pitch_x,
-            bx_l_ank_roll_x,
-            bx_l_ank_roll_y,
-            bx_l_sho_pitch_x,
-            bx_r_hip_yaw_y,
-            bx_l_sho_pitch_y,
-            bx_l_sho_pitch_x,
-            bx_l_sho_roll_x,
-            bx_l_sho_roll_y,
-            bx_l_el_x,
-            bx_l_sho_roll_x,
-            bx_l_el_y,
-            bx_r_sho_pitch_x,
-            bx_r_hip_yaw_y,
-            bx_r_sho_pitch_y,
-            bx_r_sho_pitch_x,
-            bx_r_sho_roll_x,
-            bx_r_sho_roll_y,
-            bx_r_el_x,
-            bx_r_sho_roll_x,
-            bx_r_el_y,
-        ];
-        let row_y = [
-            zero,
-            one,
-            zero,
-            zero,
-            cos[16],
-            sin[16],
-            by_r_ank_pitch_x,
-            cos[16],
-            by_r_ank_pitch_y,
-            by_r_knee_x,
-            cos[16],
-            by_r_knee_y,
-            by_r_hip_pitch_x,
-            cos[16],
-            by_r_hip_pitch_y,
-            by_r_hip_pitch_x,
-            by_r_hip_roll_x,
-            by_r_hip_roll_y,
-            by_r_hip_yaw_x,
-            by_r_hip_yaw_y,
-            by_r_hip_roll_y,
-            by_head_pan_x,
-            by_head_pan_y,
-            by_r_hip_roll_y,
-            by_head_tilt_x
-                .mul_plus(
-                    T::from_f64(0.8386705680315472),
-                    T::from_f64(0.5446390348824093) * by_head_tilt_y,
-                ),
-            by_head_pan_y,
-            by_head_tilt_x
-                .mul_plus(
-                    T::from_f64(0.5446390348824093),
-                    -(T::from_f64(0.8386705680315472) * by_head_tilt_y),
-                ),
-            by_l_hip_yaw_x,
-            by_l_hip_yaw_y,
-            by_r_hip_roll_y,
-            by_l_hip_yaw_x,
-            by_l_hip_roll_x,
-            by_l_hip_roll_y,
-            by_l_hip_pitch_x,
-            by_l_hip_roll_x,
-            by_l_hip_pitch_y,
-            by_l_knee_x,
-            by_l_hip_roll_x,
-            by_l_knee_y,
-            by_l_ank_pitch_x,
-            by_l_hip_roll_x,
-            by_l_ank_pitch_y,
-            by_l_ank_pitch_x,
-            by_l_ank_roll_x,
-            by_l_ank_roll_y,
-            by_l_sho_pitch_x,
-            by_r_hip_yaw_y,
-            by_l_sho_pitch_y,
-            by_l_sho_pitch_x,
-            by_l_sho_roll_x,
-            by_l_sho_roll_y,
-            by_l_el_x,
-            by_l_sho_roll_x,
-            by_l_el_y,
-            by_r_sho_pitch_x,
-            by_r_hip_yaw_y,
-            by_r_sho_pitch_y,
-            by_r_sho_pitch_x,
-            by_r_sho_roll_x,
-            by_r_sho_roll_y,
-            by_r_el_x,
-            by_r_sho_roll_x,
-            by_r_el_y,
-        ];
-        let row_z = [
-            zero,
-            zero,
-            one,
-            zero,
-            bz_r_ank_roll_x,
-            cos[16],
-            bz_r_ank_pitch_x,
-            bz_r_ank_roll_x,
-            bz_r_ank_pitch_y,
-            bz_r_knee_x,
-            bz_r_ank_roll_x,
-            bz_r_knee_y,
-            bz_r_hip_pitch_x,
-            bz_r_ank_roll_x,
-            bz_r_hip_pitch_y,
-            bz_r_hip_pitch_x,
-            bz_r_hip_roll_x,
-            bz_r_hip_roll_y,
-            bz_r_hip_yaw_x,
-            bz_r_hip_yaw_y,
-            bz_r_hip_roll_y,
-            bz_head_pan_x,
-            bz_head_pan_y,
-            bz_r_hip_roll_y,
-            bz_head_tilt_x
-                .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e8)),
-            bz_head_pan_y,
-            bz_head_tilt_x
-                .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e8),
-            bz_l_hip_yaw_x,
-            bz_l_hip_yaw_y,
-            bz_r_hip_roll_y,
-            bz_l_hip_yaw_x,
-            bz_l_hip_roll_x,
-            bz_l_hip_roll_y,
-            bz_l_hip_pitch_x,
-            bz_l_hip_roll_x,
-            bz_l_hip_pitch_y,
-            bz_l_knee_x,
-            bz_l_hip_roll_x,
-            bz_l_knee_y,
-            bz_l_ank_pitch_x,
-            bz_l_hip_roll_x,
-            bz_l_ank_pitch_y,
-            bz_l_ank_pitch_x,
-            bz_l_ank_roll_x,
-            bz_l_ank_roll_y,
-            bz_l_sho_pitch_x,
-            bz_r_hip_yaw_y,
-            bz_l_sho_pitch_y,
-            bz_l_sho_pitch_x,
-            bz_l_sho_roll_x,
-            bz_l_sho_roll_y,
-            bz_l_el_x,
-            bz_l_sho_roll_x,
-            bz_l_el_y,
-            bz_r_sho_pitch_x,
-            bz_r_hip_yaw_y,
-            bz_r_sho_pitch_y,
-            bz_r_sho_pitch_x,
-            bz_r_sho_roll_x,
-            bz_r_sho_roll_y,
-            bz_r_el_x,
-            bz_r_sho_roll_x,
-            bz_r_el_y,
-        ];
-        [row_x, row_y, row_z]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
+        Op2RSole::regressor_full_core(&(&sin_of, &cos_of), &mut rows);
+        rows
     }
 
     #[inline(always)]
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // r_sho_roll
-        let v_r_sho_roll_y = cos[19].mul_plus(r[41], r[40]);
-        let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], v_r_sho_roll_y);
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
-        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
-        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
-        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // l_sho_roll
-        let v_l_sho_roll_y = cos[10].mul_plus(r[35], r[34]);
-        let v_l_sho_roll_y = sin[10].mul_plus(r[36], v_l_sho_roll_y);
-        let v_l_sho_roll_z = sin[10].mul_plus(r[35], -(cos[10] * r[36]));
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
-        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[33], r[32]);
-        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
-        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_ank_pitch
-        let v_l_ank_pitch_y = sin[7].mul_plus(r[29], r[28]);
-        let v_l_ank_pitch_y = cos[7].mul_plus(r[30], v_l_ank_pitch_y);
-        let v_l_ank_pitch_z = cos[7].mul_plus(r[29], -(sin[7] * r[30]));
-        // l_knee
-        let v_l_knee_x = cos[6].mul_plus(r[27], r[25]);
-        let v_l_knee_x = sin[6].mul_plus(v_l_ank_pitch_y, v_l_knee_x);
-        let v_l_knee_y = (-sin[6]).mul_plus(r[27], r[26]);
-        let v_l_knee_y = cos[6].mul_plus(v_l_ank_pitch_y, v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = cos[5].mul_plus(v_l_knee_x, r[23]);
-        let v_l_hip_pitch_x = (-sin[5]).mul_plus(v_l_knee_y, v_l_hip_pitch_x);
-        let v_l_hip_pitch_y = sin[5].mul_plus(v_l_knee_x, r[24]);
-        let v_l_hip_pitch_y = cos[5].mul_plus(v_l_knee_y, v_l_hip_pitch_y);
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
-        let v_l_hip_roll_y = sin[4].mul_plus(v_l_hip_pitch_x, r[22]);
-        let v_l_hip_roll_y = cos[4].mul_plus(v_l_hip_pitch_y, v_l_hip_roll_y);
-        let v_l_hip_roll_z = cos[4].mul_plus(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
-        let v_l_hip_yaw_y = cos[3].mul_plus(v_l_hip_roll_x, r[20]);
-        let v_l_hip_yaw_y = sin[3].mul_plus(v_l_hip_roll_y, v_l_hip_yaw_y);
-        let v_l_hip_yaw_z = cos[3].mul_plus(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
-        // head_pan
-        let v_head_pan_x = cos[1].mul_plus(r[17], r[15]);
-        let v_head_pan_x = sin[1].mul_plus(r[18], v_head_pan_x);
-        let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-        // r_hip_yaw
-        let e1 = cos[0].mul_plus(v_head_pan_x, r[13]);
-        let e1 = (-sin[0]).mul_plus(r[16], e1);
-        let e1 = cos[8].mul_plus(v_l_sho_pitch_x, e1);
-        let e1 = sin[8].mul_plus(v_l_sho_pitch_y, e1);
-        let e1 = cos[17].mul_plus(v_r_sho_pitch_x, e1);
-        let v_r_hip_yaw_x = (-sin[17]).mul_plus(v_r_sho_pitch_y, e1);
-        let v_r_hip_yaw_x = cos[2].mul_plus(v_l_hip_yaw_x, v_r_hip_yaw_x);
-        let v_r_hip_yaw_x = sin[2].mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_x);
-        let p1 = sin[0].mul_plus(v_head_pan_x, r[14]);
-        let p2 = cos[0].mul_plus(r[16], p1);
-        let e2 = (-sin[2]).mul_plus(v_l_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
-        let v_r_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_y, e2);
-        let p3 = (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
-        let p4 = cos[8].mul_plus(v_l_sho_pitch_y, p3);
-        let p5 = sin[17].mul_plus(v_r_sho_pitch_x, p4);
-        let v_r_hip_yaw_z = cos[17].mul_plus(v_r_sho_pitch_y, p5) + v_l_hip_yaw_z;
-        // r_hip_roll
-        let v_r_hip_roll_x = sin[11].mul_plus(v_r_hip_yaw_x, r[11]);
-        let v_r_hip_roll_x = cos[11].mul_plus(v_r_hip_yaw_y, v_r_hip_roll_x);
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let v_r_hip_roll_z = cos[11].mul_plus(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
-        let v_r_hip_pitch_y = sin[12].mul_plus(v_r_hip_roll_x, r[10]);
-        let v_r_hip_pitch_y = cos[12].mul_plus(v_r_hip_roll_y, v_r_hip_pitch_y);
-        let v_r_hip_pitch_z = cos[12].mul_plus(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
-        // r_knee
-        let v_r_knee_x = cos[13].mul_plus(v_r_hip_pitch_x, r[7]);
-        let v_r_knee_x = (-sin[13]).mul_plus(v_r_hip_pitch_y, v_r_knee_x);
-        let v_r_knee_y = sin[13].mul_plus(v_r_hip_pitch_x, r[8]);
-        let v_r_knee_y = cos[13].mul_plus(v_r_hip_pitch_y, v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = cos[14].mul_plus(v_r_knee_x, r[5]);
-        let v_r_ank_pitch_x = (-sin[14]).mul_plus(v_r_knee_y, v_r_ank_pitch_x);
-        let v_r_ank_pitch_y = sin[14].mul_plus(v_r_knee_x, r[6]);
-        let v_r_ank_pitch_y = cos[14].mul_plus(v_r_knee_y, v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
-        let v_r_ank_roll_y = (-sin[15]).mul_plus(v_r_ank_pitch_x, r[4]);
-        let v_r_ank_roll_y = cos[15].mul_plus(v_r_ank_pitch_y, v_r_ank_roll_y);
-        let v_r_ank_roll_z = cos[15].mul_plus(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
-        // r_sole
-        let v_r_sole_x = r[0] + v_r_ank_roll_z;
-        let v_r_sole_y = cos[16].mul_plus(v_r_ank_roll_x, r[1]);
-        let v_r_sole_y = sin[16].mul_plus(v_r_ank_roll_y, v_r_sole_y);
-        [v_r_sole_x, v_r_sole_y]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        Op2RSole::cop_core(&(&sin_of, &cos_of), r)
     }
 
     #[inline(always)]
@@ -6127,1910 +707,18 @@ impl v1::SinCosRobot for Op2RSole {
         qdd: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; 2] {
-        // r_sho_roll
-        let v_r_sho_roll_y = cos[19].mul_plus(r[41], r[40]);
-        let v_r_sho_roll_y = (-sin[19]).mul_plus(r[42], v_r_sho_roll_y);
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - sin[19].mul_plus(r[41], cos[19] * r[42]);
-        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
-        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
-        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // l_sho_roll
-        let v_l_sho_roll_y = cos[10].mul_plus(r[35], r[34]);
-        let v_l_sho_roll_y = sin[10].mul_plus(r[36], v_l_sho_roll_y);
-        let v_l_sho_roll_z = sin[10].mul_plus(r[35], -(cos[10] * r[36]));
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
-        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[33], r[32]);
-        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
-        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_ank_pitch
-        let v_l_ank_pitch_y = sin[7].mul_plus(r[29], r[28]);
-        let v_l_ank_pitch_y = cos[7].mul_plus(r[30], v_l_ank_pitch_y);
-        let v_l_ank_pitch_z = cos[7].mul_plus(r[29], -(sin[7] * r[30]));
-        // l_knee
-        let v_l_knee_x = cos[6].mul_plus(r[27], r[25]);
-        let v_l_knee_x = sin[6].mul_plus(v_l_ank_pitch_y, v_l_knee_x);
-        let v_l_knee_y = (-sin[6]).mul_plus(r[27], r[26]);
-        let v_l_knee_y = cos[6].mul_plus(v_l_ank_pitch_y, v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = cos[5].mul_plus(v_l_knee_x, r[23]);
-        let v_l_hip_pitch_x = (-sin[5]).mul_plus(v_l_knee_y, v_l_hip_pitch_x);
-        let v_l_hip_pitch_y = sin[5].mul_plus(v_l_knee_x, r[24]);
-        let v_l_hip_pitch_y = cos[5].mul_plus(v_l_knee_y, v_l_hip_pitch_y);
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
-        let v_l_hip_roll_y = sin[4].mul_plus(v_l_hip_pitch_x, r[22]);
-        let v_l_hip_roll_y = cos[4].mul_plus(v_l_hip_pitch_y, v_l_hip_roll_y);
-        let v_l_hip_roll_z = cos[4].mul_plus(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
-        let v_l_hip_yaw_y = cos[3].mul_plus(v_l_hip_roll_x, r[20]);
-        let v_l_hip_yaw_y = sin[3].mul_plus(v_l_hip_roll_y, v_l_hip_yaw_y);
-        let v_l_hip_yaw_z = cos[3].mul_plus(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
-        // head_pan
-        let v_head_pan_x = cos[1].mul_plus(r[17], r[15]);
-        let v_head_pan_x = sin[1].mul_plus(r[18], v_head_pan_x);
-        let v_head_pan_z = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
-        // r_hip_yaw
-        let e1 = cos[0].mul_plus(v_head_pan_x, r[13]);
-        let e1 = (-sin[0]).mul_plus(r[16], e1);
-        let e1 = cos[8].mul_plus(v_l_sho_pitch_x, e1);
-        let e1 = sin[8].mul_plus(v_l_sho_pitch_y, e1);
-        let e1 = cos[17].mul_plus(v_r_sho_pitch_x, e1);
-        let v_r_hip_yaw_x = (-sin[17]).mul_plus(v_r_sho_pitch_y, e1);
-        let v_r_hip_yaw_x = cos[2].mul_plus(v_l_hip_yaw_x, v_r_hip_yaw_x);
-        let v_r_hip_yaw_x = sin[2].mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_x);
-        let p1 = sin[0].mul_plus(v_head_pan_x, r[14]);
-        let p2 = cos[0].mul_plus(r[16], p1);
-        let e2 = (-sin[2]).mul_plus(v_l_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
-        let v_r_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_y, e2);
-        let p3 = (-sin[8]).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
-        let p4 = cos[8].mul_plus(v_l_sho_pitch_y, p3);
-        let p5 = sin[17].mul_plus(v_r_sho_pitch_x, p4);
-        let v_r_hip_yaw_z = cos[17].mul_plus(v_r_sho_pitch_y, p5) + v_l_hip_yaw_z;
-        // r_hip_roll
-        let v_r_hip_roll_x = sin[11].mul_plus(v_r_hip_yaw_x, r[11]);
-        let v_r_hip_roll_x = cos[11].mul_plus(v_r_hip_yaw_y, v_r_hip_roll_x);
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let v_r_hip_roll_z = cos[11].mul_plus(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
-        let v_r_hip_pitch_y = sin[12].mul_plus(v_r_hip_roll_x, r[10]);
-        let v_r_hip_pitch_y = cos[12].mul_plus(v_r_hip_roll_y, v_r_hip_pitch_y);
-        let v_r_hip_pitch_z = cos[12].mul_plus(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
-        // r_knee
-        let v_r_knee_x = cos[13].mul_plus(v_r_hip_pitch_x, r[7]);
-        let v_r_knee_x = (-sin[13]).mul_plus(v_r_hip_pitch_y, v_r_knee_x);
-        let v_r_knee_y = sin[13].mul_plus(v_r_hip_pitch_x, r[8]);
-        let v_r_knee_y = cos[13].mul_plus(v_r_hip_pitch_y, v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = cos[14].mul_plus(v_r_knee_x, r[5]);
-        let v_r_ank_pitch_x = (-sin[14]).mul_plus(v_r_knee_y, v_r_ank_pitch_x);
-        let v_r_ank_pitch_y = sin[14].mul_plus(v_r_knee_x, r[6]);
-        let v_r_ank_pitch_y = cos[14].mul_plus(v_r_knee_y, v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
-        let v_r_ank_roll_y = (-sin[15]).mul_plus(v_r_ank_pitch_x, r[4]);
-        let v_r_ank_roll_y = cos[15].mul_plus(v_r_ank_pitch_y, v_r_ank_roll_y);
-        let v_r_ank_roll_z = cos[15].mul_plus(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
-        // r_sole
-        let v_r_sole_x = r[0] + v_r_ank_roll_z;
-        let v_r_sole_y = cos[16].mul_plus(v_r_ank_roll_x, r[1]);
-        let v_r_sole_y = sin[16].mul_plus(v_r_ank_roll_y, v_r_sole_y);
-        let v_r_sole_z = (-sin[16]).mul_plus(v_r_ank_roll_x, r[2]);
-        let v_r_sole_z = cos[16].mul_plus(v_r_ank_roll_y, v_r_sole_z);
-        // r_ank_roll
-        let e3 = qd[16] * qd[16];
-        // r_ank_pitch
-        let o_r_ank_pitch_x = qd[16] * cos[15];
-        let o_r_ank_pitch_y = qd[16] * sin[15];
-        let e4 = o_r_ank_pitch_y * qd[15];
-        let e5 = o_r_ank_pitch_x * qd[15];
-        let a_r_ank_pitch_x = qdd[16].mul_plus(cos[15], -e4);
-        let a_r_ank_pitch_y = qdd[16].mul_plus(sin[15], e5);
-        let e6 = o_r_ank_pitch_x * o_r_ank_pitch_x;
-        let e7 = o_r_ank_pitch_y * o_r_ank_pitch_y;
-        let e8 = qd[15] * qd[15];
-        let e9 = o_r_ank_pitch_x * o_r_ank_pitch_y;
-        let e10 = e7 + e8;
-        let e11 = e6 + e8;
-        let e12 = e6 + e7;
-        let e13 = e9 + qdd[15];
-        let e14 = e9 - qdd[15];
-        let e15 = e5 + a_r_ank_pitch_y;
-        let e16 = a_r_ank_pitch_x - e4;
-        // r_knee
-        let o_r_knee_x = o_r_ank_pitch_x.mul_plus(cos[14], o_r_ank_pitch_y * sin[14]);
-        let o_r_knee_y = o_r_ank_pitch_y.mul_plus(cos[14], -(o_r_ank_pitch_x * sin[14]));
-        let o_r_knee_z = qd[14] - qd[15];
-        let a_r_knee_x = a_r_ank_pitch_x.mul_plus(cos[14], a_r_ank_pitch_y * sin[14]);
-        let a_r_knee_x = o_r_knee_y.mul_plus(qd[14], a_r_knee_x);
-        let a_r_knee_y = a_r_ank_pitch_y.mul_plus(cos[14], -(a_r_ank_pitch_x * sin[14]));
-        let a_r_knee_y = (-o_r_knee_x).mul_plus(qd[14], a_r_knee_y);
-        let a_r_knee_z = qdd[14] - qdd[15];
-        let e17 = o_r_knee_x * o_r_knee_x;
-        let e18 = o_r_knee_y * o_r_knee_y;
-        let e19 = o_r_knee_z * o_r_knee_z;
-        let e20 = o_r_knee_x * o_r_knee_y;
-        let e21 = o_r_knee_x * o_r_knee_z;
-        let e22 = o_r_knee_y * o_r_knee_z;
-        let e23 = e18 + e19;
-        let e24 = e17 + e19;
-        let e25 = e17 + e18;
-        let e26 = e20 - a_r_knee_z;
-        let e27 = e20 + a_r_knee_z;
-        let e28 = e21 - a_r_knee_y;
-        let e29 = e22 + a_r_knee_x;
-        // r_hip_pitch
-        let o_r_hip_pitch_x = o_r_knee_x.mul_plus(cos[13], o_r_knee_y * sin[13]);
-        let o_r_hip_pitch_y = o_r_knee_y.mul_plus(cos[13], -(o_r_knee_x * sin[13]));
-        let o_r_hip_pitch_z = o_r_knee_z + qd[13];
-        let a_r_hip_pitch_x = a_r_knee_x.mul_plus(cos[13], a_r_knee_y * sin[13]);
-        let a_r_hip_pitch_x = o_r_hip_pitch_y.mul_plus(qd[13], a_r_hip_pitch_x);
-        let a_r_hip_pitch_y = a_r_knee_y.mul_plus(cos[13], -(a_r_knee_x * sin[13]));
-        let a_r_hip_pitch_y = (-o_r_hip_pitch_x).mul_plus(qd[13], a_r_hip_pitch_y);
-        let a_r_hip_pitch_z = a_r_knee_z + qdd[13];
-        let e30 = o_r_hip_pitch_x * o_r_hip_pitch_x;
-        let e31 = o_r_hip_pitch_y * o_r_hip_pitch_y;
-        let e32 = o_r_hip_pitch_z * o_r_hip_pitch_z;
-        let e33 = o_r_hip_pitch_x * o_r_hip_pitch_y;
-        let e34 = o_r_hip_pitch_x * o_r_hip_pitch_z;
-        let e35 = o_r_hip_pitch_y * o_r_hip_pitch_z;
-        let e36 = e31 + e32;
-        let e37 = e30 + e32;
-        let e38 = e30 + e31;
-        let e39 = e33 - a_r_hip_pitch_z;
-        let e40 = e33 + a_r_hip_pitch_z;
-        let e41 = e34 - a_r_hip_pitch_y;
-        let e42 = e35 + a_r_hip_pitch_x;
-        // r_hip_roll
-        let e43 = o_r_hip_pitch_y.mul_plus(sin[12], o_r_hip_pitch_z * cos[12]);
-        let o_r_hip_roll_y = o_r_hip_pitch_z.mul_plus(sin[12], -(o_r_hip_pitch_y * cos[12]));
-        let o_r_hip_roll_z = qd[12] - o_r_hip_pitch_x;
-        let a_r_hip_roll_x = a_r_hip_pitch_y.mul_plus(sin[12], a_r_hip_pitch_z * cos[12]);
-        let a_r_hip_roll_x = o_r_hip_roll_y.mul_plus(qd[12], -a_r_hip_roll_x);
-        let a_r_hip_roll_y = a_r_hip_pitch_z.mul_plus(sin[12], -(a_r_hip_pitch_y * cos[12]));
-        let a_r_hip_roll_y = e43.mul_plus(qd[12], a_r_hip_roll_y);
-        let a_r_hip_roll_z = qdd[12] - a_r_hip_pitch_x;
-        let e44 = e43 * e43;
-        let e45 = o_r_hip_roll_y * o_r_hip_roll_y;
-        let e46 = o_r_hip_roll_z * o_r_hip_roll_z;
-        let e47 = e43 * o_r_hip_roll_y;
-        let e48 = e43 * o_r_hip_roll_z;
-        let e49 = e44 + e46;
-        let e50 = e47 + a_r_hip_roll_z;
-        let e51 = a_r_hip_roll_z - e47;
-        let e52 = e48 + a_r_hip_roll_y;
-        let e53 = o_r_hip_roll_y.mul_plus(o_r_hip_roll_z, a_r_hip_roll_x);
-        // r_hip_yaw
-        let o_r_hip_yaw_x = o_r_hip_roll_z.mul_plus(cos[11], -(e43 * sin[11]));
-        let e54 = o_r_hip_roll_z.mul_plus(sin[11], e43 * cos[11]);
-        let o_r_hip_yaw_z = o_r_hip_roll_y + qd[11];
-        let a_r_hip_yaw_x = a_r_hip_roll_x.mul_plus(sin[11], a_r_hip_roll_z * cos[11]);
-        let a_r_hip_yaw_x = (-e54).mul_plus(qd[11], a_r_hip_yaw_x);
-        let e55 = a_r_hip_roll_z.mul_plus(sin[11], -(a_r_hip_roll_x * cos[11]));
-        let e55 = o_r_hip_yaw_x.mul_plus(qd[11], e55);
-        let a_r_hip_yaw_z = a_r_hip_roll_y + qdd[11];
-        let e56 = o_r_hip_yaw_x * o_r_hip_yaw_x;
-        let e57 = e54 * e54;
-        let e58 = o_r_hip_yaw_z * o_r_hip_yaw_z;
-        let e59 = o_r_hip_yaw_x * e54;
-        let e60 = o_r_hip_yaw_x * o_r_hip_yaw_z;
-        let e61 = e54 * o_r_hip_yaw_z;
-        let e62 = e57 + e58;
-        let e63 = e56 + e58;
-        let e64 = e56 + e57;
-        let e65 = e59 + a_r_hip_yaw_z;
-        let e66 = e60 - e55;
-        let e67 = a_r_hip_yaw_z - e59;
-        let e68 = e61 + a_r_hip_yaw_x;
-        let e69 = e60 + e55;
-        let e70 = a_r_hip_yaw_x - e61;
-        // head_pan
-        let o_head_pan_x = o_r_hip_yaw_x.mul_plus(cos[0], -(e54 * sin[0]));
-        let e71 = e54.mul_plus(cos[0], o_r_hip_yaw_x * sin[0]);
-        let o_head_pan_z = o_r_hip_yaw_z + qd[0];
-        let a_head_pan_x = a_r_hip_yaw_x.mul_plus(cos[0], -(e55 * sin[0]));
-        let a_head_pan_x = (-e71).mul_plus(qd[0], a_head_pan_x);
-        let e72 = e55.mul_plus(cos[0], a_r_hip_yaw_x * sin[0]);
-        let e72 = o_head_pan_x.mul_plus(qd[0], e72);
-        let a_head_pan_z = a_r_hip_yaw_z + qdd[0];
-        let e73 = o_head_pan_x * o_head_pan_x;
-        let e74 = e71 * e71;
-        let e75 = o_head_pan_z * o_head_pan_z;
-        let e76 = o_head_pan_x * e71;
-        let e77 = o_head_pan_x * o_head_pan_z;
-        let e78 = e71 * o_head_pan_z;
-        let e79 = e74 + e75;
-        let e80 = e73 + e75;
-        let e81 = e73 + e74;
-        let e82 = e76 + a_head_pan_z;
-        let e83 = e77 - e72;
-        let e84 = a_head_pan_z - e76;
-        let e85 = e78 + a_head_pan_x;
-        let e86 = e77 + e72;
-        let e87 = a_head_pan_x - e78;
-        // head_tilt
-        let o_head_tilt_x = o_head_pan_x.mul_plus(cos[1], o_head_pan_z * sin[1]);
-        let e88 = o_head_pan_z.mul_plus(cos[1], -(o_head_pan_x * sin[1]));
-        let e89 = e71 + qd[1];
-        let a_head_tilt_x = a_head_pan_x.mul_plus(cos[1], a_head_pan_z * sin[1]);
-        let a_head_tilt_x = e88.mul_plus(qd[1], a_head_tilt_x);
-        let a_head_tilt_y = a_head_pan_z.mul_plus(cos[1], -(a_head_pan_x * sin[1]));
-        let a_head_tilt_y = o_head_tilt_x.mul_plus(qd[1], -a_head_tilt_y);
-        let e90 = e72 + qdd[1];
-        let e91 = o_head_tilt_x * o_head_tilt_x;
-        let e92 = e88 * e88;
-        let e93 = e89 * e89;
-        let e94 = o_head_tilt_x * e88;
-        let e95 = o_head_tilt_x * e89;
-        let e96 = e88 * e89;
-        let e97 = e92 + e93;
-        let e98 = e91 + e93;
-        let e99 = e91 + e92;
-        let e100 = e90 - e94;
-        let e101 = e94 + e90;
-        let e102 = e95 + a_head_tilt_y;
-        let e103 = e96 + a_head_tilt_x;
-        // l_hip_yaw
-        let o_l_hip_yaw_x = o_r_hip_yaw_x.mul_plus(cos[2], e54 * sin[2]);
-        let o_l_hip_yaw_y = o_r_hip_yaw_x.mul_plus(sin[2], -(e54 * cos[2]));
-        let o_l_hip_yaw_z = o_r_hip_yaw_z - qd[2];
-        let a_l_hip_yaw_x = a_r_hip_yaw_x.mul_plus(cos[2], e55 * sin[2]);
-        let a_l_hip_yaw_x = (-o_l_hip_yaw_y).mul_plus(qd[2], a_l_hip_yaw_x);
-        let a_l_hip_yaw_y = a_r_hip_yaw_x.mul_plus(sin[2], -(e55 * cos[2]));
-        let a_l_hip_yaw_y = o_l_hip_yaw_x.mul_plus(qd[2], a_l_hip_yaw_y);
-        let a_l_hip_yaw_z = a_r_hip_yaw_z - qdd[2];
-        let e104 = o_l_hip_yaw_x * o_l_hip_yaw_x;
-        let e105 = o_l_hip_yaw_y * o_l_hip_yaw_y;
-        let e106 = o_l_hip_yaw_z * o_l_hip_yaw_z;
-        let e107 = o_l_hip_yaw_x * o_l_hip_yaw_y;
-        let e108 = o_l_hip_yaw_y * o_l_hip_yaw_z;
-        let e109 = e105 + e106;
-        let e110 = e107 - a_l_hip_yaw_z;
-        let e111 = e107 + a_l_hip_yaw_z;
-        let e112 = o_l_hip_yaw_x.mul_plus(o_l_hip_yaw_z, -a_l_hip_yaw_y);
-        let e113 = e108 + a_l_hip_yaw_x;
-        // l_hip_roll
-        let o_l_hip_roll_x = o_l_hip_yaw_y.mul_plus(cos[3], -(o_l_hip_yaw_z * sin[3]));
-        let o_l_hip_roll_y = o_l_hip_yaw_z.mul_plus(cos[3], o_l_hip_yaw_y * sin[3]);
-        let o_l_hip_roll_z = o_l_hip_yaw_x - qd[3];
-        let a_l_hip_roll_x = a_l_hip_yaw_y.mul_plus(cos[3], -(a_l_hip_yaw_z * sin[3]));
-        let a_l_hip_roll_x = (-o_l_hip_roll_y).mul_plus(qd[3], a_l_hip_roll_x);
-        let a_l_hip_roll_y = a_l_hip_yaw_z.mul_plus(cos[3], a_l_hip_yaw_y * sin[3]);
-        let a_l_hip_roll_y = o_l_hip_roll_x.mul_plus(qd[3], a_l_hip_roll_y);
-        let a_l_hip_roll_z = a_l_hip_yaw_x - qdd[3];
-        let e114 = o_l_hip_roll_x * o_l_hip_roll_x;
-        let e115 = o_l_hip_roll_y * o_l_hip_roll_y;
-        let e116 = o_l_hip_roll_z * o_l_hip_roll_z;
-        let e117 = o_l_hip_roll_x * o_l_hip_roll_y;
-        let e118 = o_l_hip_roll_x * o_l_hip_roll_z;
-        let e119 = o_l_hip_roll_y * o_l_hip_roll_z;
-        let e120 = e115 + e116;
-        let e121 = e114 + e116;
-        let e122 = e114 + e115;
-        let e123 = e117 - a_l_hip_roll_z;
-        let e124 = e117 + a_l_hip_roll_z;
-        let e125 = e118 - a_l_hip_roll_y;
-        let e126 = e119 + a_l_hip_roll_x;
-        // l_hip_pitch
-        let e127 = o_l_hip_roll_y.mul_plus(sin[4], o_l_hip_roll_z * cos[4]);
-        let o_l_hip_pitch_y = o_l_hip_roll_z.mul_plus(sin[4], -(o_l_hip_roll_y * cos[4]));
-        let o_l_hip_pitch_z = qd[4] - o_l_hip_roll_x;
-        let a_l_hip_pitch_x = a_l_hip_roll_y.mul_plus(sin[4], a_l_hip_roll_z * cos[4]);
-        let a_l_hip_pitch_x = o_l_hip_pitch_y.mul_plus(qd[4], -a_l_hip_pitch_x);
-        let a_l_hip_pitch_y = a_l_hip_roll_z.mul_plus(sin[4], -(a_l_hip_roll_y * cos[4]));
-        let a_l_hip_pitch_y = e127.mul_plus(qd[4], a_l_hip_pitch_y);
-        let a_l_hip_pitch_z = qdd[4] - a_l_hip_roll_x;
-        let e128 = e127 * e127;
-        let e129 = o_l_hip_pitch_y * o_l_hip_pitch_y;
-        let e130 = o_l_hip_pitch_z * o_l_hip_pitch_z;
-        let e131 = e127 * o_l_hip_pitch_y;
-        let e132 = e127 * o_l_hip_pitch_z;
-        let e133 = o_l_hip_pitch_y * o_l_hip_pitch_z;
-        let e134 = e129 + e130;
-        let e135 = e128 + e130;
-        let e136 = e128 + e129;
-        let e137 = e131 + a_l_hip_pitch_z;
-        let e138 = a_l_hip_pitch_z - e131;
-        let e139 = e132 + a_l_hip_pitch_y;
-        let e140 = e133 + a_l_hip_pitch_x;
-        // l_knee
-        let o_l_knee_x = o_l_hip_pitch_y.mul_plus(sin[5], -(e127 * cos[5]));
-        let o_l_knee_y = o_l_hip_pitch_y.mul_plus(cos[5], e127 * sin[5]);
-        let o_l_knee_z = o_l_hip_pitch_z + qd[5];
-        let a_l_knee_x = a_l_hip_pitch_x.mul_plus(cos[5], a_l_hip_pitch_y * sin[5]);
-        let a_l_knee_x = o_l_knee_y.mul_plus(qd[5], a_l_knee_x);
-        let a_l_knee_y = a_l_hip_pitch_y.mul_plus(cos[5], -(a_l_hip_pitch_x * sin[5]));
-        let a_l_knee_y = (-o_l_knee_x).mul_plus(qd[5], a_l_knee_y);
-        let a_l_knee_z = a_l_hip_pitch_z + qdd[5];
-        let e141 = o_l_knee_x * o_l_knee_x;
-        let e142 = o_l_knee_y * o_l_knee_y;
-        let e143 = o_l_knee_z * o_l_knee_z;
-        let e144 = o_l_knee_x * o_l_knee_y;
-        let e145 = o_l_knee_x * o_l_knee_z;
-        let e146 = o_l_knee_y * o_l_knee_z;
-        let e147 = e142 + e143;
-        let e148 = e141 + e143;
-        let e149 = e141 + e142;
-        let e150 = e144 - a_l_knee_z;
-        let e151 = e144 + a_l_knee_z;
-        let e152 = e145 - a_l_knee_y;
-        let e153 = e146 + a_l_knee_x;
-        // l_ank_pitch
-        let o_l_ank_pitch_x = o_l_knee_x.mul_plus(cos[6], -(o_l_knee_y * sin[6]));
-        let o_l_ank_pitch_y = o_l_knee_y.mul_plus(cos[6], o_l_knee_x * sin[6]);
-        let o_l_ank_pitch_z = o_l_knee_z - qd[6];
-        let a_l_ank_pitch_x = a_l_knee_x.mul_plus(cos[6], -(a_l_knee_y * sin[6]));
-        let a_l_ank_pitch_x = (-o_l_ank_pitch_y).mul_plus(qd[6], a_l_ank_pitch_x);
-        let a_l_ank_pitch_y = a_l_knee_y.mul_plus(cos[6], a_l_knee_x * sin[6]);
-        let a_l_ank_pitch_y = o_l_ank_pitch_x.mul_plus(qd[6], a_l_ank_pitch_y);
-        let a_l_ank_pitch_z = a_l_knee_z - qdd[6];
-        let e154 = o_l_ank_pitch_x * o_l_ank_pitch_x;
-        let e155 = o_l_ank_pitch_y * o_l_ank_pitch_y;
-        let e156 = o_l_ank_pitch_z * o_l_ank_pitch_z;
-        let e157 = o_l_ank_pitch_x * o_l_ank_pitch_y;
-        let e158 = o_l_ank_pitch_x * o_l_ank_pitch_z;
-        let e159 = o_l_ank_pitch_y * o_l_ank_pitch_z;
-        let e160 = e155 + e156;
-        let e161 = e154 + e156;
-        let e162 = e154 + e155;
-        let e163 = e157 - a_l_ank_pitch_z;
-        let e164 = e157 + a_l_ank_pitch_z;
-        let e165 = e158 - a_l_ank_pitch_y;
-        let e166 = e159 + a_l_ank_pitch_x;
-        // l_ank_roll
-        let e167 = o_l_ank_pitch_y.mul_plus(sin[7], o_l_ank_pitch_z * cos[7]);
-        let o_l_ank_roll_y = o_l_ank_pitch_z.mul_plus(sin[7], -(o_l_ank_pitch_y * cos[7]));
-        let o_l_ank_roll_z = qd[7] - o_l_ank_pitch_x;
-        let a_l_ank_roll_x = a_l_ank_pitch_y.mul_plus(sin[7], a_l_ank_pitch_z * cos[7]);
-        let a_l_ank_roll_x = o_l_ank_roll_y.mul_plus(qd[7], -a_l_ank_roll_x);
-        let a_l_ank_roll_y = a_l_ank_pitch_z.mul_plus(sin[7], -(a_l_ank_pitch_y * cos[7]));
-        let a_l_ank_roll_y = e167.mul_plus(qd[7], a_l_ank_roll_y);
-        let a_l_ank_roll_z = qdd[7] - a_l_ank_pitch_x;
-        let e168 = e167 * e167;
-        let e169 = o_l_ank_roll_y * o_l_ank_roll_y;
-        let e170 = o_l_ank_roll_z * o_l_ank_roll_z;
-        let e171 = e167 * o_l_ank_roll_y;
-        let e172 = e167 * o_l_ank_roll_z;
-        let e173 = o_l_ank_roll_y * o_l_ank_roll_z;
-        let e174 = e169 + e170;
-        let e175 = e168 + e170;
-        let e176 = e168 + e169;
-        let e177 = e171 + a_l_ank_roll_z;
-        let e178 = a_l_ank_roll_z - e171;
-        let e179 = e172 + a_l_ank_roll_y;
-        let e180 = e173 + a_l_ank_roll_x;
-        // l_sho_pitch
-        let e181 = o_r_hip_yaw_x.mul_plus(cos[8], -(o_r_hip_yaw_z * sin[8]));
-        let e182 = o_r_hip_yaw_z.mul_plus(cos[8], o_r_hip_yaw_x * sin[8]);
-        let o_l_sho_pitch_z = e54 - qd[8];
-        let a_l_sho_pitch_x = a_r_hip_yaw_x.mul_plus(cos[8], -(a_r_hip_yaw_z * sin[8]));
-        let a_l_sho_pitch_x = e182.mul_plus(qd[8], -a_l_sho_pitch_x);
-        let e183 = a_r_hip_yaw_z.mul_plus(cos[8], a_r_hip_yaw_x * sin[8]);
-        let e183 = e181.mul_plus(qd[8], e183);
-        let a_l_sho_pitch_z = e55 - qdd[8];
-        let e184 = e181 * e181;
-        let e185 = e182 * e182;
-        let e186 = o_l_sho_pitch_z * o_l_sho_pitch_z;
-        let e187 = e181 * e182;
-        let e188 = e181 * o_l_sho_pitch_z;
-        let e189 = e182 * o_l_sho_pitch_z;
-        let e190 = e185 + e186;
-        let e191 = e184 + e186;
-        let e192 = e184 + e185;
-        let e193 = e187 - a_l_sho_pitch_z;
-        let e194 = e188 + e183;
-        let e195 = e187 + a_l_sho_pitch_z;
-        let e196 = e189 + a_l_sho_pitch_x;
-        let e197 = e183 - e188;
-        let e198 = a_l_sho_pitch_x - e189;
-        // l_sho_roll
-        let e199 = e182.mul_plus(s_l_sho_roll, o_l_sho_pitch_z * c_l_sho_roll);
-        let o_l_sho_roll_y = e182.mul_plus(c_l_sho_roll, -(o_l_sho_pitch_z * s_l_sho_roll));
-        let o_l_sho_roll_z = e181 - qd[9];
-        let e200 = e183.mul_plus(s_l_sho_roll, a_l_sho_pitch_z * c_l_sho_roll);
-        let e200 = o_l_sho_roll_y.mul_plus(qd[9], e200);
-        let a_l_sho_roll_y = e183.mul_plus(c_l_sho_roll, -(a_l_sho_pitch_z * s_l_sho_roll));
-        let a_l_sho_roll_y = (-e199).mul_plus(qd[9], a_l_sho_roll_y);
-        let e201 = a_l_sho_pitch_x + qdd[9];
-        let e202 = e199 * e199;
-        let e203 = o_l_sho_roll_y * o_l_sho_roll_y;
-        let e204 = o_l_sho_roll_z * o_l_sho_roll_z;
-        let e205 = e199 * o_l_sho_roll_y;
-        let e206 = e199 * o_l_sho_roll_z;
-        let e207 = o_l_sho_roll_y * o_l_sho_roll_z;
-        let e208 = e203 + e204;
-        let e209 = e202 + e204;
-        let e210 = e202 + e203;
-        let e211 = e201 - e205;
-        let e212 = a_l_sho_roll_y - e206;
-        let e213 = e205 + e201;
-        let e214 = e207 + e200;
-        let e215 = e206 + a_l_sho_roll_y;
-        let e216 = e207 - e200;
-        // l_el
-        let e217 = o_l_sho_roll_y.mul_plus(cos[10], o_l_sho_roll_z * sin[10]);
-        let o_l_el_y = o_l_sho_roll_z.mul_plus(cos[10], -(o_l_sho_roll_y * sin[10]));
-        let o_l_el_z = e199 - qd[10];
-        let e218 = a_l_sho_roll_y.mul_plus(cos[10], -(e201 * sin[10]));
-        let e218 = o_l_el_y.mul_plus(qd[10], e218);
-        let e219 = e201.mul_plus(cos[10], a_l_sho_roll_y * sin[10]);
-        let e219 = e217.mul_plus(qd[10], e219);
-        let a_l_el_z = e200 - qdd[10];
-        let e220 = e217 * e217;
-        let e221 = o_l_el_y * o_l_el_y;
-        let e222 = o_l_el_z * o_l_el_z;
-        let e223 = e217 * o_l_el_y;
-        let e224 = e217 * o_l_el_z;
-        let e225 = o_l_el_y * o_l_el_z;
-        let e226 = e221 + e222;
-        let e227 = e220 + e222;
-        let e228 = e220 + e221;
-        let e229 = e223 + a_l_el_z;
-        let e230 = a_l_el_z - e223;
-        let e231 = e219 - e224;
-        let e232 = e225 - e218;
-        // r_sho_pitch
-        let e233 = o_r_hip_yaw_x.mul_plus(cos[17], o_r_hip_yaw_z * sin[17]);
-        let e234 = o_r_hip_yaw_z.mul_plus(cos[17], -(o_r_hip_yaw_x * sin[17]));
-        let o_r_sho_pitch_z = e54 + qd[17];
-        let e235 = a_r_hip_yaw_x.mul_plus(cos[17], a_r_hip_yaw_z * sin[17]);
-        let e235 = e234.mul_plus(qd[17], e235);
-        let a_r_sho_pitch_y = a_r_hip_yaw_z.mul_plus(cos[17], -(a_r_hip_yaw_x * sin[17]));
-        let a_r_sho_pitch_y = e233.mul_plus(qd[17], -a_r_sho_pitch_y);
-        let a_r_sho_pitch_z = e55 + qdd[17];
-        let e236 = e233 * e233;
-        let e237 = e234 * e234;
-        let e238 = o_r_sho_pitch_z * o_r_sho_pitch_z;
-        let e239 = e233 * e234;
-        let e240 = e233 * o_r_sho_pitch_z;
-        let e241 = e234 * o_r_sho_pitch_z;
-        let e242 = e237 + e238;
-        let e243 = e236 + e238;
-        let e244 = e236 + e237;
-        let e245 = e239 - a_r_sho_pitch_z;
-        let e246 = a_r_sho_pitch_y - e240;
-        let e247 = e239 + a_r_sho_pitch_z;
-        let e248 = e235 - e241;
-        let e249 = e240 + a_r_sho_pitch_y;
-        let e250 = e241 + e235;
-        // r_sho_roll
-        let e251 = e234.mul_plus(s_r_sho_roll, o_r_sho_pitch_z * c_r_sho_roll);
-        let o_r_sho_roll_y = e234.mul_plus(c_r_sho_roll, -(o_r_sho_pitch_z * s_r_sho_roll));
-        let o_r_sho_roll_z = e233 - qd[18];
-        let e252 = a_r_sho_pitch_z.mul_plus(c_r_sho_roll, -(a_r_sho_pitch_y * s_r_sho_roll));
-        let e252 = o_r_sho_roll_y.mul_plus(qd[18], e252);
-        let e253 = a_r_sho_pitch_z.mul_plus(s_r_sho_roll, a_r_sho_pitch_y * c_r_sho_roll);
-        let e253 = e251.mul_plus(qd[18], e253);
-        let a_r_sho_roll_z = e235 - qdd[18];
-        let e254 = e251 * e251;
-        let e255 = o_r_sho_roll_y * o_r_sho_roll_y;
-        let e256 = o_r_sho_roll_z * o_r_sho_roll_z;
-        let e257 = e251 * o_r_sho_roll_y;
-        let e258 = e251 * o_r_sho_roll_z;
-        let e259 = o_r_sho_roll_y * o_r_sho_roll_z;
-        let e260 = e255 + e256;
-        let e261 = e254 + e256;
-        let e262 = e254 + e255;
-        let e263 = e257 + a_r_sho_roll_z;
-        let e264 = e258 + e253;
-        let e265 = a_r_sho_roll_z - e257;
-        let e266 = e259 + e252;
-        let e267 = e253 - e258;
-        let e268 = e259 - e252;
-        // r_el
-        let e269 = o_r_sho_roll_y.mul_plus(cos[19], -(o_r_sho_roll_z * sin[19]));
-        let o_r_el_y = o_r_sho_roll_z.mul_plus(cos[19], o_r_sho_roll_y * sin[19]);
-        let o_r_el_z = e251 + qd[19];
-        let a_r_el_x = e253.mul_plus(cos[19], a_r_sho_roll_z * sin[19]);
-        let a_r_el_x = o_r_el_y.mul_plus(qd[19], a_r_el_x);
-        let a_r_el_y = a_r_sho_roll_z.mul_plus(cos[19], -(e253 * sin[19]));
-        let a_r_el_y = e269.mul_plus(qd[19], a_r_el_y);
-        let a_r_el_z = e252 + qdd[19];
-        let e270 = e269 * e269;
-        let e271 = o_r_el_y * o_r_el_y;
-        let e272 = o_r_el_z * o_r_el_z;
-        let e273 = e269 * o_r_el_y;
-        let e274 = e269 * o_r_el_z;
-        let e275 = o_r_el_y * o_r_el_z;
-        let e276 = e271 + e272;
-        let e277 = e270 + e272;
-        let e278 = e270 + e271;
-        let e279 = e273 + a_r_el_z;
-        let e280 = a_r_el_z - e273;
-        let e281 = e274 + a_r_el_y;
-        let e282 = e275 + a_r_el_x;
-        let e283 = r[41].mul_plus(e276, r[42] * e279);
-        let f_r_el_y = r[41].mul_plus(e280, -(r[42] * e277));
-        let f_r_el_z = r[42].mul_plus(e282, -(r[41] * e281));
-        // r_sho_roll
-        let f_r_sho_roll_x = f_r_el_z - r[39].mul_plus(e260, r[40] * e263);
-        let p6 = cos[19].mul_plus(e283, sin[19] * f_r_el_y);
-        let f_r_sho_roll_y = r[39].mul_plus(e265, -(r[40] * e261)) - p6;
-        let p7 = sin[19].mul_plus(e283, -(cos[19] * f_r_el_y));
-        let f_r_sho_roll_z = r[39].mul_plus(e267, r[40] * e268) + p7;
-        // r_sho_pitch
-        let f_r_sho_pitch_x = r[38].mul_plus(e245, -(r[37] * e242)) + f_r_sho_roll_z;
-        let p8 = c_r_sho_roll.mul_plus(f_r_sho_roll_y, -(s_r_sho_roll * f_r_sho_roll_x));
-        let f_r_sho_pitch_y = r[37].mul_plus(e247, -(r[38] * e243)) + p8;
-        let p9 = r[37].mul_plus(e249, r[38] * e250);
-        let f_r_sho_pitch_z = c_r_sho_roll
-            .mul_plus(f_r_sho_roll_x, s_r_sho_roll * f_r_sho_roll_y) - p9;
-        // l_el
-        let e284 = r[35].mul_plus(e226, r[36] * e229);
-        let f_l_el_y = r[35].mul_plus(e230, -(r[36] * e227));
-        let f_l_el_z = r[35].mul_plus(e231, r[36] * e232);
-        // l_sho_roll
-        let f_l_sho_roll_x = r[34].mul_plus(e211, -(r[33] * e208)) + f_l_el_z;
-        let p10 = r[33].mul_plus(e213, r[34] * e209);
-        let f_l_sho_roll_y = sin[10].mul_plus(f_l_el_y, -(cos[10] * e284)) - p10;
-        let p11 = sin[10].mul_plus(e284, cos[10] * f_l_el_y);
-        let f_l_sho_roll_z = r[34].mul_plus(e216, -(r[33] * e215)) - p11;
-        // l_sho_pitch
-        let f_l_sho_pitch_x = r[32].mul_plus(e193, -(r[31] * e190)) + f_l_sho_roll_z;
-        let p12 = c_l_sho_roll.mul_plus(f_l_sho_roll_y, -(s_l_sho_roll * f_l_sho_roll_x));
-        let f_l_sho_pitch_y = r[31].mul_plus(e195, -(r[32] * e191)) + p12;
-        let p13 = c_l_sho_roll.mul_plus(f_l_sho_roll_x, s_l_sho_roll * f_l_sho_roll_y);
-        let f_l_sho_pitch_z = r[31].mul_plus(e197, r[32] * e198) + p13;
-        // l_ank_roll
-        let e285 = r[29].mul_plus(e174, r[30] * e177);
-        let f_l_ank_roll_y = r[29].mul_plus(e178, -(r[30] * e175));
-        let f_l_ank_roll_z = r[30].mul_plus(e180, -(r[29] * e179));
-        // l_ank_pitch
-        let f_l_ank_pitch_x = r[28].mul_plus(e163, -(r[27] * e160)) + f_l_ank_roll_z;
-        let p14 = cos[7].mul_plus(f_l_ank_roll_y, -(sin[7] * e285));
-        let f_l_ank_pitch_y = r[27].mul_plus(e164, -(r[28] * e161)) + p14;
-        let p15 = cos[7].mul_plus(e285, sin[7] * f_l_ank_roll_y);
-        let f_l_ank_pitch_z = r[27].mul_plus(e165, r[28] * e166) - p15;
-        // l_knee
-        let p16 = cos[6].mul_plus(f_l_ank_pitch_x, sin[6] * f_l_ank_pitch_y);
-        let f_l_knee_x = r[26].mul_plus(e150, -(r[25] * e147)) + p16;
-        let p17 = cos[6].mul_plus(f_l_ank_pitch_y, -(sin[6] * f_l_ank_pitch_x));
-        let f_l_knee_y = r[25].mul_plus(e151, -(r[26] * e148)) + p17;
-        let f_l_knee_z = r[25].mul_plus(e152, r[26] * e153) + f_l_ank_pitch_z;
-        // l_hip_pitch
-        let p18 = r[23].mul_plus(e134, r[24] * e137);
-        let f_l_hip_pitch_x = cos[5].mul_plus(f_l_knee_x, -(sin[5] * f_l_knee_y)) - p18;
-        let p19 = sin[5].mul_plus(f_l_knee_x, cos[5] * f_l_knee_y);
-        let f_l_hip_pitch_y = r[23].mul_plus(e138, -(r[24] * e135)) + p19;
-        let f_l_hip_pitch_z = r[24].mul_plus(e140, -(r[23] * e139)) + f_l_knee_z;
-        // l_hip_roll
-        let f_l_hip_roll_x = r[22].mul_plus(e123, -(r[21] * e120)) + f_l_hip_pitch_z;
-        let p20 = sin[4].mul_plus(f_l_hip_pitch_x, cos[4] * f_l_hip_pitch_y);
-        let f_l_hip_roll_y = r[21].mul_plus(e124, -(r[22] * e121)) + p20;
-        let p21 = cos[4].mul_plus(f_l_hip_pitch_x, -(sin[4] * f_l_hip_pitch_y));
-        let f_l_hip_roll_z = r[21].mul_plus(e125, r[22] * e126) + p21;
-        // l_hip_yaw
-        let f_l_hip_yaw_x = r[20].mul_plus(e110, -(r[19] * e109)) + f_l_hip_roll_z;
-        let p22 = cos[3].mul_plus(f_l_hip_roll_x, sin[3] * f_l_hip_roll_y);
-        let f_l_hip_yaw_y = r[19].mul_plus(e111, -(r[20] * (e104 + e106))) + p22;
-        let p23 = cos[3].mul_plus(f_l_hip_roll_y, -(sin[3] * f_l_hip_roll_x));
-        let f_l_hip_yaw_z = r[19].mul_plus(e112, r[20] * e113) + p23;
-        // head_tilt
-        let f_head_tilt_x = r[18].mul_plus(e100, -(r[17] * e97));
-        let e286 = r[17].mul_plus(e101, r[18] * e98);
-        let f_head_tilt_z = r[18].mul_plus(e103, -(r[17] * e102));
-        // head_pan
-        let p24 = r[15].mul_plus(e79, r[16] * e82);
-        let f_head_pan_x = cos[1].mul_plus(f_head_tilt_x, -(sin[1] * e286)) - p24;
-        let f_head_pan_y = r[15].mul_plus(e84, -(r[16] * e80)) + f_head_tilt_z;
-        let p25 = sin[1].mul_plus(f_head_tilt_x, cos[1] * e286);
-        let f_head_pan_z = r[15].mul_plus(e86, r[16] * e87) + p25;
-        // r_hip_yaw
-        let p26 = r[13].mul_plus(e62, r[14] * e65);
-        let p27 = cos[8].mul_plus(f_l_sho_pitch_x, sin[8] * f_l_sho_pitch_y);
-        let p28 = cos[17].mul_plus(f_r_sho_pitch_x, -(sin[17] * f_r_sho_pitch_y));
-        let p29 = cos[2].mul_plus(f_l_hip_yaw_x, sin[2] * f_l_hip_yaw_y);
-        let f_r_hip_yaw_x = cos[0].mul_plus(f_head_pan_x, -(sin[0] * f_head_pan_y)) - p26
-            + p27 + p28 + p29;
-        let p30 = sin[0].mul_plus(f_head_pan_x, cos[0] * f_head_pan_y);
-        let p31 = cos[2].mul_plus(f_l_hip_yaw_y, -(sin[2] * f_l_hip_yaw_x));
-        let f_r_hip_yaw_y = r[13].mul_plus(e67, -(r[14] * e63)) + p30 + f_l_sho_pitch_z
-            + f_r_sho_pitch_z + p31;
-        let p32 = cos[8].mul_plus(f_l_sho_pitch_y, -(sin[8] * f_l_sho_pitch_x));
-        let p33 = sin[17].mul_plus(f_r_sho_pitch_x, cos[17] * f_r_sho_pitch_y);
-        let f_r_hip_yaw_z = r[13].mul_plus(e69, r[14] * e70) + f_head_pan_z + p32 + p33
-            + f_l_hip_yaw_z;
-        // r_hip_roll
-        let p34 = r[11].mul_plus(e45 + e46, r[12] * e50);
-        let f_r_hip_roll_x = sin[11].mul_plus(f_r_hip_yaw_x, cos[11] * f_r_hip_yaw_y)
-            - p34;
-        let f_r_hip_roll_y = r[11].mul_plus(e51, -(r[12] * e49)) + f_r_hip_yaw_z;
-        let p35 = cos[11].mul_plus(f_r_hip_yaw_x, -(sin[11] * f_r_hip_yaw_y));
-        let f_r_hip_roll_z = r[12].mul_plus(e53, -(r[11] * e52)) + p35;
-        // r_hip_pitch
-        let f_r_hip_pitch_x = r[10].mul_plus(e39, -(r[9] * e36)) + f_r_hip_roll_z;
-        let p36 = sin[12].mul_plus(f_r_hip_roll_x, cos[12] * f_r_hip_roll_y);
-        let f_r_hip_pitch_y = r[9].mul_plus(e40, -(r[10] * e37)) + p36;
-        let p37 = cos[12].mul_plus(f_r_hip_roll_x, -(sin[12] * f_r_hip_roll_y));
-        let f_r_hip_pitch_z = r[9].mul_plus(e41, r[10] * e42) + p37;
-        // r_knee
-        let p38 = cos[13].mul_plus(f_r_hip_pitch_x, -(sin[13] * f_r_hip_pitch_y));
-        let f_r_knee_x = r[8].mul_plus(e26, -(r[7] * e23)) + p38;
-        let p39 = sin[13].mul_plus(f_r_hip_pitch_x, cos[13] * f_r_hip_pitch_y);
-        let f_r_knee_y = r[7].mul_plus(e27, -(r[8] * e24)) + p39;
-        let f_r_knee_z = r[7].mul_plus(e28, r[8] * e29) + f_r_hip_pitch_z;
-        // r_ank_pitch
-        let p40 = cos[14].mul_plus(f_r_knee_x, -(sin[14] * f_r_knee_y));
-        let f_r_ank_pitch_x = r[6].mul_plus(e13, -(r[5] * e10)) + p40;
-        let p41 = sin[14].mul_plus(f_r_knee_x, cos[14] * f_r_knee_y);
-        let f_r_ank_pitch_y = r[5].mul_plus(e14, -(r[6] * e11)) + p41;
-        let f_r_ank_pitch_z = r[6].mul_plus(e16, -(r[5] * e15)) + f_r_knee_z;
-        // r_ank_roll
-        let f_r_ank_roll_z = cos[15].mul_plus(f_r_ank_pitch_x, sin[15] * f_r_ank_pitch_y);
-        let f_r_ank_roll_x = r[4].mul_plus(qdd[16], -(r[3] * e3)) + f_r_ank_pitch_z;
-        let p42 = r[3].mul_plus(qdd[16], r[4] * e3);
-        let f_r_ank_roll_y = cos[15].mul_plus(f_r_ank_pitch_y, -(sin[15] * f_r_ank_pitch_x)) - p42;
-        // r_sole
-        let f_r_sole_y = cos[16].mul_plus(f_r_ank_roll_x, sin[16] * f_r_ank_roll_y);
-        let f_r_sole_z = cos[16].mul_plus(f_r_ank_roll_y, -(sin[16] * f_r_ank_roll_x));
-        // r_el
-        let g_r_el_x = e276
-            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e279);
-        let g_r_el_y = e277
-            .mul_plus(
-                T::from_f64(0.000929017483189518),
-                -(T::from_f64(0.000273408178112904) * e280),
-            );
-        let g_r_el_z = e281
-            .mul_plus(
-                T::from_f64(0.000273408178112904),
-                -(T::from_f64(0.000929017483189518) * e282),
-            );
-        let p43 = e282
-            .mul_plus(
-                T::from_f64(0.00006865145386171288),
-                -(T::from_f64(0.000014749587945905814) * e281),
-            );
-        let p44 = e280
-            .mul_plus(
-                T::from_f64(0.0000019716071492440347),
-                -(T::from_f64(0.000008004954384683086) * e277),
-            );
-        let n_r_el_x = (-e278).mul_plus(T::from_f64(0.000008004954384683086), p43) - p44;
-        let p45 = e282
-            .mul_plus(
-                T::from_f64(0.000014749587945905814),
-                -(T::from_f64(0.000007312157109986523) * e281),
-            );
-        let p46 = (-e278).mul_plus(T::from_f64(0.0000019716071492440347), p45);
-        let e287 = e276
-            .mul_plus(
-                T::from_f64(0.0000019716071492440347),
-                T::from_f64(0.000008004954384683086) * e279,
-            ) + p46;
-        let p47 = e280
-            .mul_plus(
-                T::from_f64(0.000007312157109986523),
-                -(T::from_f64(0.000014749587945905814) * e277),
-            );
-        let p48 = e276
-            .mul_plus(
-                T::from_f64(0.000014749587945905814),
-                T::from_f64(0.00006865145386171288) * e279,
-            );
-        let p49 = (a_r_el_y - e274).mul_plus(T::from_f64(0.000008004954384683086), -p48);
-        let n_r_el_z = (e275 - a_r_el_x).mul_plus(T::from_f64(0.0000019716071492440347), p47) - p49;
-        // r_sho_roll
-        let e288 = sin[19]
-            .mul_plus(
-                T::from_f64(0.000929017483189518),
-                -(T::from_f64(0.000273408178112904) * cos[19]),
-            );
-        let h_r_sho_roll_z = sin[19]
-            .mul_plus(
-                T::from_f64(0.000273408178112904),
-                T::from_f64(0.000929017483189518) * cos[19],
-            );
-        let e289 = cos[19].mul_plus(g_r_el_x, -(sin[19] * g_r_el_y));
-        let e290 = sin[19].mul_plus(g_r_el_x, cos[19] * g_r_el_y);
-        let e291 = e263.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e264));
-        let h_r_sho_roll_y = e288 - T::from_f64(0.003301899427745445);
-        let g_r_sho_roll_x = e260
-            .mul_plus(
-                T::from_f64(0.0001730709697837521),
-                T::from_f64(0.003301899427745445) * e263,
-            ) + g_r_el_z;
-        let g_r_sho_roll_y = e261
-            .mul_plus(
-                T::from_f64(0.003301899427745445),
-                -(T::from_f64(0.0001730709697837521) * e265),
-            ) + e289;
-        let e292 = e267
-            .mul_plus(
-                T::from_f64(0.0001730709697837521),
-                T::from_f64(0.003301899427745445) * e268,
-            ) + e290;
-        let p50 = e267
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                T::from_f64(0.00018228272296269858) * e268,
-            );
-        let p51 = e261
-            .mul_plus(
-                T::from_f64(0.000021611694608984365),
-                -(T::from_f64(0.00000249070310952364) * e265),
-            );
-        let p52 = e290.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e289));
-        let p53 = e268.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e262);
-        let p54 = e261.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e266);
-        let p55 = e288.mul_plus(p53, h_r_sho_roll_z * p54);
-        let n_r_sho_roll_x = e262.mul_plus(T::from_f64(0.000021611694608984365), p50)
-            - p51 + (p52 - n_r_el_z - p55);
-        let p56 = e267
-            .mul_plus(
-                T::from_f64(0.000009582825299676476),
-                T::from_f64(0.000008770440350153032) * e268,
-            );
-        let p57 = e262.mul_plus(T::from_f64(0.00000249070310952364), p56);
-        let p58 = cos[19].mul_plus(n_r_el_x, sin[19] * e287);
-        let p59 = g_r_el_z.mul_plus(T::from_f64(0.016), -p58);
-        let p60 = h_r_sho_roll_z.mul_plus(e291, p59);
-        let n_r_sho_roll_y = e260
-            .mul_plus(
-                T::from_f64(0.00000249070310952364),
-                T::from_f64(0.000021611694608984365) * e263,
-            ) - p57 + p60;
-        let p61 = e265
-            .mul_plus(
-                T::from_f64(0.000009582825299676476),
-                -(T::from_f64(0.000008770440350153032) * e261),
-            );
-        let p62 = e260
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                T::from_f64(0.00018228272296269858) * e263,
-            );
-        let p63 = e264.mul_plus(T::from_f64(0.000021611694608984365), -p62);
-        let p64 = cos[19].mul_plus(e287, -(sin[19] * n_r_el_x));
-        let p65 = g_r_el_z.mul_plus(T::from_f64(0.06), -p64);
-        let p66 = (-e288).mul_plus(e291, p65);
-        let n_r_sho_roll_z = (-e266).mul_plus(T::from_f64(0.00000249070310952364), p61)
-            - p63 + p66;
-        // r_sho_pitch
-        let e293 = s_r_sho_roll
-            .mul_plus(T::from_f64(0.0001730709697837521), c_r_sho_roll * h_r_sho_roll_y);
-        let h_r_sho_pitch_z = s_r_sho_roll
-            .mul_plus(h_r_sho_roll_y, -(T::from_f64(0.0001730709697837521) * c_r_sho_roll));
-        let e294 = c_r_sho_roll.mul_plus(g_r_sho_roll_y, -(s_r_sho_roll * g_r_sho_roll_x));
-        let e295 = c_r_sho_roll.mul_plus(g_r_sho_roll_x, s_r_sho_roll * g_r_sho_roll_y);
-        let e296 = e245.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e246);
-        let e297 = e243.mul_plus(T::from_f64(0.016), -(T::from_f64(0.045000000000000005) * e248));
-        let e298 = e250.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e244);
-        let h_r_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_r_sho_roll_z;
-        let h_r_sho_pitch_y = e293 - T::from_f64(0.0012960221329661491);
-        let e299 = e242
-            .mul_plus(
-                T::from_f64(0.00037887327917640026),
-                T::from_f64(0.0012960221329661491) * e245,
-            ) + e292;
-        let g_r_sho_pitch_y = e247
-            .mul_plus(
-                T::from_f64(0.00037887327917640026),
-                T::from_f64(0.0012960221329661491) * e243,
-            ) + e294;
-        let g_r_sho_pitch_z = e250
-            .mul_plus(
-                T::from_f64(0.0012960221329661491),
-                -(T::from_f64(0.00037887327917640026) * e249),
-            ) + e295;
-        let p67 = e249
-            .mul_plus(
-                T::from_f64(0.000006049466968514166),
-                -(T::from_f64(0.000021025263749857257) * e250),
-            );
-        let p68 = e247
-            .mul_plus(
-                T::from_f64(0.00001703679220852605),
-                T::from_f64(0.00005821202846670826) * e243,
-            );
-        let p69 = e294.mul_plus(T::from_f64(0.045000000000000005), -(T::from_f64(0.016) * e295));
-        let p70 = e293.mul_plus(e298, -(h_r_sho_pitch_z * e297));
-        let n_r_sho_pitch_x = (-e244).mul_plus(T::from_f64(0.00005821202846670826), p67)
-            + p68 + (p69 - n_r_sho_roll_z + p70);
-        let p71 = e250
-            .mul_plus(
-                T::from_f64(0.000006049466968514166),
-                -(T::from_f64(0.000015751469565172988) * e249),
-            );
-        let p72 = e244.mul_plus(T::from_f64(0.00001703679220852605), p71);
-        let p73 = c_r_sho_roll.mul_plus(n_r_sho_roll_y, -(s_r_sho_roll * n_r_sho_roll_x));
-        let p74 = e292.mul_plus(T::from_f64(0.045000000000000005), -p73);
-        let p75 = h_r_sho_pitch_z.mul_plus(e296, h_r_sho_roll_z * e298);
-        let n_r_sho_pitch_y = e242
-            .mul_plus(
-                T::from_f64(0.00001703679220852605),
-                T::from_f64(0.00005821202846670826) * e245,
-            ) - p72 + (p74 - p75);
-        let p76 = e247
-            .mul_plus(
-                T::from_f64(0.000015751469565172988),
-                T::from_f64(0.000006049466968514166) * e243,
-            );
-        let p77 = e242
-            .mul_plus(
-                T::from_f64(0.000006049466968514166),
-                T::from_f64(0.000021025263749857257) * e245,
-            );
-        let p78 = e246.mul_plus(T::from_f64(0.00005821202846670826), p77);
-        let p79 = h_r_sho_roll_z.mul_plus(e297, e293 * e296);
-        let p80 = c_r_sho_roll.mul_plus(n_r_sho_roll_x, s_r_sho_roll * n_r_sho_roll_y);
-        let p81 = e292.mul_plus(T::from_f64(0.016), p80);
-        let n_r_sho_pitch_z = (-e248).mul_plus(T::from_f64(0.00001703679220852605), p76)
-            - p78 + (p79 - p81);
-        // l_el
-        let g_l_el_x = e226
-            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e229);
-        let g_l_el_y = e227
-            .mul_plus(
-                T::from_f64(0.000929017483189518),
-                -(T::from_f64(0.000273408178112904) * e230),
-            );
-        let e300 = e231
-            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e232);
-        let p82 = e231
-            .mul_plus(
-                T::from_f64(0.000014749587945905814),
-                T::from_f64(0.00006865145386171288) * e232,
-            );
-        let p83 = e227
-            .mul_plus(
-                T::from_f64(0.000008004954384683086),
-                -(T::from_f64(0.0000019716071492440347) * e230),
-            );
-        let n_l_el_x = e228.mul_plus(T::from_f64(0.000008004954384683086), p82) - p83;
-        let p84 = e231
-            .mul_plus(
-                T::from_f64(0.000007312157109986523),
-                T::from_f64(0.000014749587945905814) * e232,
-            );
-        let p85 = e228.mul_plus(T::from_f64(0.0000019716071492440347), p84);
-        let n_l_el_y = e226
-            .mul_plus(
-                T::from_f64(0.0000019716071492440347),
-                T::from_f64(0.000008004954384683086) * e229,
-            ) - p85;
-        let p86 = e230
-            .mul_plus(
-                T::from_f64(0.000007312157109986523),
-                -(T::from_f64(0.000014749587945905814) * e227),
-            );
-        let p87 = e226
-            .mul_plus(
-                T::from_f64(0.000014749587945905814),
-                T::from_f64(0.00006865145386171288) * e229,
-            );
-        let p88 = (e224 + e219).mul_plus(T::from_f64(0.000008004954384683086), -p87);
-        let n_l_el_z = (-(e225 + e218)).mul_plus(T::from_f64(0.0000019716071492440347), p86) - p88;
-        // l_sho_roll
-        let e301 = cos[10]
-            .mul_plus(
-                T::from_f64(0.000273408178112904),
-                T::from_f64(0.000929017483189518) * sin[10],
-            );
-        let h_l_sho_roll_z = cos[10]
-            .mul_plus(
-                T::from_f64(0.000929017483189518),
-                -(T::from_f64(0.000273408178112904) * sin[10]),
-            );
-        let e302 = cos[10].mul_plus(g_l_el_x, sin[10] * g_l_el_y);
-        let e303 = sin[10].mul_plus(g_l_el_x, -(cos[10] * g_l_el_y));
-        let e304 = e212.mul_plus(T::from_f64(0.016), -(T::from_f64(0.06) * e211));
-        let e305 = e301 + T::from_f64(0.003301899427745445);
-        let e306 = e208
-            .mul_plus(
-                T::from_f64(0.0001730709697837521),
-                T::from_f64(0.003301899427745445) * e211,
-            ) + e300;
-        let g_l_sho_roll_y = e209
-            .mul_plus(
-                T::from_f64(0.003301899427745445),
-                -(T::from_f64(0.0001730709697837521) * e213),
-            ) + e302;
-        let g_l_sho_roll_z = e303
-            - e215
-                .mul_plus(
-                    T::from_f64(0.0001730709697837521),
-                    T::from_f64(0.003301899427745445) * e216,
-                );
-        let p89 = e215
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                T::from_f64(0.00018228272296269858) * e216,
-            );
-        let p90 = e209
-            .mul_plus(
-                T::from_f64(0.000021611694608984365),
-                -(T::from_f64(0.00000249070310952364) * e213),
-            );
-        let p91 = e216.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e210);
-        let p92 = e209.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e214);
-        let p93 = e301.mul_plus(p91, -(h_l_sho_roll_z * p92));
-        let p94 = e303.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e302);
-        let n_l_sho_roll_x = e210.mul_plus(T::from_f64(0.000021611694608984365), p89)
-            - p90 + (p93 - (n_l_el_z + p94));
-        let p95 = e215
-            .mul_plus(
-                T::from_f64(0.000009582825299676476),
-                T::from_f64(0.000008770440350153032) * e216,
-            );
-        let p96 = e208
-            .mul_plus(
-                T::from_f64(0.00000249070310952364),
-                T::from_f64(0.000021611694608984365) * e211,
-            );
-        let p97 = cos[10].mul_plus(n_l_el_x, sin[10] * n_l_el_y);
-        let p98 = e300.mul_plus(T::from_f64(0.016), p97);
-        let p99 = h_l_sho_roll_z.mul_plus(e304, -p98);
-        let n_l_sho_roll_y = e210.mul_plus(T::from_f64(0.00000249070310952364), p95)
-            - p96 + p99;
-        let p100 = e209
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                -(T::from_f64(0.000009582825299676476) * e213),
-            );
-        let p101 = e208
-            .mul_plus(
-                T::from_f64(0.000008770440350153032),
-                T::from_f64(0.00018228272296269858) * e211,
-            );
-        let p102 = (-e212).mul_plus(T::from_f64(0.000021611694608984365), p101);
-        let p103 = sin[10].mul_plus(n_l_el_x, -(cos[10] * n_l_el_y));
-        let p104 = e300.mul_plus(T::from_f64(0.06), p103);
-        let p105 = e301.mul_plus(e304, -p104);
-        let n_l_sho_roll_z = e214.mul_plus(T::from_f64(0.00000249070310952364), p100)
-            - p102 + p105;
-        // l_sho_pitch
-        let e307 = s_l_sho_roll.mul_plus(T::from_f64(0.0001730709697837521), c_l_sho_roll * e305);
-        let h_l_sho_pitch_z = c_l_sho_roll
-            .mul_plus(T::from_f64(0.0001730709697837521), -(s_l_sho_roll * e305));
-        let e308 = s_l_sho_roll.mul_plus(e306, c_l_sho_roll * g_l_sho_roll_y);
-        let e309 = s_l_sho_roll.mul_plus(g_l_sho_roll_y, -(c_l_sho_roll * e306));
-        let e310 = e193.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e194);
-        let e311 = e191.mul_plus(T::from_f64(0.016), -(T::from_f64(0.119) * e196));
-        let e312 = e198.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e192);
-        let h_l_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_l_sho_roll_z;
-        let e313 = e307 + T::from_f64(0.0012960221329661491);
-        let g_l_sho_pitch_x = g_l_sho_roll_z
-            - e190
-                .mul_plus(
-                    T::from_f64(0.00037887327917640026),
-                    T::from_f64(0.0012960221329661491) * e193,
-                );
-        let g_l_sho_pitch_y = e195
-            .mul_plus(
-                T::from_f64(0.00037887327917640026),
-                T::from_f64(0.0012960221329661491) * e191,
-            ) + e308;
-        let g_l_sho_pitch_z = e197
-            .mul_plus(
-                T::from_f64(0.00037887327917640026),
-                -(T::from_f64(0.0012960221329661491) * e198),
-            ) + e309;
-        let p106 = e198
-            .mul_plus(
-                T::from_f64(0.000021025263749857257),
-                -(T::from_f64(0.000006049466968514166) * e197),
-            );
-        let p107 = e195
-            .mul_plus(
-                T::from_f64(0.00004507341486757967),
-                T::from_f64(0.00015411766630620325) * e191,
-            );
-        let p108 = e307.mul_plus(e312, -(h_l_sho_pitch_z * e311));
-        let p109 = e309.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e308);
-        let n_l_sho_pitch_x = e192.mul_plus(T::from_f64(0.00015411766630620325), p106)
-            - p107 + (p108 - (n_l_sho_roll_z + p109));
-        let p110 = c_l_sho_roll.mul_plus(n_l_sho_roll_y, -(s_l_sho_roll * n_l_sho_roll_x));
-        let p111 = h_l_sho_roll_z.mul_plus(e312, -(h_l_sho_pitch_z * e310));
-        let p112 = e190
-            .mul_plus(
-                T::from_f64(0.00004507341486757967),
-                T::from_f64(0.00015411766630620325) * e193,
-            );
-        let p113 = e197
-            .mul_plus(
-                T::from_f64(0.000015751469565172988),
-                -(T::from_f64(0.000006049466968514166) * e198),
-            );
-        let p114 = (-e192).mul_plus(T::from_f64(0.00004507341486757967), p113);
-        let n_l_sho_pitch_y = g_l_sho_roll_z.mul_plus(T::from_f64(0.119), -p110) + p111
-            - (p112 + p114);
-        let p115 = e195
-            .mul_plus(
-                T::from_f64(0.000015751469565172988),
-                T::from_f64(0.000006049466968514166) * e191,
-            );
-        let p116 = e190
-            .mul_plus(
-                T::from_f64(0.000006049466968514166),
-                T::from_f64(0.000021025263749857257) * e193,
-            );
-        let p117 = e194.mul_plus(T::from_f64(0.00015411766630620325), p116);
-        let p118 = c_l_sho_roll.mul_plus(n_l_sho_roll_x, s_l_sho_roll * n_l_sho_roll_y);
-        let p119 = g_l_sho_roll_z.mul_plus(T::from_f64(0.016), -p118);
-        let p120 = h_l_sho_roll_z.mul_plus(e311, -(e307 * e310));
-        let n_l_sho_pitch_z = (-e196).mul_plus(T::from_f64(0.00004507341486757967), p115)
-            - p117 + (p119 + p120);
-        // l_ank_roll
-        let g_l_ank_roll_x = e177
-            .mul_plus(
-                T::from_f64(0.0007059822837621398),
-                -(T::from_f64(0.00025816139346608233) * e174),
-            );
-        let g_l_ank_roll_y = e178
-            .mul_plus(
-                T::from_f64(0.00025816139346608233),
-                T::from_f64(0.0007059822837621398) * e175,
-            );
-        let p121 = e179
-            .mul_plus(
-                T::from_f64(0.000007576886585148148),
-                T::from_f64(0.000021134117049132984) * e180,
-            );
-        let p122 = e178
-            .mul_plus(
-                T::from_f64(0.00000020458297722683973),
-                T::from_f64(0.000000021314061318441703) * e175,
-            );
-        let n_l_ank_roll_x = (-e176).mul_plus(T::from_f64(0.000000021314061318441703), p121) + p122;
-        let p123 = e179
-            .mul_plus(
-                T::from_f64(0.000011924058013889746),
-                T::from_f64(0.000007576886585148148) * e180,
-            );
-        let p124 = e176.mul_plus(T::from_f64(0.00000020458297722683973), -p123);
-        let n_l_ank_roll_y = e174
-            .mul_plus(
-                T::from_f64(0.00000020458297722683973),
-                -(T::from_f64(0.000000021314061318441703) * e177),
-            ) - p124;
-        let p125 = e178
-            .mul_plus(
-                T::from_f64(0.000011924058013889746),
-                T::from_f64(0.000007576886585148148) * e175,
-            );
-        let p126 = e174
-            .mul_plus(
-                T::from_f64(0.000007576886585148148),
-                -(T::from_f64(0.000021134117049132984) * e177),
-            );
-        let p127 = (a_l_ank_roll_y - e172).mul_plus(T::from_f64(0.000000021314061318441703), p126);
-        let n_l_ank_roll_z = (-(e173 - a_l_ank_roll_x))
-            .mul_plus(T::from_f64(0.00000020458297722683973), p125) - p127;
-        // l_ank_pitch
-        let h_l_ank_pitch_z = cos[7]
-            .mul_plus(
-                T::from_f64(0.00025816139346608233),
-                T::from_f64(0.0007059822837621398) * sin[7],
-            );
-        let h_l_ank_pitch_y = T::from_f64(0.0007924947431313887)
-            + sin[7]
-                .mul_plus(
-                    T::from_f64(0.00025816139346608233),
-                    -(T::from_f64(0.0007059822837621398) * cos[7]),
-                );
-        let p128 = e179
-            .mul_plus(
-                T::from_f64(0.00025816139346608233),
-                T::from_f64(0.0007059822837621398) * e180,
-            );
-        let g_l_ank_pitch_x = e160
-            .mul_plus(
-                T::from_f64(0.0010725237405351177),
-                T::from_f64(0.0007924947431313887) * e163,
-            ) - p128;
-        let p129 = e164
-            .mul_plus(
-                T::from_f64(0.0010725237405351177),
-                T::from_f64(0.0007924947431313887) * e161,
-            );
-        let g_l_ank_pitch_y = sin[7].mul_plus(g_l_ank_roll_x, cos[7] * g_l_ank_roll_y)
-            - p129;
-        let p130 = cos[7].mul_plus(g_l_ank_roll_x, -(sin[7] * g_l_ank_roll_y));
-        let g_l_ank_pitch_z = e166
-            .mul_plus(
-                T::from_f64(0.0007924947431313887),
-                -(T::from_f64(0.0010725237405351177) * e165),
-            ) + p130;
-        let p131 = e166
-            .mul_plus(
-                T::from_f64(0.000020191301954835163),
-                -(T::from_f64(0.00001710898339479749) * e165),
-            );
-        let p132 = e164
-            .mul_plus(
-                T::from_f64(0.00000036073359429687445),
-                -(T::from_f64(0.00000010334408456612026) * e161),
-            );
-        let n_l_ank_pitch_x = (-e162).mul_plus(T::from_f64(0.00000010334408456612026), p131) - p132
-            - n_l_ank_roll_z;
-        let p133 = e165
-            .mul_plus(
-                T::from_f64(0.00007230368657394565),
-                -(T::from_f64(0.00001710898339479749) * e166),
-            );
-        let p134 = (-e162).mul_plus(T::from_f64(0.00000036073359429687445), p133);
-        let p135 = sin[7].mul_plus(n_l_ank_roll_x, cos[7] * n_l_ank_roll_y);
-        let n_l_ank_pitch_y = e163
-            .mul_plus(
-                T::from_f64(0.00000010334408456612026),
-                -(T::from_f64(0.00000036073359429687445) * e160),
-            ) - p134 - p135;
-        let p136 = e164
-            .mul_plus(
-                T::from_f64(0.00007230368657394565),
-                T::from_f64(0.00001710898339479749) * e161,
-            );
-        let p137 = e160
-            .mul_plus(
-                T::from_f64(0.00001710898339479749),
-                T::from_f64(0.000020191301954835163) * e163,
-            );
-        let p138 = (e158 + a_l_ank_pitch_y).mul_plus(T::from_f64(0.00000010334408456612026), p137);
-        let p139 = cos[7].mul_plus(n_l_ank_roll_x, -(sin[7] * n_l_ank_roll_y));
-        let n_l_ank_pitch_z = (e159 - a_l_ank_pitch_x)
-            .mul_plus(T::from_f64(0.00000036073359429687445), p136) - p138 - p139;
-        // l_knee
-        let e314 = sin[6].mul_plus(h_l_ank_pitch_y, -(T::from_f64(0.0010725237405351177) * cos[6]));
-        let e315 = sin[6].mul_plus(T::from_f64(0.0010725237405351177), cos[6] * h_l_ank_pitch_y);
-        let e316 = cos[6].mul_plus(g_l_ank_pitch_x, sin[6] * g_l_ank_pitch_y);
-        let e317 = T::from_f64(0.093) * e150;
-        let e318 = T::from_f64(0.093) * e148;
-        let e319 = T::from_f64(0.093) * e153;
-        let h_l_knee_x = T::from_f64(0.00015737139520335583) + e314;
-        let h_l_knee_y = e315 - T::from_f64(0.008776738311508022);
-        let g_l_knee_x = e316
-            - e147
-                .mul_plus(
-                    T::from_f64(0.00015737139520335583),
-                    T::from_f64(0.008776738311508022) * e150,
-                );
-        let p140 = cos[6].mul_plus(g_l_ank_pitch_y, -(sin[6] * g_l_ank_pitch_x));
-        let g_l_knee_y = e151
-            .mul_plus(
-                T::from_f64(0.00015737139520335583),
-                T::from_f64(0.008776738311508022) * e148,
-            ) + p140;
-        let g_l_knee_z = e152
-            .mul_plus(
-                T::from_f64(0.00015737139520335583),
-                -(T::from_f64(0.008776738311508022) * e153),
-            ) + g_l_ank_pitch_z;
-        let p141 = e153
-            .mul_plus(
-                T::from_f64(0.000793050961834963),
-                -(T::from_f64(0.00000174906521327623) * e152),
-            );
-        let p142 = e151
-            .mul_plus(
-                T::from_f64(0.000000011222519529269976),
-                T::from_f64(0.000002011326687625257) * e148,
-            );
-        let p143 = cos[6].mul_plus(n_l_ank_pitch_x, sin[6] * n_l_ank_pitch_y);
-        let p144 = (-g_l_ank_pitch_z).mul_plus(T::from_f64(0.093), p143);
-        let p145 = e315.mul_plus(e319, h_l_ank_pitch_z * e318);
-        let n_l_knee_x = (-e149).mul_plus(T::from_f64(0.000002011326687625257), p141)
-            + p142 + (p144 - p145);
-        let p146 = e152
-            .mul_plus(
-                T::from_f64(0.00000550001522303673),
-                -(T::from_f64(0.00000174906521327623) * e153),
-            );
-        let p147 = e149.mul_plus(T::from_f64(0.000000011222519529269976), p146);
-        let p148 = cos[6].mul_plus(n_l_ank_pitch_y, -(sin[6] * n_l_ank_pitch_x));
-        let p149 = e314.mul_plus(e319, -(h_l_ank_pitch_z * e317));
-        let n_l_knee_y = e147
-            .mul_plus(
-                T::from_f64(0.000000011222519529269976),
-                T::from_f64(0.000002011326687625257) * e150,
-            ) - p147 + (p148 + p149);
-        let p150 = e151
-            .mul_plus(
-                T::from_f64(0.00000550001522303673),
-                T::from_f64(0.00000174906521327623) * e148,
-            );
-        let p151 = e147
-            .mul_plus(
-                T::from_f64(0.00000174906521327623),
-                T::from_f64(0.000793050961834963) * e150,
-            );
-        let p152 = (e145 + a_l_knee_y).mul_plus(T::from_f64(0.000002011326687625257), p151);
-        let p153 = e316.mul_plus(T::from_f64(0.093), n_l_ank_pitch_z);
-        let p154 = e314.mul_plus(e318, e315 * e317);
-        let n_l_knee_z = (-(e146 - a_l_knee_x))
-            .mul_plus(T::from_f64(0.000000011222519529269976), p150) - p152
-            + (p153 + p154);
-        // l_hip_pitch
-        let e320 = cos[5].mul_plus(h_l_knee_x, -(sin[5] * h_l_knee_y));
-        let e321 = sin[5].mul_plus(h_l_knee_x, cos[5] * h_l_knee_y);
-        let e322 = cos[5].mul_plus(g_l_knee_x, -(sin[5] * g_l_knee_y));
-        let e323 = T::from_f64(0.093) * e137;
-        let e324 = T::from_f64(0.093) * e135;
-        let e325 = T::from_f64(0.093) * e140;
-        let h_l_hip_pitch_x = T::from_f64(0.00002815646395548345) + e320;
-        let h_l_hip_pitch_y = e321 - T::from_f64(0.012635849175462607);
-        let g_l_hip_pitch_x = e137
-            .mul_plus(
-                T::from_f64(0.012635849175462607),
-                -(T::from_f64(0.00002815646395548345) * e134),
-            ) + e322;
-        let p155 = sin[5].mul_plus(g_l_knee_x, cos[5] * g_l_knee_y);
-        let g_l_hip_pitch_y = e138
-            .mul_plus(
-                T::from_f64(0.00002815646395548345),
-                T::from_f64(0.012635849175462607) * e135,
-            ) + p155;
-        let g_l_hip_pitch_z = g_l_knee_z
-            - e139
-                .mul_plus(
-                    T::from_f64(0.00002815646395548345),
-                    T::from_f64(0.012635849175462607) * e140,
-                );
-        let p156 = e139
-            .mul_plus(
-                T::from_f64(0.0000011071820780754242),
-                T::from_f64(0.001128948052817236) * e140,
-            );
-        let p157 = e138
-            .mul_plus(
-                T::from_f64(0.00000006346493691182975),
-                -(T::from_f64(0.0000028721833266651005) * e135),
-            );
-        let p158 = cos[5].mul_plus(n_l_knee_x, -(sin[5] * n_l_knee_y));
-        let p159 = (-g_l_knee_z).mul_plus(T::from_f64(0.093), p158);
-        let p160 = e321.mul_plus(e325, h_l_ank_pitch_z * e324);
-        let n_l_hip_pitch_x = (-e136).mul_plus(T::from_f64(0.0000028721833266651005), p156) - p157
-            + (p159 - p160);
-        let p161 = e139
-            .mul_plus(
-                T::from_f64(0.0000027309066181058813),
-                T::from_f64(0.0000011071820780754242) * e140,
-            );
-        let p162 = e134
-            .mul_plus(
-                T::from_f64(0.00000006346493691182975),
-                T::from_f64(0.0000028721833266651005) * e137,
-            );
-        let p163 = sin[5].mul_plus(n_l_knee_x, cos[5] * n_l_knee_y);
-        let p164 = h_l_ank_pitch_z.mul_plus(e323, e320 * e325);
-        let n_l_hip_pitch_y = e136.mul_plus(T::from_f64(0.00000006346493691182975), p161)
-            - p162 + (p163 + p164);
-        let p165 = e138
-            .mul_plus(
-                T::from_f64(0.0000027309066181058813),
-                T::from_f64(0.0000011071820780754242) * e135,
-            );
-        let p166 = e134
-            .mul_plus(
-                T::from_f64(0.0000011071820780754242),
-                -(T::from_f64(0.001128948052817236) * e137),
-            );
-        let p167 = (a_l_hip_pitch_y - e132).mul_plus(T::from_f64(0.0000028721833266651005), p166);
-        let p168 = e322.mul_plus(T::from_f64(0.093), n_l_knee_z);
-        let p169 = e320.mul_plus(e324, -(e321 * e323));
-        let n_l_hip_pitch_z = (e133 - a_l_hip_pitch_x)
-            .mul_plus(T::from_f64(0.00000006346493691182975), p165) - p167
-            + (p168 + p169);
-        // l_hip_roll
-        let h_l_hip_roll_z = cos[4].mul_plus(h_l_hip_pitch_x, -(sin[4] * h_l_hip_pitch_y));
-        let h_l_hip_roll_x = h_l_ank_pitch_z - T::from_f64(0.00003500960390767528);
-        let h_l_hip_roll_y = sin[4].mul_plus(h_l_hip_pitch_x, cos[4] * h_l_hip_pitch_y)
-            - T::from_f64(0.0007924947431313887);
-        let g_l_hip_roll_x = e120
-            .mul_plus(
-                T::from_f64(0.00003500960390767528),
-                -(T::from_f64(0.0007924947431313887) * e123),
-            ) + g_l_hip_pitch_z;
-        let p170 = sin[4].mul_plus(g_l_hip_pitch_x, cos[4] * g_l_hip_pitch_y);
-        let g_l_hip_roll_y = e121
-            .mul_plus(
-                T::from_f64(0.0007924947431313887),
-                -(T::from_f64(0.00003500960390767528) * e124),
-            ) + p170;
-        let p171 = e125
-            .mul_plus(
-                T::from_f64(0.00003500960390767528),
-                T::from_f64(0.0007924947431313887) * e126,
-            );
-        let g_l_hip_roll_z = cos[4].mul_plus(g_l_hip_pitch_x, -(sin[4] * g_l_hip_pitch_y)) - p171;
-        let p172 = e126
-            .mul_plus(
-                T::from_f64(0.00002019140450753412),
-                -(T::from_f64(0.00000030652985169172185) * e125),
-            );
-        let p173 = e124
-            .mul_plus(
-                T::from_f64(0.00000036073340124169066),
-                T::from_f64(0.000016905810723963404) * e121,
-            );
-        let n_l_hip_roll_x = (-e122).mul_plus(T::from_f64(0.000016905810723963404), p172)
-            + p173 - n_l_hip_pitch_z;
-        let p174 = e125
-            .mul_plus(
-                T::from_f64(0.000030124214184399483),
-                -(T::from_f64(0.00000030652985169172185) * e126),
-            );
-        let p175 = e122.mul_plus(T::from_f64(0.00000036073340124169066), p174);
-        let p176 = sin[4].mul_plus(n_l_hip_pitch_x, cos[4] * n_l_hip_pitch_y);
-        let n_l_hip_roll_y = e120
-            .mul_plus(
-                T::from_f64(0.00000036073340124169066),
-                T::from_f64(0.000016905810723963404) * e123,
-            ) - p175 - p176;
-        let p177 = e124
-            .mul_plus(
-                T::from_f64(0.000030124214184399483),
-                T::from_f64(0.00000030652985169172185) * e121,
-            );
-        let p178 = e120
-            .mul_plus(
-                T::from_f64(0.00000030652985169172185),
-                T::from_f64(0.00002019140450753412) * e123,
-            );
-        let p179 = (e118 + a_l_hip_roll_y).mul_plus(T::from_f64(0.000016905810723963404), p178);
-        let p180 = cos[4].mul_plus(n_l_hip_pitch_x, -(sin[4] * n_l_hip_pitch_y));
-        let n_l_hip_roll_z = (-(e119 - a_l_hip_roll_x))
-            .mul_plus(T::from_f64(0.00000036073340124169066), p177) - p179 - p180;
-        // l_hip_yaw
-        let h_l_hip_yaw_y = cos[3].mul_plus(h_l_hip_roll_x, sin[3] * h_l_hip_roll_y);
-        let h_l_hip_yaw_z = cos[3].mul_plus(h_l_hip_roll_y, -(sin[3] * h_l_hip_roll_x));
-        let h_l_hip_yaw_x = h_l_hip_roll_z - T::from_f64(0.001037646205786198);
-        let g_l_hip_yaw_x = e109.mul_plus(T::from_f64(0.001037646205786198), g_l_hip_roll_z);
-        let g_l_hip_yaw_y = cos[3].mul_plus(g_l_hip_roll_x, sin[3] * g_l_hip_roll_y);
-        let g_l_hip_yaw_y = (-e111).mul_plus(T::from_f64(0.001037646205786198), g_l_hip_yaw_y);
-        let g_l_hip_yaw_z = cos[3].mul_plus(g_l_hip_roll_y, -(sin[3] * g_l_hip_roll_x));
-        let g_l_hip_yaw_z = (-e112).mul_plus(T::from_f64(0.001037646205786198), g_l_hip_yaw_z);
-        let n_l_hip_yaw_x = e113
-            .mul_plus(
-                T::from_f64(0.00000042597827326108953),
-                -(T::from_f64(0.00000033265562414694076) * e111),
-            ) + n_l_hip_roll_z;
-        let p181 = e112
-            .mul_plus(
-                T::from_f64(0.000055170822665607744),
-                -(T::from_f64(0.00000033265562414694076) * (e104 + e105)),
-            );
-        let p182 = e109.mul_plus(T::from_f64(0.00000033265562414694076), p181);
-        let n_l_hip_yaw_y = cos[3].mul_plus(n_l_hip_roll_x, sin[3] * n_l_hip_roll_y)
-            - p182;
-        let p183 = e111
-            .mul_plus(
-                T::from_f64(0.000055170822665607744),
-                T::from_f64(0.00000033265562414694076) * (e108 - a_l_hip_yaw_x),
-            );
-        let p184 = cos[3].mul_plus(n_l_hip_roll_y, -(sin[3] * n_l_hip_roll_x));
-        let n_l_hip_yaw_z = (-e110).mul_plus(T::from_f64(0.00000042597827326108953), p183) + p184;
-        // head_tilt
-        let e326 = e97
-            .mul_plus(
-                T::from_f64(0.0008936193097188895),
-                T::from_f64(0.0006155634123957239) * e100,
-            );
-        let g_head_tilt_y = e98
-            .mul_plus(
-                T::from_f64(0.0006155634123957239),
-                -(T::from_f64(0.0008936193097188895) * e101),
-            );
-        let e327 = e102
-            .mul_plus(
-                T::from_f64(0.0008936193097188895),
-                T::from_f64(0.0006155634123957239) * e103,
-            );
-        let p185 = e102
-            .mul_plus(
-                T::from_f64(0.000008173086847172008),
-                T::from_f64(0.00003187295052470432) * e103,
-            );
-        let p186 = e101
-            .mul_plus(
-                T::from_f64(0.00000006710094030174738),
-                -(T::from_f64(0.00000019992667651095005) * e98),
-            );
-        let n_head_tilt_x = (-e99).mul_plus(T::from_f64(0.00000019992667651095005), p185)
-            - p186;
-        let p187 = e102
-            .mul_plus(
-                T::from_f64(0.00003229937056313519),
-                T::from_f64(0.000008173086847172004) * e103,
-            );
-        let p188 = e99.mul_plus(T::from_f64(0.00000006710094030174738), -p187);
-        let n_head_tilt_y = e97
-            .mul_plus(
-                T::from_f64(0.00000006710094030174738),
-                T::from_f64(0.00000019992667651095005) * e100,
-            ) - p188;
-        let p189 = e98
-            .mul_plus(
-                T::from_f64(0.000008173086847172004),
-                -(T::from_f64(0.00003229937056313519) * e101),
-            );
-        let p190 = e97
-            .mul_plus(
-                T::from_f64(0.000008173086847172008),
-                T::from_f64(0.00003187295052470432) * e100,
-            );
-        let p191 = (a_head_tilt_y - e95).mul_plus(T::from_f64(0.00000019992667651095005), p190);
-        let n_head_tilt_z = (-(e96 - a_head_tilt_x))
-            .mul_plus(T::from_f64(0.00000006710094030174738), p189) - p191;
-        // head_pan
-        let e328 = cos[1]
-            .mul_plus(
-                T::from_f64(0.0008936193097188895),
-                -(T::from_f64(0.0006155634123957239) * sin[1]),
-            );
-        let h_head_pan_z = sin[1]
-            .mul_plus(
-                T::from_f64(0.0008936193097188895),
-                T::from_f64(0.0006155634123957239) * cos[1],
-            );
-        let e329 = sin[1].mul_plus(g_head_tilt_y, -(cos[1] * e326));
-        let e330 = T::from_f64(0.1727) * e85;
-        let h_head_pan_x = e328 - T::from_f64(0.000005935220372607572);
-        let g_head_pan_x = e79
-            .mul_plus(
-                T::from_f64(0.000005935220372607572),
-                -(T::from_f64(0.00001531256050567311) * e82),
-            ) + e329;
-        let e331 = e84
-            .mul_plus(
-                T::from_f64(0.000005935220372607572),
-                T::from_f64(0.00001531256050567311) * e80,
-            ) + e327;
-        let p192 = sin[1].mul_plus(e326, cos[1] * g_head_tilt_y);
-        let g_head_pan_z = e87
-            .mul_plus(
-                T::from_f64(0.00001531256050567311),
-                -(T::from_f64(0.000005935220372607572) * e86),
-            ) - p192;
-        let p193 = e86
-            .mul_plus(
-                T::from_f64(0.0000000000000033021019116561955),
-                T::from_f64(0.000021234625817540758) * e87,
-            );
-        let p194 = e84
-            .mul_plus(
-                T::from_f64(0.0000008609675083983043),
-                T::from_f64(0.0000026446625321681368) * e80,
-            );
-        let p195 = cos[1].mul_plus(n_head_tilt_x, sin[1] * n_head_tilt_y);
-        let p196 = e327.mul_plus(T::from_f64(0.1727), p195);
-        let p197 = h_head_pan_z.mul_plus(e330, p196);
-        let n_head_pan_x = (-e81).mul_plus(T::from_f64(0.0000026446625321681368), p193)
-            + p194 + p197;
-        let p198 = e86
-            .mul_plus(
-                T::from_f64(0.0000003380192149095407),
-                T::from_f64(0.0000000000000033021019116561955) * e87,
-            );
-        let p199 = e81.mul_plus(T::from_f64(0.0000008609675083983043), p198);
-        let p200 = e329.mul_plus(T::from_f64(0.1727), n_head_tilt_z);
-        let p201 = h_head_pan_z
-            .mul_plus(T::from_f64(0.1727) * e83, e328 * (T::from_f64(0.1727) * e81));
-        let n_head_pan_y = e79
-            .mul_plus(
-                T::from_f64(0.0000008609675083983043),
-                -(T::from_f64(0.0000026446625321681368) * e82),
-            ) - p199 + (p200 + p201);
-        let p202 = e84
-            .mul_plus(
-                T::from_f64(0.0000003380192149095407),
-                -(T::from_f64(0.0000000000000033021019116561955) * e80),
-            );
-        let p203 = e79
-            .mul_plus(
-                T::from_f64(0.0000000000000033021019116561955),
-                T::from_f64(0.000021234625817540758) * e82,
-            );
-        let p204 = e83.mul_plus(T::from_f64(0.0000026446625321681368), -p203);
-        let p205 = sin[1].mul_plus(n_head_tilt_x, -(cos[1] * n_head_tilt_y));
-        let p206 = (-e328).mul_plus(e330, p205);
-        let n_head_pan_z = e85.mul_plus(T::from_f64(0.0000008609675083983043), p202)
-            - p204 + p206;
-        // r_hip_yaw
-        let e332 = cos[0].mul_plus(h_head_pan_x, -(T::from_f64(0.00001531256050567311) * sin[0]));
-        let e333 = sin[0].mul_plus(h_head_pan_x, T::from_f64(0.00001531256050567311) * cos[0]);
-        let e334 = cos[0].mul_plus(g_head_pan_x, sin[0] * e331);
-        let e335 = sin[0].mul_plus(g_head_pan_x, -(cos[0] * e331));
-        let e336 = T::from_f64(0.005) * e62;
-        let e337 = e65.mul_plus(T::from_f64(0.037), e336);
-        let e338 = T::from_f64(0.005) * e67;
-        let e339 = (-e63).mul_plus(T::from_f64(0.037), e338);
-        let e340 = T::from_f64(0.005) * e69;
-        let e341 = e70.mul_plus(T::from_f64(0.037), e340);
-        let e342 = cos[8].mul_plus(h_l_sho_pitch_x, -(sin[8] * e313));
-        let e343 = sin[8].mul_plus(h_l_sho_pitch_x, cos[8] * e313);
-        let e344 = cos[8].mul_plus(g_l_sho_pitch_x, sin[8] * g_l_sho_pitch_y);
-        let e345 = cos[8].mul_plus(g_l_sho_pitch_y, -(sin[8] * g_l_sho_pitch_x));
-        let e346 = e66.mul_plus(T::from_f64(0.1222), -e336);
-        let e347 = (-e68).mul_plus(T::from_f64(0.1222), e338);
-        let e348 = (-e64).mul_plus(T::from_f64(0.1222), e340);
-        let p207 = e70
-            .mul_plus(
-                T::from_f64(0.0034573962375003047),
-                -(T::from_f64(0.00012209060886264806) * e69),
-            );
-        let p208 = e67
-            .mul_plus(T::from_f64(0.00024561277463748104), T::from_f64(0.00212498723523757) * e63);
-        let p209 = cos[0].mul_plus(n_head_pan_x, -(sin[0] * n_head_pan_y));
-        let p210 = g_head_pan_z.mul_plus(T::from_f64(0.037), p209);
-        let p211 = e333.mul_plus(e341, -(h_head_pan_z * e339));
-        let p212 = h_l_sho_pitch_z.mul_plus(e348, e343 * e347);
-        let p213 = cos[8].mul_plus(n_l_sho_pitch_x, sin[8] * n_l_sho_pitch_y);
-        let p214 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.1222), p213);
-        let e349 = (-e64).mul_plus(T::from_f64(0.00212498723523757), p207) + p208
-            + (p210 + p211) + (p212 - p214);
-        let p215 = e69
-            .mul_plus(
-                T::from_f64(0.0004457843286160802),
-                -(T::from_f64(0.00012209060886264806) * e70),
-            );
-        let p216 = e64.mul_plus(T::from_f64(0.00024561277463748104), p215);
-        let p217 = sin[0].mul_plus(n_head_pan_x, cos[0] * n_head_pan_y);
-        let p218 = (-g_head_pan_z).mul_plus(T::from_f64(0.005), p217);
-        let p219 = h_head_pan_z.mul_plus(e337, e332 * e341);
-        let p220 = e344.mul_plus(T::from_f64(0.1222), -(T::from_f64(0.005) * e345));
-        let p221 = e343.mul_plus(e346, e342 * e348);
-        let e350 = e62
-            .mul_plus(
-                T::from_f64(0.00024561277463748104),
-                -(T::from_f64(0.00212498723523757) * e65),
-            ) - p216 + (p218 - p219) + (p220 - n_l_sho_pitch_z - p221);
-        let p222 = e67
-            .mul_plus(
-                T::from_f64(0.0004457843286160802),
-                T::from_f64(0.00012209060886264806) * e63,
-            );
-        let p223 = e62
-            .mul_plus(
-                T::from_f64(0.00012209060886264806),
-                -(T::from_f64(0.0034573962375003047) * e65),
-            );
-        let p224 = e66.mul_plus(T::from_f64(0.00212498723523757), p223);
-        let p225 = e335.mul_plus(T::from_f64(0.005), -(T::from_f64(0.037) * e334));
-        let p226 = e332.mul_plus(e339, e333 * e337);
-        let p227 = cos[8].mul_plus(n_l_sho_pitch_y, -(sin[8] * n_l_sho_pitch_x));
-        let p228 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.005), -p227);
-        let p229 = e342.mul_plus(e347, -(h_l_sho_pitch_z * e346));
-        let e351 = e68.mul_plus(T::from_f64(0.00024561277463748104), p222) - p224
-            + (n_head_pan_z + p225 + p226) + (p228 + p229);
-        let e352 = cos[17].mul_plus(h_r_sho_pitch_x, -(sin[17] * h_r_sho_pitch_y));
-        let e353 = sin[17].mul_plus(h_r_sho_pitch_x, cos[17] * h_r_sho_pitch_y);
-        let e354 = cos[17].mul_plus(e299, sin[17] * g_r_sho_pitch_y);
-        let e355 = cos[17].mul_plus(g_r_sho_pitch_y, -(sin[17] * e299));
-        let e356 = cos[2].mul_plus(h_l_hip_yaw_x, sin[2] * h_l_hip_yaw_y);
-        let e357 = cos[2].mul_plus(h_l_hip_yaw_y, -(sin[2] * h_l_hip_yaw_x));
-        let e358 = cos[2].mul_plus(g_l_hip_yaw_x, sin[2] * g_l_hip_yaw_y);
-        let e359 = T::from_f64(0.074) * e65;
-        let e360 = T::from_f64(0.074) * e63;
-        let e361 = T::from_f64(0.074) * e70;
-        let h_r_hip_yaw_x = e332 - T::from_f64(0.0037115625356265282) + e342 + e352
-            + e356;
-        let h_r_hip_yaw_y = T::from_f64(0.03596084695899683) + e333 + h_l_sho_pitch_z
-            + h_r_sho_pitch_z + e357;
-        let h_r_hip_yaw_z = h_head_pan_z - e343 + e353 + h_l_hip_yaw_z;
-        let g_r_hip_yaw_x = e62
-            .mul_plus(
-                T::from_f64(0.0037115625356265282),
-                -(T::from_f64(0.03596084695899683) * e65),
-            ) + e334 + e344 - e354 + e358;
-        let p230 = cos[2].mul_plus(g_l_hip_yaw_y, -(sin[2] * g_l_hip_yaw_x));
-        let g_r_hip_yaw_y = e335
-            - e67
-                .mul_plus(
-                    T::from_f64(0.0037115625356265282),
-                    T::from_f64(0.03596084695899683) * e63,
-                ) + g_l_sho_pitch_z + g_r_sho_pitch_z + p230;
-        let g_r_hip_yaw_z = e70
-            .mul_plus(
-                T::from_f64(0.03596084695899683),
-                -(T::from_f64(0.0037115625356265282) * e69),
-            ) + g_head_pan_z + e345 + e355 + g_l_hip_yaw_z;
-        let p231 = cos[17].mul_plus(n_r_sho_pitch_x, -(sin[17] * n_r_sho_pitch_y));
-        let p232 = g_r_sho_pitch_z.mul_plus(T::from_f64(0.1222), p231);
-        let p233 = cos[2].mul_plus(n_l_hip_yaw_x, sin[2] * n_l_hip_yaw_y);
-        let p234 = g_l_hip_yaw_z.mul_plus(T::from_f64(0.074), p233);
-        let p235 = e357.mul_plus(e361, h_l_hip_yaw_z * e360);
-        let n_r_hip_yaw_x = e349
-            + (h_r_sho_pitch_z.mul_plus(e348, -(e353 * e347)) - p232) + (p234 + p235);
-        let p236 = e354.mul_plus(T::from_f64(0.1222), T::from_f64(0.005) * e355);
-        let p237 = cos[2].mul_plus(n_l_hip_yaw_y, -(sin[2] * n_l_hip_yaw_x));
-        let p238 = h_l_hip_yaw_z.mul_plus(e359, e356 * e361);
-        let n_r_hip_yaw_y = e350
-            + (e353.mul_plus(e346, -(e352 * e348)) - (n_r_sho_pitch_z + p236))
-            + (p237 - p238);
-        let p239 = sin[17].mul_plus(n_r_sho_pitch_x, cos[17] * n_r_sho_pitch_y);
-        let p240 = e352.mul_plus(e347, -(h_r_sho_pitch_z * e346));
-        let p241 = (-e358).mul_plus(T::from_f64(0.074), n_l_hip_yaw_z);
-        let p242 = e357.mul_plus(e359, -(e356 * e360));
-        let n_r_hip_yaw_z = e351
-            + (g_r_sho_pitch_z.mul_plus(T::from_f64(0.005), -p239) + p240)
-            + (p241 + p242);
-        // r_hip_roll
-        let h_r_hip_roll_x = sin[11].mul_plus(h_r_hip_yaw_x, cos[11] * h_r_hip_yaw_y);
-        let h_r_hip_roll_z = cos[11].mul_plus(h_r_hip_yaw_x, -(sin[11] * h_r_hip_yaw_y));
-        let h_r_hip_roll_y = T::from_f64(0.05975631610931729) + h_r_hip_yaw_z;
-        let g_r_hip_roll_x = sin[11].mul_plus(g_r_hip_yaw_x, cos[11] * g_r_hip_yaw_y);
-        let g_r_hip_roll_x = (-e50).mul_plus(T::from_f64(0.05975631610931729), g_r_hip_roll_x);
-        let g_r_hip_roll_y = (-e49).mul_plus(T::from_f64(0.05975631610931729), g_r_hip_yaw_z);
-        let g_r_hip_roll_z = cos[11].mul_plus(g_r_hip_yaw_x, -(sin[11] * g_r_hip_yaw_y));
-        let g_r_hip_roll_z = e53.mul_plus(T::from_f64(0.05975631610931729), g_r_hip_roll_z);
-        let p243 = e53
-            .mul_plus(
-                T::from_f64(0.007136011009257574),
-                -(T::from_f64(0.00000033265562414694076) * (e44 + e45)),
-            );
-        let p244 = sin[11].mul_plus(n_r_hip_yaw_x, cos[11] * n_r_hip_yaw_y);
-        let n_r_hip_roll_x = e49.mul_plus(T::from_f64(0.00000033265562414694076), p243)
-            + p244;
-        let n_r_hip_roll_y = e52
-            .mul_plus(
-                T::from_f64(0.00000042597827326108953),
-                -(T::from_f64(0.00000033265562414694076) * e50),
-            ) + n_r_hip_yaw_z;
-        let p245 = (a_r_hip_roll_y - e48)
-            .mul_plus(
-                T::from_f64(0.00000033265562414694076),
-                -(T::from_f64(0.007136011009257574) * e50),
-            );
-        let p246 = cos[11].mul_plus(n_r_hip_yaw_x, -(sin[11] * n_r_hip_yaw_y));
-        let n_r_hip_roll_z = e51.mul_plus(T::from_f64(0.00000042597827326108953), -p245)
-            + p246;
-        // r_hip_pitch
-        let h_r_hip_pitch_z = cos[12].mul_plus(h_r_hip_roll_x, -(sin[12] * h_r_hip_roll_y));
-        let h_r_hip_pitch_x = h_r_hip_roll_z - T::from_f64(0.001037646205786198);
-        let h_r_hip_pitch_y = sin[12].mul_plus(h_r_hip_roll_x, cos[12] * h_r_hip_roll_y)
-            - T::from_f64(0.0007924947431313887);
-        let g_r_hip_pitch_x = e36
-            .mul_plus(
-                T::from_f64(0.001037646205786198),
-                -(T::from_f64(0.0007924947431313887) * e39),
-            ) + g_r_hip_roll_z;
-        let p247 = sin[12].mul_plus(g_r_hip_roll_x, cos[12] * g_r_hip_roll_y);
-        let g_r_hip_pitch_y = e37
-            .mul_plus(
-                T::from_f64(0.0007924947431313887),
-                -(T::from_f64(0.001037646205786198) * e40),
-            ) + p247;
-        let p248 = e41
-            .mul_plus(T::from_f64(0.001037646205786198), T::from_f64(0.0007924947431313887) * e42);
-        let g_r_hip_pitch_z = cos[12].mul_plus(g_r_hip_roll_x, -(sin[12] * g_r_hip_roll_y)) - p248;
-        let p249 = e41
-            .mul_plus(
-                T::from_f64(0.000016905810723963404),
-                T::from_f64(0.00002019140450753412) * e42,
-            );
-        let p250 = e40
-            .mul_plus(
-                T::from_f64(0.00000036073340124169066),
-                -(T::from_f64(0.00000030652985169172185) * e37),
-            );
-        let n_r_hip_pitch_x = (-e38).mul_plus(T::from_f64(0.00000030652985169172185), p249) - p250
-            - n_r_hip_roll_z;
-        let p251 = e41
-            .mul_plus(
-                T::from_f64(0.000055170822665607744),
-                T::from_f64(0.000016905810723963404) * e42,
-            );
-        let p252 = (-e38).mul_plus(T::from_f64(0.00000036073340124169066), p251);
-        let p253 = sin[12].mul_plus(n_r_hip_roll_x, cos[12] * n_r_hip_roll_y);
-        let n_r_hip_pitch_y = e39
-            .mul_plus(
-                T::from_f64(0.00000030652985169172185),
-                -(T::from_f64(0.00000036073340124169066) * e36),
-            ) - p252 - p253;
-        let p254 = e40
-            .mul_plus(
-                T::from_f64(0.000055170822665607744),
-                -(T::from_f64(0.000016905810723963404) * e37),
-            );
-        let p255 = e39
-            .mul_plus(
-                T::from_f64(0.00002019140450753412),
-                -(T::from_f64(0.000016905810723963404) * e36),
-            );
-        let p256 = (e34 + a_r_hip_pitch_y).mul_plus(T::from_f64(0.00000030652985169172185), p255);
-        let p257 = cos[12].mul_plus(n_r_hip_roll_x, -(sin[12] * n_r_hip_roll_y));
-        let n_r_hip_pitch_z = (e35 - a_r_hip_pitch_x)
-            .mul_plus(T::from_f64(0.00000036073340124169066), p254) - p256 - p257;
-        // r_knee
-        let e362 = cos[13].mul_plus(h_r_hip_pitch_x, -(sin[13] * h_r_hip_pitch_y));
-        let e363 = sin[13].mul_plus(h_r_hip_pitch_x, cos[13] * h_r_hip_pitch_y);
-        let e364 = cos[13].mul_plus(g_r_hip_pitch_x, -(sin[13] * g_r_hip_pitch_y));
-        let e365 = T::from_f64(0.093) * e26;
-        let e366 = T::from_f64(0.093) * e24;
-        let e367 = T::from_f64(0.093) * e29;
-        let h_r_knee_x = T::from_f64(0.00002815646395548345) + e362;
-        let h_r_knee_y = T::from_f64(0.08036415082453738) + e363;
-        let g_r_knee_x = e26
-            .mul_plus(
-                T::from_f64(0.08036415082453738),
-                -(T::from_f64(0.00002815646395548345) * e23),
-            ) + e364;
-        let p258 = sin[13].mul_plus(g_r_hip_pitch_x, cos[13] * g_r_hip_pitch_y);
-        let g_r_knee_y = e27
-            .mul_plus(
-                T::from_f64(0.00002815646395548345),
-                -(T::from_f64(0.08036415082453738) * e24),
-            ) + p258;
-        let g_r_knee_z = e28
-            .mul_plus(
-                T::from_f64(0.00002815646395548345),
-                T::from_f64(0.08036415082453738) * e29,
-            ) + g_r_hip_pitch_z;
-        let p259 = e28
-            .mul_plus(
-                T::from_f64(0.0000015113690697845367),
-                T::from_f64(0.007427680106181191) * e29,
-            );
-        let p260 = e27
-            .mul_plus(
-                T::from_f64(0.00000006346493691182975),
-                T::from_f64(0.00000038370983674870065) * e24,
-            );
-        let p261 = cos[13].mul_plus(n_r_hip_pitch_x, -(sin[13] * n_r_hip_pitch_y));
-        let p262 = g_r_hip_pitch_z.mul_plus(T::from_f64(0.093), p261);
-        let p263 = e363.mul_plus(e367, h_r_hip_pitch_z * e366);
-        let n_r_knee_x = (-e25).mul_plus(T::from_f64(0.00000038370983674870065), p259)
-            + p260 + (p262 + p263);
-        let p264 = e28
-            .mul_plus(
-                T::from_f64(0.0000027309066181058813),
-                T::from_f64(0.0000015113690697845367) * e29,
-            );
-        let p265 = e25.mul_plus(T::from_f64(0.00000006346493691182975), p264);
-        let p266 = sin[13].mul_plus(n_r_hip_pitch_x, cos[13] * n_r_hip_pitch_y);
-        let p267 = h_r_hip_pitch_z.mul_plus(e365, -(e362 * e367));
-        let n_r_knee_y = e23
-            .mul_plus(
-                T::from_f64(0.00000006346493691182975),
-                T::from_f64(0.00000038370983674870065) * e26,
-            ) - p265 + (p266 + p267);
-        let p268 = e27
-            .mul_plus(
-                T::from_f64(0.0000027309066181058813),
-                -(T::from_f64(0.0000015113690697845367) * e24),
-            );
-        let p269 = e26
-            .mul_plus(
-                T::from_f64(0.007427680106181191),
-                -(T::from_f64(0.0000015113690697845367) * e23),
-            );
-        let p270 = (e21 + a_r_knee_y).mul_plus(T::from_f64(0.00000038370983674870065), p269);
-        let p271 = (-e364).mul_plus(T::from_f64(0.093), n_r_hip_pitch_z);
-        let p272 = e362.mul_plus(e366, e363 * e365);
-        let n_r_knee_z = (-(e22 - a_r_knee_x))
-            .mul_plus(T::from_f64(0.00000006346493691182975), p268) - p270
-            + (p271 - p272);
-        // r_ank_pitch
-        let e368 = cos[14].mul_plus(h_r_knee_x, -(sin[14] * h_r_knee_y));
-        let e369 = sin[14].mul_plus(h_r_knee_x, cos[14] * h_r_knee_y);
-        let e370 = cos[14].mul_plus(g_r_knee_x, -(sin[14] * g_r_knee_y));
-        let e371 = T::from_f64(0.093) * e13;
-        let e372 = T::from_f64(0.093) * e11;
-        let e373 = T::from_f64(0.093) * e16;
-        let h_r_ank_pitch_x = T::from_f64(0.00015737139520335583) + e368;
-        let h_r_ank_pitch_y = T::from_f64(0.08422326168849198) + e369;
-        let g_r_ank_pitch_x = e13
-            .mul_plus(
-                T::from_f64(0.08422326168849198),
-                -(T::from_f64(0.00015737139520335583) * e10),
-            ) + e370;
-        let p273 = sin[14].mul_plus(g_r_knee_x, cos[14] * g_r_knee_y);
-        let g_r_ank_pitch_y = e14
-            .mul_plus(
-                T::from_f64(0.00015737139520335583),
-                -(T::from_f64(0.08422326168849198) * e11),
-            ) + p273;
-        let g_r_ank_pitch_z = e16
-            .mul_plus(
-                T::from_f64(0.08422326168849198),
-                -(T::from_f64(0.00015737139520335583) * e15),
-            ) + g_r_knee_z;
-        let p274 = e16
-            .mul_plus(
-                T::from_f64(0.0078095776358944715),
-                -(T::from_f64(0.000012886474540635863) * e15),
-            );
-        let p275 = e14
-            .mul_plus(
-                T::from_f64(0.000000011222519529269976),
-                -(T::from_f64(0.0000012445664757885444) * e11),
-            );
-        let p276 = cos[14].mul_plus(n_r_knee_x, -(sin[14] * n_r_knee_y));
-        let p277 = g_r_knee_z.mul_plus(T::from_f64(0.093), p276);
-        let p278 = e369.mul_plus(e373, h_r_hip_pitch_z * e372);
-        let n_r_ank_pitch_x = (-e12).mul_plus(T::from_f64(0.0000012445664757885444), p274) - p275
-            + (p277 + p278);
-        let p279 = e16
-            .mul_plus(
-                T::from_f64(0.000012886474540635863),
-                -(T::from_f64(0.00000550001522303673) * e15),
-            );
-        let p280 = (-e12).mul_plus(T::from_f64(0.000000011222519529269976), p279);
-        let p281 = sin[14].mul_plus(n_r_knee_x, cos[14] * n_r_knee_y);
-        let p282 = h_r_hip_pitch_z.mul_plus(e371, -(e368 * e373));
-        let n_r_ank_pitch_y = e13
-            .mul_plus(
-                T::from_f64(0.0000012445664757885444),
-                -(T::from_f64(0.000000011222519529269976) * e10),
-            ) - p280 + (p281 + p282);
-        let p283 = e14
-            .mul_plus(
-                T::from_f64(0.00000550001522303673),
-                -(T::from_f64(0.000012886474540635863) * e11),
-            );
-        let p284 = e13
-            .mul_plus(
-                T::from_f64(0.0078095776358944715),
-                -(T::from_f64(0.000012886474540635863) * e10),
-            );
-        let p285 = (a_r_ank_pitch_y - e5).mul_plus(T::from_f64(0.0000012445664757885444), p284);
-        let p286 = (-e370).mul_plus(T::from_f64(0.093), n_r_knee_z);
-        let p287 = e368.mul_plus(e372, e369 * e371);
-        let n_r_ank_pitch_z = (-(e4 + a_r_ank_pitch_x))
-            .mul_plus(T::from_f64(0.000000011222519529269976), p283) - p285
-            + (p286 - p287);
-        // r_ank_roll
-        let e374 = T::from_f64(0.00000010334408456612026) * e3;
-        let h_r_ank_roll_z = cos[15].mul_plus(h_r_ank_pitch_x, sin[15] * h_r_ank_pitch_y);
-        let g_r_ank_roll_z = cos[15].mul_plus(g_r_ank_pitch_x, sin[15] * g_r_ank_pitch_y);
-        let h_r_ank_roll_x = T::from_f64(0.00003500960390767528) + h_r_hip_pitch_z;
-        let h_r_ank_roll_y = T::from_f64(0.0007924947431313887)
-            + cos[15].mul_plus(h_r_ank_pitch_y, -(sin[15] * h_r_ank_pitch_x));
-        let g_r_ank_roll_x = qdd[16]
-            .mul_plus(
-                T::from_f64(0.0007924947431313887),
-                -(T::from_f64(0.00003500960390767528) * e3),
-            ) + g_r_ank_pitch_z;
-        let p288 = qdd[16]
-            .mul_plus(T::from_f64(0.00003500960390767528), T::from_f64(0.0007924947431313887) * e3);
-        let g_r_ank_roll_y = cos[15].mul_plus(g_r_ank_pitch_y, -(sin[15] * g_r_ank_pitch_x)) - p288;
-        let p289 = cos[15].mul_plus(n_r_ank_pitch_y, -(sin[15] * n_r_ank_pitch_x));
-        let n_r_ank_roll_y = e3
-            .mul_plus(
-                T::from_f64(0.00000036073359429687445),
-                -(T::from_f64(0.00001710898339479749) * qdd[16]),
-            ) - p289;
-        let p290 = qdd[16].mul_plus(T::from_f64(0.000020191301954835163), e374);
-        let p291 = cos[15].mul_plus(n_r_ank_pitch_x, sin[15] * n_r_ank_pitch_y);
-        let n_r_ank_roll_z = (-qdd[16])
-            .mul_plus(T::from_f64(0.000030124214184399486), e374) - p290 - p291;
-        // r_sole
-        let g_r_sole_y = cos[16].mul_plus(g_r_ank_roll_x, sin[16] * g_r_ank_roll_y);
-        let g_r_sole_z = cos[16].mul_plus(g_r_ank_roll_y, -(sin[16] * g_r_ank_roll_x));
-        let n_r_sole_x = n_r_ank_roll_z
-            + g_r_sole_z.mul_plus(T::from_f64(0.0105), -(T::from_f64(0.0335) * g_r_sole_y));
-        let p292 = qdd[16]
-            .mul_plus(
-                T::from_f64(0.00000036073359429687445),
-                T::from_f64(0.00001710898339479749) * e3,
-            );
-        let n_r_sole_y = sin[16].mul_plus(n_r_ank_roll_y, -(cos[16] * (p292 + n_r_ank_pitch_z)));
-        let n_r_sole_y = g_r_ank_roll_z.mul_plus(T::from_f64(0.0335), n_r_sole_y);
-        let h_r_sole_x = h_r_ank_roll_z - T::from_f64(0.0010725237405351177);
-        let h_r_sole_y = T::from_f64(0.010241838606533918)
-            + cos[16].mul_plus(h_r_ank_roll_x, sin[16] * h_r_ank_roll_y);
-        let h_r_sole_z = T::from_f64(0.03279401771623786)
-            + cos[16].mul_plus(h_r_ank_roll_y, -(sin[16] * h_r_ank_roll_x));
-        // ZMP
-        let load = T::from_f64(9.80665) + f_r_sole_z;
-        let e375 = T::from_f64(1.0) / load;
-        let p293 = h_r_sole_z.mul_plus(g_r_ank_roll_z, -(h_r_sole_x * g_r_sole_z));
-        let p294 = v_r_sole_z.mul_plus(f_r_ank_roll_z, n_r_sole_y - p293);
-        let p295 = h_r_sole_y.mul_plus(g_r_sole_z, -(h_r_sole_z * g_r_sole_y));
-        let p296 = v_r_sole_z.mul_plus(f_r_sole_y, -(n_r_sole_x - p295));
-        [(-p294).mul_plus(e375, v_r_sole_x), (-p296).mul_plus(e375, v_r_sole_y)]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        Op2RSole::zmp_core(&(&sin_of, &cos_of), qd, qdd, r)
     }
 
     #[inline(always)]
@@ -8499,5 +1187,3917 @@ impl v1::SinCosRobot for Op2RSole {
             b_r_sho_roll_x,
             b_r_el_y,
         ]
+    }
+}
+
+#[allow(dead_code, non_snake_case, clippy::all)]
+impl Op2RSole {
+    #[inline(always)]
+    fn com_core<T: Real>(angles: &impl v1::Angles<T>, r: &[T; BASE_PARAMS]) -> [T; 3] {
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        // r_sho_roll
+        let v_r_sho_roll_y = c_r_el.mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], v_r_sho_roll_y);
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        // l_sho_roll
+        let v_l_sho_roll_y = c_l_el.mul_plus(r[35], r[34]);
+        let v_l_sho_roll_y = s_l_el.mul_plus(r[36], v_l_sho_roll_y);
+        let v_l_sho_roll_z = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[33], r[32]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        // l_ank_pitch
+        let v_l_ank_pitch_y = s_l_ank_roll.mul_plus(r[29], r[28]);
+        let v_l_ank_pitch_y = c_l_ank_roll.mul_plus(r[30], v_l_ank_pitch_y);
+        let v_l_ank_pitch_z = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        // l_knee
+        let v_l_knee_x = c_l_ank_pitch.mul_plus(r[27], r[25]);
+        let v_l_knee_x = s_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-s_l_ank_pitch).mul_plus(r[27], r[26]);
+        let v_l_knee_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_y);
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = c_l_knee.mul_plus(v_l_knee_x, r[23]);
+        let v_l_hip_pitch_x = (-s_l_knee).mul_plus(v_l_knee_y, v_l_hip_pitch_x);
+        let v_l_hip_pitch_y = s_l_knee.mul_plus(v_l_knee_x, r[24]);
+        let v_l_hip_pitch_y = c_l_knee.mul_plus(v_l_knee_y, v_l_hip_pitch_y);
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+        let v_l_hip_roll_y = s_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[22]);
+        let v_l_hip_roll_y = c_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_hip_roll_y);
+        let v_l_hip_roll_z = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+        let v_l_hip_yaw_y = c_l_hip_roll.mul_plus(v_l_hip_roll_x, r[20]);
+        let v_l_hip_yaw_y = s_l_hip_roll.mul_plus(v_l_hip_roll_y, v_l_hip_yaw_y);
+        let v_l_hip_yaw_z = c_l_hip_roll.mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        // head_pan
+        let v_head_pan_x = c_head_tilt.mul_plus(r[17], r[15]);
+        let v_head_pan_x = s_head_tilt.mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        // r_hip_yaw
+        let e1 = c_head_pan.mul_plus(v_head_pan_x, r[13]);
+        let e1 = (-s_head_pan).mul_plus(r[16], e1);
+        let e1 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_x, e1);
+        let e1 = s_l_sho_pitch.mul_plus(v_l_sho_pitch_y, e1);
+        let e1 = c_r_sho_pitch.mul_plus(v_r_sho_pitch_x, e1);
+        let e1 = (-s_r_sho_pitch).mul_plus(v_r_sho_pitch_y, e1);
+        let v_r_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, e1);
+        let v_r_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_x);
+        let p1 = s_head_pan.mul_plus(v_head_pan_x, r[14]);
+        let p2 = c_head_pan.mul_plus(r[16], p1);
+        let v_r_hip_yaw_y = (-s_l_hip_yaw)
+            .mul_plus(v_l_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_r_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_y);
+        let p3 = (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = s_r_sho_pitch.mul_plus(v_r_sho_pitch_x, p4);
+        let v_r_hip_yaw_z = c_r_sho_pitch.mul_plus(v_r_sho_pitch_y, p5) + v_l_hip_yaw_z;
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        // r_hip_roll
+        let v_r_hip_roll_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, r[11]);
+        let v_r_hip_roll_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_r_hip_roll_x);
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let v_r_hip_roll_z = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+        let v_r_hip_pitch_y = s_r_hip_roll.mul_plus(v_r_hip_roll_x, r[10]);
+        let v_r_hip_pitch_y = c_r_hip_roll.mul_plus(v_r_hip_roll_y, v_r_hip_pitch_y);
+        let v_r_hip_pitch_z = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        // r_knee
+        let v_r_knee_x = c_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[7]);
+        let v_r_knee_x = (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_y, v_r_knee_x);
+        let v_r_knee_y = s_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[8]);
+        let v_r_knee_y = c_r_hip_pitch.mul_plus(v_r_hip_pitch_y, v_r_knee_y);
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = c_r_knee.mul_plus(v_r_knee_x, r[5]);
+        let v_r_ank_pitch_x = (-s_r_knee).mul_plus(v_r_knee_y, v_r_ank_pitch_x);
+        let v_r_ank_pitch_y = s_r_knee.mul_plus(v_r_knee_x, r[6]);
+        let v_r_ank_pitch_y = c_r_knee.mul_plus(v_r_knee_y, v_r_ank_pitch_y);
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+        let v_r_ank_roll_y = (-s_r_ank_pitch).mul_plus(v_r_ank_pitch_x, r[4]);
+        let v_r_ank_roll_y = c_r_ank_pitch.mul_plus(v_r_ank_pitch_y, v_r_ank_roll_y);
+        let v_r_ank_roll_z = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        // r_sole
+        let v_r_sole_x = r[0] + v_r_ank_roll_z;
+        let v_r_sole_y = c_r_ank_roll.mul_plus(v_r_ank_roll_x, r[1]);
+        let v_r_sole_y = s_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_y);
+        let v_r_sole_z = (-s_r_ank_roll).mul_plus(v_r_ank_roll_x, r[2]);
+        let v_r_sole_z = c_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_z);
+        [v_r_sole_x, v_r_sole_y, v_r_sole_z]
+    }
+
+    #[inline(always)]
+    fn com_jacobian_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        r: &[T; BASE_PARAMS],
+        jacobian: &mut [[T; DOF]; 3],
+    ) {
+        let zero = T::from_f64(0.0);
+        jacobian[0][16] = zero;
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
+        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        let t_r_sho_pitch_x = c_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = s_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
+        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[34] + t_l_el_x;
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + t_l_el_y;
+        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        let t_l_sho_pitch_x = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
+        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
+        // l_ank_pitch
+        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
+        // l_knee
+        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
+        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
+        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
+        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        let t_l_hip_pitch_x = s_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
+        let t_l_hip_roll_y = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
+        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
+        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_l_hip_yaw_x;
+        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_l_hip_yaw_y;
+        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_l_hip_roll_y;
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
+        // r_hip_roll
+        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
+        let t_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        let t_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
+        let t_r_hip_pitch_y = s_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
+        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
+        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
+        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        let t_r_ank_pitch_x = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
+        jacobian[0][15] = t_r_ank_pitch_x;
+        let t_r_ank_pitch_y = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
+        let t_r_ank_roll_y = c_r_ank_roll
+            .mul_plus(v_r_ank_roll_y, -(s_r_ank_roll * v_r_ank_roll_x));
+        jacobian[1][16] = t_r_ank_roll_y;
+        // r_ank_roll
+        jacobian[2][16] = -t_r_ank_roll_x;
+        // r_ank_pitch
+        let e2 = s_r_ank_roll * s_r_ank_pitch;
+        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
+        let e3 = c_r_ank_roll * s_r_ank_pitch;
+        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
+        jacobian[1][15] = -(s_r_ank_roll * t_r_ank_pitch_y);
+        jacobian[2][15] = -(c_r_ank_roll * t_r_ank_pitch_y);
+        // r_knee
+        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
+        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
+        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e2 * c_r_knee));
+        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e2 * s_r_knee);
+        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e3 * c_r_knee));
+        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e3 * s_r_knee);
+        jacobian[0][14] = s_r_ank_pitch.mul_plus(t_r_knee_x, -(c_r_ank_pitch * t_r_knee_y));
+        jacobian[1][14] = by_r_ank_pitch_y.mul_plus(t_r_knee_x, e2 * t_r_knee_y);
+        jacobian[2][14] = bz_r_ank_pitch_y.mul_plus(t_r_knee_x, e3 * t_r_knee_y);
+        // r_hip_pitch
+        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
+        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
+        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
+        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
+        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
+        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
+        jacobian[0][13] = bx_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bx_r_knee_x * t_r_hip_pitch_y));
+        jacobian[1][13] = by_r_knee_y.mul_plus(t_r_hip_pitch_x, -(by_r_knee_x * t_r_hip_pitch_y));
+        jacobian[2][13] = bz_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y));
+        // r_hip_roll
+        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
+        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
+        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
+        let e4 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
+        let bz_r_hip_roll_x = bz_r_hip_pitch_y
+            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
+        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
+        jacobian[0][12] = bx_r_hip_pitch_y * t_r_hip_roll_y;
+        jacobian[1][12] = -c_r_ank_roll
+            .mul_plus(t_r_hip_roll_x, -(by_r_hip_pitch_y * t_r_hip_roll_y));
+        jacobian[2][12] = s_r_ank_roll.mul_plus(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y);
+        // r_hip_yaw
+        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
+        let e5 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
+        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
+        let e6 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
+        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
+        let e7 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
+        jacobian[0][11] = -bx_r_hip_pitch_x
+            .mul_plus(t_r_hip_yaw_x, -(bx_r_hip_roll_x * t_r_hip_yaw_y));
+        jacobian[1][11] = -by_r_hip_pitch_x
+            .mul_plus(t_r_hip_yaw_x, -(by_r_hip_roll_x * t_r_hip_yaw_y));
+        jacobian[2][11] = -bz_r_hip_pitch_x
+            .mul_plus(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y));
+        // head_pan
+        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
+        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e6 * s_head_pan));
+        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e7 * s_head_pan));
+        jacobian[0][0] = -e5.mul_plus(t_head_pan_x, bx_r_hip_yaw_x * t_head_pan_y);
+        jacobian[1][0] = -e6.mul_plus(t_head_pan_x, by_r_hip_yaw_x * t_head_pan_y);
+        jacobian[2][0] = -e7.mul_plus(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y);
+        // head_tilt
+        jacobian[0][1] = bx_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bx_head_pan_x * t_head_tilt_y));
+        jacobian[1][1] = -e4.mul_plus(t_head_tilt_x, by_head_pan_x * t_head_tilt_y);
+        jacobian[2][1] = bz_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y));
+        // l_hip_yaw
+        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e5 * s_l_hip_yaw);
+        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
+        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e6 * s_l_hip_yaw);
+        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e6 * c_l_hip_yaw));
+        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e7 * s_l_hip_yaw);
+        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e7 * c_l_hip_yaw));
+        jacobian[0][2] = e5.mul_plus(t_l_hip_yaw_x, bx_r_hip_yaw_x * t_l_hip_yaw_y);
+        jacobian[1][2] = e6.mul_plus(t_l_hip_yaw_x, by_r_hip_yaw_x * t_l_hip_yaw_y);
+        jacobian[2][2] = e7.mul_plus(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y);
+        // l_hip_roll
+        let bx_l_hip_roll_x = bx_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
+        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
+        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e4 * s_l_hip_roll);
+        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e4 * c_l_hip_roll));
+        let bz_l_hip_roll_x = bz_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
+        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
+        jacobian[0][3] = -bx_r_hip_roll_y
+            .mul_plus(t_l_hip_roll_x, -(bx_l_hip_yaw_y * t_l_hip_roll_y));
+        jacobian[1][3] = e4.mul_plus(t_l_hip_roll_x, by_l_hip_yaw_y * t_l_hip_roll_y);
+        jacobian[2][3] = -bz_r_hip_roll_y
+            .mul_plus(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y));
+        // l_hip_pitch
+        let bx_l_hip_pitch_x = bx_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
+        let e8 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
+        let by_l_hip_pitch_x = by_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
+        let e9 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
+        let bz_l_hip_pitch_x = bz_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
+        let e10 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
+        jacobian[0][4] = -bx_l_hip_yaw_x
+            .mul_plus(t_l_hip_pitch_x, -(bx_l_hip_roll_y * t_l_hip_pitch_y));
+        jacobian[1][4] = -by_l_hip_yaw_x
+            .mul_plus(t_l_hip_pitch_x, -(by_l_hip_roll_y * t_l_hip_pitch_y));
+        jacobian[2][4] = -bz_l_hip_yaw_x
+            .mul_plus(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y));
+        // l_knee
+        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e8 * s_l_knee));
+        let e11 = e8.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
+        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e9 * s_l_knee));
+        let e12 = e9.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
+        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e10 * s_l_knee));
+        let e13 = e10.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
+        jacobian[0][5] = -e8.mul_plus(t_l_knee_x, bx_l_hip_pitch_x * t_l_knee_y);
+        jacobian[1][5] = -e9.mul_plus(t_l_knee_x, by_l_hip_pitch_x * t_l_knee_y);
+        jacobian[2][5] = -e10.mul_plus(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y);
+        // l_ank_pitch
+        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e11 * c_l_ank_pitch));
+        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
+        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e13 * c_l_ank_pitch));
+        jacobian[0][6] = e11.mul_plus(t_l_ank_pitch_x, bx_l_knee_x * t_l_ank_pitch_y);
+        jacobian[1][6] = e12.mul_plus(t_l_ank_pitch_x, by_l_knee_x * t_l_ank_pitch_y);
+        jacobian[2][6] = e13.mul_plus(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y);
+        // l_ank_roll
+        jacobian[0][7] = -bx_l_hip_roll_x
+            .mul_plus(t_l_ank_roll_x, -(bx_l_ank_pitch_y * t_l_ank_roll_y));
+        jacobian[1][7] = -by_l_hip_roll_x
+            .mul_plus(t_l_ank_roll_x, -(by_l_ank_pitch_y * t_l_ank_roll_y));
+        jacobian[2][7] = -bz_l_hip_roll_x
+            .mul_plus(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y));
+        // l_sho_pitch
+        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
+        let bx_l_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
+        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e4 * s_l_sho_pitch);
+        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e4 * c_l_sho_pitch));
+        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
+        let bz_l_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
+        jacobian[0][8] = -bx_r_hip_roll_y
+            .mul_plus(t_l_sho_pitch_x, -(bx_r_hip_yaw_x * t_l_sho_pitch_y));
+        jacobian[1][8] = e4.mul_plus(t_l_sho_pitch_x, by_r_hip_yaw_x * t_l_sho_pitch_y);
+        jacobian[2][8] = -bz_r_hip_roll_y
+            .mul_plus(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y));
+        // l_sho_roll
+        jacobian[0][9] = -e5.mul_plus(t_l_sho_roll_x, bx_l_sho_pitch_y * t_l_sho_roll_y);
+        jacobian[1][9] = -e6.mul_plus(t_l_sho_roll_x, by_l_sho_pitch_y * t_l_sho_roll_y);
+        jacobian[2][9] = -e7.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y);
+        // l_el
+        let p1 = e5.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        jacobian[0][10] = bx_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y);
+        let p2 = e6.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        jacobian[1][10] = by_l_sho_pitch_x.mul_plus(t_l_el_x, p2 * t_l_el_y);
+        let p3 = e7.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        jacobian[2][10] = bz_l_sho_pitch_x.mul_plus(t_l_el_x, p3 * t_l_el_y);
+        // r_sho_pitch
+        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
+        let bx_r_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
+        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e4 * s_r_sho_pitch));
+        let e14 = e4.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
+        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
+        let bz_r_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
+        jacobian[0][17] = bx_r_hip_roll_y
+            .mul_plus(t_r_sho_pitch_x, -(bx_r_hip_yaw_x * t_r_sho_pitch_y));
+        jacobian[1][17] = -e4.mul_plus(t_r_sho_pitch_x, by_r_hip_yaw_x * t_r_sho_pitch_y);
+        jacobian[2][17] = bz_r_hip_roll_y
+            .mul_plus(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y));
+        // r_sho_roll
+        jacobian[0][18] = -e5.mul_plus(t_r_sho_roll_x, bx_r_sho_pitch_y * t_r_sho_roll_y);
+        jacobian[1][18] = e14.mul_plus(t_r_sho_roll_y, -(e6 * t_r_sho_roll_x));
+        jacobian[2][18] = -e7.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y);
+        // r_el
+        let p4 = e5.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        jacobian[0][19] = -bx_r_sho_pitch_x.mul_plus(t_r_el_x, -(p4 * e1));
+        let p5 = e6.mul_plus(s_r_sho_roll, e14 * c_r_sho_roll);
+        jacobian[1][19] = -by_r_sho_pitch_x.mul_plus(t_r_el_x, -(p5 * e1));
+        let p6 = e7.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        jacobian[2][19] = -bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p6 * e1));
+    }
+
+    #[inline(always)]
+    fn com_velocity_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        qd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 3] {
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
+        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        let t_r_sho_pitch_x = c_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = s_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
+        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[34] + t_l_el_x;
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + t_l_el_y;
+        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        let t_l_sho_pitch_x = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
+        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
+        // l_ank_pitch
+        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
+        // l_knee
+        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
+        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
+        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
+        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        let t_l_hip_pitch_x = s_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
+        let t_l_hip_roll_y = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
+        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
+        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_l_hip_yaw_x;
+        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_l_hip_yaw_y;
+        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_l_hip_roll_y;
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
+        // r_hip_roll
+        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
+        let t_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        let t_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
+        let t_r_hip_pitch_y = s_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
+        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
+        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
+        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        let t_r_ank_pitch_x = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
+        let t_r_ank_pitch_y = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
+        let t_r_ank_roll_y = c_r_ank_roll
+            .mul_plus(v_r_ank_roll_y, -(s_r_ank_roll * v_r_ank_roll_x));
+        // r_el
+        let e2 = qd[19] * e1;
+        let e3 = qd[19] * t_r_el_x;
+        // r_sho_roll
+        let e4 = c_r_sho_roll.mul_plus(e2, qd[18] * t_r_sho_roll_y);
+        let dt_r_sho_roll_y = qd[18].mul_plus(t_r_sho_roll_x, -(s_r_sho_roll * e2));
+        // r_sho_pitch
+        let dt_r_sho_pitch_x = s_r_sho_pitch.mul_plus(e4, -(c_r_sho_pitch * e3));
+        let dt_r_sho_pitch_x = (-qd[17]).mul_plus(t_r_sho_pitch_y, dt_r_sho_pitch_x);
+        let dt_r_sho_pitch_y = s_r_sho_pitch.mul_plus(e3, c_r_sho_pitch * e4);
+        let dt_r_sho_pitch_y = qd[17].mul_plus(t_r_sho_pitch_x, -dt_r_sho_pitch_y);
+        // l_el
+        let e5 = qd[10] * t_l_el_y;
+        let dt_l_el_y = qd[10] * t_l_el_x;
+        // l_sho_roll
+        let e6 = c_l_sho_roll.mul_plus(e5, qd[9] * t_l_sho_roll_y);
+        let dt_l_sho_roll_y = qd[9].mul_plus(t_l_sho_roll_x, -(s_l_sho_roll * e5));
+        // l_sho_pitch
+        let dt_l_sho_pitch_x = c_l_sho_pitch.mul_plus(dt_l_el_y, -(s_l_sho_pitch * e6));
+        let dt_l_sho_pitch_x = qd[8].mul_plus(t_l_sho_pitch_y, dt_l_sho_pitch_x);
+        // l_ank_roll
+        let dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
+        let e7 = qd[7] * t_l_ank_roll_x;
+        // l_ank_pitch
+        let dt_l_ank_pitch_x = s_l_ank_pitch.mul_plus(dt_l_ank_roll_x, qd[6] * t_l_ank_pitch_y);
+        let dt_l_ank_pitch_y = c_l_ank_pitch.mul_plus(dt_l_ank_roll_x, -(qd[6] * t_l_ank_pitch_x));
+        // l_knee
+        let dt_l_knee_x = c_l_knee.mul_plus(dt_l_ank_pitch_x, -(s_l_knee * dt_l_ank_pitch_y));
+        let dt_l_knee_x = (-qd[5]).mul_plus(t_l_knee_y, dt_l_knee_x);
+        let dt_l_knee_y = s_l_knee.mul_plus(dt_l_ank_pitch_x, c_l_knee * dt_l_ank_pitch_y);
+        let dt_l_knee_y = qd[5].mul_plus(t_l_knee_x, dt_l_knee_y);
+        // l_hip_pitch
+        let dt_l_hip_pitch_x = s_l_hip_pitch.mul_plus(dt_l_knee_x, c_l_hip_pitch * dt_l_knee_y);
+        let dt_l_hip_pitch_x = qd[4].mul_plus(t_l_hip_pitch_y, dt_l_hip_pitch_x);
+        let dt_l_hip_pitch_y = c_l_hip_pitch.mul_plus(dt_l_knee_x, -(s_l_hip_pitch * dt_l_knee_y));
+        let dt_l_hip_pitch_y = (-qd[4]).mul_plus(t_l_hip_pitch_x, dt_l_hip_pitch_y);
+        // l_hip_roll
+        let dt_l_hip_roll_x = s_l_hip_roll.mul_plus(dt_l_hip_pitch_x, -(c_l_hip_roll * e7));
+        let dt_l_hip_roll_x = qd[3].mul_plus(t_l_hip_roll_y, dt_l_hip_roll_x);
+        let dt_l_hip_roll_y = s_l_hip_roll.mul_plus(e7, c_l_hip_roll * dt_l_hip_pitch_x);
+        let dt_l_hip_roll_y = (-qd[3]).mul_plus(t_l_hip_roll_x, dt_l_hip_roll_y);
+        // l_hip_yaw
+        let dt_l_hip_yaw_x = c_l_hip_yaw.mul_plus(dt_l_hip_pitch_y, s_l_hip_yaw * dt_l_hip_roll_x);
+        let dt_l_hip_yaw_x = qd[2].mul_plus(t_l_hip_yaw_y, dt_l_hip_yaw_x);
+        let dt_l_hip_yaw_y = c_l_hip_yaw
+            .mul_plus(dt_l_hip_roll_x, -(s_l_hip_yaw * dt_l_hip_pitch_y));
+        let dt_l_hip_yaw_y = (-qd[2]).mul_plus(t_l_hip_yaw_x, dt_l_hip_yaw_y);
+        // head_tilt
+        let e8 = qd[1] * t_head_tilt_y;
+        let dt_head_tilt_y = qd[1] * t_head_tilt_x;
+        // head_pan
+        let dt_head_pan_y = qd[0].mul_plus(t_head_pan_x, -(s_head_pan * e8));
+        // r_hip_yaw
+        let dv_r_hip_yaw_x = dt_l_sho_pitch_x
+            - c_head_pan.mul_plus(e8, qd[0] * t_head_pan_y) + dt_r_sho_pitch_x
+            + dt_l_hip_yaw_x;
+        let dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y
+            + dt_l_hip_yaw_y;
+        let p1 = s_l_sho_pitch.mul_plus(dt_l_el_y, c_l_sho_pitch * e6);
+        let dv_r_hip_yaw_z = dt_head_tilt_y - qd[8].mul_plus(t_l_sho_pitch_x, p1)
+            + dt_r_sho_pitch_y + dt_l_hip_roll_y;
+        let dt_r_hip_yaw_x = s_r_hip_yaw.mul_plus(dv_r_hip_yaw_x, c_r_hip_yaw * dv_r_hip_yaw_y);
+        let dt_r_hip_yaw_x = qd[11].mul_plus(t_r_hip_yaw_y, dt_r_hip_yaw_x);
+        let dt_r_hip_yaw_y = c_r_hip_yaw.mul_plus(dv_r_hip_yaw_x, -(s_r_hip_yaw * dv_r_hip_yaw_y));
+        let dt_r_hip_yaw_y = (-qd[11]).mul_plus(t_r_hip_yaw_x, dt_r_hip_yaw_y);
+        // r_hip_roll
+        let dt_r_hip_roll_x = s_r_hip_roll.mul_plus(dt_r_hip_yaw_x, c_r_hip_roll * dv_r_hip_yaw_z);
+        let dt_r_hip_roll_x = qd[12].mul_plus(t_r_hip_roll_y, dt_r_hip_roll_x);
+        let dt_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(dt_r_hip_yaw_x, -(s_r_hip_roll * dv_r_hip_yaw_z));
+        let dt_r_hip_roll_y = (-qd[12]).mul_plus(t_r_hip_roll_x, dt_r_hip_roll_y);
+        // r_hip_pitch
+        let dt_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(dt_r_hip_yaw_y, -(s_r_hip_pitch * dt_r_hip_roll_x));
+        let dt_r_hip_pitch_x = (-qd[13]).mul_plus(t_r_hip_pitch_y, dt_r_hip_pitch_x);
+        let dt_r_hip_pitch_y = s_r_hip_pitch
+            .mul_plus(dt_r_hip_yaw_y, c_r_hip_pitch * dt_r_hip_roll_x);
+        let dt_r_hip_pitch_y = qd[13].mul_plus(t_r_hip_pitch_x, dt_r_hip_pitch_y);
+        // r_knee
+        let dt_r_knee_x = c_r_knee.mul_plus(dt_r_hip_pitch_x, -(s_r_knee * dt_r_hip_pitch_y));
+        let dt_r_knee_x = (-qd[14]).mul_plus(t_r_knee_y, dt_r_knee_x);
+        let dt_r_knee_y = s_r_knee.mul_plus(dt_r_hip_pitch_x, c_r_knee * dt_r_hip_pitch_y);
+        let dt_r_knee_y = qd[14].mul_plus(t_r_knee_x, dt_r_knee_y);
+        // r_ank_pitch
+        let dt_r_ank_pitch_x = c_r_ank_pitch.mul_plus(dt_r_knee_y, -(s_r_ank_pitch * dt_r_knee_x));
+        let dt_r_ank_pitch_x = (-qd[15]).mul_plus(t_r_ank_pitch_y, dt_r_ank_pitch_x);
+        let dt_r_ank_pitch_y = c_r_ank_pitch.mul_plus(dt_r_knee_x, s_r_ank_pitch * dt_r_knee_y);
+        let dt_r_ank_pitch_y = qd[15].mul_plus(t_r_ank_pitch_x, dt_r_ank_pitch_y);
+        // r_ank_roll
+        let dt_r_ank_roll_x = c_r_ank_roll
+            .mul_plus(dt_r_hip_roll_y, s_r_ank_roll * dt_r_ank_pitch_x);
+        let dt_r_ank_roll_x = qd[16].mul_plus(t_r_ank_roll_y, dt_r_ank_roll_x);
+        let dt_r_ank_roll_y = c_r_ank_roll
+            .mul_plus(dt_r_ank_pitch_x, -(s_r_ank_roll * dt_r_hip_roll_y));
+        let dt_r_ank_roll_y = (-qd[16]).mul_plus(t_r_ank_roll_x, dt_r_ank_roll_y);
+        [dt_r_ank_pitch_y, dt_r_ank_roll_x, dt_r_ank_roll_y]
+    }
+
+    #[inline(always)]
+    fn gravity_moments_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        r: &[T; BASE_PARAMS],
+    ) -> [T; DOF] {
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
+        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        let t_r_sho_pitch_x = c_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = s_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
+        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[34] + t_l_el_x;
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + t_l_el_y;
+        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        let t_l_sho_pitch_x = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
+        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
+        // l_ank_pitch
+        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
+        // l_knee
+        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
+        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
+        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
+        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        let t_l_hip_pitch_x = s_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
+        let t_l_hip_roll_y = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
+        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
+        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_l_hip_yaw_x;
+        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_l_hip_yaw_y;
+        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_l_hip_roll_y;
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
+        // r_hip_roll
+        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
+        let t_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        let t_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
+        let t_r_hip_pitch_y = s_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
+        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
+        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
+        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        let t_r_ank_pitch_x = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
+        let t_r_ank_pitch_y = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
+        // r_ank_pitch
+        let e2 = c_r_ank_roll * s_r_ank_pitch;
+        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
+        // r_knee
+        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e2 * c_r_knee));
+        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e2 * s_r_knee);
+        // r_hip_pitch
+        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
+        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
+        // r_hip_roll
+        let bz_r_hip_roll_x = bz_r_hip_pitch_y
+            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
+        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
+        // r_hip_yaw
+        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
+        let e3 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
+        // head_pan
+        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
+        // l_hip_yaw
+        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e3 * s_l_hip_yaw);
+        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e3 * c_l_hip_yaw));
+        // l_hip_roll
+        let bz_l_hip_roll_x = bz_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
+        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
+        // l_hip_pitch
+        let bz_l_hip_pitch_x = bz_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
+        let e4 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
+        // l_knee
+        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e4 * s_l_knee));
+        let e5 = e4.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
+        // l_ank_pitch
+        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e5 * c_l_ank_pitch));
+        // l_sho_pitch
+        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
+        let bz_l_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
+        // r_sho_pitch
+        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
+        let bz_r_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
+        let p1 = e3.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let p2 = e3.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        [
+            e3.mul_plus(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
+            -bz_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
+            -e3.mul_plus(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
+            bz_r_hip_roll_y.mul_plus(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y)),
+            bz_l_hip_yaw_x.mul_plus(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y)),
+            e4.mul_plus(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
+            -e5.mul_plus(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
+            bz_l_hip_roll_x.mul_plus(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y)),
+            bz_r_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y)),
+            e3.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -bz_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
+            bz_r_hip_pitch_x.mul_plus(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y)),
+            -s_r_ank_roll.mul_plus(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y),
+            -bz_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y)),
+            -bz_r_ank_pitch_y.mul_plus(t_r_knee_x, e2 * t_r_knee_y),
+            c_r_ank_roll * t_r_ank_pitch_y,
+            t_r_ank_roll_x,
+            -bz_r_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y)),
+            e3.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
+            bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
+        ]
+    }
+
+    #[inline(always)]
+    fn regressor_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 3]) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][3] = zero;
+        rows[0][4] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        rows[1][4] = s_r_ank_roll;
+        rows[1][3] = c_r_ank_roll;
+        rows[2][4] = c_r_ank_roll;
+        let bz_r_ank_roll_x = -s_r_ank_roll;
+        rows[2][3] = bz_r_ank_roll_x;
+        // r_ank_pitch
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        rows[0][6] = s_r_ank_pitch;
+        rows[0][5] = c_r_ank_pitch;
+        let e1 = s_r_ank_roll * s_r_ank_pitch;
+        let by_r_ank_pitch_x = -e1;
+        rows[1][5] = by_r_ank_pitch_x;
+        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
+        rows[1][6] = by_r_ank_pitch_y;
+        let e2 = c_r_ank_roll * s_r_ank_pitch;
+        let bz_r_ank_pitch_x = -e2;
+        rows[2][5] = bz_r_ank_pitch_x;
+        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
+        rows[2][6] = bz_r_ank_pitch_y;
+        // r_knee
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
+        rows[0][7] = bx_r_knee_x;
+        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
+        rows[0][8] = bx_r_knee_y;
+        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e1 * c_r_knee));
+        rows[1][7] = by_r_knee_x;
+        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e1 * s_r_knee);
+        rows[1][8] = by_r_knee_y;
+        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e2 * c_r_knee));
+        rows[2][7] = bz_r_knee_x;
+        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e2 * s_r_knee);
+        rows[2][8] = bz_r_knee_y;
+        // r_hip_pitch
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
+        rows[0][9] = bx_r_hip_pitch_x;
+        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
+        rows[0][10] = bx_r_hip_pitch_y;
+        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
+        rows[1][9] = by_r_hip_pitch_x;
+        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
+        rows[1][10] = by_r_hip_pitch_y;
+        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
+        rows[2][9] = bz_r_hip_pitch_x;
+        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
+        rows[2][10] = bz_r_hip_pitch_y;
+        // r_hip_roll
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
+        rows[0][11] = bx_r_hip_roll_x;
+        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
+        rows[0][12] = bx_r_hip_roll_y;
+        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
+        rows[1][11] = by_r_hip_roll_x;
+        let e3 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
+        let by_r_hip_roll_y = -e3;
+        rows[1][12] = by_r_hip_roll_y;
+        let bz_r_hip_roll_x = bz_r_hip_pitch_y
+            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
+        rows[2][11] = bz_r_hip_roll_x;
+        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
+        rows[2][12] = bz_r_hip_roll_y;
+        // r_hip_yaw
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
+        rows[0][13] = bx_r_hip_yaw_x;
+        let e4 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
+        let bx_r_hip_yaw_y = -e4;
+        rows[0][14] = bx_r_hip_yaw_y;
+        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
+        rows[1][13] = by_r_hip_yaw_x;
+        let e5 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
+        let by_r_hip_yaw_y = -e5;
+        rows[1][14] = by_r_hip_yaw_y;
+        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
+        rows[2][13] = bz_r_hip_yaw_x;
+        let e6 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
+        let bz_r_hip_yaw_y = -e6;
+        rows[2][14] = bz_r_hip_yaw_y;
+        // head_pan
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
+        rows[0][15] = bx_head_pan_x;
+        let bx_head_pan_y = -e4.mul_plus(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+        rows[0][16] = bx_head_pan_y;
+        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
+        rows[1][15] = by_head_pan_x;
+        let by_head_pan_y = -e5.mul_plus(c_head_pan, by_r_hip_yaw_x * s_head_pan);
+        rows[1][16] = by_head_pan_y;
+        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e6 * s_head_pan));
+        rows[2][15] = bz_head_pan_x;
+        let bz_head_pan_y = -e6.mul_plus(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
+        rows[2][16] = bz_head_pan_y;
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
+        rows[0][17] = bx_head_tilt_x;
+        let bx_head_tilt_y = -bx_r_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+        rows[0][18] = bx_head_tilt_y;
+        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e3 * s_head_tilt));
+        rows[1][17] = by_head_tilt_x;
+        let by_head_tilt_y = e3.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
+        rows[1][18] = by_head_tilt_y;
+        let bz_head_tilt_x = bz_head_pan_x.mul_plus(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
+        rows[2][17] = bz_head_tilt_x;
+        let bz_head_tilt_y = -bz_r_hip_roll_y.mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
+        rows[2][18] = bz_head_tilt_y;
+        // l_hip_yaw
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e4 * s_l_hip_yaw);
+        rows[0][19] = bx_l_hip_yaw_x;
+        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
+        rows[0][20] = bx_l_hip_yaw_y;
+        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e5 * s_l_hip_yaw);
+        rows[1][19] = by_l_hip_yaw_x;
+        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
+        rows[1][20] = by_l_hip_yaw_y;
+        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e6 * s_l_hip_yaw);
+        rows[2][19] = bz_l_hip_yaw_x;
+        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e6 * c_l_hip_yaw));
+        rows[2][20] = bz_l_hip_yaw_y;
+        // l_hip_roll
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        let bx_l_hip_roll_x = bx_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
+        rows[0][21] = bx_l_hip_roll_x;
+        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
+        rows[0][22] = bx_l_hip_roll_y;
+        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e3 * s_l_hip_roll);
+        rows[1][21] = by_l_hip_roll_x;
+        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e3 * c_l_hip_roll));
+        rows[1][22] = by_l_hip_roll_y;
+        let bz_l_hip_roll_x = bz_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
+        rows[2][21] = bz_l_hip_roll_x;
+        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
+        rows[2][22] = bz_l_hip_roll_y;
+        // l_hip_pitch
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        let bx_l_hip_pitch_x = bx_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
+        rows[0][23] = bx_l_hip_pitch_x;
+        let e7 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
+        let bx_l_hip_pitch_y = -e7;
+        rows[0][24] = bx_l_hip_pitch_y;
+        let by_l_hip_pitch_x = by_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
+        rows[1][23] = by_l_hip_pitch_x;
+        let e8 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
+        let by_l_hip_pitch_y = -e8;
+        rows[1][24] = by_l_hip_pitch_y;
+        let bz_l_hip_pitch_x = bz_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
+        rows[2][23] = bz_l_hip_pitch_x;
+        let e9 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
+        let bz_l_hip_pitch_y = -e9;
+        rows[2][24] = bz_l_hip_pitch_y;
+        // l_knee
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e7 * s_l_knee));
+        rows[0][25] = bx_l_knee_x;
+        let e10 = e7.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
+        let bx_l_knee_y = -e10;
+        rows[0][26] = bx_l_knee_y;
+        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e8 * s_l_knee));
+        rows[1][25] = by_l_knee_x;
+        let e11 = e8.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
+        let by_l_knee_y = -e11;
+        rows[1][26] = by_l_knee_y;
+        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e9 * s_l_knee));
+        rows[2][25] = bz_l_knee_x;
+        let e12 = e9.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
+        let bz_l_knee_y = -e12;
+        rows[2][26] = bz_l_knee_y;
+        // l_ank_pitch
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(c_l_ank_pitch, e10 * s_l_ank_pitch);
+        rows[0][27] = bx_l_ank_pitch_x;
+        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e10 * c_l_ank_pitch));
+        rows[0][28] = bx_l_ank_pitch_y;
+        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(c_l_ank_pitch, e11 * s_l_ank_pitch);
+        rows[1][27] = by_l_ank_pitch_x;
+        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e11 * c_l_ank_pitch));
+        rows[1][28] = by_l_ank_pitch_y;
+        let bz_l_ank_pitch_x = bz_l_knee_x.mul_plus(c_l_ank_pitch, e12 * s_l_ank_pitch);
+        rows[2][27] = bz_l_ank_pitch_x;
+        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
+        rows[2][28] = bz_l_ank_pitch_y;
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        let bx_l_ank_roll_x = bx_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
+        rows[0][29] = bx_l_ank_roll_x;
+        let bx_l_ank_roll_y = -bx_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
+        rows[0][30] = bx_l_ank_roll_y;
+        let by_l_ank_roll_x = by_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
+        rows[1][29] = by_l_ank_roll_x;
+        let by_l_ank_roll_y = -by_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
+        rows[1][30] = by_l_ank_roll_y;
+        let bz_l_ank_roll_x = bz_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
+        rows[2][29] = bz_l_ank_roll_x;
+        let bz_l_ank_roll_y = -bz_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
+        rows[2][30] = bz_l_ank_roll_y;
+        // l_sho_pitch
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
+        rows[0][31] = bx_l_sho_pitch_x;
+        let bx_l_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
+        rows[0][32] = bx_l_sho_pitch_y;
+        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e3 * s_l_sho_pitch);
+        rows[1][31] = by_l_sho_pitch_x;
+        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e3 * c_l_sho_pitch));
+        rows[1][32] = by_l_sho_pitch_y;
+        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
+        rows[2][31] = bz_l_sho_pitch_x;
+        let bz_l_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
+        rows[2][32] = bz_l_sho_pitch_y;
+        // l_sho_roll
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
+        rows[0][33] = bx_l_sho_roll_x;
+        let e13 = e4.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e13;
+        rows[0][34] = bx_l_sho_roll_y;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
+        rows[1][33] = by_l_sho_roll_x;
+        let e14 = e5.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e14;
+        rows[1][34] = by_l_sho_roll_y;
+        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e6 * c_l_sho_roll);
+        rows[2][33] = bz_l_sho_roll_x;
+        let e15 = e6.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let bz_l_sho_roll_y = -e15;
+        rows[2][34] = bz_l_sho_roll_y;
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e13 * c_l_el));
+        rows[0][35] = bx_l_el_x;
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e13 * s_l_el);
+        rows[0][36] = bx_l_el_y;
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e14 * c_l_el));
+        rows[1][35] = by_l_el_x;
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e14 * s_l_el);
+        rows[1][36] = by_l_el_y;
+        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e15 * c_l_el));
+        rows[2][35] = bz_l_el_x;
+        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e15 * s_l_el);
+        rows[2][36] = bz_l_el_y;
+        // r_sho_pitch
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
+        rows[0][37] = bx_r_sho_pitch_x;
+        let bx_r_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
+        rows[0][38] = bx_r_sho_pitch_y;
+        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e3 * s_r_sho_pitch));
+        rows[1][37] = by_r_sho_pitch_x;
+        let e16 = e3.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
+        let by_r_sho_pitch_y = -e16;
+        rows[1][38] = by_r_sho_pitch_y;
+        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
+        rows[2][37] = bz_r_sho_pitch_x;
+        let bz_r_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
+        rows[2][38] = bz_r_sho_pitch_y;
+        // r_sho_roll
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
+        rows[0][39] = bx_r_sho_roll_x;
+        let e17 = e4.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e17;
+        rows[0][40] = bx_r_sho_roll_y;
+        let by_r_sho_roll_x = e16.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
+        rows[1][39] = by_r_sho_roll_x;
+        let e18 = e5.mul_plus(s_r_sho_roll, e16 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e18;
+        rows[1][40] = by_r_sho_roll_y;
+        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
+        rows[2][39] = bz_r_sho_roll_x;
+        let e19 = e6.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        let bz_r_sho_roll_y = -e19;
+        rows[2][40] = bz_r_sho_roll_y;
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        let bx_r_el_x = -e17.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
+        rows[0][41] = bx_r_el_x;
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e17 * s_r_el));
+        rows[0][42] = bx_r_el_y;
+        let by_r_el_x = -e18.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
+        rows[1][41] = by_r_el_x;
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e18 * s_r_el));
+        rows[1][42] = by_r_el_y;
+        let bz_r_el_x = -e19.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
+        rows[2][41] = bz_r_el_x;
+        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e19 * s_r_el));
+        rows[2][42] = bz_r_el_y;
+    }
+
+    #[inline(always)]
+    fn regressor_cop_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 2]) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][3] = zero;
+        rows[0][4] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        rows[1][4] = s_r_ank_roll;
+        rows[1][3] = c_r_ank_roll;
+        // r_ank_pitch
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        rows[0][6] = s_r_ank_pitch;
+        rows[0][5] = c_r_ank_pitch;
+        let e1 = s_r_ank_roll * s_r_ank_pitch;
+        let by_r_ank_pitch_x = -e1;
+        rows[1][5] = by_r_ank_pitch_x;
+        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
+        rows[1][6] = by_r_ank_pitch_y;
+        // r_knee
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
+        rows[0][7] = bx_r_knee_x;
+        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
+        rows[0][8] = bx_r_knee_y;
+        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e1 * c_r_knee));
+        rows[1][7] = by_r_knee_x;
+        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e1 * s_r_knee);
+        rows[1][8] = by_r_knee_y;
+        // r_hip_pitch
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
+        rows[0][9] = bx_r_hip_pitch_x;
+        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
+        rows[0][10] = bx_r_hip_pitch_y;
+        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
+        rows[1][9] = by_r_hip_pitch_x;
+        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
+        rows[1][10] = by_r_hip_pitch_y;
+        // r_hip_roll
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
+        rows[0][11] = bx_r_hip_roll_x;
+        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
+        rows[0][12] = bx_r_hip_roll_y;
+        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
+        rows[1][11] = by_r_hip_roll_x;
+        let e2 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
+        let by_r_hip_roll_y = -e2;
+        rows[1][12] = by_r_hip_roll_y;
+        // r_hip_yaw
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
+        rows[0][13] = bx_r_hip_yaw_x;
+        let e3 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
+        let bx_r_hip_yaw_y = -e3;
+        rows[0][14] = bx_r_hip_yaw_y;
+        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
+        rows[1][13] = by_r_hip_yaw_x;
+        let e4 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
+        let by_r_hip_yaw_y = -e4;
+        rows[1][14] = by_r_hip_yaw_y;
+        // head_pan
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
+        rows[0][15] = bx_head_pan_x;
+        let bx_head_pan_y = -e3.mul_plus(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+        rows[0][16] = bx_head_pan_y;
+        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
+        rows[1][15] = by_head_pan_x;
+        let by_head_pan_y = -e4.mul_plus(c_head_pan, by_r_hip_yaw_x * s_head_pan);
+        rows[1][16] = by_head_pan_y;
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
+        rows[0][17] = bx_head_tilt_x;
+        let bx_head_tilt_y = -bx_r_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+        rows[0][18] = bx_head_tilt_y;
+        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e2 * s_head_tilt));
+        rows[1][17] = by_head_tilt_x;
+        let by_head_tilt_y = e2.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
+        rows[1][18] = by_head_tilt_y;
+        // l_hip_yaw
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e3 * s_l_hip_yaw);
+        rows[0][19] = bx_l_hip_yaw_x;
+        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e3 * c_l_hip_yaw));
+        rows[0][20] = bx_l_hip_yaw_y;
+        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e4 * s_l_hip_yaw);
+        rows[1][19] = by_l_hip_yaw_x;
+        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
+        rows[1][20] = by_l_hip_yaw_y;
+        // l_hip_roll
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        let bx_l_hip_roll_x = bx_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
+        rows[0][21] = bx_l_hip_roll_x;
+        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
+        rows[0][22] = bx_l_hip_roll_y;
+        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e2 * s_l_hip_roll);
+        rows[1][21] = by_l_hip_roll_x;
+        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e2 * c_l_hip_roll));
+        rows[1][22] = by_l_hip_roll_y;
+        // l_hip_pitch
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        let bx_l_hip_pitch_x = bx_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
+        rows[0][23] = bx_l_hip_pitch_x;
+        let e5 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
+        let bx_l_hip_pitch_y = -e5;
+        rows[0][24] = bx_l_hip_pitch_y;
+        let by_l_hip_pitch_x = by_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
+        rows[1][23] = by_l_hip_pitch_x;
+        let e6 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
+        let by_l_hip_pitch_y = -e6;
+        rows[1][24] = by_l_hip_pitch_y;
+        // l_knee
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e5 * s_l_knee));
+        rows[0][25] = bx_l_knee_x;
+        let e7 = e5.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
+        let bx_l_knee_y = -e7;
+        rows[0][26] = bx_l_knee_y;
+        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e6 * s_l_knee));
+        rows[1][25] = by_l_knee_x;
+        let e8 = e6.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
+        let by_l_knee_y = -e8;
+        rows[1][26] = by_l_knee_y;
+        // l_ank_pitch
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(c_l_ank_pitch, e7 * s_l_ank_pitch);
+        rows[0][27] = bx_l_ank_pitch_x;
+        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e7 * c_l_ank_pitch));
+        rows[0][28] = bx_l_ank_pitch_y;
+        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(c_l_ank_pitch, e8 * s_l_ank_pitch);
+        rows[1][27] = by_l_ank_pitch_x;
+        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e8 * c_l_ank_pitch));
+        rows[1][28] = by_l_ank_pitch_y;
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        let bx_l_ank_roll_x = bx_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
+        rows[0][29] = bx_l_ank_roll_x;
+        let bx_l_ank_roll_y = -bx_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
+        rows[0][30] = bx_l_ank_roll_y;
+        let by_l_ank_roll_x = by_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
+        rows[1][29] = by_l_ank_roll_x;
+        let by_l_ank_roll_y = -by_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
+        rows[1][30] = by_l_ank_roll_y;
+        // l_sho_pitch
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
+        rows[0][31] = bx_l_sho_pitch_x;
+        let bx_l_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
+        rows[0][32] = bx_l_sho_pitch_y;
+        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e2 * s_l_sho_pitch);
+        rows[1][31] = by_l_sho_pitch_x;
+        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e2 * c_l_sho_pitch));
+        rows[1][32] = by_l_sho_pitch_y;
+        // l_sho_roll
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e3 * c_l_sho_roll);
+        rows[0][33] = bx_l_sho_roll_x;
+        let e9 = e3.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e9;
+        rows[0][34] = bx_l_sho_roll_y;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
+        rows[1][33] = by_l_sho_roll_x;
+        let e10 = e4.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e10;
+        rows[1][34] = by_l_sho_roll_y;
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e9 * c_l_el));
+        rows[0][35] = bx_l_el_x;
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e9 * s_l_el);
+        rows[0][36] = bx_l_el_y;
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e10 * c_l_el));
+        rows[1][35] = by_l_el_x;
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e10 * s_l_el);
+        rows[1][36] = by_l_el_y;
+        // r_sho_pitch
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
+        rows[0][37] = bx_r_sho_pitch_x;
+        let bx_r_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
+        rows[0][38] = bx_r_sho_pitch_y;
+        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e2 * s_r_sho_pitch));
+        rows[1][37] = by_r_sho_pitch_x;
+        let e11 = e2.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
+        let by_r_sho_pitch_y = -e11;
+        rows[1][38] = by_r_sho_pitch_y;
+        // r_sho_roll
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e3 * c_r_sho_roll);
+        rows[0][39] = bx_r_sho_roll_x;
+        let e12 = e3.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e12;
+        rows[0][40] = bx_r_sho_roll_y;
+        let by_r_sho_roll_x = e11.mul_plus(s_r_sho_roll, -(e4 * c_r_sho_roll));
+        rows[1][39] = by_r_sho_roll_x;
+        let e13 = e4.mul_plus(s_r_sho_roll, e11 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e13;
+        rows[1][40] = by_r_sho_roll_y;
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        let bx_r_el_x = -e12.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
+        rows[0][41] = bx_r_el_x;
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e12 * s_r_el));
+        rows[0][42] = bx_r_el_y;
+        let by_r_el_x = -e13.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
+        rows[1][41] = by_r_el_x;
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e13 * s_r_el));
+        rows[1][42] = by_r_el_y;
+    }
+
+    #[inline(always)]
+    fn regressor_full_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; FULL_PARAMS]; 3]) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[0][3] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][4] = zero;
+        rows[0][5] = zero;
+        rows[0][7] = zero;
+        rows[0][10] = zero;
+        rows[0][13] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        rows[2][3] = zero;
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        rows[1][5] = s_r_ank_roll;
+        rows[1][4] = c_r_ank_roll;
+        rows[1][7] = c_r_ank_roll;
+        rows[1][10] = c_r_ank_roll;
+        rows[1][13] = c_r_ank_roll;
+        rows[2][5] = c_r_ank_roll;
+        let bz_r_ank_roll_x = -s_r_ank_roll;
+        rows[2][4] = bz_r_ank_roll_x;
+        rows[2][7] = bz_r_ank_roll_x;
+        rows[2][10] = bz_r_ank_roll_x;
+        rows[2][13] = bz_r_ank_roll_x;
+        // r_ank_pitch
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        rows[0][8] = s_r_ank_pitch;
+        rows[0][6] = c_r_ank_pitch;
+        let e1 = s_r_ank_roll * s_r_ank_pitch;
+        let by_r_ank_pitch_x = -e1;
+        rows[1][6] = by_r_ank_pitch_x;
+        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
+        rows[1][8] = by_r_ank_pitch_y;
+        let e2 = c_r_ank_roll * s_r_ank_pitch;
+        let bz_r_ank_pitch_x = -e2;
+        rows[2][6] = bz_r_ank_pitch_x;
+        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
+        rows[2][8] = bz_r_ank_pitch_y;
+        // r_knee
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
+        rows[0][9] = bx_r_knee_x;
+        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
+        rows[0][11] = bx_r_knee_y;
+        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e1 * c_r_knee));
+        rows[1][9] = by_r_knee_x;
+        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e1 * s_r_knee);
+        rows[1][11] = by_r_knee_y;
+        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e2 * c_r_knee));
+        rows[2][9] = bz_r_knee_x;
+        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e2 * s_r_knee);
+        rows[2][11] = bz_r_knee_y;
+        // r_hip_pitch
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
+        rows[0][12] = bx_r_hip_pitch_x;
+        rows[0][15] = bx_r_hip_pitch_x;
+        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
+        rows[0][14] = bx_r_hip_pitch_y;
+        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
+        rows[1][12] = by_r_hip_pitch_x;
+        rows[1][15] = by_r_hip_pitch_x;
+        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
+        rows[1][14] = by_r_hip_pitch_y;
+        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
+        rows[2][12] = bz_r_hip_pitch_x;
+        rows[2][15] = bz_r_hip_pitch_x;
+        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
+        rows[2][14] = bz_r_hip_pitch_y;
+        // r_hip_roll
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
+        rows[0][16] = bx_r_hip_roll_x;
+        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
+        rows[0][17] = bx_r_hip_roll_y;
+        rows[0][20] = bx_r_hip_roll_y;
+        rows[0][23] = bx_r_hip_roll_y;
+        rows[0][29] = bx_r_hip_roll_y;
+        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
+        rows[1][16] = by_r_hip_roll_x;
+        let e3 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
+        let by_r_hip_roll_y = -e3;
+        rows[1][17] = by_r_hip_roll_y;
+        rows[1][20] = by_r_hip_roll_y;
+        rows[1][23] = by_r_hip_roll_y;
+        rows[1][29] = by_r_hip_roll_y;
+        let bz_r_hip_roll_x = bz_r_hip_pitch_y
+            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
+        rows[2][16] = bz_r_hip_roll_x;
+        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
+        rows[2][17] = bz_r_hip_roll_y;
+        rows[2][20] = bz_r_hip_roll_y;
+        rows[2][23] = bz_r_hip_roll_y;
+        rows[2][29] = bz_r_hip_roll_y;
+        // r_hip_yaw
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
+        rows[0][18] = bx_r_hip_yaw_x;
+        let e4 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
+        let bx_r_hip_yaw_y = -e4;
+        rows[0][19] = bx_r_hip_yaw_y;
+        rows[0][46] = bx_r_hip_yaw_y;
+        rows[0][55] = bx_r_hip_yaw_y;
+        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
+        rows[1][18] = by_r_hip_yaw_x;
+        let e5 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
+        let by_r_hip_yaw_y = -e5;
+        rows[1][19] = by_r_hip_yaw_y;
+        rows[1][46] = by_r_hip_yaw_y;
+        rows[1][55] = by_r_hip_yaw_y;
+        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
+        rows[2][18] = bz_r_hip_yaw_x;
+        let e6 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
+        let bz_r_hip_yaw_y = -e6;
+        rows[2][19] = bz_r_hip_yaw_y;
+        rows[2][46] = bz_r_hip_yaw_y;
+        rows[2][55] = bz_r_hip_yaw_y;
+        // head_pan
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
+        rows[0][21] = bx_head_pan_x;
+        let bx_head_pan_y = -e4.mul_plus(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+        rows[0][22] = bx_head_pan_y;
+        rows[0][25] = bx_head_pan_y;
+        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
+        rows[1][21] = by_head_pan_x;
+        let by_head_pan_y = -e5.mul_plus(c_head_pan, by_r_hip_yaw_x * s_head_pan);
+        rows[1][22] = by_head_pan_y;
+        rows[1][25] = by_head_pan_y;
+        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e6 * s_head_pan));
+        rows[2][21] = bz_head_pan_x;
+        let bz_head_pan_y = -e6.mul_plus(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
+        rows[2][22] = bz_head_pan_y;
+        rows[2][25] = bz_head_pan_y;
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
+        let e7 = bx_r_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e3 * s_head_tilt));
+        let by_head_tilt_y = e3.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
+        let bz_head_tilt_x = bz_head_pan_x.mul_plus(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
+        let e8 = bz_r_hip_roll_y.mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
+        // l_hip_yaw
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e4 * s_l_hip_yaw);
+        rows[0][27] = bx_l_hip_yaw_x;
+        rows[0][30] = bx_l_hip_yaw_x;
+        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
+        rows[0][28] = bx_l_hip_yaw_y;
+        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e5 * s_l_hip_yaw);
+        rows[1][27] = by_l_hip_yaw_x;
+        rows[1][30] = by_l_hip_yaw_x;
+        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
+        rows[1][28] = by_l_hip_yaw_y;
+        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e6 * s_l_hip_yaw);
+        rows[2][27] = bz_l_hip_yaw_x;
+        rows[2][30] = bz_l_hip_yaw_x;
+        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e6 * c_l_hip_yaw));
+        rows[2][28] = bz_l_hip_yaw_y;
+        // l_hip_roll
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        let bx_l_hip_roll_x = bx_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
+        rows[0][31] = bx_l_hip_roll_x;
+        rows[0][34] = bx_l_hip_roll_x;
+        rows[0][37] = bx_l_hip_roll_x;
+        rows[0][40] = bx_l_hip_roll_x;
+        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
+        rows[0][32] = bx_l_hip_roll_y;
+        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e3 * s_l_hip_roll);
+        rows[1][31] = by_l_hip_roll_x;
+        rows[1][34] = by_l_hip_roll_x;
+        rows[1][37] = by_l_hip_roll_x;
+        rows[1][40] = by_l_hip_roll_x;
+        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e3 * c_l_hip_roll));
+        rows[1][32] = by_l_hip_roll_y;
+        let bz_l_hip_roll_x = bz_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
+        rows[2][31] = bz_l_hip_roll_x;
+        rows[2][34] = bz_l_hip_roll_x;
+        rows[2][37] = bz_l_hip_roll_x;
+        rows[2][40] = bz_l_hip_roll_x;
+        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
+        rows[2][32] = bz_l_hip_roll_y;
+        // l_hip_pitch
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        let bx_l_hip_pitch_x = bx_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
+        rows[0][33] = bx_l_hip_pitch_x;
+        let e9 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
+        let bx_l_hip_pitch_y = -e9;
+        rows[0][35] = bx_l_hip_pitch_y;
+        let by_l_hip_pitch_x = by_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
+        rows[1][33] = by_l_hip_pitch_x;
+        let e10 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
+        let by_l_hip_pitch_y = -e10;
+        rows[1][35] = by_l_hip_pitch_y;
+        let bz_l_hip_pitch_x = bz_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
+        rows[2][33] = bz_l_hip_pitch_x;
+        let e11 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
+        let bz_l_hip_pitch_y = -e11;
+        rows[2][35] = bz_l_hip_pitch_y;
+        // l_knee
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e9 * s_l_knee));
+        rows[0][36] = bx_l_knee_x;
+        let e12 = e9.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
+        let bx_l_knee_y = -e12;
+        rows[0][38] = bx_l_knee_y;
+        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e10 * s_l_knee));
+        rows[1][36] = by_l_knee_x;
+        let e13 = e10.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
+        let by_l_knee_y = -e13;
+        rows[1][38] = by_l_knee_y;
+        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e11 * s_l_knee));
+        rows[2][36] = bz_l_knee_x;
+        let e14 = e11.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
+        let bz_l_knee_y = -e14;
+        rows[2][38] = bz_l_knee_y;
+        // l_ank_pitch
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(c_l_ank_pitch, e12 * s_l_ank_pitch);
+        rows[0][39] = bx_l_ank_pitch_x;
+        rows[0][42] = bx_l_ank_pitch_x;
+        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
+        rows[0][41] = bx_l_ank_pitch_y;
+        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(c_l_ank_pitch, e13 * s_l_ank_pitch);
+        rows[1][39] = by_l_ank_pitch_x;
+        rows[1][42] = by_l_ank_pitch_x;
+        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e13 * c_l_ank_pitch));
+        rows[1][41] = by_l_ank_pitch_y;
+        let bz_l_ank_pitch_x = bz_l_knee_x.mul_plus(c_l_ank_pitch, e14 * s_l_ank_pitch);
+        rows[2][39] = bz_l_ank_pitch_x;
+        rows[2][42] = bz_l_ank_pitch_x;
+        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e14 * c_l_ank_pitch));
+        rows[2][41] = bz_l_ank_pitch_y;
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        let bx_l_ank_roll_x = bx_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
+        rows[0][43] = bx_l_ank_roll_x;
+        let bx_l_ank_roll_y = -bx_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
+        rows[0][44] = bx_l_ank_roll_y;
+        let by_l_ank_roll_x = by_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
+        rows[1][43] = by_l_ank_roll_x;
+        let by_l_ank_roll_y = -by_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
+        rows[1][44] = by_l_ank_roll_y;
+        let bz_l_ank_roll_x = bz_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
+        rows[2][43] = bz_l_ank_roll_x;
+        let bz_l_ank_roll_y = -bz_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
+        rows[2][44] = bz_l_ank_roll_y;
+        // l_sho_pitch
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
+        rows[0][45] = bx_l_sho_pitch_x;
+        rows[0][48] = bx_l_sho_pitch_x;
+        let bx_l_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
+        rows[0][47] = bx_l_sho_pitch_y;
+        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e3 * s_l_sho_pitch);
+        rows[1][45] = by_l_sho_pitch_x;
+        rows[1][48] = by_l_sho_pitch_x;
+        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e3 * c_l_sho_pitch));
+        rows[1][47] = by_l_sho_pitch_y;
+        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
+        rows[2][45] = bz_l_sho_pitch_x;
+        rows[2][48] = bz_l_sho_pitch_x;
+        let bz_l_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
+        rows[2][47] = bz_l_sho_pitch_y;
+        // l_sho_roll
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
+        rows[0][49] = bx_l_sho_roll_x;
+        rows[0][52] = bx_l_sho_roll_x;
+        let e15 = e4.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e15;
+        rows[0][50] = bx_l_sho_roll_y;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
+        rows[1][49] = by_l_sho_roll_x;
+        rows[1][52] = by_l_sho_roll_x;
+        let e16 = e5.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e16;
+        rows[1][50] = by_l_sho_roll_y;
+        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e6 * c_l_sho_roll);
+        rows[2][49] = bz_l_sho_roll_x;
+        rows[2][52] = bz_l_sho_roll_x;
+        let e17 = e6.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let bz_l_sho_roll_y = -e17;
+        rows[2][50] = bz_l_sho_roll_y;
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e15 * c_l_el));
+        rows[0][51] = bx_l_el_x;
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e15 * s_l_el);
+        rows[0][53] = bx_l_el_y;
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e16 * c_l_el));
+        rows[1][51] = by_l_el_x;
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e16 * s_l_el);
+        rows[1][53] = by_l_el_y;
+        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e17 * c_l_el));
+        rows[2][51] = bz_l_el_x;
+        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e17 * s_l_el);
+        rows[2][53] = bz_l_el_y;
+        // r_sho_pitch
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
+        rows[0][54] = bx_r_sho_pitch_x;
+        rows[0][57] = bx_r_sho_pitch_x;
+        let bx_r_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
+        rows[0][56] = bx_r_sho_pitch_y;
+        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e3 * s_r_sho_pitch));
+        rows[1][54] = by_r_sho_pitch_x;
+        rows[1][57] = by_r_sho_pitch_x;
+        let e18 = e3.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
+        let by_r_sho_pitch_y = -e18;
+        rows[1][56] = by_r_sho_pitch_y;
+        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
+        rows[2][54] = bz_r_sho_pitch_x;
+        rows[2][57] = bz_r_sho_pitch_x;
+        let bz_r_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
+        rows[2][56] = bz_r_sho_pitch_y;
+        // r_sho_roll
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
+        rows[0][58] = bx_r_sho_roll_x;
+        rows[0][61] = bx_r_sho_roll_x;
+        let e19 = e4.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e19;
+        rows[0][59] = bx_r_sho_roll_y;
+        let by_r_sho_roll_x = e18.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
+        rows[1][58] = by_r_sho_roll_x;
+        rows[1][61] = by_r_sho_roll_x;
+        let e20 = e5.mul_plus(s_r_sho_roll, e18 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e20;
+        rows[1][59] = by_r_sho_roll_y;
+        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
+        rows[2][58] = bz_r_sho_roll_x;
+        rows[2][61] = bz_r_sho_roll_x;
+        let e21 = e6.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        let bz_r_sho_roll_y = -e21;
+        rows[2][59] = bz_r_sho_roll_y;
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        let bx_r_el_x = -e19.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
+        rows[0][60] = bx_r_el_x;
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e19 * s_r_el));
+        rows[0][62] = bx_r_el_y;
+        let by_r_el_x = -e20.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
+        rows[1][60] = by_r_el_x;
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e20 * s_r_el));
+        rows[1][62] = by_r_el_y;
+        let bz_r_el_x = -e21.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
+        rows[2][60] = bz_r_el_x;
+        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e21 * s_r_el));
+        rows[2][62] = bz_r_el_y;
+        rows[0][24] = bx_head_tilt_x
+            .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e7));
+        rows[0][26] = bx_head_tilt_x
+            .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e7);
+        rows[1][24] = by_head_tilt_x
+            .mul_plus(
+                T::from_f64(0.8386705680315472),
+                T::from_f64(0.5446390348824093) * by_head_tilt_y,
+            );
+        rows[1][26] = by_head_tilt_x
+            .mul_plus(
+                T::from_f64(0.5446390348824093),
+                -(T::from_f64(0.8386705680315472) * by_head_tilt_y),
+            );
+        rows[2][24] = bz_head_tilt_x
+            .mul_plus(T::from_f64(0.8386705680315472), -(T::from_f64(0.5446390348824093) * e8));
+        rows[2][26] = bz_head_tilt_x
+            .mul_plus(T::from_f64(0.5446390348824093), T::from_f64(0.8386705680315472) * e8);
+    }
+
+    #[inline(always)]
+    fn cop_core<T: Real>(angles: &impl v1::Angles<T>, r: &[T; BASE_PARAMS]) -> [T; 2] {
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        // r_sho_roll
+        let v_r_sho_roll_y = c_r_el.mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], v_r_sho_roll_y);
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        // l_sho_roll
+        let v_l_sho_roll_y = c_l_el.mul_plus(r[35], r[34]);
+        let v_l_sho_roll_y = s_l_el.mul_plus(r[36], v_l_sho_roll_y);
+        let v_l_sho_roll_z = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[33], r[32]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        // l_ank_pitch
+        let v_l_ank_pitch_y = s_l_ank_roll.mul_plus(r[29], r[28]);
+        let v_l_ank_pitch_y = c_l_ank_roll.mul_plus(r[30], v_l_ank_pitch_y);
+        let v_l_ank_pitch_z = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        // l_knee
+        let v_l_knee_x = c_l_ank_pitch.mul_plus(r[27], r[25]);
+        let v_l_knee_x = s_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-s_l_ank_pitch).mul_plus(r[27], r[26]);
+        let v_l_knee_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_y);
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = c_l_knee.mul_plus(v_l_knee_x, r[23]);
+        let v_l_hip_pitch_x = (-s_l_knee).mul_plus(v_l_knee_y, v_l_hip_pitch_x);
+        let v_l_hip_pitch_y = s_l_knee.mul_plus(v_l_knee_x, r[24]);
+        let v_l_hip_pitch_y = c_l_knee.mul_plus(v_l_knee_y, v_l_hip_pitch_y);
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+        let v_l_hip_roll_y = s_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[22]);
+        let v_l_hip_roll_y = c_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_hip_roll_y);
+        let v_l_hip_roll_z = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+        let v_l_hip_yaw_y = c_l_hip_roll.mul_plus(v_l_hip_roll_x, r[20]);
+        let v_l_hip_yaw_y = s_l_hip_roll.mul_plus(v_l_hip_roll_y, v_l_hip_yaw_y);
+        let v_l_hip_yaw_z = c_l_hip_roll.mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        // head_pan
+        let v_head_pan_x = c_head_tilt.mul_plus(r[17], r[15]);
+        let v_head_pan_x = s_head_tilt.mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        // r_hip_yaw
+        let e1 = c_head_pan.mul_plus(v_head_pan_x, r[13]);
+        let e1 = (-s_head_pan).mul_plus(r[16], e1);
+        let e1 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_x, e1);
+        let e1 = s_l_sho_pitch.mul_plus(v_l_sho_pitch_y, e1);
+        let e1 = c_r_sho_pitch.mul_plus(v_r_sho_pitch_x, e1);
+        let e1 = (-s_r_sho_pitch).mul_plus(v_r_sho_pitch_y, e1);
+        let v_r_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, e1);
+        let v_r_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_x);
+        let p1 = s_head_pan.mul_plus(v_head_pan_x, r[14]);
+        let p2 = c_head_pan.mul_plus(r[16], p1);
+        let v_r_hip_yaw_y = (-s_l_hip_yaw)
+            .mul_plus(v_l_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_r_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_y);
+        let p3 = (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = s_r_sho_pitch.mul_plus(v_r_sho_pitch_x, p4);
+        let v_r_hip_yaw_z = c_r_sho_pitch.mul_plus(v_r_sho_pitch_y, p5) + v_l_hip_yaw_z;
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        // r_hip_roll
+        let v_r_hip_roll_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, r[11]);
+        let v_r_hip_roll_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_r_hip_roll_x);
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let v_r_hip_roll_z = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+        let v_r_hip_pitch_y = s_r_hip_roll.mul_plus(v_r_hip_roll_x, r[10]);
+        let v_r_hip_pitch_y = c_r_hip_roll.mul_plus(v_r_hip_roll_y, v_r_hip_pitch_y);
+        let v_r_hip_pitch_z = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        // r_knee
+        let v_r_knee_x = c_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[7]);
+        let v_r_knee_x = (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_y, v_r_knee_x);
+        let v_r_knee_y = s_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[8]);
+        let v_r_knee_y = c_r_hip_pitch.mul_plus(v_r_hip_pitch_y, v_r_knee_y);
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = c_r_knee.mul_plus(v_r_knee_x, r[5]);
+        let v_r_ank_pitch_x = (-s_r_knee).mul_plus(v_r_knee_y, v_r_ank_pitch_x);
+        let v_r_ank_pitch_y = s_r_knee.mul_plus(v_r_knee_x, r[6]);
+        let v_r_ank_pitch_y = c_r_knee.mul_plus(v_r_knee_y, v_r_ank_pitch_y);
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+        let v_r_ank_roll_y = (-s_r_ank_pitch).mul_plus(v_r_ank_pitch_x, r[4]);
+        let v_r_ank_roll_y = c_r_ank_pitch.mul_plus(v_r_ank_pitch_y, v_r_ank_roll_y);
+        let v_r_ank_roll_z = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        // r_sole
+        let v_r_sole_x = r[0] + v_r_ank_roll_z;
+        let v_r_sole_y = c_r_ank_roll.mul_plus(v_r_ank_roll_x, r[1]);
+        let v_r_sole_y = s_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_y);
+        [v_r_sole_x, v_r_sole_y]
+    }
+
+    #[inline(always)]
+    fn zmp_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        qd: &[T; DOF],
+        qdd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 2] {
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        // r_sho_roll
+        let v_r_sho_roll_y = c_r_el.mul_plus(r[41], r[40]);
+        let v_r_sho_roll_y = (-s_r_el).mul_plus(r[42], v_r_sho_roll_y);
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        let v_r_sho_pitch_y = (-s_r_sho_roll).mul_plus(r[39], r[38]);
+        let v_r_sho_pitch_y = c_r_sho_roll.mul_plus(v_r_sho_roll_y, v_r_sho_pitch_y);
+        let v_r_sho_pitch_z = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        // l_sho_roll
+        let v_l_sho_roll_y = c_l_el.mul_plus(r[35], r[34]);
+        let v_l_sho_roll_y = s_l_el.mul_plus(r[36], v_l_sho_roll_y);
+        let v_l_sho_roll_z = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+        let v_l_sho_pitch_y = (-s_l_sho_roll).mul_plus(r[33], r[32]);
+        let v_l_sho_pitch_y = c_l_sho_roll.mul_plus(v_l_sho_roll_y, v_l_sho_pitch_y);
+        let v_l_sho_pitch_z = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        // l_ank_pitch
+        let v_l_ank_pitch_y = s_l_ank_roll.mul_plus(r[29], r[28]);
+        let v_l_ank_pitch_y = c_l_ank_roll.mul_plus(r[30], v_l_ank_pitch_y);
+        let v_l_ank_pitch_z = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        // l_knee
+        let v_l_knee_x = c_l_ank_pitch.mul_plus(r[27], r[25]);
+        let v_l_knee_x = s_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_x);
+        let v_l_knee_y = (-s_l_ank_pitch).mul_plus(r[27], r[26]);
+        let v_l_knee_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, v_l_knee_y);
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = c_l_knee.mul_plus(v_l_knee_x, r[23]);
+        let v_l_hip_pitch_x = (-s_l_knee).mul_plus(v_l_knee_y, v_l_hip_pitch_x);
+        let v_l_hip_pitch_y = s_l_knee.mul_plus(v_l_knee_x, r[24]);
+        let v_l_hip_pitch_y = c_l_knee.mul_plus(v_l_knee_y, v_l_hip_pitch_y);
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+        let v_l_hip_roll_y = s_l_hip_pitch.mul_plus(v_l_hip_pitch_x, r[22]);
+        let v_l_hip_roll_y = c_l_hip_pitch.mul_plus(v_l_hip_pitch_y, v_l_hip_roll_y);
+        let v_l_hip_roll_z = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+        let v_l_hip_yaw_y = c_l_hip_roll.mul_plus(v_l_hip_roll_x, r[20]);
+        let v_l_hip_yaw_y = s_l_hip_roll.mul_plus(v_l_hip_roll_y, v_l_hip_yaw_y);
+        let v_l_hip_yaw_z = c_l_hip_roll.mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        // head_pan
+        let v_head_pan_x = c_head_tilt.mul_plus(r[17], r[15]);
+        let v_head_pan_x = s_head_tilt.mul_plus(r[18], v_head_pan_x);
+        let v_head_pan_z = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        // r_hip_yaw
+        let e1 = c_head_pan.mul_plus(v_head_pan_x, r[13]);
+        let e1 = (-s_head_pan).mul_plus(r[16], e1);
+        let e1 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_x, e1);
+        let e1 = s_l_sho_pitch.mul_plus(v_l_sho_pitch_y, e1);
+        let e1 = c_r_sho_pitch.mul_plus(v_r_sho_pitch_x, e1);
+        let e1 = (-s_r_sho_pitch).mul_plus(v_r_sho_pitch_y, e1);
+        let v_r_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, e1);
+        let v_r_hip_yaw_x = s_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_x);
+        let p1 = s_head_pan.mul_plus(v_head_pan_x, r[14]);
+        let p2 = c_head_pan.mul_plus(r[16], p1);
+        let v_r_hip_yaw_y = (-s_l_hip_yaw)
+            .mul_plus(v_l_hip_yaw_x, p2 + v_l_sho_pitch_z + v_r_sho_pitch_z);
+        let v_r_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, v_r_hip_yaw_y);
+        let p3 = (-s_l_sho_pitch).mul_plus(v_l_sho_pitch_x, v_head_pan_z);
+        let p4 = c_l_sho_pitch.mul_plus(v_l_sho_pitch_y, p3);
+        let p5 = s_r_sho_pitch.mul_plus(v_r_sho_pitch_x, p4);
+        let v_r_hip_yaw_z = c_r_sho_pitch.mul_plus(v_r_sho_pitch_y, p5) + v_l_hip_yaw_z;
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        // r_hip_roll
+        let v_r_hip_roll_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, r[11]);
+        let v_r_hip_roll_x = c_r_hip_yaw.mul_plus(v_r_hip_yaw_y, v_r_hip_roll_x);
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let v_r_hip_roll_z = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+        let v_r_hip_pitch_y = s_r_hip_roll.mul_plus(v_r_hip_roll_x, r[10]);
+        let v_r_hip_pitch_y = c_r_hip_roll.mul_plus(v_r_hip_roll_y, v_r_hip_pitch_y);
+        let v_r_hip_pitch_z = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        // r_knee
+        let v_r_knee_x = c_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[7]);
+        let v_r_knee_x = (-s_r_hip_pitch).mul_plus(v_r_hip_pitch_y, v_r_knee_x);
+        let v_r_knee_y = s_r_hip_pitch.mul_plus(v_r_hip_pitch_x, r[8]);
+        let v_r_knee_y = c_r_hip_pitch.mul_plus(v_r_hip_pitch_y, v_r_knee_y);
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = c_r_knee.mul_plus(v_r_knee_x, r[5]);
+        let v_r_ank_pitch_x = (-s_r_knee).mul_plus(v_r_knee_y, v_r_ank_pitch_x);
+        let v_r_ank_pitch_y = s_r_knee.mul_plus(v_r_knee_x, r[6]);
+        let v_r_ank_pitch_y = c_r_knee.mul_plus(v_r_knee_y, v_r_ank_pitch_y);
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+        let v_r_ank_roll_y = (-s_r_ank_pitch).mul_plus(v_r_ank_pitch_x, r[4]);
+        let v_r_ank_roll_y = c_r_ank_pitch.mul_plus(v_r_ank_pitch_y, v_r_ank_roll_y);
+        let v_r_ank_roll_z = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        // r_sole
+        let v_r_sole_x = r[0] + v_r_ank_roll_z;
+        let v_r_sole_y = c_r_ank_roll.mul_plus(v_r_ank_roll_x, r[1]);
+        let v_r_sole_y = s_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_y);
+        let v_r_sole_z = (-s_r_ank_roll).mul_plus(v_r_ank_roll_x, r[2]);
+        let v_r_sole_z = c_r_ank_roll.mul_plus(v_r_ank_roll_y, v_r_sole_z);
+        // r_ank_roll
+        let e2 = qd[16] * qd[16];
+        // r_ank_pitch
+        let o_r_ank_pitch_x = qd[16] * c_r_ank_pitch;
+        let o_r_ank_pitch_y = qd[16] * s_r_ank_pitch;
+        let e3 = o_r_ank_pitch_y * qd[15];
+        let e4 = o_r_ank_pitch_x * qd[15];
+        let a_r_ank_pitch_x = qdd[16].mul_plus(c_r_ank_pitch, -e3);
+        let a_r_ank_pitch_y = qdd[16].mul_plus(s_r_ank_pitch, e4);
+        let e5 = o_r_ank_pitch_x * o_r_ank_pitch_x;
+        let e6 = o_r_ank_pitch_y * o_r_ank_pitch_y;
+        let e7 = qd[15] * qd[15];
+        let e8 = o_r_ank_pitch_x * o_r_ank_pitch_y;
+        let e9 = e6 + e7;
+        let e10 = e5 + e7;
+        let e11 = e5 + e6;
+        let e12 = e8 + qdd[15];
+        let e13 = e8 - qdd[15];
+        let e14 = e4 + a_r_ank_pitch_y;
+        let e15 = a_r_ank_pitch_x - e3;
+        // r_knee
+        let o_r_knee_x = o_r_ank_pitch_x.mul_plus(c_r_knee, o_r_ank_pitch_y * s_r_knee);
+        let o_r_knee_y = o_r_ank_pitch_y.mul_plus(c_r_knee, -(o_r_ank_pitch_x * s_r_knee));
+        let o_r_knee_z = qd[14] - qd[15];
+        let a_r_knee_x = a_r_ank_pitch_x.mul_plus(c_r_knee, a_r_ank_pitch_y * s_r_knee);
+        let a_r_knee_x = o_r_knee_y.mul_plus(qd[14], a_r_knee_x);
+        let a_r_knee_y = a_r_ank_pitch_y.mul_plus(c_r_knee, -(a_r_ank_pitch_x * s_r_knee));
+        let a_r_knee_y = (-o_r_knee_x).mul_plus(qd[14], a_r_knee_y);
+        let a_r_knee_z = qdd[14] - qdd[15];
+        let e16 = o_r_knee_x * o_r_knee_x;
+        let e17 = o_r_knee_y * o_r_knee_y;
+        let e18 = o_r_knee_z * o_r_knee_z;
+        let e19 = o_r_knee_x * o_r_knee_y;
+        let e20 = o_r_knee_x * o_r_knee_z;
+        let e21 = o_r_knee_y * o_r_knee_z;
+        let e22 = e17 + e18;
+        let e23 = e16 + e18;
+        let e24 = e16 + e17;
+        let e25 = e19 - a_r_knee_z;
+        let e26 = e19 + a_r_knee_z;
+        let e27 = e20 - a_r_knee_y;
+        let e28 = e21 + a_r_knee_x;
+        // r_hip_pitch
+        let o_r_hip_pitch_x = o_r_knee_x.mul_plus(c_r_hip_pitch, o_r_knee_y * s_r_hip_pitch);
+        let o_r_hip_pitch_y = o_r_knee_y.mul_plus(c_r_hip_pitch, -(o_r_knee_x * s_r_hip_pitch));
+        let o_r_hip_pitch_z = o_r_knee_z + qd[13];
+        let a_r_hip_pitch_x = a_r_knee_x.mul_plus(c_r_hip_pitch, a_r_knee_y * s_r_hip_pitch);
+        let a_r_hip_pitch_x = o_r_hip_pitch_y.mul_plus(qd[13], a_r_hip_pitch_x);
+        let a_r_hip_pitch_y = a_r_knee_y.mul_plus(c_r_hip_pitch, -(a_r_knee_x * s_r_hip_pitch));
+        let a_r_hip_pitch_y = (-o_r_hip_pitch_x).mul_plus(qd[13], a_r_hip_pitch_y);
+        let a_r_hip_pitch_z = a_r_knee_z + qdd[13];
+        let e29 = o_r_hip_pitch_x * o_r_hip_pitch_x;
+        let e30 = o_r_hip_pitch_y * o_r_hip_pitch_y;
+        let e31 = o_r_hip_pitch_z * o_r_hip_pitch_z;
+        let e32 = o_r_hip_pitch_x * o_r_hip_pitch_y;
+        let e33 = o_r_hip_pitch_x * o_r_hip_pitch_z;
+        let e34 = o_r_hip_pitch_y * o_r_hip_pitch_z;
+        let e35 = e30 + e31;
+        let e36 = e29 + e31;
+        let e37 = e29 + e30;
+        let e38 = e32 - a_r_hip_pitch_z;
+        let e39 = e32 + a_r_hip_pitch_z;
+        let e40 = e33 - a_r_hip_pitch_y;
+        let e41 = e34 + a_r_hip_pitch_x;
+        // r_hip_roll
+        let e42 = o_r_hip_pitch_y.mul_plus(s_r_hip_roll, o_r_hip_pitch_z * c_r_hip_roll);
+        let o_r_hip_roll_y = o_r_hip_pitch_z
+            .mul_plus(s_r_hip_roll, -(o_r_hip_pitch_y * c_r_hip_roll));
+        let o_r_hip_roll_z = qd[12] - o_r_hip_pitch_x;
+        let a_r_hip_roll_x = a_r_hip_pitch_y.mul_plus(s_r_hip_roll, a_r_hip_pitch_z * c_r_hip_roll);
+        let a_r_hip_roll_x = o_r_hip_roll_y.mul_plus(qd[12], -a_r_hip_roll_x);
+        let a_r_hip_roll_y = a_r_hip_pitch_z
+            .mul_plus(s_r_hip_roll, -(a_r_hip_pitch_y * c_r_hip_roll));
+        let a_r_hip_roll_y = e42.mul_plus(qd[12], a_r_hip_roll_y);
+        let a_r_hip_roll_z = qdd[12] - a_r_hip_pitch_x;
+        let e43 = e42 * e42;
+        let e44 = o_r_hip_roll_y * o_r_hip_roll_y;
+        let e45 = o_r_hip_roll_z * o_r_hip_roll_z;
+        let e46 = e42 * o_r_hip_roll_y;
+        let e47 = e42 * o_r_hip_roll_z;
+        let e48 = e43 + e45;
+        let e49 = e46 + a_r_hip_roll_z;
+        let e50 = a_r_hip_roll_z - e46;
+        let e51 = e47 + a_r_hip_roll_y;
+        let e52 = o_r_hip_roll_y.mul_plus(o_r_hip_roll_z, a_r_hip_roll_x);
+        // r_hip_yaw
+        let o_r_hip_yaw_x = o_r_hip_roll_z.mul_plus(c_r_hip_yaw, -(e42 * s_r_hip_yaw));
+        let e53 = o_r_hip_roll_z.mul_plus(s_r_hip_yaw, e42 * c_r_hip_yaw);
+        let o_r_hip_yaw_z = o_r_hip_roll_y + qd[11];
+        let a_r_hip_yaw_x = a_r_hip_roll_x.mul_plus(s_r_hip_yaw, a_r_hip_roll_z * c_r_hip_yaw);
+        let a_r_hip_yaw_x = (-e53).mul_plus(qd[11], a_r_hip_yaw_x);
+        let e54 = a_r_hip_roll_z.mul_plus(s_r_hip_yaw, -(a_r_hip_roll_x * c_r_hip_yaw));
+        let e54 = o_r_hip_yaw_x.mul_plus(qd[11], e54);
+        let a_r_hip_yaw_z = a_r_hip_roll_y + qdd[11];
+        let e55 = o_r_hip_yaw_x * o_r_hip_yaw_x;
+        let e56 = e53 * e53;
+        let e57 = o_r_hip_yaw_z * o_r_hip_yaw_z;
+        let e58 = o_r_hip_yaw_x * e53;
+        let e59 = o_r_hip_yaw_x * o_r_hip_yaw_z;
+        let e60 = e53 * o_r_hip_yaw_z;
+        let e61 = e56 + e57;
+        let e62 = e55 + e57;
+        let e63 = e55 + e56;
+        let e64 = e58 + a_r_hip_yaw_z;
+        let e65 = e59 - e54;
+        let e66 = a_r_hip_yaw_z - e58;
+        let e67 = e60 + a_r_hip_yaw_x;
+        let e68 = e59 + e54;
+        let e69 = a_r_hip_yaw_x - e60;
+        // head_pan
+        let o_head_pan_x = o_r_hip_yaw_x.mul_plus(c_head_pan, -(e53 * s_head_pan));
+        let e70 = e53.mul_plus(c_head_pan, o_r_hip_yaw_x * s_head_pan);
+        let o_head_pan_z = o_r_hip_yaw_z + qd[0];
+        let a_head_pan_x = a_r_hip_yaw_x.mul_plus(c_head_pan, -(e54 * s_head_pan));
+        let a_head_pan_x = (-e70).mul_plus(qd[0], a_head_pan_x);
+        let e71 = e54.mul_plus(c_head_pan, a_r_hip_yaw_x * s_head_pan);
+        let e71 = o_head_pan_x.mul_plus(qd[0], e71);
+        let a_head_pan_z = a_r_hip_yaw_z + qdd[0];
+        let e72 = o_head_pan_x * o_head_pan_x;
+        let e73 = e70 * e70;
+        let e74 = o_head_pan_z * o_head_pan_z;
+        let e75 = o_head_pan_x * e70;
+        let e76 = o_head_pan_x * o_head_pan_z;
+        let e77 = e70 * o_head_pan_z;
+        let e78 = e73 + e74;
+        let e79 = e72 + e74;
+        let e80 = e72 + e73;
+        let e81 = e75 + a_head_pan_z;
+        let e82 = e76 - e71;
+        let e83 = a_head_pan_z - e75;
+        let e84 = e77 + a_head_pan_x;
+        let e85 = e76 + e71;
+        let e86 = a_head_pan_x - e77;
+        // head_tilt
+        let o_head_tilt_x = o_head_pan_x.mul_plus(c_head_tilt, o_head_pan_z * s_head_tilt);
+        let e87 = o_head_pan_z.mul_plus(c_head_tilt, -(o_head_pan_x * s_head_tilt));
+        let e88 = e70 + qd[1];
+        let a_head_tilt_x = a_head_pan_x.mul_plus(c_head_tilt, a_head_pan_z * s_head_tilt);
+        let a_head_tilt_x = e87.mul_plus(qd[1], a_head_tilt_x);
+        let a_head_tilt_y = a_head_pan_z.mul_plus(c_head_tilt, -(a_head_pan_x * s_head_tilt));
+        let a_head_tilt_y = o_head_tilt_x.mul_plus(qd[1], -a_head_tilt_y);
+        let e89 = e71 + qdd[1];
+        let e90 = o_head_tilt_x * o_head_tilt_x;
+        let e91 = e87 * e87;
+        let e92 = e88 * e88;
+        let e93 = o_head_tilt_x * e87;
+        let e94 = o_head_tilt_x * e88;
+        let e95 = e87 * e88;
+        let e96 = e91 + e92;
+        let e97 = e90 + e92;
+        let e98 = e90 + e91;
+        let e99 = e89 - e93;
+        let e100 = e93 + e89;
+        let e101 = e94 + a_head_tilt_y;
+        let e102 = e95 + a_head_tilt_x;
+        // l_hip_yaw
+        let o_l_hip_yaw_x = o_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e53 * s_l_hip_yaw);
+        let o_l_hip_yaw_y = o_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e53 * c_l_hip_yaw));
+        let o_l_hip_yaw_z = o_r_hip_yaw_z - qd[2];
+        let a_l_hip_yaw_x = a_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e54 * s_l_hip_yaw);
+        let a_l_hip_yaw_x = (-o_l_hip_yaw_y).mul_plus(qd[2], a_l_hip_yaw_x);
+        let a_l_hip_yaw_y = a_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e54 * c_l_hip_yaw));
+        let a_l_hip_yaw_y = o_l_hip_yaw_x.mul_plus(qd[2], a_l_hip_yaw_y);
+        let a_l_hip_yaw_z = a_r_hip_yaw_z - qdd[2];
+        let e103 = o_l_hip_yaw_x * o_l_hip_yaw_x;
+        let e104 = o_l_hip_yaw_y * o_l_hip_yaw_y;
+        let e105 = o_l_hip_yaw_z * o_l_hip_yaw_z;
+        let e106 = o_l_hip_yaw_x * o_l_hip_yaw_y;
+        let e107 = o_l_hip_yaw_y * o_l_hip_yaw_z;
+        let e108 = e104 + e105;
+        let e109 = e106 - a_l_hip_yaw_z;
+        let e110 = e106 + a_l_hip_yaw_z;
+        let e111 = o_l_hip_yaw_x.mul_plus(o_l_hip_yaw_z, -a_l_hip_yaw_y);
+        let e112 = e107 + a_l_hip_yaw_x;
+        // l_hip_roll
+        let o_l_hip_roll_x = o_l_hip_yaw_y.mul_plus(c_l_hip_roll, -(o_l_hip_yaw_z * s_l_hip_roll));
+        let o_l_hip_roll_y = o_l_hip_yaw_z.mul_plus(c_l_hip_roll, o_l_hip_yaw_y * s_l_hip_roll);
+        let o_l_hip_roll_z = o_l_hip_yaw_x - qd[3];
+        let a_l_hip_roll_x = a_l_hip_yaw_y.mul_plus(c_l_hip_roll, -(a_l_hip_yaw_z * s_l_hip_roll));
+        let a_l_hip_roll_x = (-o_l_hip_roll_y).mul_plus(qd[3], a_l_hip_roll_x);
+        let a_l_hip_roll_y = a_l_hip_yaw_z.mul_plus(c_l_hip_roll, a_l_hip_yaw_y * s_l_hip_roll);
+        let a_l_hip_roll_y = o_l_hip_roll_x.mul_plus(qd[3], a_l_hip_roll_y);
+        let a_l_hip_roll_z = a_l_hip_yaw_x - qdd[3];
+        let e113 = o_l_hip_roll_x * o_l_hip_roll_x;
+        let e114 = o_l_hip_roll_y * o_l_hip_roll_y;
+        let e115 = o_l_hip_roll_z * o_l_hip_roll_z;
+        let e116 = o_l_hip_roll_x * o_l_hip_roll_y;
+        let e117 = o_l_hip_roll_x * o_l_hip_roll_z;
+        let e118 = o_l_hip_roll_y * o_l_hip_roll_z;
+        let e119 = e114 + e115;
+        let e120 = e113 + e115;
+        let e121 = e113 + e114;
+        let e122 = e116 - a_l_hip_roll_z;
+        let e123 = e116 + a_l_hip_roll_z;
+        let e124 = e117 - a_l_hip_roll_y;
+        let e125 = e118 + a_l_hip_roll_x;
+        // l_hip_pitch
+        let e126 = o_l_hip_roll_y.mul_plus(s_l_hip_pitch, o_l_hip_roll_z * c_l_hip_pitch);
+        let o_l_hip_pitch_y = o_l_hip_roll_z
+            .mul_plus(s_l_hip_pitch, -(o_l_hip_roll_y * c_l_hip_pitch));
+        let o_l_hip_pitch_z = qd[4] - o_l_hip_roll_x;
+        let a_l_hip_pitch_x = a_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, a_l_hip_roll_z * c_l_hip_pitch);
+        let a_l_hip_pitch_x = o_l_hip_pitch_y.mul_plus(qd[4], -a_l_hip_pitch_x);
+        let a_l_hip_pitch_y = a_l_hip_roll_z
+            .mul_plus(s_l_hip_pitch, -(a_l_hip_roll_y * c_l_hip_pitch));
+        let a_l_hip_pitch_y = e126.mul_plus(qd[4], a_l_hip_pitch_y);
+        let a_l_hip_pitch_z = qdd[4] - a_l_hip_roll_x;
+        let e127 = e126 * e126;
+        let e128 = o_l_hip_pitch_y * o_l_hip_pitch_y;
+        let e129 = o_l_hip_pitch_z * o_l_hip_pitch_z;
+        let e130 = e126 * o_l_hip_pitch_y;
+        let e131 = e126 * o_l_hip_pitch_z;
+        let e132 = o_l_hip_pitch_y * o_l_hip_pitch_z;
+        let e133 = e128 + e129;
+        let e134 = e127 + e129;
+        let e135 = e127 + e128;
+        let e136 = e130 + a_l_hip_pitch_z;
+        let e137 = a_l_hip_pitch_z - e130;
+        let e138 = e131 + a_l_hip_pitch_y;
+        let e139 = e132 + a_l_hip_pitch_x;
+        // l_knee
+        let o_l_knee_x = o_l_hip_pitch_y.mul_plus(s_l_knee, -(e126 * c_l_knee));
+        let o_l_knee_y = o_l_hip_pitch_y.mul_plus(c_l_knee, e126 * s_l_knee);
+        let o_l_knee_z = o_l_hip_pitch_z + qd[5];
+        let a_l_knee_x = a_l_hip_pitch_x.mul_plus(c_l_knee, a_l_hip_pitch_y * s_l_knee);
+        let a_l_knee_x = o_l_knee_y.mul_plus(qd[5], a_l_knee_x);
+        let a_l_knee_y = a_l_hip_pitch_y.mul_plus(c_l_knee, -(a_l_hip_pitch_x * s_l_knee));
+        let a_l_knee_y = (-o_l_knee_x).mul_plus(qd[5], a_l_knee_y);
+        let a_l_knee_z = a_l_hip_pitch_z + qdd[5];
+        let e140 = o_l_knee_x * o_l_knee_x;
+        let e141 = o_l_knee_y * o_l_knee_y;
+        let e142 = o_l_knee_z * o_l_knee_z;
+        let e143 = o_l_knee_x * o_l_knee_y;
+        let e144 = o_l_knee_x * o_l_knee_z;
+        let e145 = o_l_knee_y * o_l_knee_z;
+        let e146 = e141 + e142;
+        let e147 = e140 + e142;
+        let e148 = e140 + e141;
+        let e149 = e143 - a_l_knee_z;
+        let e150 = e143 + a_l_knee_z;
+        let e151 = e144 - a_l_knee_y;
+        let e152 = e145 + a_l_knee_x;
+        // l_ank_pitch
+        let o_l_ank_pitch_x = o_l_knee_x.mul_plus(c_l_ank_pitch, -(o_l_knee_y * s_l_ank_pitch));
+        let o_l_ank_pitch_y = o_l_knee_y.mul_plus(c_l_ank_pitch, o_l_knee_x * s_l_ank_pitch);
+        let o_l_ank_pitch_z = o_l_knee_z - qd[6];
+        let a_l_ank_pitch_x = a_l_knee_x.mul_plus(c_l_ank_pitch, -(a_l_knee_y * s_l_ank_pitch));
+        let a_l_ank_pitch_x = (-o_l_ank_pitch_y).mul_plus(qd[6], a_l_ank_pitch_x);
+        let a_l_ank_pitch_y = a_l_knee_y.mul_plus(c_l_ank_pitch, a_l_knee_x * s_l_ank_pitch);
+        let a_l_ank_pitch_y = o_l_ank_pitch_x.mul_plus(qd[6], a_l_ank_pitch_y);
+        let a_l_ank_pitch_z = a_l_knee_z - qdd[6];
+        let e153 = o_l_ank_pitch_x * o_l_ank_pitch_x;
+        let e154 = o_l_ank_pitch_y * o_l_ank_pitch_y;
+        let e155 = o_l_ank_pitch_z * o_l_ank_pitch_z;
+        let e156 = o_l_ank_pitch_x * o_l_ank_pitch_y;
+        let e157 = o_l_ank_pitch_x * o_l_ank_pitch_z;
+        let e158 = o_l_ank_pitch_y * o_l_ank_pitch_z;
+        let e159 = e154 + e155;
+        let e160 = e153 + e155;
+        let e161 = e153 + e154;
+        let e162 = e156 - a_l_ank_pitch_z;
+        let e163 = e156 + a_l_ank_pitch_z;
+        let e164 = e157 - a_l_ank_pitch_y;
+        let e165 = e158 + a_l_ank_pitch_x;
+        // l_ank_roll
+        let e166 = o_l_ank_pitch_y.mul_plus(s_l_ank_roll, o_l_ank_pitch_z * c_l_ank_roll);
+        let o_l_ank_roll_y = o_l_ank_pitch_z
+            .mul_plus(s_l_ank_roll, -(o_l_ank_pitch_y * c_l_ank_roll));
+        let o_l_ank_roll_z = qd[7] - o_l_ank_pitch_x;
+        let a_l_ank_roll_x = a_l_ank_pitch_y.mul_plus(s_l_ank_roll, a_l_ank_pitch_z * c_l_ank_roll);
+        let a_l_ank_roll_x = o_l_ank_roll_y.mul_plus(qd[7], -a_l_ank_roll_x);
+        let a_l_ank_roll_y = a_l_ank_pitch_z
+            .mul_plus(s_l_ank_roll, -(a_l_ank_pitch_y * c_l_ank_roll));
+        let a_l_ank_roll_y = e166.mul_plus(qd[7], a_l_ank_roll_y);
+        let a_l_ank_roll_z = qdd[7] - a_l_ank_pitch_x;
+        let e167 = e166 * e166;
+        let e168 = o_l_ank_roll_y * o_l_ank_roll_y;
+        let e169 = o_l_ank_roll_z * o_l_ank_roll_z;
+        let e170 = e166 * o_l_ank_roll_y;
+        let e171 = e166 * o_l_ank_roll_z;
+        let e172 = o_l_ank_roll_y * o_l_ank_roll_z;
+        let e173 = e168 + e169;
+        let e174 = e167 + e169;
+        let e175 = e167 + e168;
+        let e176 = e170 + a_l_ank_roll_z;
+        let e177 = a_l_ank_roll_z - e170;
+        let e178 = e171 + a_l_ank_roll_y;
+        let e179 = e172 + a_l_ank_roll_x;
+        // l_sho_pitch
+        let e180 = o_r_hip_yaw_x.mul_plus(c_l_sho_pitch, -(o_r_hip_yaw_z * s_l_sho_pitch));
+        let e181 = o_r_hip_yaw_z.mul_plus(c_l_sho_pitch, o_r_hip_yaw_x * s_l_sho_pitch);
+        let o_l_sho_pitch_z = e53 - qd[8];
+        let a_l_sho_pitch_x = a_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(a_r_hip_yaw_z * s_l_sho_pitch));
+        let a_l_sho_pitch_x = e181.mul_plus(qd[8], -a_l_sho_pitch_x);
+        let e182 = a_r_hip_yaw_z.mul_plus(c_l_sho_pitch, a_r_hip_yaw_x * s_l_sho_pitch);
+        let e182 = e180.mul_plus(qd[8], e182);
+        let a_l_sho_pitch_z = e54 - qdd[8];
+        let e183 = e180 * e180;
+        let e184 = e181 * e181;
+        let e185 = o_l_sho_pitch_z * o_l_sho_pitch_z;
+        let e186 = e180 * e181;
+        let e187 = e180 * o_l_sho_pitch_z;
+        let e188 = e181 * o_l_sho_pitch_z;
+        let e189 = e184 + e185;
+        let e190 = e183 + e185;
+        let e191 = e183 + e184;
+        let e192 = e186 - a_l_sho_pitch_z;
+        let e193 = e187 + e182;
+        let e194 = e186 + a_l_sho_pitch_z;
+        let e195 = e188 + a_l_sho_pitch_x;
+        let e196 = e182 - e187;
+        let e197 = a_l_sho_pitch_x - e188;
+        // l_sho_roll
+        let e198 = e181.mul_plus(s_l_sho_roll, o_l_sho_pitch_z * c_l_sho_roll);
+        let o_l_sho_roll_y = e181.mul_plus(c_l_sho_roll, -(o_l_sho_pitch_z * s_l_sho_roll));
+        let o_l_sho_roll_z = e180 - qd[9];
+        let e199 = e182.mul_plus(s_l_sho_roll, a_l_sho_pitch_z * c_l_sho_roll);
+        let e199 = o_l_sho_roll_y.mul_plus(qd[9], e199);
+        let a_l_sho_roll_y = e182.mul_plus(c_l_sho_roll, -(a_l_sho_pitch_z * s_l_sho_roll));
+        let a_l_sho_roll_y = (-e198).mul_plus(qd[9], a_l_sho_roll_y);
+        let e200 = a_l_sho_pitch_x + qdd[9];
+        let e201 = e198 * e198;
+        let e202 = o_l_sho_roll_y * o_l_sho_roll_y;
+        let e203 = o_l_sho_roll_z * o_l_sho_roll_z;
+        let e204 = e198 * o_l_sho_roll_y;
+        let e205 = e198 * o_l_sho_roll_z;
+        let e206 = o_l_sho_roll_y * o_l_sho_roll_z;
+        let e207 = e202 + e203;
+        let e208 = e201 + e203;
+        let e209 = e201 + e202;
+        let e210 = e200 - e204;
+        let e211 = a_l_sho_roll_y - e205;
+        let e212 = e204 + e200;
+        let e213 = e206 + e199;
+        let e214 = e205 + a_l_sho_roll_y;
+        let e215 = e206 - e199;
+        // l_el
+        let e216 = o_l_sho_roll_y.mul_plus(c_l_el, o_l_sho_roll_z * s_l_el);
+        let o_l_el_y = o_l_sho_roll_z.mul_plus(c_l_el, -(o_l_sho_roll_y * s_l_el));
+        let o_l_el_z = e198 - qd[10];
+        let e217 = a_l_sho_roll_y.mul_plus(c_l_el, -(e200 * s_l_el));
+        let e217 = o_l_el_y.mul_plus(qd[10], e217);
+        let e218 = e200.mul_plus(c_l_el, a_l_sho_roll_y * s_l_el);
+        let e218 = e216.mul_plus(qd[10], e218);
+        let a_l_el_z = e199 - qdd[10];
+        let e219 = e216 * e216;
+        let e220 = o_l_el_y * o_l_el_y;
+        let e221 = o_l_el_z * o_l_el_z;
+        let e222 = e216 * o_l_el_y;
+        let e223 = e216 * o_l_el_z;
+        let e224 = o_l_el_y * o_l_el_z;
+        let e225 = e220 + e221;
+        let e226 = e219 + e221;
+        let e227 = e219 + e220;
+        let e228 = e222 + a_l_el_z;
+        let e229 = a_l_el_z - e222;
+        let e230 = e218 - e223;
+        let e231 = e224 - e217;
+        // r_sho_pitch
+        let e232 = o_r_hip_yaw_x.mul_plus(c_r_sho_pitch, o_r_hip_yaw_z * s_r_sho_pitch);
+        let e233 = o_r_hip_yaw_z.mul_plus(c_r_sho_pitch, -(o_r_hip_yaw_x * s_r_sho_pitch));
+        let o_r_sho_pitch_z = e53 + qd[17];
+        let e234 = a_r_hip_yaw_x.mul_plus(c_r_sho_pitch, a_r_hip_yaw_z * s_r_sho_pitch);
+        let e234 = e233.mul_plus(qd[17], e234);
+        let a_r_sho_pitch_y = a_r_hip_yaw_z
+            .mul_plus(c_r_sho_pitch, -(a_r_hip_yaw_x * s_r_sho_pitch));
+        let a_r_sho_pitch_y = e232.mul_plus(qd[17], -a_r_sho_pitch_y);
+        let a_r_sho_pitch_z = e54 + qdd[17];
+        let e235 = e232 * e232;
+        let e236 = e233 * e233;
+        let e237 = o_r_sho_pitch_z * o_r_sho_pitch_z;
+        let e238 = e232 * e233;
+        let e239 = e232 * o_r_sho_pitch_z;
+        let e240 = e233 * o_r_sho_pitch_z;
+        let e241 = e236 + e237;
+        let e242 = e235 + e237;
+        let e243 = e235 + e236;
+        let e244 = e238 - a_r_sho_pitch_z;
+        let e245 = a_r_sho_pitch_y - e239;
+        let e246 = e238 + a_r_sho_pitch_z;
+        let e247 = e234 - e240;
+        let e248 = e239 + a_r_sho_pitch_y;
+        let e249 = e240 + e234;
+        // r_sho_roll
+        let e250 = e233.mul_plus(s_r_sho_roll, o_r_sho_pitch_z * c_r_sho_roll);
+        let o_r_sho_roll_y = e233.mul_plus(c_r_sho_roll, -(o_r_sho_pitch_z * s_r_sho_roll));
+        let o_r_sho_roll_z = e232 - qd[18];
+        let e251 = a_r_sho_pitch_z.mul_plus(c_r_sho_roll, -(a_r_sho_pitch_y * s_r_sho_roll));
+        let e251 = o_r_sho_roll_y.mul_plus(qd[18], e251);
+        let e252 = a_r_sho_pitch_z.mul_plus(s_r_sho_roll, a_r_sho_pitch_y * c_r_sho_roll);
+        let e252 = e250.mul_plus(qd[18], e252);
+        let a_r_sho_roll_z = e234 - qdd[18];
+        let e253 = e250 * e250;
+        let e254 = o_r_sho_roll_y * o_r_sho_roll_y;
+        let e255 = o_r_sho_roll_z * o_r_sho_roll_z;
+        let e256 = e250 * o_r_sho_roll_y;
+        let e257 = e250 * o_r_sho_roll_z;
+        let e258 = o_r_sho_roll_y * o_r_sho_roll_z;
+        let e259 = e254 + e255;
+        let e260 = e253 + e255;
+        let e261 = e253 + e254;
+        let e262 = e256 + a_r_sho_roll_z;
+        let e263 = e257 + e252;
+        let e264 = a_r_sho_roll_z - e256;
+        let e265 = e258 + e251;
+        let e266 = e252 - e257;
+        let e267 = e258 - e251;
+        // r_el
+        let e268 = o_r_sho_roll_y.mul_plus(c_r_el, -(o_r_sho_roll_z * s_r_el));
+        let o_r_el_y = o_r_sho_roll_z.mul_plus(c_r_el, o_r_sho_roll_y * s_r_el);
+        let o_r_el_z = e250 + qd[19];
+        let a_r_el_x = e252.mul_plus(c_r_el, a_r_sho_roll_z * s_r_el);
+        let a_r_el_x = o_r_el_y.mul_plus(qd[19], a_r_el_x);
+        let a_r_el_y = a_r_sho_roll_z.mul_plus(c_r_el, -(e252 * s_r_el));
+        let a_r_el_y = e268.mul_plus(qd[19], a_r_el_y);
+        let a_r_el_z = e251 + qdd[19];
+        let e269 = e268 * e268;
+        let e270 = o_r_el_y * o_r_el_y;
+        let e271 = o_r_el_z * o_r_el_z;
+        let e272 = e268 * o_r_el_y;
+        let e273 = e268 * o_r_el_z;
+        let e274 = o_r_el_y * o_r_el_z;
+        let e275 = e270 + e271;
+        let e276 = e269 + e271;
+        let e277 = e269 + e270;
+        let e278 = e272 + a_r_el_z;
+        let e279 = a_r_el_z - e272;
+        let e280 = e273 + a_r_el_y;
+        let e281 = e274 + a_r_el_x;
+        let e282 = r[41].mul_plus(e275, r[42] * e278);
+        let f_r_el_y = r[41].mul_plus(e279, -(r[42] * e276));
+        let f_r_el_z = r[42].mul_plus(e281, -(r[41] * e280));
+        // r_sho_roll
+        let f_r_sho_roll_x = f_r_el_z - r[39].mul_plus(e259, r[40] * e262);
+        let p6 = c_r_el.mul_plus(e282, s_r_el * f_r_el_y);
+        let f_r_sho_roll_y = r[39].mul_plus(e264, -(r[40] * e260)) - p6;
+        let p7 = s_r_el.mul_plus(e282, -(c_r_el * f_r_el_y));
+        let f_r_sho_roll_z = r[39].mul_plus(e266, r[40] * e267) + p7;
+        // r_sho_pitch
+        let f_r_sho_pitch_x = r[38].mul_plus(e244, -(r[37] * e241)) + f_r_sho_roll_z;
+        let p8 = c_r_sho_roll.mul_plus(f_r_sho_roll_y, -(s_r_sho_roll * f_r_sho_roll_x));
+        let f_r_sho_pitch_y = r[37].mul_plus(e246, -(r[38] * e242)) + p8;
+        let p9 = r[37].mul_plus(e248, r[38] * e249);
+        let f_r_sho_pitch_z = c_r_sho_roll
+            .mul_plus(f_r_sho_roll_x, s_r_sho_roll * f_r_sho_roll_y) - p9;
+        // l_el
+        let e283 = r[35].mul_plus(e225, r[36] * e228);
+        let f_l_el_y = r[35].mul_plus(e229, -(r[36] * e226));
+        let f_l_el_z = r[35].mul_plus(e230, r[36] * e231);
+        // l_sho_roll
+        let f_l_sho_roll_x = r[34].mul_plus(e210, -(r[33] * e207)) + f_l_el_z;
+        let p10 = r[33].mul_plus(e212, r[34] * e208);
+        let f_l_sho_roll_y = s_l_el.mul_plus(f_l_el_y, -(c_l_el * e283)) - p10;
+        let p11 = s_l_el.mul_plus(e283, c_l_el * f_l_el_y);
+        let f_l_sho_roll_z = r[34].mul_plus(e215, -(r[33] * e214)) - p11;
+        // l_sho_pitch
+        let f_l_sho_pitch_x = r[32].mul_plus(e192, -(r[31] * e189)) + f_l_sho_roll_z;
+        let p12 = c_l_sho_roll.mul_plus(f_l_sho_roll_y, -(s_l_sho_roll * f_l_sho_roll_x));
+        let f_l_sho_pitch_y = r[31].mul_plus(e194, -(r[32] * e190)) + p12;
+        let p13 = c_l_sho_roll.mul_plus(f_l_sho_roll_x, s_l_sho_roll * f_l_sho_roll_y);
+        let f_l_sho_pitch_z = r[31].mul_plus(e196, r[32] * e197) + p13;
+        // l_ank_roll
+        let e284 = r[29].mul_plus(e173, r[30] * e176);
+        let f_l_ank_roll_y = r[29].mul_plus(e177, -(r[30] * e174));
+        let f_l_ank_roll_z = r[30].mul_plus(e179, -(r[29] * e178));
+        // l_ank_pitch
+        let f_l_ank_pitch_x = r[28].mul_plus(e162, -(r[27] * e159)) + f_l_ank_roll_z;
+        let p14 = c_l_ank_roll.mul_plus(f_l_ank_roll_y, -(s_l_ank_roll * e284));
+        let f_l_ank_pitch_y = r[27].mul_plus(e163, -(r[28] * e160)) + p14;
+        let p15 = c_l_ank_roll.mul_plus(e284, s_l_ank_roll * f_l_ank_roll_y);
+        let f_l_ank_pitch_z = r[27].mul_plus(e164, r[28] * e165) - p15;
+        // l_knee
+        let p16 = c_l_ank_pitch.mul_plus(f_l_ank_pitch_x, s_l_ank_pitch * f_l_ank_pitch_y);
+        let f_l_knee_x = r[26].mul_plus(e149, -(r[25] * e146)) + p16;
+        let p17 = c_l_ank_pitch.mul_plus(f_l_ank_pitch_y, -(s_l_ank_pitch * f_l_ank_pitch_x));
+        let f_l_knee_y = r[25].mul_plus(e150, -(r[26] * e147)) + p17;
+        let f_l_knee_z = r[25].mul_plus(e151, r[26] * e152) + f_l_ank_pitch_z;
+        // l_hip_pitch
+        let p18 = r[23].mul_plus(e133, r[24] * e136);
+        let f_l_hip_pitch_x = c_l_knee.mul_plus(f_l_knee_x, -(s_l_knee * f_l_knee_y))
+            - p18;
+        let p19 = s_l_knee.mul_plus(f_l_knee_x, c_l_knee * f_l_knee_y);
+        let f_l_hip_pitch_y = r[23].mul_plus(e137, -(r[24] * e134)) + p19;
+        let f_l_hip_pitch_z = r[24].mul_plus(e139, -(r[23] * e138)) + f_l_knee_z;
+        // l_hip_roll
+        let f_l_hip_roll_x = r[22].mul_plus(e122, -(r[21] * e119)) + f_l_hip_pitch_z;
+        let p20 = s_l_hip_pitch.mul_plus(f_l_hip_pitch_x, c_l_hip_pitch * f_l_hip_pitch_y);
+        let f_l_hip_roll_y = r[21].mul_plus(e123, -(r[22] * e120)) + p20;
+        let p21 = c_l_hip_pitch.mul_plus(f_l_hip_pitch_x, -(s_l_hip_pitch * f_l_hip_pitch_y));
+        let f_l_hip_roll_z = r[21].mul_plus(e124, r[22] * e125) + p21;
+        // l_hip_yaw
+        let f_l_hip_yaw_x = r[20].mul_plus(e109, -(r[19] * e108)) + f_l_hip_roll_z;
+        let p22 = c_l_hip_roll.mul_plus(f_l_hip_roll_x, s_l_hip_roll * f_l_hip_roll_y);
+        let f_l_hip_yaw_y = r[19].mul_plus(e110, -(r[20] * (e103 + e105))) + p22;
+        let p23 = c_l_hip_roll.mul_plus(f_l_hip_roll_y, -(s_l_hip_roll * f_l_hip_roll_x));
+        let f_l_hip_yaw_z = r[19].mul_plus(e111, r[20] * e112) + p23;
+        // head_tilt
+        let f_head_tilt_x = r[18].mul_plus(e99, -(r[17] * e96));
+        let e285 = r[17].mul_plus(e100, r[18] * e97);
+        let f_head_tilt_z = r[18].mul_plus(e102, -(r[17] * e101));
+        // head_pan
+        let p24 = r[15].mul_plus(e78, r[16] * e81);
+        let f_head_pan_x = c_head_tilt.mul_plus(f_head_tilt_x, -(s_head_tilt * e285))
+            - p24;
+        let f_head_pan_y = r[15].mul_plus(e83, -(r[16] * e79)) + f_head_tilt_z;
+        let p25 = s_head_tilt.mul_plus(f_head_tilt_x, c_head_tilt * e285);
+        let f_head_pan_z = r[15].mul_plus(e85, r[16] * e86) + p25;
+        // r_hip_yaw
+        let p26 = r[13].mul_plus(e61, r[14] * e64);
+        let p27 = c_l_sho_pitch.mul_plus(f_l_sho_pitch_x, s_l_sho_pitch * f_l_sho_pitch_y);
+        let p28 = c_r_sho_pitch.mul_plus(f_r_sho_pitch_x, -(s_r_sho_pitch * f_r_sho_pitch_y));
+        let p29 = c_l_hip_yaw.mul_plus(f_l_hip_yaw_x, s_l_hip_yaw * f_l_hip_yaw_y);
+        let f_r_hip_yaw_x = c_head_pan
+            .mul_plus(f_head_pan_x, -(s_head_pan * f_head_pan_y)) - p26 + p27 + p28
+            + p29;
+        let p30 = s_head_pan.mul_plus(f_head_pan_x, c_head_pan * f_head_pan_y);
+        let p31 = c_l_hip_yaw.mul_plus(f_l_hip_yaw_y, -(s_l_hip_yaw * f_l_hip_yaw_x));
+        let f_r_hip_yaw_y = r[13].mul_plus(e66, -(r[14] * e62)) + p30 + f_l_sho_pitch_z
+            + f_r_sho_pitch_z + p31;
+        let p32 = c_l_sho_pitch.mul_plus(f_l_sho_pitch_y, -(s_l_sho_pitch * f_l_sho_pitch_x));
+        let p33 = s_r_sho_pitch.mul_plus(f_r_sho_pitch_x, c_r_sho_pitch * f_r_sho_pitch_y);
+        let f_r_hip_yaw_z = r[13].mul_plus(e68, r[14] * e69) + f_head_pan_z + p32 + p33
+            + f_l_hip_yaw_z;
+        // r_hip_roll
+        let p34 = r[11].mul_plus(e44 + e45, r[12] * e49);
+        let f_r_hip_roll_x = s_r_hip_yaw.mul_plus(f_r_hip_yaw_x, c_r_hip_yaw * f_r_hip_yaw_y) - p34;
+        let f_r_hip_roll_y = r[11].mul_plus(e50, -(r[12] * e48)) + f_r_hip_yaw_z;
+        let p35 = c_r_hip_yaw.mul_plus(f_r_hip_yaw_x, -(s_r_hip_yaw * f_r_hip_yaw_y));
+        let f_r_hip_roll_z = r[12].mul_plus(e52, -(r[11] * e51)) + p35;
+        // r_hip_pitch
+        let f_r_hip_pitch_x = r[10].mul_plus(e38, -(r[9] * e35)) + f_r_hip_roll_z;
+        let p36 = s_r_hip_roll.mul_plus(f_r_hip_roll_x, c_r_hip_roll * f_r_hip_roll_y);
+        let f_r_hip_pitch_y = r[9].mul_plus(e39, -(r[10] * e36)) + p36;
+        let p37 = c_r_hip_roll.mul_plus(f_r_hip_roll_x, -(s_r_hip_roll * f_r_hip_roll_y));
+        let f_r_hip_pitch_z = r[9].mul_plus(e40, r[10] * e41) + p37;
+        // r_knee
+        let p38 = c_r_hip_pitch.mul_plus(f_r_hip_pitch_x, -(s_r_hip_pitch * f_r_hip_pitch_y));
+        let f_r_knee_x = r[8].mul_plus(e25, -(r[7] * e22)) + p38;
+        let p39 = s_r_hip_pitch.mul_plus(f_r_hip_pitch_x, c_r_hip_pitch * f_r_hip_pitch_y);
+        let f_r_knee_y = r[7].mul_plus(e26, -(r[8] * e23)) + p39;
+        let f_r_knee_z = r[7].mul_plus(e27, r[8] * e28) + f_r_hip_pitch_z;
+        // r_ank_pitch
+        let p40 = c_r_knee.mul_plus(f_r_knee_x, -(s_r_knee * f_r_knee_y));
+        let f_r_ank_pitch_x = r[6].mul_plus(e12, -(r[5] * e9)) + p40;
+        let p41 = s_r_knee.mul_plus(f_r_knee_x, c_r_knee * f_r_knee_y);
+        let f_r_ank_pitch_y = r[5].mul_plus(e13, -(r[6] * e10)) + p41;
+        let f_r_ank_pitch_z = r[6].mul_plus(e15, -(r[5] * e14)) + f_r_knee_z;
+        // r_ank_roll
+        let f_r_ank_roll_z = c_r_ank_pitch
+            .mul_plus(f_r_ank_pitch_x, s_r_ank_pitch * f_r_ank_pitch_y);
+        let f_r_ank_roll_x = r[4].mul_plus(qdd[16], -(r[3] * e2)) + f_r_ank_pitch_z;
+        let p42 = r[3].mul_plus(qdd[16], r[4] * e2);
+        let f_r_ank_roll_y = c_r_ank_pitch
+            .mul_plus(f_r_ank_pitch_y, -(s_r_ank_pitch * f_r_ank_pitch_x)) - p42;
+        // r_sole
+        let f_r_sole_y = c_r_ank_roll.mul_plus(f_r_ank_roll_x, s_r_ank_roll * f_r_ank_roll_y);
+        let f_r_sole_z = c_r_ank_roll.mul_plus(f_r_ank_roll_y, -(s_r_ank_roll * f_r_ank_roll_x));
+        // r_el
+        let g_r_el_x = e275
+            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e278);
+        let g_r_el_y = e276
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * e279),
+            );
+        let g_r_el_z = e280
+            .mul_plus(
+                T::from_f64(0.000273408178112904),
+                -(T::from_f64(0.000929017483189518) * e281),
+            );
+        let p43 = e281
+            .mul_plus(
+                T::from_f64(0.00006865145386171288),
+                -(T::from_f64(0.000014749587945905814) * e280),
+            );
+        let p44 = e279
+            .mul_plus(
+                T::from_f64(0.0000019716071492440347),
+                -(T::from_f64(0.000008004954384683086) * e276),
+            );
+        let n_r_el_x = (-e277).mul_plus(T::from_f64(0.000008004954384683086), p43) - p44;
+        let p45 = e281
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                -(T::from_f64(0.000007312157109986523) * e280),
+            );
+        let p46 = (-e277).mul_plus(T::from_f64(0.0000019716071492440347), p45);
+        let e286 = e275
+            .mul_plus(
+                T::from_f64(0.0000019716071492440347),
+                T::from_f64(0.000008004954384683086) * e278,
+            ) + p46;
+        let p47 = e279
+            .mul_plus(
+                T::from_f64(0.000007312157109986523),
+                -(T::from_f64(0.000014749587945905814) * e276),
+            );
+        let p48 = e275
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                T::from_f64(0.00006865145386171288) * e278,
+            );
+        let p49 = (a_r_el_y - e273).mul_plus(T::from_f64(0.000008004954384683086), -p48);
+        let n_r_el_z = (e274 - a_r_el_x).mul_plus(T::from_f64(0.0000019716071492440347), p47) - p49;
+        // r_sho_roll
+        let e287 = s_r_el
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * c_r_el),
+            );
+        let h_r_sho_roll_z = s_r_el
+            .mul_plus(
+                T::from_f64(0.000273408178112904),
+                T::from_f64(0.000929017483189518) * c_r_el,
+            );
+        let e288 = c_r_el.mul_plus(g_r_el_x, -(s_r_el * g_r_el_y));
+        let e289 = s_r_el.mul_plus(g_r_el_x, c_r_el * g_r_el_y);
+        let e290 = e262.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e263));
+        let h_r_sho_roll_y = e287 - T::from_f64(0.003301899427745445);
+        let g_r_sho_roll_x = e259
+            .mul_plus(
+                T::from_f64(0.0001730709697837521),
+                T::from_f64(0.003301899427745445) * e262,
+            ) + g_r_el_z;
+        let g_r_sho_roll_y = e260
+            .mul_plus(
+                T::from_f64(0.003301899427745445),
+                -(T::from_f64(0.0001730709697837521) * e264),
+            ) + e288;
+        let e291 = e266
+            .mul_plus(
+                T::from_f64(0.0001730709697837521),
+                T::from_f64(0.003301899427745445) * e267,
+            ) + e289;
+        let p50 = e266
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e267,
+            );
+        let p51 = e260
+            .mul_plus(
+                T::from_f64(0.000021611694608984365),
+                -(T::from_f64(0.00000249070310952364) * e264),
+            );
+        let p52 = e289.mul_plus(T::from_f64(0.06), -(T::from_f64(0.016) * e288));
+        let p53 = e267.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e261);
+        let p54 = e260.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e265);
+        let p55 = e287.mul_plus(p53, h_r_sho_roll_z * p54);
+        let n_r_sho_roll_x = e261.mul_plus(T::from_f64(0.000021611694608984365), p50)
+            - p51 + (p52 - n_r_el_z - p55);
+        let p56 = e266
+            .mul_plus(
+                T::from_f64(0.000009582825299676476),
+                T::from_f64(0.000008770440350153032) * e267,
+            );
+        let p57 = e261.mul_plus(T::from_f64(0.00000249070310952364), p56);
+        let p58 = c_r_el.mul_plus(n_r_el_x, s_r_el * e286);
+        let p59 = g_r_el_z.mul_plus(T::from_f64(0.016), -p58);
+        let p60 = h_r_sho_roll_z.mul_plus(e290, p59);
+        let n_r_sho_roll_y = e259
+            .mul_plus(
+                T::from_f64(0.00000249070310952364),
+                T::from_f64(0.000021611694608984365) * e262,
+            ) - p57 + p60;
+        let p61 = e264
+            .mul_plus(
+                T::from_f64(0.000009582825299676476),
+                -(T::from_f64(0.000008770440350153032) * e260),
+            );
+        let p62 = e259
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e262,
+            );
+        let p63 = e263.mul_plus(T::from_f64(0.000021611694608984365), -p62);
+        let p64 = c_r_el.mul_plus(e286, -(s_r_el * n_r_el_x));
+        let p65 = g_r_el_z.mul_plus(T::from_f64(0.06), -p64);
+        let p66 = (-e287).mul_plus(e290, p65);
+        let n_r_sho_roll_z = (-e265).mul_plus(T::from_f64(0.00000249070310952364), p61)
+            - p63 + p66;
+        // r_sho_pitch
+        let e292 = s_r_sho_roll
+            .mul_plus(T::from_f64(0.0001730709697837521), c_r_sho_roll * h_r_sho_roll_y);
+        let h_r_sho_pitch_z = s_r_sho_roll
+            .mul_plus(h_r_sho_roll_y, -(T::from_f64(0.0001730709697837521) * c_r_sho_roll));
+        let e293 = c_r_sho_roll.mul_plus(g_r_sho_roll_y, -(s_r_sho_roll * g_r_sho_roll_x));
+        let e294 = c_r_sho_roll.mul_plus(g_r_sho_roll_x, s_r_sho_roll * g_r_sho_roll_y);
+        let e295 = e244.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e245);
+        let e296 = e242.mul_plus(T::from_f64(0.016), -(T::from_f64(0.045000000000000005) * e247));
+        let e297 = e249.mul_plus(T::from_f64(0.016), T::from_f64(0.045000000000000005) * e243);
+        let h_r_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_r_sho_roll_z;
+        let h_r_sho_pitch_y = e292 - T::from_f64(0.0012960221329661491);
+        let e298 = e241
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                T::from_f64(0.0012960221329661491) * e244,
+            ) + e291;
+        let g_r_sho_pitch_y = e246
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                T::from_f64(0.0012960221329661491) * e242,
+            ) + e293;
+        let g_r_sho_pitch_z = e249
+            .mul_plus(
+                T::from_f64(0.0012960221329661491),
+                -(T::from_f64(0.00037887327917640026) * e248),
+            ) + e294;
+        let p67 = e248
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                -(T::from_f64(0.000021025263749857257) * e249),
+            );
+        let p68 = e246
+            .mul_plus(
+                T::from_f64(0.00001703679220852605),
+                T::from_f64(0.00005821202846670826) * e242,
+            );
+        let p69 = e293.mul_plus(T::from_f64(0.045000000000000005), -(T::from_f64(0.016) * e294));
+        let p70 = e292.mul_plus(e297, -(h_r_sho_pitch_z * e296));
+        let n_r_sho_pitch_x = (-e243).mul_plus(T::from_f64(0.00005821202846670826), p67)
+            + p68 + (p69 - n_r_sho_roll_z + p70);
+        let p71 = e249
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                -(T::from_f64(0.000015751469565172988) * e248),
+            );
+        let p72 = e243.mul_plus(T::from_f64(0.00001703679220852605), p71);
+        let p73 = c_r_sho_roll.mul_plus(n_r_sho_roll_y, -(s_r_sho_roll * n_r_sho_roll_x));
+        let p74 = e291.mul_plus(T::from_f64(0.045000000000000005), -p73);
+        let p75 = h_r_sho_pitch_z.mul_plus(e295, h_r_sho_roll_z * e297);
+        let n_r_sho_pitch_y = e241
+            .mul_plus(
+                T::from_f64(0.00001703679220852605),
+                T::from_f64(0.00005821202846670826) * e244,
+            ) - p72 + (p74 - p75);
+        let p76 = e246
+            .mul_plus(
+                T::from_f64(0.000015751469565172988),
+                T::from_f64(0.000006049466968514166) * e242,
+            );
+        let p77 = e241
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                T::from_f64(0.000021025263749857257) * e244,
+            );
+        let p78 = e245.mul_plus(T::from_f64(0.00005821202846670826), p77);
+        let p79 = h_r_sho_roll_z.mul_plus(e296, e292 * e295);
+        let p80 = c_r_sho_roll.mul_plus(n_r_sho_roll_x, s_r_sho_roll * n_r_sho_roll_y);
+        let p81 = e291.mul_plus(T::from_f64(0.016), p80);
+        let n_r_sho_pitch_z = (-e247).mul_plus(T::from_f64(0.00001703679220852605), p76)
+            - p78 + (p79 - p81);
+        // l_el
+        let g_l_el_x = e225
+            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e228);
+        let g_l_el_y = e226
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * e229),
+            );
+        let e299 = e230
+            .mul_plus(T::from_f64(0.000273408178112904), T::from_f64(0.000929017483189518) * e231);
+        let p82 = e230
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                T::from_f64(0.00006865145386171288) * e231,
+            );
+        let p83 = e226
+            .mul_plus(
+                T::from_f64(0.000008004954384683086),
+                -(T::from_f64(0.0000019716071492440347) * e229),
+            );
+        let n_l_el_x = e227.mul_plus(T::from_f64(0.000008004954384683086), p82) - p83;
+        let p84 = e230
+            .mul_plus(
+                T::from_f64(0.000007312157109986523),
+                T::from_f64(0.000014749587945905814) * e231,
+            );
+        let p85 = e227.mul_plus(T::from_f64(0.0000019716071492440347), p84);
+        let n_l_el_y = e225
+            .mul_plus(
+                T::from_f64(0.0000019716071492440347),
+                T::from_f64(0.000008004954384683086) * e228,
+            ) - p85;
+        let p86 = e229
+            .mul_plus(
+                T::from_f64(0.000007312157109986523),
+                -(T::from_f64(0.000014749587945905814) * e226),
+            );
+        let p87 = e225
+            .mul_plus(
+                T::from_f64(0.000014749587945905814),
+                T::from_f64(0.00006865145386171288) * e228,
+            );
+        let p88 = (e223 + e218).mul_plus(T::from_f64(0.000008004954384683086), -p87);
+        let n_l_el_z = (-(e224 + e217)).mul_plus(T::from_f64(0.0000019716071492440347), p86) - p88;
+        // l_sho_roll
+        let e300 = c_l_el
+            .mul_plus(
+                T::from_f64(0.000273408178112904),
+                T::from_f64(0.000929017483189518) * s_l_el,
+            );
+        let h_l_sho_roll_z = c_l_el
+            .mul_plus(
+                T::from_f64(0.000929017483189518),
+                -(T::from_f64(0.000273408178112904) * s_l_el),
+            );
+        let e301 = c_l_el.mul_plus(g_l_el_x, s_l_el * g_l_el_y);
+        let e302 = s_l_el.mul_plus(g_l_el_x, -(c_l_el * g_l_el_y));
+        let e303 = e211.mul_plus(T::from_f64(0.016), -(T::from_f64(0.06) * e210));
+        let e304 = e300 + T::from_f64(0.003301899427745445);
+        let e305 = e207
+            .mul_plus(
+                T::from_f64(0.0001730709697837521),
+                T::from_f64(0.003301899427745445) * e210,
+            ) + e299;
+        let g_l_sho_roll_y = e208
+            .mul_plus(
+                T::from_f64(0.003301899427745445),
+                -(T::from_f64(0.0001730709697837521) * e212),
+            ) + e301;
+        let g_l_sho_roll_z = e302
+            - e214
+                .mul_plus(
+                    T::from_f64(0.0001730709697837521),
+                    T::from_f64(0.003301899427745445) * e215,
+                );
+        let p89 = e214
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e215,
+            );
+        let p90 = e208
+            .mul_plus(
+                T::from_f64(0.000021611694608984365),
+                -(T::from_f64(0.00000249070310952364) * e212),
+            );
+        let p91 = e215.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e209);
+        let p92 = e208.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e213);
+        let p93 = e300.mul_plus(p91, -(h_l_sho_roll_z * p92));
+        let p94 = e302.mul_plus(T::from_f64(0.06), T::from_f64(0.016) * e301);
+        let n_l_sho_roll_x = e209.mul_plus(T::from_f64(0.000021611694608984365), p89)
+            - p90 + (p93 - (n_l_el_z + p94));
+        let p95 = e214
+            .mul_plus(
+                T::from_f64(0.000009582825299676476),
+                T::from_f64(0.000008770440350153032) * e215,
+            );
+        let p96 = e207
+            .mul_plus(
+                T::from_f64(0.00000249070310952364),
+                T::from_f64(0.000021611694608984365) * e210,
+            );
+        let p97 = c_l_el.mul_plus(n_l_el_x, s_l_el * n_l_el_y);
+        let p98 = e299.mul_plus(T::from_f64(0.016), p97);
+        let p99 = h_l_sho_roll_z.mul_plus(e303, -p98);
+        let n_l_sho_roll_y = e209.mul_plus(T::from_f64(0.00000249070310952364), p95)
+            - p96 + p99;
+        let p100 = e208
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                -(T::from_f64(0.000009582825299676476) * e212),
+            );
+        let p101 = e207
+            .mul_plus(
+                T::from_f64(0.000008770440350153032),
+                T::from_f64(0.00018228272296269858) * e210,
+            );
+        let p102 = (-e211).mul_plus(T::from_f64(0.000021611694608984365), p101);
+        let p103 = s_l_el.mul_plus(n_l_el_x, -(c_l_el * n_l_el_y));
+        let p104 = e299.mul_plus(T::from_f64(0.06), p103);
+        let p105 = e300.mul_plus(e303, -p104);
+        let n_l_sho_roll_z = e213.mul_plus(T::from_f64(0.00000249070310952364), p100)
+            - p102 + p105;
+        // l_sho_pitch
+        let e306 = s_l_sho_roll.mul_plus(T::from_f64(0.0001730709697837521), c_l_sho_roll * e304);
+        let h_l_sho_pitch_z = c_l_sho_roll
+            .mul_plus(T::from_f64(0.0001730709697837521), -(s_l_sho_roll * e304));
+        let e307 = s_l_sho_roll.mul_plus(e305, c_l_sho_roll * g_l_sho_roll_y);
+        let e308 = s_l_sho_roll.mul_plus(g_l_sho_roll_y, -(c_l_sho_roll * e305));
+        let e309 = e192.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e193);
+        let e310 = e190.mul_plus(T::from_f64(0.016), -(T::from_f64(0.119) * e195));
+        let e311 = e197.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e191);
+        let h_l_sho_pitch_x = T::from_f64(0.00037887327917640026) + h_l_sho_roll_z;
+        let e312 = e306 + T::from_f64(0.0012960221329661491);
+        let g_l_sho_pitch_x = g_l_sho_roll_z
+            - e189
+                .mul_plus(
+                    T::from_f64(0.00037887327917640026),
+                    T::from_f64(0.0012960221329661491) * e192,
+                );
+        let g_l_sho_pitch_y = e194
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                T::from_f64(0.0012960221329661491) * e190,
+            ) + e307;
+        let g_l_sho_pitch_z = e196
+            .mul_plus(
+                T::from_f64(0.00037887327917640026),
+                -(T::from_f64(0.0012960221329661491) * e197),
+            ) + e308;
+        let p106 = e197
+            .mul_plus(
+                T::from_f64(0.000021025263749857257),
+                -(T::from_f64(0.000006049466968514166) * e196),
+            );
+        let p107 = e194
+            .mul_plus(
+                T::from_f64(0.00004507341486757967),
+                T::from_f64(0.00015411766630620325) * e190,
+            );
+        let p108 = e306.mul_plus(e311, -(h_l_sho_pitch_z * e310));
+        let p109 = e308.mul_plus(T::from_f64(0.016), T::from_f64(0.119) * e307);
+        let n_l_sho_pitch_x = e191.mul_plus(T::from_f64(0.00015411766630620325), p106)
+            - p107 + (p108 - (n_l_sho_roll_z + p109));
+        let p110 = c_l_sho_roll.mul_plus(n_l_sho_roll_y, -(s_l_sho_roll * n_l_sho_roll_x));
+        let p111 = h_l_sho_roll_z.mul_plus(e311, -(h_l_sho_pitch_z * e309));
+        let p112 = e189
+            .mul_plus(
+                T::from_f64(0.00004507341486757967),
+                T::from_f64(0.00015411766630620325) * e192,
+            );
+        let p113 = e196
+            .mul_plus(
+                T::from_f64(0.000015751469565172988),
+                -(T::from_f64(0.000006049466968514166) * e197),
+            );
+        let p114 = (-e191).mul_plus(T::from_f64(0.00004507341486757967), p113);
+        let n_l_sho_pitch_y = g_l_sho_roll_z.mul_plus(T::from_f64(0.119), -p110) + p111
+            - (p112 + p114);
+        let p115 = e194
+            .mul_plus(
+                T::from_f64(0.000015751469565172988),
+                T::from_f64(0.000006049466968514166) * e190,
+            );
+        let p116 = e189
+            .mul_plus(
+                T::from_f64(0.000006049466968514166),
+                T::from_f64(0.000021025263749857257) * e192,
+            );
+        let p117 = e193.mul_plus(T::from_f64(0.00015411766630620325), p116);
+        let p118 = c_l_sho_roll.mul_plus(n_l_sho_roll_x, s_l_sho_roll * n_l_sho_roll_y);
+        let p119 = g_l_sho_roll_z.mul_plus(T::from_f64(0.016), -p118);
+        let p120 = h_l_sho_roll_z.mul_plus(e310, -(e306 * e309));
+        let n_l_sho_pitch_z = (-e195).mul_plus(T::from_f64(0.00004507341486757967), p115)
+            - p117 + (p119 + p120);
+        // l_ank_roll
+        let g_l_ank_roll_x = e176
+            .mul_plus(
+                T::from_f64(0.0007059822837621398),
+                -(T::from_f64(0.00025816139346608233) * e173),
+            );
+        let g_l_ank_roll_y = e177
+            .mul_plus(
+                T::from_f64(0.00025816139346608233),
+                T::from_f64(0.0007059822837621398) * e174,
+            );
+        let p121 = e178
+            .mul_plus(
+                T::from_f64(0.000007576886585148148),
+                T::from_f64(0.000021134117049132984) * e179,
+            );
+        let p122 = e177
+            .mul_plus(
+                T::from_f64(0.00000020458297722683973),
+                T::from_f64(0.000000021314061318441703) * e174,
+            );
+        let n_l_ank_roll_x = (-e175).mul_plus(T::from_f64(0.000000021314061318441703), p121) + p122;
+        let p123 = e178
+            .mul_plus(
+                T::from_f64(0.000011924058013889746),
+                T::from_f64(0.000007576886585148148) * e179,
+            );
+        let p124 = e175.mul_plus(T::from_f64(0.00000020458297722683973), -p123);
+        let n_l_ank_roll_y = e173
+            .mul_plus(
+                T::from_f64(0.00000020458297722683973),
+                -(T::from_f64(0.000000021314061318441703) * e176),
+            ) - p124;
+        let p125 = e177
+            .mul_plus(
+                T::from_f64(0.000011924058013889746),
+                T::from_f64(0.000007576886585148148) * e174,
+            );
+        let p126 = e173
+            .mul_plus(
+                T::from_f64(0.000007576886585148148),
+                -(T::from_f64(0.000021134117049132984) * e176),
+            );
+        let p127 = (a_l_ank_roll_y - e171).mul_plus(T::from_f64(0.000000021314061318441703), p126);
+        let n_l_ank_roll_z = (-(e172 - a_l_ank_roll_x))
+            .mul_plus(T::from_f64(0.00000020458297722683973), p125) - p127;
+        // l_ank_pitch
+        let h_l_ank_pitch_z = c_l_ank_roll
+            .mul_plus(
+                T::from_f64(0.00025816139346608233),
+                T::from_f64(0.0007059822837621398) * s_l_ank_roll,
+            );
+        let h_l_ank_pitch_y = T::from_f64(0.0007924947431313887)
+            + s_l_ank_roll
+                .mul_plus(
+                    T::from_f64(0.00025816139346608233),
+                    -(T::from_f64(0.0007059822837621398) * c_l_ank_roll),
+                );
+        let p128 = e178
+            .mul_plus(
+                T::from_f64(0.00025816139346608233),
+                T::from_f64(0.0007059822837621398) * e179,
+            );
+        let g_l_ank_pitch_x = e159
+            .mul_plus(
+                T::from_f64(0.0010725237405351177),
+                T::from_f64(0.0007924947431313887) * e162,
+            ) - p128;
+        let p129 = e163
+            .mul_plus(
+                T::from_f64(0.0010725237405351177),
+                T::from_f64(0.0007924947431313887) * e160,
+            );
+        let g_l_ank_pitch_y = s_l_ank_roll
+            .mul_plus(g_l_ank_roll_x, c_l_ank_roll * g_l_ank_roll_y) - p129;
+        let p130 = c_l_ank_roll.mul_plus(g_l_ank_roll_x, -(s_l_ank_roll * g_l_ank_roll_y));
+        let g_l_ank_pitch_z = e165
+            .mul_plus(
+                T::from_f64(0.0007924947431313887),
+                -(T::from_f64(0.0010725237405351177) * e164),
+            ) + p130;
+        let p131 = e165
+            .mul_plus(
+                T::from_f64(0.000020191301954835163),
+                -(T::from_f64(0.00001710898339479749) * e164),
+            );
+        let p132 = e163
+            .mul_plus(
+                T::from_f64(0.00000036073359429687445),
+                -(T::from_f64(0.00000010334408456612026) * e160),
+            );
+        let n_l_ank_pitch_x = (-e161).mul_plus(T::from_f64(0.00000010334408456612026), p131) - p132
+            - n_l_ank_roll_z;
+        let p133 = e164
+            .mul_plus(
+                T::from_f64(0.00007230368657394565),
+                -(T::from_f64(0.00001710898339479749) * e165),
+            );
+        let p134 = (-e161).mul_plus(T::from_f64(0.00000036073359429687445), p133);
+        let p135 = s_l_ank_roll.mul_plus(n_l_ank_roll_x, c_l_ank_roll * n_l_ank_roll_y);
+        let n_l_ank_pitch_y = e162
+            .mul_plus(
+                T::from_f64(0.00000010334408456612026),
+                -(T::from_f64(0.00000036073359429687445) * e159),
+            ) - p134 - p135;
+        let p136 = e163
+            .mul_plus(
+                T::from_f64(0.00007230368657394565),
+                T::from_f64(0.00001710898339479749) * e160,
+            );
+        let p137 = e159
+            .mul_plus(
+                T::from_f64(0.00001710898339479749),
+                T::from_f64(0.000020191301954835163) * e162,
+            );
+        let p138 = (e157 + a_l_ank_pitch_y).mul_plus(T::from_f64(0.00000010334408456612026), p137);
+        let p139 = c_l_ank_roll.mul_plus(n_l_ank_roll_x, -(s_l_ank_roll * n_l_ank_roll_y));
+        let n_l_ank_pitch_z = (e158 - a_l_ank_pitch_x)
+            .mul_plus(T::from_f64(0.00000036073359429687445), p136) - p138 - p139;
+        // l_knee
+        let e313 = s_l_ank_pitch
+            .mul_plus(h_l_ank_pitch_y, -(T::from_f64(0.0010725237405351177) * c_l_ank_pitch));
+        let e314 = s_l_ank_pitch
+            .mul_plus(T::from_f64(0.0010725237405351177), c_l_ank_pitch * h_l_ank_pitch_y);
+        let e315 = c_l_ank_pitch.mul_plus(g_l_ank_pitch_x, s_l_ank_pitch * g_l_ank_pitch_y);
+        let e316 = T::from_f64(0.093) * e149;
+        let e317 = T::from_f64(0.093) * e147;
+        let e318 = T::from_f64(0.093) * e152;
+        let h_l_knee_x = T::from_f64(0.00015737139520335583) + e313;
+        let h_l_knee_y = e314 - T::from_f64(0.008776738311508022);
+        let g_l_knee_x = e315
+            - e146
+                .mul_plus(
+                    T::from_f64(0.00015737139520335583),
+                    T::from_f64(0.008776738311508022) * e149,
+                );
+        let p140 = c_l_ank_pitch.mul_plus(g_l_ank_pitch_y, -(s_l_ank_pitch * g_l_ank_pitch_x));
+        let g_l_knee_y = e150
+            .mul_plus(
+                T::from_f64(0.00015737139520335583),
+                T::from_f64(0.008776738311508022) * e147,
+            ) + p140;
+        let g_l_knee_z = e151
+            .mul_plus(
+                T::from_f64(0.00015737139520335583),
+                -(T::from_f64(0.008776738311508022) * e152),
+            ) + g_l_ank_pitch_z;
+        let p141 = e152
+            .mul_plus(
+                T::from_f64(0.000793050961834963),
+                -(T::from_f64(0.00000174906521327623) * e151),
+            );
+        let p142 = e150
+            .mul_plus(
+                T::from_f64(0.000000011222519529269976),
+                T::from_f64(0.000002011326687625257) * e147,
+            );
+        let p143 = c_l_ank_pitch.mul_plus(n_l_ank_pitch_x, s_l_ank_pitch * n_l_ank_pitch_y);
+        let p144 = (-g_l_ank_pitch_z).mul_plus(T::from_f64(0.093), p143);
+        let p145 = e314.mul_plus(e318, h_l_ank_pitch_z * e317);
+        let n_l_knee_x = (-e148).mul_plus(T::from_f64(0.000002011326687625257), p141)
+            + p142 + (p144 - p145);
+        let p146 = e151
+            .mul_plus(
+                T::from_f64(0.00000550001522303673),
+                -(T::from_f64(0.00000174906521327623) * e152),
+            );
+        let p147 = e148.mul_plus(T::from_f64(0.000000011222519529269976), p146);
+        let p148 = c_l_ank_pitch.mul_plus(n_l_ank_pitch_y, -(s_l_ank_pitch * n_l_ank_pitch_x));
+        let p149 = e313.mul_plus(e318, -(h_l_ank_pitch_z * e316));
+        let n_l_knee_y = e146
+            .mul_plus(
+                T::from_f64(0.000000011222519529269976),
+                T::from_f64(0.000002011326687625257) * e149,
+            ) - p147 + (p148 + p149);
+        let p150 = e150
+            .mul_plus(
+                T::from_f64(0.00000550001522303673),
+                T::from_f64(0.00000174906521327623) * e147,
+            );
+        let p151 = e146
+            .mul_plus(
+                T::from_f64(0.00000174906521327623),
+                T::from_f64(0.000793050961834963) * e149,
+            );
+        let p152 = (e144 + a_l_knee_y).mul_plus(T::from_f64(0.000002011326687625257), p151);
+        let p153 = e315.mul_plus(T::from_f64(0.093), n_l_ank_pitch_z);
+        let p154 = e313.mul_plus(e317, e314 * e316);
+        let n_l_knee_z = (-(e145 - a_l_knee_x))
+            .mul_plus(T::from_f64(0.000000011222519529269976), p150) - p152
+            + (p153 + p154);
+        // l_hip_pitch
+        let e319 = c_l_knee.mul_plus(h_l_knee_x, -(s_l_knee * h_l_knee_y));
+        let e320 = s_l_knee.mul_plus(h_l_knee_x, c_l_knee * h_l_knee_y);
+        let e321 = c_l_knee.mul_plus(g_l_knee_x, -(s_l_knee * g_l_knee_y));
+        let e322 = T::from_f64(0.093) * e136;
+        let e323 = T::from_f64(0.093) * e134;
+        let e324 = T::from_f64(0.093) * e139;
+        let h_l_hip_pitch_x = T::from_f64(0.00002815646395548345) + e319;
+        let h_l_hip_pitch_y = e320 - T::from_f64(0.012635849175462607);
+        let g_l_hip_pitch_x = e136
+            .mul_plus(
+                T::from_f64(0.012635849175462607),
+                -(T::from_f64(0.00002815646395548345) * e133),
+            ) + e321;
+        let p155 = s_l_knee.mul_plus(g_l_knee_x, c_l_knee * g_l_knee_y);
+        let g_l_hip_pitch_y = e137
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                T::from_f64(0.012635849175462607) * e134,
+            ) + p155;
+        let g_l_hip_pitch_z = g_l_knee_z
+            - e138
+                .mul_plus(
+                    T::from_f64(0.00002815646395548345),
+                    T::from_f64(0.012635849175462607) * e139,
+                );
+        let p156 = e138
+            .mul_plus(
+                T::from_f64(0.0000011071820780754242),
+                T::from_f64(0.001128948052817236) * e139,
+            );
+        let p157 = e137
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                -(T::from_f64(0.0000028721833266651005) * e134),
+            );
+        let p158 = c_l_knee.mul_plus(n_l_knee_x, -(s_l_knee * n_l_knee_y));
+        let p159 = (-g_l_knee_z).mul_plus(T::from_f64(0.093), p158);
+        let p160 = e320.mul_plus(e324, h_l_ank_pitch_z * e323);
+        let n_l_hip_pitch_x = (-e135).mul_plus(T::from_f64(0.0000028721833266651005), p156) - p157
+            + (p159 - p160);
+        let p161 = e138
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                T::from_f64(0.0000011071820780754242) * e139,
+            );
+        let p162 = e133
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                T::from_f64(0.0000028721833266651005) * e136,
+            );
+        let p163 = s_l_knee.mul_plus(n_l_knee_x, c_l_knee * n_l_knee_y);
+        let p164 = h_l_ank_pitch_z.mul_plus(e322, e319 * e324);
+        let n_l_hip_pitch_y = e135.mul_plus(T::from_f64(0.00000006346493691182975), p161)
+            - p162 + (p163 + p164);
+        let p165 = e137
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                T::from_f64(0.0000011071820780754242) * e134,
+            );
+        let p166 = e133
+            .mul_plus(
+                T::from_f64(0.0000011071820780754242),
+                -(T::from_f64(0.001128948052817236) * e136),
+            );
+        let p167 = (a_l_hip_pitch_y - e131).mul_plus(T::from_f64(0.0000028721833266651005), p166);
+        let p168 = e321.mul_plus(T::from_f64(0.093), n_l_knee_z);
+        let p169 = e319.mul_plus(e323, -(e320 * e322));
+        let n_l_hip_pitch_z = (e132 - a_l_hip_pitch_x)
+            .mul_plus(T::from_f64(0.00000006346493691182975), p165) - p167
+            + (p168 + p169);
+        // l_hip_roll
+        let h_l_hip_roll_z = c_l_hip_pitch
+            .mul_plus(h_l_hip_pitch_x, -(s_l_hip_pitch * h_l_hip_pitch_y));
+        let h_l_hip_roll_x = h_l_ank_pitch_z - T::from_f64(0.00003500960390767528);
+        let h_l_hip_roll_y = s_l_hip_pitch
+            .mul_plus(h_l_hip_pitch_x, c_l_hip_pitch * h_l_hip_pitch_y)
+            - T::from_f64(0.0007924947431313887);
+        let g_l_hip_roll_x = e119
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                -(T::from_f64(0.0007924947431313887) * e122),
+            ) + g_l_hip_pitch_z;
+        let p170 = s_l_hip_pitch.mul_plus(g_l_hip_pitch_x, c_l_hip_pitch * g_l_hip_pitch_y);
+        let g_l_hip_roll_y = e120
+            .mul_plus(
+                T::from_f64(0.0007924947431313887),
+                -(T::from_f64(0.00003500960390767528) * e123),
+            ) + p170;
+        let p171 = e124
+            .mul_plus(
+                T::from_f64(0.00003500960390767528),
+                T::from_f64(0.0007924947431313887) * e125,
+            );
+        let g_l_hip_roll_z = c_l_hip_pitch
+            .mul_plus(g_l_hip_pitch_x, -(s_l_hip_pitch * g_l_hip_pitch_y)) - p171;
+        let p172 = e125
+            .mul_plus(
+                T::from_f64(0.00002019140450753412),
+                -(T::from_f64(0.00000030652985169172185) * e124),
+            );
+        let p173 = e123
+            .mul_plus(
+                T::from_f64(0.00000036073340124169066),
+                T::from_f64(0.000016905810723963404) * e120,
+            );
+        let n_l_hip_roll_x = (-e121).mul_plus(T::from_f64(0.000016905810723963404), p172)
+            + p173 - n_l_hip_pitch_z;
+        let p174 = e124
+            .mul_plus(
+                T::from_f64(0.000030124214184399483),
+                -(T::from_f64(0.00000030652985169172185) * e125),
+            );
+        let p175 = e121.mul_plus(T::from_f64(0.00000036073340124169066), p174);
+        let p176 = s_l_hip_pitch.mul_plus(n_l_hip_pitch_x, c_l_hip_pitch * n_l_hip_pitch_y);
+        let n_l_hip_roll_y = e119
+            .mul_plus(
+                T::from_f64(0.00000036073340124169066),
+                T::from_f64(0.000016905810723963404) * e122,
+            ) - p175 - p176;
+        let p177 = e123
+            .mul_plus(
+                T::from_f64(0.000030124214184399483),
+                T::from_f64(0.00000030652985169172185) * e120,
+            );
+        let p178 = e119
+            .mul_plus(
+                T::from_f64(0.00000030652985169172185),
+                T::from_f64(0.00002019140450753412) * e122,
+            );
+        let p179 = (e117 + a_l_hip_roll_y).mul_plus(T::from_f64(0.000016905810723963404), p178);
+        let p180 = c_l_hip_pitch.mul_plus(n_l_hip_pitch_x, -(s_l_hip_pitch * n_l_hip_pitch_y));
+        let n_l_hip_roll_z = (-(e118 - a_l_hip_roll_x))
+            .mul_plus(T::from_f64(0.00000036073340124169066), p177) - p179 - p180;
+        // l_hip_yaw
+        let h_l_hip_yaw_y = c_l_hip_roll.mul_plus(h_l_hip_roll_x, s_l_hip_roll * h_l_hip_roll_y);
+        let h_l_hip_yaw_z = c_l_hip_roll.mul_plus(h_l_hip_roll_y, -(s_l_hip_roll * h_l_hip_roll_x));
+        let h_l_hip_yaw_x = h_l_hip_roll_z - T::from_f64(0.001037646205786198);
+        let g_l_hip_yaw_x = e108.mul_plus(T::from_f64(0.001037646205786198), g_l_hip_roll_z);
+        let g_l_hip_yaw_y = c_l_hip_roll.mul_plus(g_l_hip_roll_x, s_l_hip_roll * g_l_hip_roll_y);
+        let g_l_hip_yaw_y = (-e110).mul_plus(T::from_f64(0.001037646205786198), g_l_hip_yaw_y);
+        let g_l_hip_yaw_z = c_l_hip_roll.mul_plus(g_l_hip_roll_y, -(s_l_hip_roll * g_l_hip_roll_x));
+        let g_l_hip_yaw_z = (-e111).mul_plus(T::from_f64(0.001037646205786198), g_l_hip_yaw_z);
+        let n_l_hip_yaw_x = e112
+            .mul_plus(
+                T::from_f64(0.00000042597827326108953),
+                -(T::from_f64(0.00000033265562414694076) * e110),
+            ) + n_l_hip_roll_z;
+        let p181 = e111
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                -(T::from_f64(0.00000033265562414694076) * (e103 + e104)),
+            );
+        let p182 = e108.mul_plus(T::from_f64(0.00000033265562414694076), p181);
+        let n_l_hip_yaw_y = c_l_hip_roll
+            .mul_plus(n_l_hip_roll_x, s_l_hip_roll * n_l_hip_roll_y) - p182;
+        let p183 = e110
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                T::from_f64(0.00000033265562414694076) * (e107 - a_l_hip_yaw_x),
+            );
+        let p184 = c_l_hip_roll.mul_plus(n_l_hip_roll_y, -(s_l_hip_roll * n_l_hip_roll_x));
+        let n_l_hip_yaw_z = (-e109).mul_plus(T::from_f64(0.00000042597827326108953), p183) + p184;
+        // head_tilt
+        let e325 = e96
+            .mul_plus(T::from_f64(0.0008936193097188895), T::from_f64(0.0006155634123957239) * e99);
+        let g_head_tilt_y = e97
+            .mul_plus(
+                T::from_f64(0.0006155634123957239),
+                -(T::from_f64(0.0008936193097188895) * e100),
+            );
+        let e326 = e101
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                T::from_f64(0.0006155634123957239) * e102,
+            );
+        let p185 = e101
+            .mul_plus(
+                T::from_f64(0.000008173086847172008),
+                T::from_f64(0.00003187295052470432) * e102,
+            );
+        let p186 = e100
+            .mul_plus(
+                T::from_f64(0.00000006710094030174738),
+                -(T::from_f64(0.00000019992667651095005) * e97),
+            );
+        let n_head_tilt_x = (-e98).mul_plus(T::from_f64(0.00000019992667651095005), p185)
+            - p186;
+        let p187 = e101
+            .mul_plus(
+                T::from_f64(0.00003229937056313519),
+                T::from_f64(0.000008173086847172004) * e102,
+            );
+        let p188 = e98.mul_plus(T::from_f64(0.00000006710094030174738), -p187);
+        let n_head_tilt_y = e96
+            .mul_plus(
+                T::from_f64(0.00000006710094030174738),
+                T::from_f64(0.00000019992667651095005) * e99,
+            ) - p188;
+        let p189 = e97
+            .mul_plus(
+                T::from_f64(0.000008173086847172004),
+                -(T::from_f64(0.00003229937056313519) * e100),
+            );
+        let p190 = e96
+            .mul_plus(
+                T::from_f64(0.000008173086847172008),
+                T::from_f64(0.00003187295052470432) * e99,
+            );
+        let p191 = (a_head_tilt_y - e94).mul_plus(T::from_f64(0.00000019992667651095005), p190);
+        let n_head_tilt_z = (-(e95 - a_head_tilt_x))
+            .mul_plus(T::from_f64(0.00000006710094030174738), p189) - p191;
+        // head_pan
+        let e327 = c_head_tilt
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                -(T::from_f64(0.0006155634123957239) * s_head_tilt),
+            );
+        let h_head_pan_z = s_head_tilt
+            .mul_plus(
+                T::from_f64(0.0008936193097188895),
+                T::from_f64(0.0006155634123957239) * c_head_tilt,
+            );
+        let e328 = s_head_tilt.mul_plus(g_head_tilt_y, -(c_head_tilt * e325));
+        let e329 = T::from_f64(0.1727) * e84;
+        let h_head_pan_x = e327 - T::from_f64(0.000005935220372607572);
+        let g_head_pan_x = e78
+            .mul_plus(
+                T::from_f64(0.000005935220372607572),
+                -(T::from_f64(0.00001531256050567311) * e81),
+            ) + e328;
+        let e330 = e83
+            .mul_plus(
+                T::from_f64(0.000005935220372607572),
+                T::from_f64(0.00001531256050567311) * e79,
+            ) + e326;
+        let p192 = s_head_tilt.mul_plus(e325, c_head_tilt * g_head_tilt_y);
+        let g_head_pan_z = e86
+            .mul_plus(
+                T::from_f64(0.00001531256050567311),
+                -(T::from_f64(0.000005935220372607572) * e85),
+            ) - p192;
+        let p193 = e85
+            .mul_plus(
+                T::from_f64(0.0000000000000033021019116561955),
+                T::from_f64(0.000021234625817540758) * e86,
+            );
+        let p194 = e83
+            .mul_plus(
+                T::from_f64(0.0000008609675083983043),
+                T::from_f64(0.0000026446625321681368) * e79,
+            );
+        let p195 = c_head_tilt.mul_plus(n_head_tilt_x, s_head_tilt * n_head_tilt_y);
+        let p196 = e326.mul_plus(T::from_f64(0.1727), p195);
+        let p197 = h_head_pan_z.mul_plus(e329, p196);
+        let n_head_pan_x = (-e80).mul_plus(T::from_f64(0.0000026446625321681368), p193)
+            + p194 + p197;
+        let p198 = e85
+            .mul_plus(
+                T::from_f64(0.0000003380192149095407),
+                T::from_f64(0.0000000000000033021019116561955) * e86,
+            );
+        let p199 = e80.mul_plus(T::from_f64(0.0000008609675083983043), p198);
+        let p200 = e328.mul_plus(T::from_f64(0.1727), n_head_tilt_z);
+        let p201 = h_head_pan_z
+            .mul_plus(T::from_f64(0.1727) * e82, e327 * (T::from_f64(0.1727) * e80));
+        let n_head_pan_y = e78
+            .mul_plus(
+                T::from_f64(0.0000008609675083983043),
+                -(T::from_f64(0.0000026446625321681368) * e81),
+            ) - p199 + (p200 + p201);
+        let p202 = e83
+            .mul_plus(
+                T::from_f64(0.0000003380192149095407),
+                -(T::from_f64(0.0000000000000033021019116561955) * e79),
+            );
+        let p203 = e78
+            .mul_plus(
+                T::from_f64(0.0000000000000033021019116561955),
+                T::from_f64(0.000021234625817540758) * e81,
+            );
+        let p204 = e82.mul_plus(T::from_f64(0.0000026446625321681368), -p203);
+        let p205 = s_head_tilt.mul_plus(n_head_tilt_x, -(c_head_tilt * n_head_tilt_y));
+        let p206 = (-e327).mul_plus(e329, p205);
+        let n_head_pan_z = e84.mul_plus(T::from_f64(0.0000008609675083983043), p202)
+            - p204 + p206;
+        // r_hip_yaw
+        let e331 = c_head_pan
+            .mul_plus(h_head_pan_x, -(T::from_f64(0.00001531256050567311) * s_head_pan));
+        let e332 = s_head_pan
+            .mul_plus(h_head_pan_x, T::from_f64(0.00001531256050567311) * c_head_pan);
+        let e333 = c_head_pan.mul_plus(g_head_pan_x, s_head_pan * e330);
+        let e334 = s_head_pan.mul_plus(g_head_pan_x, -(c_head_pan * e330));
+        let e335 = T::from_f64(0.005) * e61;
+        let e336 = e64.mul_plus(T::from_f64(0.037), e335);
+        let e337 = T::from_f64(0.005) * e66;
+        let e338 = (-e62).mul_plus(T::from_f64(0.037), e337);
+        let e339 = T::from_f64(0.005) * e68;
+        let e340 = e69.mul_plus(T::from_f64(0.037), e339);
+        let e341 = c_l_sho_pitch.mul_plus(h_l_sho_pitch_x, -(s_l_sho_pitch * e312));
+        let e342 = s_l_sho_pitch.mul_plus(h_l_sho_pitch_x, c_l_sho_pitch * e312);
+        let e343 = c_l_sho_pitch.mul_plus(g_l_sho_pitch_x, s_l_sho_pitch * g_l_sho_pitch_y);
+        let e344 = c_l_sho_pitch.mul_plus(g_l_sho_pitch_y, -(s_l_sho_pitch * g_l_sho_pitch_x));
+        let e345 = e65.mul_plus(T::from_f64(0.1222), -e335);
+        let e346 = (-e67).mul_plus(T::from_f64(0.1222), e337);
+        let e347 = (-e63).mul_plus(T::from_f64(0.1222), e339);
+        let p207 = e69
+            .mul_plus(
+                T::from_f64(0.0034573962375003047),
+                -(T::from_f64(0.00012209060886264806) * e68),
+            );
+        let p208 = e66
+            .mul_plus(T::from_f64(0.00024561277463748104), T::from_f64(0.00212498723523757) * e62);
+        let p209 = c_head_pan.mul_plus(n_head_pan_x, -(s_head_pan * n_head_pan_y));
+        let p210 = g_head_pan_z.mul_plus(T::from_f64(0.037), p209);
+        let p211 = e332.mul_plus(e340, -(h_head_pan_z * e338));
+        let p212 = h_l_sho_pitch_z.mul_plus(e347, e342 * e346);
+        let p213 = c_l_sho_pitch.mul_plus(n_l_sho_pitch_x, s_l_sho_pitch * n_l_sho_pitch_y);
+        let p214 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.1222), p213);
+        let e348 = (-e63).mul_plus(T::from_f64(0.00212498723523757), p207) + p208
+            + (p210 + p211) + (p212 - p214);
+        let p215 = e68
+            .mul_plus(
+                T::from_f64(0.0004457843286160802),
+                -(T::from_f64(0.00012209060886264806) * e69),
+            );
+        let p216 = e63.mul_plus(T::from_f64(0.00024561277463748104), p215);
+        let p217 = s_head_pan.mul_plus(n_head_pan_x, c_head_pan * n_head_pan_y);
+        let p218 = (-g_head_pan_z).mul_plus(T::from_f64(0.005), p217);
+        let p219 = h_head_pan_z.mul_plus(e336, e331 * e340);
+        let p220 = e343.mul_plus(T::from_f64(0.1222), -(T::from_f64(0.005) * e344));
+        let p221 = e342.mul_plus(e345, e341 * e347);
+        let e349 = e61
+            .mul_plus(
+                T::from_f64(0.00024561277463748104),
+                -(T::from_f64(0.00212498723523757) * e64),
+            ) - p216 + (p218 - p219) + (p220 - n_l_sho_pitch_z - p221);
+        let p222 = e66
+            .mul_plus(
+                T::from_f64(0.0004457843286160802),
+                T::from_f64(0.00012209060886264806) * e62,
+            );
+        let p223 = e61
+            .mul_plus(
+                T::from_f64(0.00012209060886264806),
+                -(T::from_f64(0.0034573962375003047) * e64),
+            );
+        let p224 = e65.mul_plus(T::from_f64(0.00212498723523757), p223);
+        let p225 = e334.mul_plus(T::from_f64(0.005), -(T::from_f64(0.037) * e333));
+        let p226 = e331.mul_plus(e338, e332 * e336);
+        let p227 = c_l_sho_pitch.mul_plus(n_l_sho_pitch_y, -(s_l_sho_pitch * n_l_sho_pitch_x));
+        let p228 = g_l_sho_pitch_z.mul_plus(T::from_f64(0.005), -p227);
+        let p229 = e341.mul_plus(e346, -(h_l_sho_pitch_z * e345));
+        let e350 = e67.mul_plus(T::from_f64(0.00024561277463748104), p222) - p224
+            + (n_head_pan_z + p225 + p226) + (p228 + p229);
+        let e351 = c_r_sho_pitch.mul_plus(h_r_sho_pitch_x, -(s_r_sho_pitch * h_r_sho_pitch_y));
+        let e352 = s_r_sho_pitch.mul_plus(h_r_sho_pitch_x, c_r_sho_pitch * h_r_sho_pitch_y);
+        let e353 = c_r_sho_pitch.mul_plus(e298, s_r_sho_pitch * g_r_sho_pitch_y);
+        let e354 = c_r_sho_pitch.mul_plus(g_r_sho_pitch_y, -(s_r_sho_pitch * e298));
+        let e355 = c_l_hip_yaw.mul_plus(h_l_hip_yaw_x, s_l_hip_yaw * h_l_hip_yaw_y);
+        let e356 = c_l_hip_yaw.mul_plus(h_l_hip_yaw_y, -(s_l_hip_yaw * h_l_hip_yaw_x));
+        let e357 = c_l_hip_yaw.mul_plus(g_l_hip_yaw_x, s_l_hip_yaw * g_l_hip_yaw_y);
+        let e358 = T::from_f64(0.074) * e64;
+        let e359 = T::from_f64(0.074) * e62;
+        let e360 = T::from_f64(0.074) * e69;
+        let h_r_hip_yaw_x = e331 - T::from_f64(0.0037115625356265282) + e341 + e351
+            + e355;
+        let h_r_hip_yaw_y = T::from_f64(0.03596084695899683) + e332 + h_l_sho_pitch_z
+            + h_r_sho_pitch_z + e356;
+        let h_r_hip_yaw_z = h_head_pan_z - e342 + e352 + h_l_hip_yaw_z;
+        let g_r_hip_yaw_x = e61
+            .mul_plus(
+                T::from_f64(0.0037115625356265282),
+                -(T::from_f64(0.03596084695899683) * e64),
+            ) + e333 + e343 - e353 + e357;
+        let p230 = c_l_hip_yaw.mul_plus(g_l_hip_yaw_y, -(s_l_hip_yaw * g_l_hip_yaw_x));
+        let g_r_hip_yaw_y = e334
+            - e66
+                .mul_plus(
+                    T::from_f64(0.0037115625356265282),
+                    T::from_f64(0.03596084695899683) * e62,
+                ) + g_l_sho_pitch_z + g_r_sho_pitch_z + p230;
+        let g_r_hip_yaw_z = e69
+            .mul_plus(
+                T::from_f64(0.03596084695899683),
+                -(T::from_f64(0.0037115625356265282) * e68),
+            ) + g_head_pan_z + e344 + e354 + g_l_hip_yaw_z;
+        let p231 = c_r_sho_pitch.mul_plus(n_r_sho_pitch_x, -(s_r_sho_pitch * n_r_sho_pitch_y));
+        let p232 = g_r_sho_pitch_z.mul_plus(T::from_f64(0.1222), p231);
+        let p233 = c_l_hip_yaw.mul_plus(n_l_hip_yaw_x, s_l_hip_yaw * n_l_hip_yaw_y);
+        let p234 = g_l_hip_yaw_z.mul_plus(T::from_f64(0.074), p233);
+        let p235 = e356.mul_plus(e360, h_l_hip_yaw_z * e359);
+        let n_r_hip_yaw_x = e348
+            + (h_r_sho_pitch_z.mul_plus(e347, -(e352 * e346)) - p232) + (p234 + p235);
+        let p236 = e353.mul_plus(T::from_f64(0.1222), T::from_f64(0.005) * e354);
+        let p237 = c_l_hip_yaw.mul_plus(n_l_hip_yaw_y, -(s_l_hip_yaw * n_l_hip_yaw_x));
+        let p238 = h_l_hip_yaw_z.mul_plus(e358, e355 * e360);
+        let n_r_hip_yaw_y = e349
+            + (e352.mul_plus(e345, -(e351 * e347)) - (n_r_sho_pitch_z + p236))
+            + (p237 - p238);
+        let p239 = s_r_sho_pitch.mul_plus(n_r_sho_pitch_x, c_r_sho_pitch * n_r_sho_pitch_y);
+        let p240 = e351.mul_plus(e346, -(h_r_sho_pitch_z * e345));
+        let p241 = (-e357).mul_plus(T::from_f64(0.074), n_l_hip_yaw_z);
+        let p242 = e356.mul_plus(e358, -(e355 * e359));
+        let n_r_hip_yaw_z = e350
+            + (g_r_sho_pitch_z.mul_plus(T::from_f64(0.005), -p239) + p240)
+            + (p241 + p242);
+        // r_hip_roll
+        let h_r_hip_roll_x = s_r_hip_yaw.mul_plus(h_r_hip_yaw_x, c_r_hip_yaw * h_r_hip_yaw_y);
+        let h_r_hip_roll_z = c_r_hip_yaw.mul_plus(h_r_hip_yaw_x, -(s_r_hip_yaw * h_r_hip_yaw_y));
+        let h_r_hip_roll_y = T::from_f64(0.05975631610931729) + h_r_hip_yaw_z;
+        let g_r_hip_roll_x = s_r_hip_yaw.mul_plus(g_r_hip_yaw_x, c_r_hip_yaw * g_r_hip_yaw_y);
+        let g_r_hip_roll_x = (-e49).mul_plus(T::from_f64(0.05975631610931729), g_r_hip_roll_x);
+        let g_r_hip_roll_y = (-e48).mul_plus(T::from_f64(0.05975631610931729), g_r_hip_yaw_z);
+        let g_r_hip_roll_z = c_r_hip_yaw.mul_plus(g_r_hip_yaw_x, -(s_r_hip_yaw * g_r_hip_yaw_y));
+        let g_r_hip_roll_z = e52.mul_plus(T::from_f64(0.05975631610931729), g_r_hip_roll_z);
+        let p243 = e52
+            .mul_plus(
+                T::from_f64(0.007136011009257574),
+                -(T::from_f64(0.00000033265562414694076) * (e43 + e44)),
+            );
+        let p244 = s_r_hip_yaw.mul_plus(n_r_hip_yaw_x, c_r_hip_yaw * n_r_hip_yaw_y);
+        let n_r_hip_roll_x = e48.mul_plus(T::from_f64(0.00000033265562414694076), p243)
+            + p244;
+        let n_r_hip_roll_y = e51
+            .mul_plus(
+                T::from_f64(0.00000042597827326108953),
+                -(T::from_f64(0.00000033265562414694076) * e49),
+            ) + n_r_hip_yaw_z;
+        let p245 = (a_r_hip_roll_y - e47)
+            .mul_plus(
+                T::from_f64(0.00000033265562414694076),
+                -(T::from_f64(0.007136011009257574) * e49),
+            );
+        let p246 = c_r_hip_yaw.mul_plus(n_r_hip_yaw_x, -(s_r_hip_yaw * n_r_hip_yaw_y));
+        let n_r_hip_roll_z = e50.mul_plus(T::from_f64(0.00000042597827326108953), -p245)
+            + p246;
+        // r_hip_pitch
+        let h_r_hip_pitch_z = c_r_hip_roll
+            .mul_plus(h_r_hip_roll_x, -(s_r_hip_roll * h_r_hip_roll_y));
+        let h_r_hip_pitch_x = h_r_hip_roll_z - T::from_f64(0.001037646205786198);
+        let h_r_hip_pitch_y = s_r_hip_roll.mul_plus(h_r_hip_roll_x, c_r_hip_roll * h_r_hip_roll_y)
+            - T::from_f64(0.0007924947431313887);
+        let g_r_hip_pitch_x = e35
+            .mul_plus(
+                T::from_f64(0.001037646205786198),
+                -(T::from_f64(0.0007924947431313887) * e38),
+            ) + g_r_hip_roll_z;
+        let p247 = s_r_hip_roll.mul_plus(g_r_hip_roll_x, c_r_hip_roll * g_r_hip_roll_y);
+        let g_r_hip_pitch_y = e36
+            .mul_plus(
+                T::from_f64(0.0007924947431313887),
+                -(T::from_f64(0.001037646205786198) * e39),
+            ) + p247;
+        let p248 = e40
+            .mul_plus(T::from_f64(0.001037646205786198), T::from_f64(0.0007924947431313887) * e41);
+        let g_r_hip_pitch_z = c_r_hip_roll
+            .mul_plus(g_r_hip_roll_x, -(s_r_hip_roll * g_r_hip_roll_y)) - p248;
+        let p249 = e40
+            .mul_plus(
+                T::from_f64(0.000016905810723963404),
+                T::from_f64(0.00002019140450753412) * e41,
+            );
+        let p250 = e39
+            .mul_plus(
+                T::from_f64(0.00000036073340124169066),
+                -(T::from_f64(0.00000030652985169172185) * e36),
+            );
+        let n_r_hip_pitch_x = (-e37).mul_plus(T::from_f64(0.00000030652985169172185), p249) - p250
+            - n_r_hip_roll_z;
+        let p251 = e40
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                T::from_f64(0.000016905810723963404) * e41,
+            );
+        let p252 = (-e37).mul_plus(T::from_f64(0.00000036073340124169066), p251);
+        let p253 = s_r_hip_roll.mul_plus(n_r_hip_roll_x, c_r_hip_roll * n_r_hip_roll_y);
+        let n_r_hip_pitch_y = e38
+            .mul_plus(
+                T::from_f64(0.00000030652985169172185),
+                -(T::from_f64(0.00000036073340124169066) * e35),
+            ) - p252 - p253;
+        let p254 = e39
+            .mul_plus(
+                T::from_f64(0.000055170822665607744),
+                -(T::from_f64(0.000016905810723963404) * e36),
+            );
+        let p255 = e38
+            .mul_plus(
+                T::from_f64(0.00002019140450753412),
+                -(T::from_f64(0.000016905810723963404) * e35),
+            );
+        let p256 = (e33 + a_r_hip_pitch_y).mul_plus(T::from_f64(0.00000030652985169172185), p255);
+        let p257 = c_r_hip_roll.mul_plus(n_r_hip_roll_x, -(s_r_hip_roll * n_r_hip_roll_y));
+        let n_r_hip_pitch_z = (e34 - a_r_hip_pitch_x)
+            .mul_plus(T::from_f64(0.00000036073340124169066), p254) - p256 - p257;
+        // r_knee
+        let e361 = c_r_hip_pitch.mul_plus(h_r_hip_pitch_x, -(s_r_hip_pitch * h_r_hip_pitch_y));
+        let e362 = s_r_hip_pitch.mul_plus(h_r_hip_pitch_x, c_r_hip_pitch * h_r_hip_pitch_y);
+        let e363 = c_r_hip_pitch.mul_plus(g_r_hip_pitch_x, -(s_r_hip_pitch * g_r_hip_pitch_y));
+        let e364 = T::from_f64(0.093) * e25;
+        let e365 = T::from_f64(0.093) * e23;
+        let e366 = T::from_f64(0.093) * e28;
+        let h_r_knee_x = T::from_f64(0.00002815646395548345) + e361;
+        let h_r_knee_y = T::from_f64(0.08036415082453738) + e362;
+        let g_r_knee_x = e25
+            .mul_plus(
+                T::from_f64(0.08036415082453738),
+                -(T::from_f64(0.00002815646395548345) * e22),
+            ) + e363;
+        let p258 = s_r_hip_pitch.mul_plus(g_r_hip_pitch_x, c_r_hip_pitch * g_r_hip_pitch_y);
+        let g_r_knee_y = e26
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                -(T::from_f64(0.08036415082453738) * e23),
+            ) + p258;
+        let g_r_knee_z = e27
+            .mul_plus(
+                T::from_f64(0.00002815646395548345),
+                T::from_f64(0.08036415082453738) * e28,
+            ) + g_r_hip_pitch_z;
+        let p259 = e27
+            .mul_plus(
+                T::from_f64(0.0000015113690697845367),
+                T::from_f64(0.007427680106181191) * e28,
+            );
+        let p260 = e26
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                T::from_f64(0.00000038370983674870065) * e23,
+            );
+        let p261 = c_r_hip_pitch.mul_plus(n_r_hip_pitch_x, -(s_r_hip_pitch * n_r_hip_pitch_y));
+        let p262 = g_r_hip_pitch_z.mul_plus(T::from_f64(0.093), p261);
+        let p263 = e362.mul_plus(e366, h_r_hip_pitch_z * e365);
+        let n_r_knee_x = (-e24).mul_plus(T::from_f64(0.00000038370983674870065), p259)
+            + p260 + (p262 + p263);
+        let p264 = e27
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                T::from_f64(0.0000015113690697845367) * e28,
+            );
+        let p265 = e24.mul_plus(T::from_f64(0.00000006346493691182975), p264);
+        let p266 = s_r_hip_pitch.mul_plus(n_r_hip_pitch_x, c_r_hip_pitch * n_r_hip_pitch_y);
+        let p267 = h_r_hip_pitch_z.mul_plus(e364, -(e361 * e366));
+        let n_r_knee_y = e22
+            .mul_plus(
+                T::from_f64(0.00000006346493691182975),
+                T::from_f64(0.00000038370983674870065) * e25,
+            ) - p265 + (p266 + p267);
+        let p268 = e26
+            .mul_plus(
+                T::from_f64(0.0000027309066181058813),
+                -(T::from_f64(0.0000015113690697845367) * e23),
+            );
+        let p269 = e25
+            .mul_plus(
+                T::from_f64(0.007427680106181191),
+                -(T::from_f64(0.0000015113690697845367) * e22),
+            );
+        let p270 = (e20 + a_r_knee_y).mul_plus(T::from_f64(0.00000038370983674870065), p269);
+        let p271 = (-e363).mul_plus(T::from_f64(0.093), n_r_hip_pitch_z);
+        let p272 = e361.mul_plus(e365, e362 * e364);
+        let n_r_knee_z = (-(e21 - a_r_knee_x))
+            .mul_plus(T::from_f64(0.00000006346493691182975), p268) - p270
+            + (p271 - p272);
+        // r_ank_pitch
+        let e367 = c_r_knee.mul_plus(h_r_knee_x, -(s_r_knee * h_r_knee_y));
+        let e368 = s_r_knee.mul_plus(h_r_knee_x, c_r_knee * h_r_knee_y);
+        let e369 = c_r_knee.mul_plus(g_r_knee_x, -(s_r_knee * g_r_knee_y));
+        let e370 = T::from_f64(0.093) * e12;
+        let e371 = T::from_f64(0.093) * e10;
+        let e372 = T::from_f64(0.093) * e15;
+        let h_r_ank_pitch_x = T::from_f64(0.00015737139520335583) + e367;
+        let h_r_ank_pitch_y = T::from_f64(0.08422326168849198) + e368;
+        let g_r_ank_pitch_x = e12
+            .mul_plus(
+                T::from_f64(0.08422326168849198),
+                -(T::from_f64(0.00015737139520335583) * e9),
+            ) + e369;
+        let p273 = s_r_knee.mul_plus(g_r_knee_x, c_r_knee * g_r_knee_y);
+        let g_r_ank_pitch_y = e13
+            .mul_plus(
+                T::from_f64(0.00015737139520335583),
+                -(T::from_f64(0.08422326168849198) * e10),
+            ) + p273;
+        let g_r_ank_pitch_z = e15
+            .mul_plus(
+                T::from_f64(0.08422326168849198),
+                -(T::from_f64(0.00015737139520335583) * e14),
+            ) + g_r_knee_z;
+        let p274 = e15
+            .mul_plus(
+                T::from_f64(0.0078095776358944715),
+                -(T::from_f64(0.000012886474540635863) * e14),
+            );
+        let p275 = e13
+            .mul_plus(
+                T::from_f64(0.000000011222519529269976),
+                -(T::from_f64(0.0000012445664757885444) * e10),
+            );
+        let p276 = c_r_knee.mul_plus(n_r_knee_x, -(s_r_knee * n_r_knee_y));
+        let p277 = g_r_knee_z.mul_plus(T::from_f64(0.093), p276);
+        let p278 = e368.mul_plus(e372, h_r_hip_pitch_z * e371);
+        let n_r_ank_pitch_x = (-e11).mul_plus(T::from_f64(0.0000012445664757885444), p274) - p275
+            + (p277 + p278);
+        let p279 = e15
+            .mul_plus(
+                T::from_f64(0.000012886474540635863),
+                -(T::from_f64(0.00000550001522303673) * e14),
+            );
+        let p280 = (-e11).mul_plus(T::from_f64(0.000000011222519529269976), p279);
+        let p281 = s_r_knee.mul_plus(n_r_knee_x, c_r_knee * n_r_knee_y);
+        let p282 = h_r_hip_pitch_z.mul_plus(e370, -(e367 * e372));
+        let n_r_ank_pitch_y = e12
+            .mul_plus(
+                T::from_f64(0.0000012445664757885444),
+                -(T::from_f64(0.000000011222519529269976) * e9),
+            ) - p280 + (p281 + p282);
+        let p283 = e13
+            .mul_plus(
+                T::from_f64(0.00000550001522303673),
+                -(T::from_f64(0.000012886474540635863) * e10),
+            );
+        let p284 = e12
+            .mul_plus(
+                T::from_f64(0.0078095776358944715),
+                -(T::from_f64(0.000012886474540635863) * e9),
+            );
+        let p285 = (a_r_ank_pitch_y - e4).mul_plus(T::from_f64(0.0000012445664757885444), p284);
+        let p286 = (-e369).mul_plus(T::from_f64(0.093), n_r_knee_z);
+        let p287 = e367.mul_plus(e371, e368 * e370);
+        let n_r_ank_pitch_z = (-(e3 + a_r_ank_pitch_x))
+            .mul_plus(T::from_f64(0.000000011222519529269976), p283) - p285
+            + (p286 - p287);
+        // r_ank_roll
+        let e373 = T::from_f64(0.00000010334408456612026) * e2;
+        let h_r_ank_roll_z = c_r_ank_pitch
+            .mul_plus(h_r_ank_pitch_x, s_r_ank_pitch * h_r_ank_pitch_y);
+        let g_r_ank_roll_z = c_r_ank_pitch
+            .mul_plus(g_r_ank_pitch_x, s_r_ank_pitch * g_r_ank_pitch_y);
+        let h_r_ank_roll_x = T::from_f64(0.00003500960390767528) + h_r_hip_pitch_z;
+        let h_r_ank_roll_y = T::from_f64(0.0007924947431313887)
+            + c_r_ank_pitch.mul_plus(h_r_ank_pitch_y, -(s_r_ank_pitch * h_r_ank_pitch_x));
+        let g_r_ank_roll_x = qdd[16]
+            .mul_plus(
+                T::from_f64(0.0007924947431313887),
+                -(T::from_f64(0.00003500960390767528) * e2),
+            ) + g_r_ank_pitch_z;
+        let p288 = qdd[16]
+            .mul_plus(T::from_f64(0.00003500960390767528), T::from_f64(0.0007924947431313887) * e2);
+        let g_r_ank_roll_y = c_r_ank_pitch
+            .mul_plus(g_r_ank_pitch_y, -(s_r_ank_pitch * g_r_ank_pitch_x)) - p288;
+        let p289 = c_r_ank_pitch.mul_plus(n_r_ank_pitch_y, -(s_r_ank_pitch * n_r_ank_pitch_x));
+        let n_r_ank_roll_y = e2
+            .mul_plus(
+                T::from_f64(0.00000036073359429687445),
+                -(T::from_f64(0.00001710898339479749) * qdd[16]),
+            ) - p289;
+        let p290 = qdd[16].mul_plus(T::from_f64(0.000020191301954835163), e373);
+        let p291 = c_r_ank_pitch.mul_plus(n_r_ank_pitch_x, s_r_ank_pitch * n_r_ank_pitch_y);
+        let n_r_ank_roll_z = (-qdd[16])
+            .mul_plus(T::from_f64(0.000030124214184399486), e373) - p290 - p291;
+        // r_sole
+        let g_r_sole_y = c_r_ank_roll.mul_plus(g_r_ank_roll_x, s_r_ank_roll * g_r_ank_roll_y);
+        let g_r_sole_z = c_r_ank_roll.mul_plus(g_r_ank_roll_y, -(s_r_ank_roll * g_r_ank_roll_x));
+        let n_r_sole_x = n_r_ank_roll_z
+            + g_r_sole_z.mul_plus(T::from_f64(0.0105), -(T::from_f64(0.0335) * g_r_sole_y));
+        let p292 = qdd[16]
+            .mul_plus(
+                T::from_f64(0.00000036073359429687445),
+                T::from_f64(0.00001710898339479749) * e2,
+            );
+        let n_r_sole_y = s_r_ank_roll
+            .mul_plus(n_r_ank_roll_y, -(c_r_ank_roll * (p292 + n_r_ank_pitch_z)));
+        let n_r_sole_y = g_r_ank_roll_z.mul_plus(T::from_f64(0.0335), n_r_sole_y);
+        let h_r_sole_x = h_r_ank_roll_z - T::from_f64(0.0010725237405351177);
+        let h_r_sole_y = T::from_f64(0.010241838606533918)
+            + c_r_ank_roll.mul_plus(h_r_ank_roll_x, s_r_ank_roll * h_r_ank_roll_y);
+        let h_r_sole_z = T::from_f64(0.03279401771623786)
+            + c_r_ank_roll.mul_plus(h_r_ank_roll_y, -(s_r_ank_roll * h_r_ank_roll_x));
+        // ZMP
+        let load = T::from_f64(9.80665) + f_r_sole_z;
+        let e374 = T::from_f64(1.0) / load;
+        let p293 = h_r_sole_z.mul_plus(g_r_ank_roll_z, -(h_r_sole_x * g_r_sole_z));
+        let p294 = v_r_sole_z.mul_plus(f_r_ank_roll_z, n_r_sole_y - p293);
+        let p295 = h_r_sole_y.mul_plus(g_r_sole_z, -(h_r_sole_z * g_r_sole_y));
+        let p296 = v_r_sole_z.mul_plus(f_r_sole_y, -(n_r_sole_x - p295));
+        [(-p294).mul_plus(e374, v_r_sole_x), (-p296).mul_plus(e374, v_r_sole_y)]
     }
 }

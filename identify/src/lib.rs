@@ -29,6 +29,7 @@ pub mod diagnose;
 mod error;
 pub mod evaluate;
 pub mod feet;
+pub mod files;
 pub mod fit;
 pub mod fleet;
 pub mod health;
@@ -54,6 +55,7 @@ pub mod threads;
 mod tolerances;
 mod watch;
 mod words;
+mod xacro;
 
 pub use error::{Error, ErrorKind};
 #[doc(hidden)]

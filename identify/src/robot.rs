@@ -1,9 +1,7 @@
 //! A robot on its support, as the commands use it.
 
 use std::collections::VecDeque;
-use std::io;
 use std::path::Path;
-use std::process::Command;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::DMatrix;
@@ -12,6 +10,7 @@ use sesc_model::tree::{feet, on_many_feet, support_rank};
 use sesc_model::urdf::{self, Description};
 use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 
+use crate::xacro::{self, Failed};
 use crate::{Error, Message, Setting, message};
 
 /// Links named in a message.
@@ -26,6 +25,15 @@ pub struct Robot {
     pub description: Description,
     /// Factors of its regressor over ranges of its joints.
     pub(crate) over_range: Factors,
+}
+
+/// A robot that [`Robot::read_typed`] read.
+#[derive(Debug)]
+pub struct Typed {
+    /// The robot.
+    pub robot: Robot,
+    /// Whether the program `xacro` was run over the file.
+    pub expanded: bool,
 }
 
 /// Factors that all logs of a robot ask for, by what they are of; the last few are kept.
@@ -57,24 +65,43 @@ impl Robot {
         }
     }
 
-    /// Read a URDF file, once: it may be a pipe; `-` is standard input. A `.xacro` file, and
-    /// any other that holds what xacro expands, is expanded by the program `xacro`, where it is
-    /// installed.
+    /// Read a URDF file, once: it may be a pipe; `-` is standard input. No program is started,
+    /// whatever stands in the file.
     ///
     /// # Errors
     /// When the file cannot be read, or everything that is wrong with its text.
     pub fn read(path: &Path) -> Result<Robot, Error> {
-        if path.extension().is_some_and(|end| end == "xacro")
-            && let Some(expanded) = expanded(path)
-        {
-            return Robot::parse(&expanded?, &path.display().to_string());
+        let description = urdf::read(path).map_err(ModelError::from)?;
+        Ok(Robot::of(description))
+    }
+
+    /// Read a file whose path the caller of the program typed: `asked`, or where the path ends in
+    /// `.xacro` and the program `xacro` is installed, what `xacro` makes of the file.
+    ///
+    /// `xacro` runs code that stands in the file. Take [`Robot::read`] for paths that come from
+    /// folders, manifests or other files.
+    ///
+    /// # Errors
+    /// When the file cannot be read or expanded, or everything that is wrong with its text.
+    pub fn read_typed(path: &Path, asked: bool) -> Result<Typed, Error> {
+        let read = |robot| Typed {
+            robot,
+            expanded: false,
+        };
+        if !asked && path.extension().is_none_or(|end| end != "xacro") {
+            return Robot::read(path).map(read);
         }
-        match urdf::read(path) {
-            Ok(description) => Ok(Robot::of(description)),
-            Err(error) => match expanded(path).filter(|_| error.is_xacro() && path.is_file()) {
-                Some(text) => Robot::parse(&text?, &path.display().to_string()),
-                None => Err(ModelError::from(error).into()),
-            },
+        match xacro::expand(path) {
+            Ok(text) => Ok(Typed {
+                robot: Robot::parse(&text, &path.display().to_string())?,
+                expanded: true,
+            }),
+            Err(Failed::NotInstalled) if !asked => Robot::read(path).map(read),
+            Err(failed) => Err(Error::log(
+                path.display().to_string(),
+                None,
+                failed.to_string(),
+            )),
         }
     }
 
@@ -147,28 +174,6 @@ impl Robot {
             None => model,
         })
     }
-}
-
-/// What the program `xacro` makes of a file; none where it is not installed.
-fn expanded(path: &Path) -> Option<Result<String, Error>> {
-    let output = match Command::new("xacro").arg(path).output() {
-        Ok(output) => output,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return None,
-        Err(error) => return Some(Err(Error::read("xacro", error))),
-    };
-    let file = path.display().to_string();
-    if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        let last = said.trim_end().lines().next_back().unwrap_or_default();
-        let last = last.escape_debug();
-        return Some(Err(Error::log(
-            file,
-            None,
-            format!("xacro does not expand it: {last}"),
-        )));
-    }
-    let text = String::from_utf8(output.stdout);
-    Some(text.map_err(|_| Error::log(file, None, "xacro expands it to what is no UTF-8")))
 }
 
 /// A leg that turns about a hip over its foot, for tests.

@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, Matrix4};
+use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 use serde::{Deserialize, Serialize};
 use sesc_model::Model;
 use sesc_model::standard::PER_LINK;
@@ -84,55 +84,61 @@ impl Tolerances {
         own.or(self.default.mass_kg).unwrap_or(0.0)
     }
 
-    /// Factor of the covariance of θ, 4 per link, before `D`.
-    pub(crate) fn of_standard(&self, model: &Model) -> DMatrix<f64> {
-        let links = &model.tree.links;
-        let mut factor = DMatrix::zeros(PER_LINK * links.len(), PER_LINK * links.len());
-        for (k, link) in links.iter().enumerate() {
-            if model.chain.places[k].is_none() {
-                continue;
-            }
+    /// Factor of the covariance of θ before `D`, link by link: each is known by itself. Links
+    /// that carry no joint to the support, and those whose block is zero, are left out.
+    pub(crate) fn of_standard(&self, model: &Model) -> LinkBlocks {
+        let links = model.tree.links.iter().enumerate();
+        let placed = links.filter(|(k, _)| model.chain.places[*k].is_some());
+        let blocks = placed.map(|(k, link)| {
             let (relative, com) = self.of_link(&link.name);
             let share = link.mass / model.tree.mass;
             let extra = self.extra_mass(&link.name) / model.tree.mass;
             let mass = (relative * share).hypot(extra);
+            let [x, y, z] = link.com().map(|com| mass * com);
+            let com = share * com;
             // A heavier link is heavier where it is: δ(m c) = c δm + m δc.
             let block = Matrix4::new(
-                mass,
-                0.0,
-                0.0,
-                0.0,
-                mass * link.com()[0],
-                share * com,
-                0.0,
-                0.0,
-                mass * link.com()[1],
-                0.0,
-                share * com,
-                0.0,
-                mass * link.com()[2],
-                0.0,
-                0.0,
-                share * com,
+                mass, 0.0, 0.0, 0.0, x, com, 0.0, 0.0, y, 0.0, com, 0.0, z, 0.0, 0.0, com,
             );
-            factor
-                .fixed_view_mut::<4, 4>(PER_LINK * k, PER_LINK * k)
-                .copy_from(&block);
-        }
-        factor
+            (k, block)
+        });
+        LinkBlocks(blocks.filter(|(_, block)| block.amax() > 0.0).collect())
     }
 
     /// S with S Sᵀ the covariance of the base parameters of `model` about CAD's.
     pub(crate) fn factor(&self, model: &Model) -> DMatrix<f64> {
-        let map = model.standard_map();
-        let theta = model.standard_cad();
-        let mut of_standard = self.of_standard(model);
-        // D: a heavier link makes every other one a smaller part of the whole.
-        for mut column in of_standard.column_iter_mut() {
-            let heavier: f64 = column.iter().step_by(PER_LINK).sum();
-            column.axpy(-heavier, &theta, 1.0);
+        let blocks = self.of_standard(model);
+        compact(&blocks.to_base(&model.standard_map(), &model.standard_cad()))
+    }
+}
+
+/// A factor of the covariance of θ that is zero between links: the four rows and columns of each
+/// link that has any.
+pub(crate) struct LinkBlocks(pub(crate) BTreeMap<usize, Matrix4<f64>>);
+
+impl LinkBlocks {
+    /// Columns that are not zero, each with its link.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = (usize, Vector4<f64>)> {
+        let columns = self.0.iter().flat_map(|(&link, block)| {
+            (0..PER_LINK).map(move |k| (link, block.column(k).into_owned()))
+        });
+        columns.filter(|(_, column)| column.amax() > 0.0)
+    }
+
+    /// W D S: what one deviation of each column does to the base parameters; `map` is W.
+    pub(crate) fn to_base(&self, map: &DMatrix<f64>, theta: &DVector<f64>) -> DMatrix<f64> {
+        let whole = map * theta;
+        let columns: Vec<DVector<f64>> = self
+            .columns()
+            .map(|(k, column)| {
+                // D: a heavier link makes every other one a smaller part of the whole.
+                map.columns(PER_LINK * k, PER_LINK) * column - &whole * column[0]
+            })
+            .collect();
+        match columns.is_empty() {
+            true => DMatrix::zeros(map.nrows(), 0),
+            false => DMatrix::from_columns(&columns),
         }
-        compact(&(map * of_standard))
     }
 }
 

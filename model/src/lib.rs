@@ -88,7 +88,6 @@ mod robot;
 mod snap;
 #[doc(hidden)]
 pub mod spelling;
-mod stamp;
 #[doc(hidden)]
 pub mod standard;
 pub mod tape;

@@ -55,7 +55,7 @@ pub struct Counts {
     pub add: usize,
     /// Sine-cosine pairs.
     pub sin_cos: usize,
-    /// Operations on angles before their sine and cosine.
+    /// Operations on angles; before their sine and cosine.
     pub angle: usize,
     /// Sign changes that no addition absorbs.
     #[serde(skip)]
@@ -247,6 +247,25 @@ impl Program {
     pub fn reads(&self, array: Argument) -> bool {
         let of = |expr| matches!(expr, Expr::Input { argument, .. } if argument == array);
         self.nodes.iter().any(|node| of(node.expr))
+    }
+
+    /// Choose other outputs: uses are counted anew, nodes stay where they are.
+    #[doc(hidden)]
+    pub fn keep(&mut self, outputs: Vec<Id>) {
+        self.outputs = outputs;
+        for node in &mut self.nodes {
+            node.uses = 0;
+        }
+        for id in &self.outputs {
+            self.nodes[id.index()].uses += 1;
+        }
+        for k in (0..self.nodes.len()).rev() {
+            if self.nodes[k].uses > 0 {
+                for operand in operands(self.nodes[k].expr) {
+                    self.nodes[operand.index()].uses += 1;
+                }
+            }
+        }
     }
 
     /// What node `id` is.

@@ -100,7 +100,7 @@ impl Dof {
 pub struct Snap {
     /// Name of the joint.
     pub joint: String,
-    /// Between the written and the exact rotation, rad.
+    /// Written against exact, rad.
     pub angle_error: f64,
     /// Largest CoM error, m.
     pub com_error: f64,

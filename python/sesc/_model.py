@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,8 @@ class Robot(_sesc.Robot):
     Args:
         path_or_text: path of a URDF, or its text (anything with a ``<``), or an open file.
         snap: make decimals of right angles (1.5708) exact, within 1e-5 rad.
+        xacro: expand the file by the program ``xacro``, as where the path ends in ``.xacro``.
+            ``xacro`` runs code that stands in the file, and a ``UserWarning`` says that it ran.
 
     Raises:
         UrdfError: all that is wrong with the description, each with its line and a remedy.
@@ -36,9 +39,14 @@ class Robot(_sesc.Robot):
         ('pole', ['hip'])
     """
 
-    def __new__(cls, path_or_text: str | os.PathLike[str] | Any, snap: bool = True) -> Robot:
+    def __new__(cls, path_or_text: str | os.PathLike[str] | Any, snap: bool = True, xacro: bool = False) -> Robot:
         file, text = _read(path_or_text)
-        return super().__new__(cls, file, text, snap)
+        if xacro and text is not None:
+            raise ArgumentTypeError("`xacro` expands a file: give the path of the robot, not its text")
+        robot = super().__new__(cls, file, text, snap, xacro)
+        if robot._expanded:
+            warnings.warn(f"{file} was expanded by xacro, which ran code of that file", stacklevel=2)
+        return robot
 
     def on(self, support: str, model: str | os.PathLike[str] | Model | None = None) -> Model:
         """The robot with the link ``support`` on the ground; its sole is z = 0 of its frame.

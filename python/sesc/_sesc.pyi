@@ -52,7 +52,11 @@ _Bytes: TypeAlias = bytes
 @disjoint_base
 class Robot:
     """A robot, and how right angles of its URDF are read."""
-    def __new__(cls, file: str | os.PathLike[str], text: str | None, snap: bool) -> Self: ...
+    def __new__(
+        cls, file: str | os.PathLike[str], text: str | None, snap: bool, xacro: bool = False
+    ) -> Self: ...
+    @property
+    def _expanded(self) -> bool: ...
     @property
     def name(self) -> str:
         """The name in the URDF."""

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use sesc_codegen::facts::Facts;
 use sesc_codegen::sources::{self, C99, Sources};
 use sesc_codegen::{Layout, Scalar, Servos};
-use sesc_model::files;
+use sesc_identify::files;
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};

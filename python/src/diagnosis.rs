@@ -7,12 +7,12 @@ use pyo3::prelude::*;
 use sesc::report::diagnose::{DiagnoseReport, page, text};
 use sesc_identify::Error;
 use sesc_identify::diagnose::{self, Request, Verdict, corrected_urdf};
+use sesc_identify::files::NewFile;
 use sesc_identify::fit::prior::PriorChoice;
 use sesc_identify::logs::Recording;
 use sesc_identify::next_steps::NextStep;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
-use sesc_model::files::NewFile;
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, Failure};

@@ -17,19 +17,35 @@ pub struct Robot {
     pub snapping: Snapping,
     /// Where its meshes may be.
     pub folder: Option<PathBuf>,
+    /// Whether `xacro` was run over its file.
+    #[pyo3(get, name = "_expanded")]
+    expanded: bool,
 }
 
 #[pymethods]
 impl Robot {
-    /// The robot of a URDF's `text`; `file` names it in messages. Without a text the file is read.
+    /// The robot of a URDF's `text`; `file` names it in messages. Without a text the file is
+    /// read, and expanded by the program `xacro` where `xacro` is true or its name ends so.
     #[new]
-    #[pyo3(signature = (file, text, snap))]
-    fn new(py: Python<'_>, file: PathBuf, text: Option<&str>, snap: bool) -> PyResult<Robot> {
+    #[pyo3(signature = (file, text, snap, xacro = false))]
+    fn new(
+        py: Python<'_>,
+        file: PathBuf,
+        text: Option<&str>,
+        snap: bool,
+        xacro: bool,
+    ) -> PyResult<Robot> {
         let read = || match text {
-            Some(text) => robot::Robot::parse(text, &file.display().to_string()),
-            None => robot::Robot::read(&file),
+            Some(text) => {
+                let robot = robot::Robot::parse(text, &file.display().to_string());
+                robot.map(|robot| (robot, false))
+            }
+            None => {
+                let read = robot::Robot::read_typed(&file, xacro);
+                read.map(|read| (read.robot, read.expanded))
+            }
         };
-        let inner = detached(py, || {
+        let (inner, expanded) = detached(py, || {
             read().map_err(|error| Failure::of(&error, Doing::Robot))
         })?;
         let snapping = match snap {
@@ -40,6 +56,7 @@ impl Robot {
             inner: Arc::new(inner),
             snapping,
             folder: file.parent().map(Path::to_path_buf),
+            expanded,
         })
     }
 

@@ -29,6 +29,7 @@ COMMANDS: dict[str, list[Callable[..., Any]]] = {
 #: What Python says in another way, and where.
 OTHERWISE = {
     "no_snap": "Robot(snap=False)",
+    "xacro": "Robot(xacro=True)",
     "sole_height": "the support `foot@40mm`",
     "degrees": 'angles="deg"',
     "data": "an argument",
@@ -65,7 +66,7 @@ def test_options_have_the_names_of_the_command(command: str) -> None:
 
 #: What the package's contract lets stand without a name; other classes are made by the package.
 PLACED = {
-    "Robot": ["path_or_text", "snap"],
+    "Robot": ["path_or_text", "snap", "xacro"],
     "Robot.on": ["self", "support", "model"],
     "Model": ["robot", "support", "model"],
     "Postures": ["model", "q", "experiment"],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import io
 import multiprocessing
+import os
 import pickle
 import re
 import subprocess
@@ -194,3 +195,44 @@ def test_importing_takes_30_ms_of_a_processor() -> None:
     code = "import time, numpy; start = time.process_time(); import sesc; print(time.process_time() - start)"
     runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True) for _ in range(5)]
     assert min(float(run.stdout) for run in runs) < 0.030
+
+
+@pytest.fixture
+def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """What a stand-in for ``xacro``, which prints a robot, was called with."""
+    noted, folder = tmp_path / "calls", tmp_path / "bin"
+    folder.mkdir()
+    (tmp_path / "pole.txt").write_text(POLE)
+    script = f"#!/bin/sh\necho \"$@\" >> '{noted}'\ncat '{tmp_path / 'pole.txt'}'\n"
+    (folder / "xacro").write_text(script)
+    (folder / "xacro").chmod(0o755)
+    monkeypatch.setenv("PATH", str(folder), prepend=os.pathsep)
+    return lambda: noted.read_text().split() if noted.exists() else []
+
+
+XACRO = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>{}<link name='${{n}}'/></robot>"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the stand-in is a shell script")
+def test_no_urdf_starts_a_program(robots: Path, tmp_path: Path, calls: Any) -> None:
+    evil = XACRO.format("<xacro:property name='n' value='${(lambda: 1)()}'/><xacro:leg/>")
+    (tmp_path / "evil.urdf").write_text(evil)
+    bad = list((robots.parent / "tests" / "bad_urdf").glob("*.urdf"))
+    assert len(bad) > 50
+    forms: list[Any] = [evil, evil.encode(), io.StringIO(evil), tmp_path / "evil.urdf", tmp_path, "missing.urdf"]
+    for form in [*forms, *bad]:
+        with pytest.raises(sesc.UrdfError):
+            sesc.Robot(form)
+    assert calls() == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the stand-in is a shell script")
+def test_a_file_of_xacro_is_expanded_where_the_caller_names_it(tmp_path: Path, calls: Any) -> None:
+    for name, options in [("a.urdf.xacro", {}), ("a.urdf", {"xacro": True})]:
+        (tmp_path / name).write_text(XACRO.format(""))
+        with pytest.warns(UserWarning, match=f"{name} was expanded by xacro, which ran code of that file"):
+            robot = sesc.Robot(tmp_path / name, **options)
+        assert robot.name == "pole"
+    assert calls() == [str(tmp_path / "a.urdf.xacro"), str(tmp_path / "a.urdf")]
+    with pytest.raises(TypeError, match="give the path"):
+        sesc.Robot(POLE, xacro=True)

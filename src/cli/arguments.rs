@@ -13,7 +13,7 @@ use sesc_identify::stance::Stance;
 use sesc_model::tree::sole_of;
 use sesc_model::{Model, ModelFile, Snapping};
 
-use super::{left_out, notes, units};
+use super::{left_out, message, notes, units};
 use crate::Error;
 
 /// Whether the motion of the joints counts.
@@ -144,6 +144,10 @@ pub(super) struct StandingArguments {
     /// Take decimals of right angles (1.5708) literally
     #[arg(long)]
     pub(super) no_snap: bool,
+    /// Expand the robot description by the program `xacro`, which runs code that stands in it, as
+    /// where its name ends in `.xacro`
+    #[arg(long)]
+    xacro: bool,
 }
 
 impl StandingArguments {
@@ -161,6 +165,18 @@ impl StandingArguments {
         }
     }
 
+    /// Read the URDF that was typed.
+    pub(super) fn robot(&self, urdf: &Path) -> Result<Robot, Error> {
+        let typed = Robot::read_typed(urdf, self.xacro)?;
+        if typed.expanded {
+            message(&format!(
+                "note: {} was expanded by xacro, which ran code of that file",
+                urdf.display()
+            ));
+        }
+        Ok(typed.robot)
+    }
+
     pub(super) fn snapping(&self) -> Snapping {
         if self.no_snap {
             Snapping::Off
@@ -173,7 +189,7 @@ impl StandingArguments {
 impl RobotArguments {
     /// The robot, with the parameters of a model file if one is given.
     pub(super) fn stance(&self, model_file: Option<&Path>) -> Result<Stance, Error> {
-        let mut stance = Stance::new(Robot::read(&self.urdf)?);
+        let mut stance = Stance::new(self.standing.robot(&self.urdf)?);
         stance.support = self.standing.support()?;
         stance.snapping = self.standing.snapping();
         Ok(match model_file {

@@ -7,15 +7,15 @@ use clap::Args;
 use sesc_identify::compare;
 use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::feet::Feet;
+use sesc_identify::files;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{LogSource, Stays};
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::{ModelFile, files};
+use sesc_model::ModelFile;
 
 use super::defaults::Typed;
-use super::kinds::Kind;
-use super::outputs::Files;
+use super::outputs::{Files, Kind};
 use super::steps::About;
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Outcome, StandingArguments, StaysArguments,
@@ -74,7 +74,7 @@ const OF_LOGS: &[&str] = &[
     "settle",
 ];
 /// Options of drawing the robot, beside.
-const OF_ROBOTS: &[&str] = &["no-snap"];
+const OF_ROBOTS: &[&str] = &["no-snap", "xacro"];
 
 /// Endings of logs.
 const LOGS: [&str; 4] = ["csv", "gz", "parquet", "mcap"];
@@ -90,7 +90,10 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         .writes(Kind::Page, &arguments.report)
         .prints(arguments.json)
         .check_writable()?;
-    let robot = arguments.urdf.as_deref().map(Robot::read).transpose()?;
+    let robot = arguments.urdf.as_deref();
+    let robot = robot
+        .map(|urdf| arguments.standing.robot(urdf))
+        .transpose()?;
     let robot = robot.map(Arc::new);
     let mut models = Vec::new();
     for path in both {

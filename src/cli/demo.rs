@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use sesc_identify::files::write_all_if_changed;
 use sesc_identify::hide::hide;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate;
 use sesc_model::Snapping;
-use sesc_model::files::write_all_if_changed;
 
-use super::kinds::Kind;
-use super::outputs::Files;
+use super::outputs::{Files, Kind};
 use super::{Bar, Outcome, command_line, message, print_json, show, steps};
 use crate::demo::{self, Demo};
 use crate::report::next_steps::{self, Worded};
@@ -49,7 +48,7 @@ pub(super) struct Answer<'a> {
     /// What it shows.
     #[serde(flatten)]
     report: &'a DemoReport,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: &'a [Worded],
 }
 

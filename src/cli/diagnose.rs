@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::kinds::Kind;
-use super::outputs::{Files, Together};
+use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, cad_mass_kg,
-    command_line, message, print_json, show_beside, steps, streams, units,
+    command_line, message, outputs, print_json, show_beside, steps, units,
 };
 use crate::Error;
 use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
@@ -21,7 +20,6 @@ use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{self, Recording, Stays};
 use sesc_identify::next_steps::NextStep;
-use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -94,8 +92,8 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    let streamed = arguments.out.as_deref().is_some_and(streams::is_standard);
-    if arguments.next.as_deref().is_some_and(streams::is_standard) {
+    let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
+    if arguments.next.as_deref().is_some_and(outputs::is_standard) {
         let sentence = "--next -: the postures have a sidecar; give a file (`./-` is one)";
         return Err(Error::Usage(sentence.to_string()));
     }
@@ -118,7 +116,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let bar = &mut Bar::new("reading");
     let request = request(arguments)?;
     let report = diagnose::diagnose(&request, bar)?;
-    bar.0.finish_and_clear();
+    bar.clear();
     report
         .notes
         .iter()
@@ -182,7 +180,7 @@ fn model_use(arguments: &Arguments, report: &Report) -> Option<ModelUse> {
     let found = &report.diagnosis;
     let written = found.verdict != Verdict::Unusable && found.model_on_log.agrees;
     let path = arguments.out.as_ref().filter(|_| written);
-    let model = path.filter(|path| !streams::is_standard(path))?;
+    let model = path.filter(|path| !outputs::is_standard(path))?;
     let model = model.display().to_string();
     let urdf = arguments.robot.urdf.display().to_string();
     let words = ["generate", &urdf, "--support", &found.support];
@@ -196,10 +194,10 @@ fn model_use(arguments: &Arguments, report: &Report) -> Option<ModelUse> {
 }
 
 fn request(arguments: &Arguments) -> Result<Request, Error> {
-    let robot = Arc::new(Robot::read(&arguments.robot.urdf)?);
+    let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
     units::check_mass(arguments.total_mass, cad_mass_kg(&robot))?;
-    let mut request = Request::new(robot, streams::log(&arguments.data)?);
-    let then = arguments.then.iter().map(|path| streams::log(path));
+    let mut request = Request::new(robot, outputs::log(&arguments.data)?);
+    let then = arguments.then.iter().map(|path| outputs::log(path));
     request.then = then.collect::<Result<_, _>>()?;
     request.support = arguments.robot.standing.support()?;
     request.snapping = arguments.robot.standing.snapping();

@@ -45,11 +45,11 @@ pub(super) struct Listed {
 struct NoEffect {
     /// Name in reports: `cop_outliers`.
     name: &'static str,
-    /// The kind of thing that it is about.
+    /// What it is about.
     about: &'static str,
     /// What it is, in a sentence.
     sentence: &'static str,
-    /// Sentence, equation, and what tells it apart; Markdown.
+    /// Sentence, equation, what separates it; Markdown.
     page: &'static str,
 }
 

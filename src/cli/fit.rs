@@ -7,12 +7,11 @@ use clap::{Args, ValueEnum};
 
 use super::defaults::Typed;
 use super::fit_outputs::Outputs;
-use super::kinds::Kind;
-use super::outputs::{Files, Together};
+use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
     Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, message,
-    print_json, show, show_beside, streams,
+    outputs, print_json, show, show_beside,
 };
 use crate::Error;
 use crate::report;
@@ -23,7 +22,6 @@ use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{self, Duplicates, Request};
 use sesc_identify::logs::{self, Stays};
-use sesc_identify::robot::Robot;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc fit robots/op2/op2.urdf --data log.csv --out model.toml\n  \
@@ -145,7 +143,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     let bar = &mut Bar::new("reading");
     if let Some(path) = &arguments.partial {
         let part = fit::gather(&request, bar)?;
-        bar.0.finish_and_clear();
+        bar.clear();
         if let Some(broken) = part.unusable() {
             message(&broken.sentence);
             message(&not_written(path));
@@ -162,7 +160,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     let urdf = request.robot.as_ref().and(arguments.inputs.first());
     let folder = urdf.and_then(|path| path.parent());
     let found = fit::fit(&request, bar)?;
-    bar.0.finish_and_clear();
+    bar.clear();
     found
         .notes
         .iter()
@@ -206,7 +204,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     if arguments.json {
         print_json(&report)?;
     } else {
-        let streamed = arguments.out.as_deref().is_some_and(streams::is_standard);
+        let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
         show_beside(
             &report::fit::text(&found.identification, next_steps),
             streamed,
@@ -250,10 +248,10 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
             .push((path.display().to_string(), Part::read(path)?));
     }
     request.robot = match robots.first() {
-        Some(path) => Some(Arc::new(Robot::read(path)?)),
+        Some(path) => Some(Arc::new(arguments.standing.robot(path)?)),
         None => None,
     };
-    let logs = arguments.data.iter().map(|path| streams::log(path));
+    let logs = arguments.data.iter().map(|path| outputs::log(path));
     request.logs = logs.collect::<Result<_, _>>()?;
     request.support = arguments.standing.support()?;
     request.snapping = arguments.standing.snapping();

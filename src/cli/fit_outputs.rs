@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::kinds::Kind;
-use super::outputs::{Files, Together};
+use super::outputs::{Files, Kind, Together};
 use super::{cad_mass_kg, command_line, units};
 use crate::Error;
 use crate::report::fit::{FitReport, Shown, page};

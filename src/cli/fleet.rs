@@ -7,22 +7,19 @@ use std::sync::Arc;
 use clap::{Args, ValueEnum};
 
 use super::defaults::Typed;
-use super::kinds::Kind;
-use super::outputs::Files;
-use super::progress_lines::BarOrLines;
+use super::outputs::{Files, Kind};
 use super::{
-    DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, print_json, show,
-    streams,
+    Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, outputs,
+    print_json, show,
 };
 use crate::Error;
 use crate::report::fleet::{ROBOTS, answer, page_of_robot, pages, skeleton, text};
 use sesc_identify::feet::Feet;
+use sesc_identify::files;
 use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{self, Fleet, Options, Row, Store};
 use sesc_identify::logs;
-use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::files;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc fleet op2.urdf --data 'logs/robot=*/day=*/*.parquet' --by robot,day --out fleet.parquet\n  \
@@ -120,7 +117,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     let outputs = [&arguments.out].into_iter().chain(&arguments.report);
     let outputs = outputs.chain(&arguments.prior_out).map(PathBuf::as_path);
     let data = arguments.data.iter().map(Path::new);
-    if data.chain(outputs).any(streams::is_standard) {
+    if data.chain(outputs).any(outputs::is_standard) {
         let sentence = "`-`: a fleet reads and writes files; give their names (`./-` is one)";
         return Err(Error::Usage(sentence.to_string()));
     }
@@ -146,13 +143,13 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         .makes(Kind::Page, &of_robots)
         .writes(Kind::Population, &arguments.prior_out)
         .check_writable()?;
-    let bar = &mut BarOrLines::new("diagnosing");
+    let bar = &mut Bar::or_lines("diagnosing");
     let request = request(arguments, &inputs)?;
     if arguments.prior_out.is_some() {
         fleet::check_population(&request.groups)?;
     }
     let found = fleet::run(&request, bar)?;
-    bar.bar.0.finish_and_clear();
+    bar.clear();
     // What cannot be known is said before anything is written.
     let mut population = None;
     if arguments.prior_out.is_some() {
@@ -224,7 +221,7 @@ fn request(arguments: &Arguments, inputs: &[fleet::Input]) -> Result<fleet::Requ
     if let Some(Only::Parameters) = arguments.only {
         options.only = fleet::Only::Parameters;
     }
-    let robot = Arc::new(Robot::read(&arguments.robot.urdf)?);
+    let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
     let mut request = fleet::Request::new(robot, fleet::groups(inputs));
     request.options = options;
     request.store = arguments.store.as_ref().map(Store::new);

@@ -8,13 +8,12 @@ use serde::Serialize;
 use sesc_codegen::Servos;
 use sesc_codegen::facts::Facts;
 use sesc_codegen::sources::{self, C99};
+use sesc_identify::files::write_all_if_changed;
 use sesc_identify::next_steps::NextStep;
-use sesc_model::files::write_all_if_changed;
 
-use super::kinds::Kind;
-use super::outputs::Files;
+use super::outputs::{Files, Kind};
 use super::steps::About;
-use super::{Outcome, RobotArguments, message, print, print_json, steps, streams};
+use super::{Outcome, RobotArguments, message, outputs, print, print_json, steps};
 use crate::Error;
 use crate::report::next_steps::Worded;
 
@@ -89,7 +88,7 @@ pub(super) struct Answer<'a> {
     files: Vec<WrittenFile>,
     /// What was noticed.
     notes: &'a [String],
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: Vec<Worded>,
 }
 
@@ -144,7 +143,7 @@ enum Layout {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    if streams::is_standard(&arguments.out) {
+    if outputs::is_standard(&arguments.out) {
         return Err(Error::Usage(
             "--out - is no folder, and source files do not go to standard output; name a folder \
              (`./-` has that name)"

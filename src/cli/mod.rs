@@ -11,26 +11,22 @@ mod fit_outputs;
 mod fleet;
 mod generate;
 mod inspect;
-mod kinds;
-mod manners;
 mod outputs;
 mod plan;
 mod predict;
-mod progress_lines;
 #[cfg(feature = "schema")]
 pub mod schema;
 mod shell;
 mod simulate;
 mod steps;
-mod streams;
+mod terminal;
 mod units;
 mod verify;
 mod width;
 mod words;
 
 use std::ffi::OsString;
-use std::io::{IsTerminal as _, Write as _};
-use std::ops::ControlFlow;
+use std::io::Write as _;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
@@ -40,13 +36,12 @@ use arguments::{
 };
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Parser, Subcommand};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sesc_model::Model;
 use sesc_model::text::{is_hidden, visible_lines};
+use terminal::Bar;
 
 use crate::Error;
 use sesc_identify::robot::Robot;
-use sesc_identify::{Message, Progress, Watch};
 
 /// Centre of mass by the statically equivalent serial chain: from a URDF to
 /// verified functions, and from posture logs to parameters.
@@ -56,7 +51,7 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     #[command(flatten)]
-    manners: manners::Manners,
+    manners: terminal::Manners,
 }
 
 #[derive(Subcommand)]
@@ -154,7 +149,7 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
         Ok(Outcome::Ok) => 0,
         Ok(Outcome::Failed) => 1,
         // A reader that went away (`| head`) is no fault.
-        Err(error) if streams::is_closed(&error) => 0,
+        Err(error) if outputs::is_closed(&error) => 0,
         Err(error) => failed(&error, given, json),
     }
 }
@@ -285,7 +280,7 @@ fn left_out(model: &Model) {
 
 /// A line on stderr. Names of files may hold what a terminal obeys; it is spelled out.
 fn message(text: &str) {
-    if let Some(text) = manners::message(&visible_lines(text)) {
+    if let Some(text) = terminal::worded(&visible_lines(text)) {
         // If stderr is closed, the message cannot be shown.
         let _ = writeln!(std::io::stderr(), "{text}");
     }
@@ -297,7 +292,7 @@ fn show(text: &str) -> Result<(), Error> {
     if let Some(width) = width::of_terminal() {
         text = width::fitted(&text, width);
     }
-    print_as_is(&manners::result(&text))
+    print_as_is(&terminal::result(&text))
 }
 
 /// A result that people read beside an output that has standard output for itself.
@@ -396,100 +391,9 @@ fn judged(what: &str, error: f64, floor: f64, most: Option<f64>) -> Outcome {
     Outcome::Failed
 }
 
-/// A progress bar on a terminal's stderr; silent elsewhere.
-fn progress(what: &'static str) -> ProgressBar {
-    let bar = ProgressBar::no_length();
-    if !std::io::stderr().is_terminal() || manners::quiet() {
-        bar.set_draw_target(ProgressDrawTarget::hidden());
-    }
-    bar.set_style(style(UNKNOWN));
-    bar.set_message(what);
-    bar
-}
-
-/// A bar of which nothing is known yet, one that counts towards no known end, and one that does.
-const UNKNOWN: &str = "{msg} …";
-const COUNTING: &str = "{msg} {pos}";
-const MEASURED: &str = "{msg} {bar:30} {pos}/{len} ({eta})";
-
-fn style(template: &str) -> ProgressStyle {
-    let style = ProgressStyle::with_template(template);
-    style.unwrap_or_else(|_| ProgressStyle::default_bar())
-}
-
-/// What is shown of so much that is done.
-fn template(done: u64, total: Option<u64>) -> &'static str {
-    match (done, total.filter(|total| *total > 0)) {
-        (_, Some(_)) => MEASURED,
-        (0, None) => UNKNOWN,
-        (_, None) => COUNTING,
-    }
-}
-
-/// Progress on the terminal, and warnings on stderr.
-struct Bar(ProgressBar);
-
-impl Bar {
-    fn new(what: &'static str) -> Bar {
-        Bar(progress(what))
-    }
-
-    /// Show that so much is done. A bar of length 0 is full, and one without a length says
-    /// `0/0`: there is none until it is known how much there is to do.
-    fn move_to(&self, done: u64, total: Option<u64>) {
-        self.0.set_style(style(template(done, total)));
-        match total.filter(|total| *total > 0) {
-            Some(total) => self.0.set_length(total),
-            None => self.0.unset_length(),
-        }
-        self.0.set_position(done);
-    }
-}
-
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
-    }
-}
-
-impl Watch for Bar {
-    fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
-        self.move_to(progress.done, progress.total);
-        self.0.set_message(progress.what);
-        ControlFlow::Continue(())
-    }
-
-    fn note(&mut self, note: &str) {
-        self.0.suspend(|| message(&format!("note: {note}")));
-    }
-
-    fn warning(&mut self, warning: &Message) {
-        self.0.suspend(|| words::warn(warning));
-    }
-}
-
 /// This command line, as a shell takes it.
 fn command_line() -> String {
     let words = WORDS.get().into_iter().flatten().skip(1);
     let words: Vec<_> = words.map(|word| word.to_string_lossy()).collect();
     steps::line(words.iter().map(AsRef::as_ref))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn there_is_no_bar_until_it_is_known_how_much_there_is_to_do() {
-        for (done, total) in [(0, Some(0)), (0, None), (7, None), (7, Some(0))] {
-            assert!(!template(done, total).contains("{len}"), "{done} {total:?}");
-        }
-        assert!(template(0, Some(9)).contains("{pos}/{len}"));
-        let bar = Bar::new("reading");
-        assert_eq!(bar.0.length(), None);
-        for (done, total, length) in [(0, Some(0), None), (7, None, None), (7, Some(9), Some(9))] {
-            bar.move_to(done, total);
-            assert_eq!((bar.0.length(), bar.0.position()), (length, done));
-        }
-    }
 }

@@ -4,23 +4,22 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::kinds::Kind;
-use super::outputs::Files;
+use super::outputs::{Files, Kind};
 use super::steps::About;
 use super::{
-    Bar, FeetArguments, Outcome, RobotArguments, command_line, message, print_json, show_beside,
-    streams,
+    Bar, FeetArguments, Outcome, RobotArguments, command_line, message, outputs, print_json,
+    show_beside,
 };
 use crate::Error;
 use crate::report::{self, next_steps::WithSteps};
 use sesc_identify::feet::Feet;
+use sesc_identify::files;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{PostureWriter, Written};
 use sesc_identify::plan::balance::Region;
 use sesc_identify::plan::limits::Limits;
 use sesc_identify::plan::{Request, plan};
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::files;
 
 /// Choose postures that tell most about the parameters, balanced and clear, in a short order
 #[derive(Args)]
@@ -117,13 +116,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.clearance = arguments.clearance;
     request.seed = arguments.seed;
     request.revisits = arguments.revisits;
-    let log = arguments.data.as_deref().map(streams::log);
+    let log = arguments.data.as_deref().map(outputs::log);
     request.log = log.transpose()?;
     request.feet = Feet::from(&arguments.feet);
     request.folder = folder.map(PathBuf::from);
     // A file that cannot be written is better known before than after.
     let dofs = &request.model.tree.dofs;
-    let streamed = streams::is_standard(&arguments.out);
+    let streamed = outputs::is_standard(&arguments.out);
     let log = (!streamed)
         .then(|| PostureWriter::create(&arguments.out, dofs, Written::default()))
         .transpose()?;
@@ -137,7 +136,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let log = match log {
         Some(log) => log,
         None => {
-            let (name, to) = (streams::OUTPUT, streams::output());
+            let (name, to) = (outputs::OUTPUT, outputs::output());
             PostureWriter::stream(name, to, dofs, Written::default())?
         }
     };

@@ -6,10 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::kinds::Kind;
-use super::outputs::Files;
+use super::outputs::{Files, Kind};
 use super::steps::About;
-use super::{Bar, Motion, Outcome, RobotArguments, message, print_json, steps, streams};
+use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps};
 use crate::Error;
 use crate::report::next_steps::{WithSteps, Worded};
 use sesc_identify::logs::{self, Angles, PREDICTED, PredictionWriter, Sidecar};
@@ -55,7 +54,7 @@ pub(super) struct Written {
     file: String,
     /// Its rows.
     postures: u64,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: Vec<Worded>,
 }
 
@@ -69,13 +68,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .check_writable()?;
     let stance = arguments.robot.stance(arguments.model.as_deref())?;
     let next_steps = after(arguments, &stance);
-    let mut request = Request::new(stance, streams::log(&arguments.data)?);
+    let mut request = Request::new(stance, outputs::log(&arguments.data)?);
     request.angles = arguments.degrees.then_some(Angles::Deg);
     request.motion = arguments.motion.into();
     let bar = &mut Bar::new("predicting");
     let file = arguments.out.as_deref();
     match (
-        file.filter(|path| !streams::is_standard(path)),
+        file.filter(|path| !outputs::is_standard(path)),
         arguments.json,
     ) {
         (Some(path), json) => {
@@ -86,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                 Ok(table.row(pose, com_m, cop_m)?)
             })?;
             table.finish()?;
-            bar.0.finish_and_clear();
+            bar.clear();
             let file = path.display().to_string();
             message(&format!("wrote {file}"));
             match json {
@@ -103,7 +102,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             next_steps: &next_steps,
         })?,
         (None, false) => {
-            let mut out = streams::output();
+            let mut out = outputs::output();
             let mut begun = false;
             each(&request, bar, |pose, [x, y, z], [cop_x, cop_y]| {
                 if !std::mem::replace(&mut begun, true) {
@@ -112,7 +111,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                 writeln!(out, "{pose},{x},{y},{z},{cop_x},{cop_y}").map_err(Error::Stdout)
             })?;
             out.flush().map_err(Error::Stdout)?;
-            bar.0.finish_and_clear();
+            bar.clear();
             steps::say(&next_steps);
         }
     }

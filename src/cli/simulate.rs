@@ -5,10 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::kinds::Kind;
-use super::outputs::Files;
+use super::outputs::{Files, Kind};
 use super::steps::About;
-use super::{Bar, Motion, Outcome, RobotArguments, message, print_json, steps, streams, units};
+use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps, units};
 use crate::Error;
 use crate::report::next_steps::Worded;
 use sesc_identify::hide::hide;
@@ -71,13 +70,13 @@ pub(super) struct Written<'a> {
     seed: u64,
     /// Standard deviation of a reading, m.
     noise: f64,
-    /// Rows a second of a robot that moves.
+    /// Rows a second; of a robot that moves.
     rate: Option<f64>,
     /// The log that was written.
     log: String,
     /// Its sidecar.
     sidecar: String,
-    /// What to do next, the most useful first.
+    /// What to do next.
     next_steps: &'a [Worded],
 }
 
@@ -106,16 +105,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let bar = &mut Bar::new("simulating");
     let tree = &request.model.tree;
     let support = &tree.links[tree.support].name;
-    if streams::is_standard(&arguments.out) {
-        simulate::stream(&request, streams::OUTPUT, streams::output(), bar)?;
-        bar.0.finish_and_clear();
+    if outputs::is_standard(&arguments.out) {
+        simulate::stream(&request, outputs::OUTPUT, outputs::output(), bar)?;
+        bar.clear();
         message(&format!(
             "note: the robot stands on `{support}`; give --support to what reads this"
         ));
         return Ok(Outcome::Ok);
     }
     let sidecar = simulate::write(&request, &arguments.out, bar)?;
-    bar.0.finish_and_clear();
+    bar.clear();
     let (log, sidecar) = (arguments.out.display(), sidecar.display());
     message(&format!("wrote {log} and {sidecar}"));
     let about = About {

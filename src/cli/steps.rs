@@ -5,7 +5,7 @@ use std::path::Path;
 
 use sesc_identify::next_steps::NextStep;
 
-use super::streams;
+use super::outputs;
 use crate::report::next_steps::{self, Worded};
 
 /// What the commands of next steps are about.
@@ -91,7 +91,7 @@ pub(super) fn say(steps: &[Worded]) {
 
 /// A file as a command names it; what comes by standard input has no name.
 fn named(path: Option<&Path>, otherwise: &str) -> String {
-    let path = path.filter(|path| !streams::is_standard(path));
+    let path = path.filter(|path| !outputs::is_standard(path));
     path.map_or(otherwise.to_string(), |path| path.display().to_string())
 }
 

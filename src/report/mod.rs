@@ -50,15 +50,15 @@ pub struct DemoReport {
     pub rank_cop: usize,
     /// Postures fitted.
     pub postures: usize,
-    /// Joint angles were drawn from ± this, degrees.
+    /// Range of joint angles, ± degrees.
     pub range_deg: f64,
-    /// Standard deviation of one CoP coordinate, m.
+    /// Noise of a coordinate, m.
     pub noise_m: f64,
     /// Held-out postures.
     pub held_out: usize,
     /// Generated functions, compared with the reference.
     pub functions: Vec<FunctionRow>,
-    /// One row per body, outward from the support.
+    /// Lengths of bodies; outward from the support.
     pub lengths: Vec<LengthRow>,
     /// Errors of the identified CoP.
     pub errors: Errors,
@@ -128,19 +128,23 @@ pub struct LengthRow {
     pub joint: String,
     /// ‖r_i‖ from CAD, m.
     pub cad_m: f64,
-    /// ‖r_i‖ identified on all columns by pseudo-inverse, m.
+    /// ‖r_i‖ by pseudo-inverse, m; identified on all columns.
     pub full_m: f64,
-    /// Norm of the observable part from CAD, m.
+    /// Observable part from CAD, m.
     pub base_cad_m: f64,
     /// The same part identified, m.
     pub base_m: f64,
-    /// The part that no data show, or empty.
+    /// The unobservable part, or empty.
     pub unseen: String,
 }
 
 /// Errors of the identified CoP, m.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "DemoErrors")
+)]
 pub struct Errors {
     /// Mean |error| against held-out readings.
     pub measured_mae_m: f64,
@@ -148,13 +152,13 @@ pub struct Errors {
     pub in_sample_mae_m: f64,
     /// Mean |error| the noise alone makes: σ √(2/π).
     pub noise_mae_m: f64,
-    /// RMS error against the truth, base columns.
+    /// RMS error of base columns, m; against the truth.
     pub clean_rmse_base_m: f64,
-    /// RMS error against the truth, all columns.
+    /// RMS error of all columns, m; against the truth.
     pub clean_rmse_full_m: f64,
     /// Theory of both; σ √(rank / 2N).
     pub theory_rmse_m: f64,
-    /// RMS error of CAD against the truth.
+    /// RMS error of CAD, m; against the truth.
     pub cad_clean_rmse_m: f64,
 }
 

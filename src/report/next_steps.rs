@@ -27,7 +27,7 @@ pub struct Worded {
     pub what: String,
     /// What it is good for.
     pub why: String,
-    /// Command that does it, placeholders in capitals; none where no command does it.
+    /// Command line, placeholders in capitals; none where no command does it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
 }

@@ -200,7 +200,7 @@ fn op2_in_doubles() {
 fn op2_in_singles() {
     functions!(
         [Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop],
-        sesc_generated::op2_l_sole,
+        sesc_bench_robots::op2_l_sole,
         Op2LSole,
         &model(OP2_URDF, "l_sole"),
         F32x16,

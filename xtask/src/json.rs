@@ -14,7 +14,7 @@ const HEAD: &str = "# JSON of commands
 
 With `--json` every command but `completions` and `man` prints one object. It begins with `schema`, a number that grows when keys change their meaning; more keys may come without it.
 
-Lengths are metres, angles radians, masses kilograms, unless a key says otherwise; errors of the CoP are per axis. A number that is not finite is `null`. In the tables, `[…]` is a list, `{…}` a map from names, `?` marks what may be `null` or missing, and a name with a link is an object or a word of that [type](#types).
+Units are SI unless a key says otherwise; errors of the CoP are per axis. A number that is not finite is `null`. `[…]` is a list, `{…}` a map from names, `?` marks what may be `null` or missing, and a link leads to the [type](#types) of an object or word.
 
 `cargo regen` writes this page from the types that are printed.
 ";
@@ -127,7 +127,15 @@ fn words(schema: &Value) -> Vec<String> {
 /// The first clause of a documentation, on one line and without links into the code.
 fn plain(text: &str) -> String {
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    let ends = ["; ", ". ", ", where ", ", which ", ", in which "];
+    let ends = [
+        "; ",
+        ". ",
+        ": ",
+        " (",
+        ", where ",
+        ", which ",
+        ", in which ",
+    ];
     let end = ends.iter().filter_map(|end| text.find(end)).min();
     let clause = text[..end.unwrap_or(text.len())].trim_end_matches('.');
     let clause = clause.replace("[`", "`").replace("`]", "`");

@@ -13,9 +13,8 @@ use sesc::{Error, OP2_URDF};
 use sesc_identify::robot::Robot;
 
 /// Robots with checked-in code: folder under `robots/`, support link, module.
-pub const TARGETS: [(&str, &str, &str); 3] = [
+pub const TARGETS: [(&str, &str, &str); 2] = [
     ("op2", "r_sole", "op2_r_sole"),
-    ("op2", "l_sole", "op2_l_sole"),
     ("two_link", "foot", "two_link_foot"),
 ];
 

@@ -76,7 +76,8 @@ impl<'p> Listing<'p> {
     /// Whether any node reads this input array.
     pub fn reads(&self, array: Argument) -> bool {
         let of = |expr| matches!(expr, Expr::Input { argument, .. } if argument == array);
-        self.program.nodes.iter().any(|node| of(node.expr))
+        let mut nodes = self.program.nodes.iter().filter(|node| node.uses > 0);
+        nodes.any(|node| of(node.expr))
     }
 
     fn fill(&mut self, results: Results) {
@@ -94,6 +95,9 @@ impl<'p> Listing<'p> {
         for (id, node) in program.iter() {
             while let Some((_, next)) = sections.next_if(|(at, _)| *at <= id.index()) {
                 title = Some(next);
+            }
+            if node.uses == 0 {
+                continue;
             }
             let named = |x: Id| self.names.contains_key(&x);
             let deepest = operands(node.expr).map(|x| if named(x) { 0 } else { depth[x.index()] });

@@ -6,3 +6,4 @@ pub mod header;
 pub mod listing;
 pub mod names;
 pub mod rust;
+mod shared;

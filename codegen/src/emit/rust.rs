@@ -14,13 +14,14 @@
 
 mod body;
 mod constants;
-mod once;
+mod core;
 mod printed;
 mod signature;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
+use self::core::Core;
 use super::header;
 use super::listing::{Listing, Results};
 use crate::Error;
@@ -113,9 +114,8 @@ struct Robot {
     methods: Vec<Method>,
     /// All functions of the module can be had from sines and cosines.
     from_sines: bool,
-    /// The function that those of positions begin with, where each body stands once: in that
-    /// of sines and cosines.
-    sines: Option<TokenStream>,
+    /// Bodies that functions of positions share with those of sines and cosines.
+    cores: Vec<TokenStream>,
 }
 
 /// One function: what it is from outside, and what it does.
@@ -132,25 +132,32 @@ impl Robot {
         let of_sines = |routine: &&&Routine| routine.given == Given::SinesCosines;
         let asked_for = Function::ALL.len() - facts.left_out.len();
         let from_sines = routines.iter().filter(of_sines).count() == asked_for;
-        let once = from_sines && facts.begins_with_sines;
+        let of_positions = routines.iter().filter(|r| r.given == Given::Positions);
+        let cores = of_positions.filter_map(|positions| {
+            let mut sines = routines.iter().filter(of_sines);
+            let sines = sines.find(|sines| sines.function == positions.function)?;
+            Core::new([positions, sines], &unit, facts.dof())
+        });
+        let cores: Vec<Core> = cores.collect();
         let method = |routine: &&Routine| {
             let (function, given) = (routine.function, routine.given);
-            let forwards = once && given == Given::Positions && function != Function::CorrectCop;
+            let mut cores = cores.iter().filter(|_| given != Given::Direction);
             Method {
                 function,
                 given,
                 doc: documentation(facts, function, given),
-                body: match forwards {
-                    true => once::forward(function, INTERFACE),
-                    false => body_of(routine, notes),
+                body: match cores.find(|core| core.function == function) {
+                    Some(core) => core.caller(given),
+                    None => body_of(routine, notes),
                 },
             }
         };
+        let methods = routines.iter().map(method).collect();
         Robot {
-            unit,
-            methods: routines.iter().map(method).collect(),
+            methods,
             from_sines,
-            sines: once.then(|| once::sines(facts)),
+            cores: cores.iter().map(|core| core.item(notes)).collect(),
+            unit,
         }
     }
 
@@ -180,8 +187,9 @@ impl Robot {
                 return None;
             }
             let name = format_ident!("{}", header::function_name(function, given));
-            let (parameters, arguments) =
-                signature(function, given, |argument| argument.name().to_string());
+            let (parameters, arguments) = signature(&function.arguments(given), |argument| {
+                argument.name().to_string()
+            });
             let (result, allow, unit) = (result(function, given), allow_unused(), &self.unit);
             let doc = method.doc.lines();
             let head = quote! { #(#[doc = #doc])* };
@@ -230,8 +238,9 @@ impl Robot {
         let corrects = self
             .corrects()
             .then(|| implementation("SensorEffects", quote!(), &|_| false));
-        let begin = &self.sines;
-        quote! { #begin #robot #sines #corrects }
+        let (allow, cores) = (allow_names(), &self.cores);
+        let cores = (!cores.is_empty()).then(|| quote! { #allow impl #unit { #(#cores)* } });
+        quote! { #robot #sines #corrects #cores }
     }
 }
 
@@ -258,9 +267,9 @@ fn body_of(routine: &Routine, notes: &mut Notes) -> TokenStream {
         true => argument.name().to_string(),
         false => format!("_{}", argument.name()),
     };
-    let (parameters, _) = signature(routine.function, routine.given, rename);
+    let (parameters, _) = signature(&routine.function.arguments(routine.given), rename);
     let result = result(routine.function, routine.given);
-    let body = Body::new(listing, matrix.clone()).statements(notes);
+    let body = Body::new(listing, matrix.clone(), None).statements(notes);
     match matrix {
         Some(matrix) => quote! { <T: Real>(#parameters, #matrix: &mut #result) { #body } },
         None => quote! { <T: Real>(#parameters) -> #result { #body } },

@@ -182,9 +182,6 @@ pub const HELD_OUT_TIMES: f64 = 4.0;
 /// ten logs, `S − 1.28 · 2 √S`, is then [`CLASS_SCORE`]. Calibrated on 45 classes of the
 /// study: 43 first experiments exclude as many as they say, 36 from 9 on.
 pub const TOLD_APART: f64 = 22.0;
-/// χ² at which pages of effects say that two explanations are told apart. Closed form: five
-/// standard deviations, by chance once in 1,700,000; postures go with it.
-pub const FIVE_DEVIATIONS: f64 = 25.0;
 /// One posture counts no more than this towards it, so that many tell. Chosen: six postures at
 /// least are needed then, with twice as much three.
 pub const TOLD_BY_ONE: f64 = 4.0;

@@ -116,26 +116,6 @@ impl Dictionary {
         self.candidates.iter().map(of).collect()
     }
 
-    /// Whitened columns of the candidate that is `wanted`, for unknowns of ordinary size, and S
-    /// times them.
-    pub fn scaled(
-        &self,
-        problem: &Problem,
-        wanted: impl Fn(&Term) -> bool,
-    ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-        let c = self.candidates.iter().find(|c| wanted(&c.term))?;
-        let scale = |all: &DMatrix<f64>| {
-            let mut own = all.columns(c.from, c.count).into_owned();
-            if !c.started {
-                let scales = c.term.scales(&problem.context);
-                let columns = own.column_iter_mut().zip(scales);
-                columns.for_each(|(mut column, scale)| column *= scale);
-            }
-            own
-        };
-        Some((scale(&self.slopes), scale(&self.projected)))
-    }
-
     /// How far each candidate would lower the objective of `fit`, to first order.
     pub fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
         let masses = problem.masses(&fit.terms);

@@ -120,7 +120,7 @@ pub struct Step {
     pub rmse_before: f64,
     /// Held-out error with it, m; the next step begins there.
     pub rmse_after: f64,
-    /// Rise of −2 log evidence without it, less its penalty.
+    /// Penalised rise of −2 log evidence without it.
     pub evidence: f64,
     /// The step as a sentence.
     pub sentence: String,
@@ -197,13 +197,13 @@ pub struct Remedy {
     /// Ticks a turn, where they change.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo_resolution: Option<Change<f64>>,
-    /// Stroke of a tick of a prismatic joint, m.
+    /// Stroke of a tick, m; of a prismatic joint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo_metres_per_tick: Option<Change<f64>>,
     /// What a URDF holds of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub urdf: Option<UrdfChange>,
-    /// Why a URDF holds nothing of it.
+    /// Why a URDF holds none of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_in_urdf: Option<String>,
 }
@@ -247,7 +247,7 @@ pub struct Member {
     pub score_difference: f64,
     /// The explanation as a sentence.
     pub sentence: String,
-    /// RMS distance of its CoM from that of the first, m.
+    /// RMS CoM distance from the first, m.
     #[serde(rename = "com_apart_m")]
     pub com_apart: Option<f64>,
 }
@@ -275,7 +275,7 @@ pub struct Leftover {
     pub chi2: f64,
     /// χ² that noise alone would leave.
     pub expected: f64,
-    /// Share of the scatter that goes with the first suspect.
+    /// Share that goes with the first suspect.
     pub suspect_share: f64,
 }
 
@@ -317,7 +317,7 @@ pub struct ExperimentProposal {
     pub what: String,
     /// Explanations that it would exclude.
     pub splits: usize,
-    /// χ² against the nearest excluded one, then against each member.
+    /// χ² against the nearest excluded, then each member.
     pub separations: Vec<f64>,
 }
 
@@ -325,7 +325,7 @@ pub struct ExperimentProposal {
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NextPostures {
-    /// Why it is proposed, as a sentence.
+    /// Why, as a sentence.
     pub why: String,
     /// The file of its postures, where one is written.
     pub file: Option<String>,
@@ -347,7 +347,7 @@ pub struct Diagnosis {
     pub motion: MotionUse,
     /// Scatter between visits of a posture; none if no posture was visited again.
     pub visits: Option<Visits>,
-    /// How the soles of both feet lie on one floor; none of a log of one foot.
+    /// How both soles lie on one floor; none of a log of one foot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closure: Option<ClosureFound>,
     /// Postures to reach once more, where nothing tells the noise.
@@ -370,7 +370,7 @@ pub struct Diagnosis {
     pub postures_used: usize,
     /// Tolerances of CAD masses.
     pub prior: String,
-    /// Noise of a posture without the floor, m.
+    /// Noise without the floor, m.
     pub noise: f64,
     /// The same with the floor, m.
     pub noise_floor: f64,
@@ -387,15 +387,15 @@ pub struct Diagnosis {
     pub last: Last,
     /// Effects of each of them.
     pub indistinguishable: Vec<Vec<String>>,
-    /// Explanations that these data cannot tell apart, best first.
+    /// Explanations that data cannot tell apart.
     pub class: Vec<Member>,
-    /// RMS that masses within their prior take, m.
+    /// RMS that masses take, m.
     pub absorbed_by_masses: f64,
-    /// Whether more is missing than known effects explain.
+    /// Whether known effects leave too much.
     pub unexplained: bool,
-    /// What an unexplained gap may have to do with; the likeliest first, not in the model file.
+    /// What an unexplained gap goes with; the likeliest first, not in the model file.
     pub suspects: Vec<Suspect>,
-    /// Why the best explanation is beyond a physical bound.
+    /// Why the best explanation is impossible.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub implausible: Option<String>,
     /// The model file on its own log.
@@ -408,7 +408,7 @@ pub struct Diagnosis {
     pub blind: Vec<Blind>,
     /// How many explanations were fitted.
     pub hypotheses_fitted: usize,
-    /// The experiments that would separate the class.
+    /// Experiments that separate the class.
     pub next_postures: NextPostures,
     /// Parts of the explanation that the corrected URDF does not hold, a sentence each; none
     /// without a corrected URDF.

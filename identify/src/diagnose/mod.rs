@@ -49,7 +49,7 @@ mod wiring;
 pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
-pub use criteria::{CLASS_SCORE, FIVE_DEVIATIONS, FLOOR_M, OVER_NOTHING};
+pub use criteria::{CLASS_SCORE, FLOOR_M, OVER_NOTHING};
 pub use findings::{
     ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
     NextPostures, Quantity, Remedy, Step, Suspect, UrdfChange, Verdict,

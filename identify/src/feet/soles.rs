@@ -72,7 +72,7 @@ impl Offset {
 pub struct ClosureFound {
     /// Link whose sole is the floor.
     pub support: String,
-    /// The link that is the other sole.
+    /// Link of the other sole.
     pub other_foot: String,
     /// Postures that were looked at.
     pub postures: usize,
@@ -92,7 +92,7 @@ pub struct ClosureFound {
     pub expected: f64,
     /// Whether only noise is left.
     pub closes: bool,
-    /// Joints whose offset explains it alone, likeliest first.
+    /// Joints whose offset alone explains it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub explained_by: Vec<Offset>,
     /// The whole in words.

@@ -35,7 +35,8 @@ mod merge;
 mod together;
 
 pub use fold::Fold;
-use folding::{Folding, Goal, Share, Work};
+pub(super) use folding::Folding;
+use folding::{Goal, Share, Work};
 
 /// A log that was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -125,8 +126,6 @@ pub struct Gathered {
     pub(super) postures: Grouping<Group>,
     #[serde(skip)]
     pub(super) stream: Stream,
-    #[serde(skip)]
-    folding: Folding,
 }
 
 /// Down-weighted postures that are listed, at most.
@@ -158,7 +157,6 @@ impl Gathered {
             plans: Vec::new(),
             postures: Grouping::default(),
             stream: Stream::default(),
-            folding: Folding::default(),
         }
     }
 
@@ -225,19 +223,21 @@ impl Gathered {
         file: &str,
         robust: Option<(&Robust, &DVector<f64>)>,
     ) -> Result<(), Error> {
-        self.push_moving(measurement, (block, None), file, robust)
+        let mut here = Folding::default();
+        self.push_moving(measurement, (block, None), file, robust, &mut here)
     }
 
-    /// The same with the motion of the block's joints.
+    /// The same with the motion of the block's joints, on the threads of `folding`.
     ///
     /// # Errors
     /// As [`Gathered::push`].
-    pub fn push_moving(
+    pub(super) fn push_moving(
         &mut self,
         measurement: &mut Measurement,
         (block, motion): (&Block, Option<&Motion>),
         file: &str,
         robust: Option<(&Robust, &DVector<f64>)>,
+        folding: &mut Folding,
     ) -> Result<(), Error> {
         let Some(readings) = &block.reading else {
             return Err(Error::log(
@@ -302,17 +302,17 @@ impl Gathered {
         if self.stream.whitens() {
             self.stream
                 .push(block.t.as_deref().unwrap_or_default(), &rows, &dealt);
-            self.take_independent();
-            self.deal_plain(first, rows, &dealt);
+            self.take_independent(folding);
+            self.deal_plain(first, rows, &dealt, folding);
             return Ok(());
         }
         self.trusted += trust.iter().sum::<f64>();
-        self.deal(rows, &dealt);
+        self.deal(rows, &dealt, folding);
         Ok(())
     }
 
     /// Independent rows of the stream to their folds.
-    fn take_independent(&mut self) {
+    fn take_independent(&mut self, folding: &mut Folding) {
         let independent = self.stream.take();
         let Some(first) = independent.first() else {
             return;
@@ -333,13 +333,13 @@ impl Gathered {
             shares,
             goal: Goal::Weighted,
         };
-        self.folding.push(work, &mut self.folds);
+        folding.push(work, &mut self.folds);
         // Rows of one axis.
         self.trusted += 0.5 * independent.iter().map(|row| row.trust).sum::<f64>();
     }
 
     /// Rows as they are to their folds, beside independent ones.
-    fn deal_plain(&mut self, first: usize, rows: Rows, dealt: &Dealt) {
+    fn deal_plain(&mut self, first: usize, rows: Rows, dealt: &Dealt, folding: &mut Folding) {
         let every = self.stream.every();
         let mut shares = self.shares();
         for (k, key) in dealt.keys.iter().enumerate() {
@@ -348,7 +348,7 @@ impl Gathered {
                 shares[fold].rows.extend([(2 * k, 1.0), (2 * k + 1, 1.0)]);
             }
         }
-        self.push_work(rows, shares, Goal::Plain);
+        self.push_work(rows, shares, Goal::Plain, folding);
     }
 
     /// One of each fold, of which nothing is known yet.
@@ -356,24 +356,14 @@ impl Gathered {
         self.folds.iter().map(|_| Share::default()).collect()
     }
 
-    fn push_work(&mut self, rows: Rows, shares: Vec<Share>, goal: Goal) {
+    fn push_work(&mut self, rows: Rows, shares: Vec<Share>, goal: Goal, folding: &mut Folding) {
         let work = Work {
             matrix: rows.matrix,
             reading: rows.reading,
             shares,
             goal,
         };
-        self.folding.push(work, &mut self.folds);
-    }
-
-    /// From here on rows are folded in aside, on other processors.
-    pub(super) fn fold_aside(&mut self) {
-        self.folding.begin(&mut self.folds);
-    }
-
-    /// Wait for what is folded in aside.
-    pub(super) fn wait(&mut self) {
-        self.folding.end(&mut self.folds);
+        folding.push(work, &mut self.folds);
     }
 
     /// Deviations of a block's rows, m; in units of both axes' RMS where none are stated.
@@ -393,9 +383,10 @@ impl Gathered {
 
     /// The log that was read, `left_out` of whose rows do not know their motion, has ended:
     /// poses of the next one are others.
-    pub fn end_log_without(&mut self, left_out: u64) {
+    pub(super) fn end_log_without(&mut self, left_out: u64, mut folding: Folding) {
         self.stream.end();
-        self.take_independent();
+        self.take_independent(&mut folding);
+        folding.end(&mut self.folds);
         let stream = std::mem::take(&mut self.stream);
         let timing = &stream.timing;
         let rows = stream.rows as u64 + left_out;
@@ -415,7 +406,7 @@ impl Gathered {
     }
 
     /// Rows to their folds.
-    fn deal(&mut self, rows: Rows, dealt: &Dealt) {
+    fn deal(&mut self, rows: Rows, dealt: &Dealt, folding: &mut Folding) {
         let Dealt { keys, std, trust } = *dealt;
         let mut shares = self.shares();
         for (k, key) in keys.iter().enumerate() {
@@ -431,7 +422,7 @@ impl Gathered {
             let both = [0, 1].map(|axis| (2 * k + axis, weight(axis)));
             share.rows.extend(both);
         }
-        self.push_work(rows, shares, Goal::Both);
+        self.push_work(rows, shares, Goal::Both, folding);
     }
 
     fn name_outliers(

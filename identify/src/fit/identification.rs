@@ -77,11 +77,11 @@ pub struct BodyLength {
     pub body: String,
     /// The joint that moves it; none of the support.
     pub joint: Option<String>,
-    /// Its length by CAD, m.
+    /// By CAD, m.
     pub cad: f64,
-    /// Its length as identified, m.
+    /// As identified, m.
     pub identified: f64,
-    /// Standard deviation of the identified length, m.
+    /// Its standard deviation, m.
     pub std: Option<f64>,
 }
 
@@ -139,7 +139,7 @@ pub struct Identification {
     pub prior: String,
     /// Noise of a reading, m.
     pub noise_floor: f64,
-    /// The same of x and y, m.
+    /// The same of x, y.
     pub noise_axes: [f64; 2],
     /// Independent samples in the logs.
     pub samples: Samples,
@@ -149,11 +149,11 @@ pub struct Identification {
     pub visits: Option<Visits>,
     /// Where the noise was taken from.
     pub noise_source: NoiseSource,
-    /// Degrees of freedom it was estimated with; none where it is stated or guessed.
+    /// Degrees of freedom of the noise; none where it is stated or guessed.
     pub noise_df: Option<f64>,
     /// Test of the residual against noise; none without a noise estimate.
     pub lack_of_fit: Option<LackOfFit>,
-    /// Factor on standard deviations where the model leaves more than noise.
+    /// Factor on standard deviations for misfit.
     pub inflation: f64,
     /// RMS on held-out postures, m.
     pub held_out_rmse: f64,
@@ -179,13 +179,13 @@ pub struct Identification {
     pub bodies: Vec<BodyLength>,
     /// The strongest, |correlation| > 0.9.
     pub correlations: Vec<Correlation>,
-    /// Postures that a robust loss trusts less.
+    /// Postures that a robust loss distrusts.
     pub down_weighted: Vec<DownWeighted>,
     /// Postures to reach once more, where nothing tells the noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub again: Option<Again>,
-    /// How the soles of both feet lie on one floor; of the log in which they lie worst, none of
-    /// robots that stand on one foot.
+    /// How both soles lie on one floor; of the log in which they lie worst, none of robots that
+    /// stand on one foot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closure: Option<ClosureFound>,
     /// What is wrong with the data.
@@ -222,7 +222,7 @@ impl Identification {
         !self.health.iter().any(|f| f.kind.makes_unusable())
     }
 
-    /// What to do next, the most useful first; empty where nothing is left to do.
+    /// What to do next; empty where nothing is left to do.
     pub fn next_steps(&self) -> Vec<NextStep> {
         if !self.is_usable() {
             return vec![NextStep::Repair];

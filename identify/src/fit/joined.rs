@@ -131,7 +131,7 @@ fn of_logs(request: &Request, parts: Option<&Part>, watch: &mut dyn Watch) -> Re
     if request.noise.is_none() {
         gathered.again = revisits::of(&logs, &gathered, watch)?;
     }
-    gathered.closure = soles::worst(&logs, &request.feet, watch)?;
+    gathered.closure = soles::worst(&logs, &gathered.logs, &request.feet, watch)?;
     let supports = measurement.supports();
     let about = About {
         hash: robot.description.hash.clone(),

@@ -5,7 +5,7 @@ use super::criteria::TO_SEE_OUTLIERS;
 use nalgebra::{DMatrix, DVector};
 use sesc_model::{Model, Snapping};
 
-use super::gather::{Gathered, LogUsed};
+use super::gather::{Folding, Gathered, LogUsed};
 use super::prior::{Prior, Tolerances};
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
 use super::timing::Timing;
@@ -17,7 +17,7 @@ use crate::observations::postures::{Postures, Taking};
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
-use crate::{Error, ErrorKind, Setting, message};
+use crate::{Error, Setting, message};
 
 /// Rows folded in together.
 pub(super) const BLOCK: usize = 4096;
@@ -38,13 +38,14 @@ const SETTLED: f64 = 1e-4;
 fn check_unchanged(before: &[LogUsed], now: &[LogUsed]) -> Result<(), Error> {
     let differs = |(one, other): &(&LogUsed, &LogUsed)| one.hash != other.hash;
     match before.iter().zip(now).find(differs) {
-        Some((log, _)) => Err(Error::log(
-            log.file.clone(),
-            None,
-            "it changed while it was read; wait until it is written, and fit again",
-        )),
+        Some((log, _)) => Err(changed(&log.file)),
         None => Ok(()),
     }
+}
+
+fn changed(log: &str) -> Error {
+    let message = "it changed while it was read; wait until it is written, and fit again";
+    Error::log(log, None, message)
 }
 
 /// Logs of one robot.
@@ -151,14 +152,16 @@ impl<'r> Logs<'r> {
         Ok((measurement, gathered))
     }
 
-    /// The postures of a log that stand on the model's support; none where none does, or where
-    /// the log can be read once only.
+    /// The postures of a log, one of those that were `used`, that stand on the model's support;
+    /// none where none does, or where the log can be read once only.
     ///
     /// # Errors
-    /// The kind `Interrupted` where `watch` stops it.
+    /// A log that cannot be read once more, or is another than it was; the kind `Interrupted`
+    /// where `watch` stops it.
     pub(super) fn postures(
         &self,
         log: &LogSource,
+        used: &[LogUsed],
         model: &Model,
         watch: &mut dyn Watch,
     ) -> Result<Option<Postures>, Error> {
@@ -172,12 +175,12 @@ impl<'r> Logs<'r> {
             noise: None,
             floor: 0.0,
         };
-        match Postures::read(log, model, &taking, watch) {
-            Ok(data) => Ok(Some(data)),
-            Err(error) if error.kind() == ErrorKind::Interrupted => Err(error),
-            // Whatever else is wrong with it, the fit has said.
-            Err(_) => Ok(None),
+        let data = Postures::read_some(log, model, &taking, watch)?;
+        let read = data.as_ref().and_then(|data| data.summary.as_ref());
+        if read.is_some_and(|read| used.iter().all(|log| log.hash != read.hash)) {
+            return Err(changed(log.name()));
         }
+        Ok(data)
     }
 
     /// F of how far masses may be off: as was asked, or as they usually are.
@@ -247,6 +250,7 @@ impl<'r> Logs<'r> {
             let name = file.name();
             let mut reader = self.moving(file, timing.plan.as_ref())?;
             gathered.begin_log(timing);
+            let mut folding = Folding::default();
             loop {
                 let (block, motion) = reader.known_rows(BLOCK)?;
                 for warning in reader.warnings.drain(..) {
@@ -258,10 +262,10 @@ impl<'r> Logs<'r> {
                     break;
                 }
                 if block.len() == BLOCK {
-                    gathered.fold_aside();
+                    folding.begin(&mut gathered.folds);
                 }
                 let rows = (&block, motion.as_ref());
-                gathered.push_moving(measurement, rows, name, robust)?;
+                gathered.push_moving(measurement, rows, name, robust, &mut folding)?;
                 let (done, total) = reader.progress();
                 tell(watch, what, done, total)?;
             }
@@ -279,8 +283,7 @@ impl<'r> Logs<'r> {
                 });
                 gathered.averaged += reader.averaged() * summary.rows as f64;
             }
-            gathered.end_log_without(reader.left_out);
-            gathered.wait();
+            gathered.end_log_without(reader.left_out, folding);
         }
         Ok(gathered)
     }
@@ -309,5 +312,69 @@ impl<'r> Logs<'r> {
         lengths.sort_by(f64::total_cmp);
         let median = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
         Ok((median / MEDIAN_OF_PAIRS).max(f64::MIN_POSITIVE))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{self, Read};
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::super::{Request, gather};
+    use crate::logs::LogSource;
+    use crate::robot::Robot;
+
+    const ROD: &str = "<robot name='rod'><link name='foot'/>\
+        <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
+        <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+        <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
+        </robot>";
+
+    /// A log of which opening number `odd` gives something else.
+    fn gathered(odd: usize, breaks: bool) -> (usize, Option<String>) {
+        let row = |k: u32, shift: f64| {
+            let q = (0.7 * f64::from(k)).sin();
+            format!("{k},{q},{},0\n", 0.11 * q.sin() + shift)
+        };
+        let rows = move |shift| (0..20).map(|k| row(k, shift)).collect::<String>();
+        let opened = Arc::new(AtomicUsize::new(0));
+        let counter = Arc::clone(&opened);
+        let stream = LogSource::stream("run.csv", move || {
+            let is_odd = counter.fetch_add(1, Ordering::Relaxed) == odd;
+            if is_odd && breaks {
+                return Err(io::Error::other("the line broke"));
+            }
+            let text = "pose,hip,cop_x,cop_y\n".to_string() + &rows(f64::from(is_odd) * 1e-3);
+            Ok(io::Cursor::new(text).chain(io::empty()))
+        });
+        let mut request = Request::default();
+        request.robot = Some(Arc::new(Robot::parse(ROD, "rod.urdf").unwrap()));
+        request.logs = vec![stream];
+        request.support = Some("foot".into());
+        let error = gather(&request, &mut ()).err();
+        (
+            opened.load(Ordering::Relaxed),
+            error.map(|error| format!("{error:?}")),
+        )
+    }
+
+    /// Also in the last pass, which looks for postures to reach once more.
+    #[test]
+    fn a_log_that_breaks_or_changes_between_passes_is_an_error() {
+        let (passes, error) = gathered(usize::MAX, false);
+        assert!(passes > 2 && error.is_none(), "{passes}: {error:?}");
+        for odd in 0..passes {
+            let (_, error) = gathered(odd, true);
+            let error = error.unwrap_or_else(|| panic!("pass {odd} of {passes}"));
+            assert!(error.contains("the line broke"), "{error}");
+        }
+        // A pass that opens a log for its sidecar alone sees no rows.
+        let changed = (0..passes).filter_map(|odd| gathered(odd, false).1);
+        let changed: Vec<String> = changed.collect();
+        assert!(!changed.is_empty());
+        for error in changed {
+            assert!(error.contains("changed while it was read"), "{error}");
+        }
     }
 }

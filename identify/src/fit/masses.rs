@@ -10,7 +10,7 @@
 //! inequalities the answer is the mean of θ given the data: what data do not tell
 //! stays at CAD.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector4};
 use sesc_model::Model;
 use sesc_model::standard::PER_LINK;
 use sesc_model::text::listed;
@@ -20,11 +20,15 @@ use super::limits::Limits;
 use super::prior::Tolerances;
 use crate::lsq::inequality::{ConstrainedProblem, Linear, NoAnswer};
 use crate::svd::svd;
+use crate::tolerances::LinkBlocks;
 
 /// A link keeps at least this part of the mass CAD gives it.
 pub const FLOOR: f64 = 0.01;
 /// A link that must get mass though CAD gives it none may weigh this part of the mean link.
 const NEW_LINK: f64 = 0.1;
+/// Links with a mass whose masses are searched, at most: four unknowns each, and matrices of all
+/// by all of them.
+const MOST_LINKS: usize = 1000;
 /// Where its mass may be about its origin: one standard deviation, m.
 const NEW_SPREAD: f64 = 0.05;
 
@@ -76,36 +80,32 @@ impl<'m> Space<'m> {
         for body in model.chain.bodies.iter().filter(|body| body.mass == 0.0) {
             let own = |k: &&usize| model.tree.links[**k].name == body.name;
             if let Some(&k) = body.links.iter().find(own) {
-                for (at, size) in [
-                    mass,
-                    mass * NEW_SPREAD,
-                    mass * NEW_SPREAD,
-                    mass * NEW_SPREAD,
-                ]
-                .into_iter()
-                .enumerate()
-                {
-                    of_standard[(PER_LINK * k + at, PER_LINK * k + at)] = size;
-                }
+                let block = of_standard.0.entry(k).or_default();
+                let com = mass * NEW_SPREAD;
+                block.set_diagonal(&Vector4::new(mass, com, com, com));
                 new.push(k);
             }
         }
         Space::of(model, of_standard, new)
     }
 
-    fn of(model: &'m Model, mut of_standard: DMatrix<f64>, new: Vec<usize>) -> Space<'m> {
+    fn of(model: &'m Model, of_standard: LinkBlocks, new: Vec<usize>) -> Space<'m> {
         let cad = model.standard_cad();
-        // D: a heavier link makes every other one a smaller part of the whole.
-        for mut column in of_standard.column_iter_mut() {
-            let heavier: f64 = column.iter().step_by(PER_LINK).sum();
-            column.axpy(-heavier, &cad, 1.0);
-        }
-        let moving: Vec<usize> = (0..of_standard.ncols())
-            .filter(|&k| of_standard.column(k).amax() > 0.0)
-            .collect();
+        let columns = of_standard.columns().map(|(link, own)| {
+            // D: a heavier link makes every other one a smaller part of the whole.
+            let mut column = &cad * -own[0];
+            let mut rows = column.rows_mut(PER_LINK * link, PER_LINK);
+            rows += own;
+            column
+        });
+        let moving: Vec<DVector<f64>> = columns.filter(|column| column.amax() > 0.0).collect();
+        let spread = match moving.is_empty() {
+            true => DMatrix::zeros(cad.len(), 0),
+            false => DMatrix::from_columns(&moving),
+        };
         Space {
             map: model.standard_map(),
-            spread: of_standard.select_columns(&moving),
+            spread,
             model,
             cad,
             new,
@@ -120,6 +120,18 @@ impl<'m> Space<'m> {
     /// Base parameters of θ.
     pub fn base(&self, theta: &DVector<f64>) -> DVector<f64> {
         &self.map * theta
+    }
+
+    /// Why masses of so many links are not searched.
+    pub fn too_many(model: &Model) -> Option<Impossible> {
+        let count = model.tree.links.iter().filter(|l| l.mass > 0.0).count();
+        let reason = || {
+            format!(
+                "the search for masses takes {MOST_LINKS} links, and {count} have a mass; give \
+                 links that are rigid together one mass"
+            )
+        };
+        (count > MOST_LINKS).then(|| Impossible { reason: reason() })
     }
 
     /// Best `v` of ‖squares‖² + ‖v‖² under the bounds.
@@ -223,6 +235,7 @@ pub fn nearest(
     params: &DVector<f64>,
     limits: &Limits,
 ) -> Result<Masses, Impossible> {
+    Space::too_many(model).map_or(Ok(()), Err)?;
     let space = Space::new(model, tolerances);
     let first = space.nearest(params, limits);
     if !matches!(first, Err(NoAnswer::Contradiction)) {

@@ -213,7 +213,7 @@ fn more_postures_than_can_be_known_are_said() {
     gathered
         .push(&mut measurement, &block, "log.csv", None)
         .unwrap();
-    gathered.end_log_without(0);
+    gathered.end_log_without(0, Folding::default());
     // Four come back; two are met twice as if they were others.
     assert_eq!(
         (gathered.repeats.pure().both().1, gathered.repeats.postures),

@@ -201,7 +201,7 @@ impl Part {
 
     /// Write to `path`, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        Ok(files::write(path, self.to_bytes()?)?)
+        Ok(crate::files::write(path, self.to_bytes()?)?)
     }
 
     /// Rewrite the sums for the parameters of `support`.

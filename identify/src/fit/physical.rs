@@ -50,6 +50,7 @@ pub fn constrain(
         // Of links a population knows nothing; it is refused before.
         Prior::Population(_) => (Tolerances::usual(), 1.0),
     };
+    Space::too_many(model).map_or(Ok(()), Err)?;
     let space = Space::new(model, &tolerances);
     let free = matches!(prior, Prior::Free);
     // No bound is felt when masses of the plain fit keep them all: for a prior, its

@@ -39,7 +39,7 @@ pub struct Population {
     pub names: Vec<String>,
     /// Means over robots, m.
     pub mean: Vec<f64>,
-    /// Covariance of the next robot about them, m²; row by row.
+    /// Covariance of the next robot, m²; about the mean, row by row.
     pub covariance: Vec<Vec<f64>>,
 }
 

@@ -14,7 +14,7 @@ const ROWS: u64 = 20_000;
 /// deviations of single readings.
 ///
 /// # Errors
-/// No support; the kind `Interrupted` where `watch` stops it.
+/// No support; a log that cannot be read once more; the kind `Interrupted` where `watch` stops it.
 pub(super) fn of(
     logs: &Logs,
     gathered: &Gathered,
@@ -34,6 +34,6 @@ pub(super) fn of(
     }
     let support = logs.first_support()?;
     let model = logs.robot.model(&support, logs.snapping, None)?;
-    let data = logs.postures(log, &model, watch)?;
+    let data = logs.postures(log, &gathered.logs, &model, watch)?;
     Ok(data.and_then(|data| Again::of(untold, &model, &data)))
 }

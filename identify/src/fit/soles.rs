@@ -3,6 +3,7 @@
 //! Masses move no sole. A joint offset that bends a leg ends in the masses of a fit, unless
 //! somebody looks at the soles.
 
+use super::gather::LogUsed;
 use super::logs::Logs;
 use crate::Error;
 use crate::feet::{Closure, ClosureFound, Feet, of_many, of_one_foot};
@@ -11,9 +12,10 @@ use crate::watch::Watch;
 /// How the soles lie in the log in which they lie worst; none where no log is of both feet.
 ///
 /// # Errors
-/// When the other sole cannot be told; the kind `Interrupted` where `watch` stops it.
+/// When the other sole cannot be told, or a log that was `used` cannot be read once more; the kind `Interrupted` where `watch` stops it.
 pub(super) fn worst(
     logs: &Logs,
+    used: &[LogUsed],
     feet: &Feet,
     watch: &mut dyn Watch,
 ) -> Result<Option<ClosureFound>, Error> {
@@ -34,7 +36,7 @@ pub(super) fn worst(
         if let Some(note) = of_many(&model, &other) {
             watch.note(&note);
         }
-        let Some(data) = logs.postures(log, &model, watch)? else {
+        let Some(data) = logs.postures(log, used, &model, watch)? else {
             watch.note("the soles of a log that can be read once only are not looked at");
             continue;
         };

@@ -11,8 +11,8 @@
 use std::fs;
 use std::path::PathBuf;
 
+use crate::files;
 use serde::{Deserialize, Serialize};
-use sesc_model::files;
 
 use super::log::{Log, content_hash};
 use super::options::Options;

@@ -14,6 +14,7 @@ use crate::health::{Finding, Kind};
 
 /// A number with its standard deviation, in the unit that its name ends in.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Size {
     /// The number.

@@ -16,7 +16,7 @@ use std::thread;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
-use sesc_model::{Snapping, files};
+use sesc_model::Snapping;
 
 use super::cache::{Store, key};
 use super::evaluate::row;
@@ -143,9 +143,6 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
     let groups = &request.groups;
     let cores = thread::available_parallelism().map_or(1, usize::from);
     let threads = request.threads.unwrap_or(cores);
-    if let Some(store) = &request.store {
-        files::sweep_below(&store.folder, 1);
-    }
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let total = groups.len() as u64;
     let all = thread::scope(|scope| {

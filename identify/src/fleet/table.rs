@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::Path;
 
+use crate::files::{self, NewFile};
 use serde_json::Value;
-use sesc_model::files::{self, NewFile};
 
 use super::row::{Row, by_number};
 use crate::Error;

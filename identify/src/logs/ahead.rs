@@ -35,9 +35,8 @@ pub struct Ahead {
     pub sidecar: Sidecar,
     /// What is odd about the log so far, complete after the last block.
     pub warnings: Vec<Message>,
-    progress: (u64, Option<u64>),
-    averaged: f64,
-    summary: Option<Summary>,
+    /// What the reader said after the block that was taken last.
+    last: Step,
 }
 
 enum BlockSource {
@@ -60,9 +59,7 @@ impl Ahead {
         Ahead {
             sidecar: reader.sidecar.clone(),
             warnings: std::mem::take(&mut reader.warnings),
-            progress: reader.progress(),
-            averaged: reader.averaged(),
-            summary: reader.summary(),
+            last: Step::after(&mut reader, Block::default()),
             source: BlockSource::Here(Box::new(reader)),
         }
     }
@@ -77,34 +74,31 @@ impl Ahead {
             BlockSource::Here(reader) => BlockSource::started(reader, count),
             other => other,
         };
-        let step = match &mut self.source {
-            BlockSource::Here(reader) => step(reader, count)?,
+        self.last = match &mut self.source {
+            BlockSource::Here(reader) => Step::next(reader, count)?,
             BlockSource::Thread(thread) => match thread.next() {
                 Some(step) => step?,
                 None => return Ok(Block::default()),
             },
             BlockSource::Ended => return Ok(Block::default()),
         };
-        self.warnings.extend(step.warnings);
-        self.progress = step.progress;
-        self.averaged = step.averaged;
-        self.summary = step.summary;
-        Ok(step.block)
+        self.warnings.append(&mut self.last.warnings);
+        Ok(std::mem::take(&mut self.last.block))
     }
 
     /// See [`PostureReader::progress`]; of the blocks that were taken.
     pub fn progress(&self) -> (u64, Option<u64>) {
-        self.progress
+        self.last.progress
     }
 
     /// See [`PostureReader::averaged`].
     pub fn averaged(&self) -> f64 {
-        self.averaged
+        self.last.averaged
     }
 
     /// See [`PostureReader::summary`].
     pub fn summary(&self) -> Option<Summary> {
-        self.summary.clone()
+        self.last.summary.clone()
     }
 }
 
@@ -135,7 +129,7 @@ impl BlockSource {
 /// Read to the end, to the first error, or until nobody listens.
 fn read(mut reader: Box<PostureReader>, count: usize, to: &SyncSender<Result<Step, Error>>) {
     loop {
-        let step = step(&mut reader, count);
+        let step = Step::next(&mut reader, count);
         let last = step.as_ref().map_or(true, |step| step.block.is_empty());
         if to.send(step).is_err() || last {
             return;
@@ -143,14 +137,21 @@ fn read(mut reader: Box<PostureReader>, count: usize, to: &SyncSender<Result<Ste
     }
 }
 
-fn step(reader: &mut PostureReader, count: usize) -> Result<Step, Error> {
-    Ok(Step {
-        block: reader.block(count)?,
-        warnings: std::mem::take(&mut reader.warnings),
-        progress: reader.progress(),
-        averaged: reader.averaged(),
-        summary: reader.summary(),
-    })
+impl Step {
+    fn next(reader: &mut PostureReader, count: usize) -> Result<Step, Error> {
+        let block = reader.block(count)?;
+        Ok(Step::after(reader, block))
+    }
+
+    fn after(reader: &mut PostureReader, block: Block) -> Step {
+        Step {
+            block,
+            warnings: std::mem::take(&mut reader.warnings),
+            progress: reader.progress(),
+            averaged: reader.averaged(),
+            summary: reader.summary(),
+        }
+    }
 }
 
 impl Thread {

@@ -1,7 +1,6 @@
 //! Where a log is: a file, the bytes of one, a stream of them, or a table in memory.
 
-mod stream;
-
+use std::fmt;
 use std::fs::File;
 use std::hash::Hasher as _;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
@@ -12,9 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use sesc_model::files::Stamp;
 use twox_hash::XxHash64;
 
-use self::stream::Opener;
-use super::screen::Screen;
-use super::shared::Shared;
+use super::block::Block;
 use super::sidecar::Sidecar;
 use super::table::Table;
 use crate::{Error, Message};
@@ -370,5 +367,69 @@ impl Read for Metered {
             hash.write(&buffer[..n]);
         }
         Ok(n)
+    }
+}
+
+/// What becomes of each block, first row to last.
+pub type Screening = Box<dyn FnMut(&mut Block) + Send>;
+
+/// Leaves rows out of a log, or says less of them, whenever it is read.
+///
+/// A log with a screen may have rows in which nothing stands on the foot cells: their
+/// reading is zero, and the screen is to take them out.
+pub trait Screen: fmt::Debug + Send + Sync {
+    /// Begin a reading of the log.
+    fn start(&self) -> Screening;
+}
+
+/// Values that somebody else owns, without a copy: a vector, an array of another language.
+pub(super) struct Shared<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
+
+impl<T> Shared<T> {
+    pub fn new(values: impl AsRef<[T]> + Send + Sync + 'static) -> Shared<T> {
+        Shared(Arc::new(values))
+    }
+}
+
+impl<T> AsRef<[T]> for Shared<T> {
+    fn as_ref(&self) -> &[T] {
+        (*self.0).as_ref()
+    }
+}
+
+impl<T> Clone for Shared<T> {
+    fn clone(&self) -> Shared<T> {
+        Shared(self.0.clone())
+    }
+}
+
+impl<T> fmt::Debug for Shared<T> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} values", self.as_ref().len())
+    }
+}
+
+type Open = dyn Fn() -> io::Result<Box<dyn Read + Send>> + Send + Sync;
+
+/// Starts a stream from its first byte, as often as asked.
+#[derive(Clone)]
+pub(super) struct Opener(Arc<Open>);
+
+impl Opener {
+    pub fn new<R: Read + Send + 'static>(
+        open: impl Fn() -> io::Result<R> + Send + Sync + 'static,
+    ) -> Opener {
+        let boxed = move || -> io::Result<Box<dyn Read + Send>> { Ok(Box::new(open()?)) };
+        Opener(Arc::new(boxed))
+    }
+
+    pub fn open(&self) -> io::Result<Box<dyn Read + Send>> {
+        (self.0)()
+    }
+}
+
+impl fmt::Debug for Opener {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a stream")
     }
 }

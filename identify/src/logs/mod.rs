@@ -30,17 +30,11 @@ pub(crate) mod names;
 mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
-mod predictions;
 mod reader;
-mod recorder;
 mod recording;
-mod row;
-mod screen;
 mod settle;
-mod shared;
 mod sidecar;
 mod source;
-mod stamps;
 mod stillness;
 mod suspect;
 mod table;
@@ -61,16 +55,14 @@ pub(crate) use csv::delimiter;
 #[doc(hidden)]
 pub use guard::panic_becomes_error;
 pub use input::LogSource;
+#[doc(hidden)]
+pub use input::{Screen, Screening};
 pub use options::{Options, Readings, Stays, StillnessLimits};
-pub use predictions::{PREDICTED, PredictionWriter};
 pub use reader::{PostureReader, Summary, column_names};
 #[doc(hidden)]
 pub use recording::{Recording, Track, TrackKind};
-pub use row::{Row, Written};
-#[doc(hidden)]
-pub use screen::{Screen, Screening};
 #[doc(hidden)]
 pub use sidecar::KEYS as SIDECAR_KEYS;
 pub use sidecar::{Angles, Sidecar};
 pub use table::{Table, Values};
-pub use writer::PostureWriter;
+pub use writer::{PREDICTED, PostureWriter, PredictionWriter, Row, Written};

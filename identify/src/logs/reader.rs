@@ -12,11 +12,9 @@ use super::block::Block;
 use super::columns::Columns;
 use super::contacts::Standing;
 use super::csv::CsvSource;
-use super::input::{Bytes, LogSource, Metered, Place};
+use super::input::{Bytes, LogSource, Metered, Place, Screening, Shared};
 use super::options::{Options, Stays, StillnessLimits};
-use super::screen::Screening;
 use super::settle::Settling;
-use super::shared::Shared;
 use super::sidecar::{Angles, Sidecar};
 use super::source::{Raw, RowSource};
 use super::suspect::Suspicions;
@@ -374,7 +372,7 @@ fn open_source(
         .take(8)
         .read_to_end(&mut head)
         .map_err(failed)?;
-    if head.starts_with(b"PAR1") {
+    if head.starts_with(b"PAR1") || head.starts_with(b"PARE") {
         return match place {
             // What its columns are stands at the end.
             Place::Stream(_) => {

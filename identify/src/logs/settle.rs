@@ -5,9 +5,8 @@
 //! ```
 //!
 //! Postures are found as in a recording ([`StillnessCutter`]); rows of one share its `pose`. Rows
-//! wait
-//! until their stretch has ended, [`super::hold`] says how long at most. The others are of no
-//! stay: each is a posture of its own, or is left out.
+//! wait until their stretch has ended, which the cutter ends after a bounded number of rows. The
+//! others are of no stay: each is a posture of its own, or is left out.
 
 use super::block::Block;
 use super::options::StillnessLimits;

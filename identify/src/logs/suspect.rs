@@ -8,9 +8,8 @@ use sesc_model::tree::Dof;
 
 use super::block::Block;
 use super::columns::T;
-use super::criteria::{FEW, SLACK, SOLE};
+use super::criteria::{CREEPS, FASTEST, FEW, LOGGED, MOVES, SLACK, SMOOTH, SOLE};
 use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
-use super::stamps::Stamps;
 use crate::{Message, Setting, message};
 
 /// Statistics of a log, and what was said about it.
@@ -30,23 +29,15 @@ pub(super) struct Suspicions {
     said: [bool; 7],
 }
 
-/// What one joint did.
 struct Joint {
     name: String,
     revolute: bool,
-    /// Limits that mean something, rad or m.
-    limits: Option<(f64, f64)>,
-    count: u64,
-    least: f64,
-    most: f64,
-    outside: u64,
-    /// Values other than zero, and how many of them are whole in the file's unit.
-    nonzero: u64,
-    whole: u64,
+    /// Whether its limits mean something.
+    limited: bool,
 }
 
-/// What rows of all joints show, joint by joint: a row is taken note of by a few operations on
-/// whole registers.
+/// What the columns of all joints show: a row is taken note of by a few operations on whole
+/// registers.
 struct Seen {
     rows: u64,
     /// Limits with their slack, rad or m; infinite where none mean something.
@@ -55,6 +46,7 @@ struct Seen {
     least: Vec<f64>,
     most: Vec<f64>,
     outside: Vec<u64>,
+    /// Values other than zero, and how many of them are whole in the file's unit.
     nonzero: Vec<u64>,
     whole: Vec<u64>,
 }
@@ -63,16 +55,21 @@ struct Seen {
 const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
 
 impl Seen {
-    fn new(joints: &[Joint]) -> Seen {
-        let n = joints.len();
-        let limit = |of: fn((f64, f64), f64) -> f64, open: f64| {
-            let own = |joint: &Joint| joint.limits.map_or(open, |own| of(own, joint.slack()));
-            joints.iter().map(own).collect()
+    fn new(dofs: &[Dof]) -> Seen {
+        let n = dofs.len();
+        // A servo is beyond its limits by no more than the slack.
+        let limit = |limit: fn(&Dof) -> f64, side: f64| {
+            let own = |dof: &Dof| match (dof.continuous, dof.prismatic) {
+                (true, _) => side * f64::INFINITY,
+                (_, true) => limit(dof),
+                _ => limit(dof) + side * SLACK,
+            };
+            dofs.iter().map(own).collect()
         };
         Seen {
             rows: 0,
-            lower: limit(|(lower, _), slack| lower - slack, f64::NEG_INFINITY),
-            upper: limit(|(_, upper), slack| upper + slack, f64::INFINITY),
+            lower: limit(|dof| dof.lower, -1.0),
+            upper: limit(|dof| dof.upper, 1.0),
             least: vec![f64::INFINITY; n],
             most: vec![f64::NEG_INFINITY; n],
             outside: vec![0; n],
@@ -100,57 +97,29 @@ impl Seen {
         }
     }
 
-    fn tell(&self, joints: &mut [Joint]) {
-        for (k, joint) in joints.iter_mut().enumerate() {
-            joint.count = self.rows;
-            (joint.least, joint.most) = (self.least[k], self.most[k]);
-            joint.outside = self.outside[k];
-            (joint.nonzero, joint.whole) = (self.nonzero[k], self.whole[k]);
-        }
-    }
-}
-
-impl Joint {
-    fn new(dof: &Dof) -> Joint {
-        Joint {
-            name: dof.joint.clone(),
-            revolute: !dof.prismatic,
-            limits: (!dof.continuous).then_some((dof.lower, dof.upper)),
-            count: 0,
-            least: f64::INFINITY,
-            most: f64::NEG_INFINITY,
-            outside: 0,
-            nonzero: 0,
-            whole: 0,
-        }
-    }
-
-    /// A servo is beyond its limits by no more than this, rad.
-    fn slack(&self) -> f64 {
-        if self.revolute { SLACK } else { 0.0 }
-    }
-
-    /// Whether values from `least` to `most` respect the limits.
-    fn allows(&self, least: f64, most: f64) -> bool {
-        let slack = self.slack();
-        self.limits
-            .is_none_or(|(lower, upper)| least >= lower - slack && most <= upper + slack)
+    /// Whether column `k` respects the limits of joint `joint`.
+    fn fits(&self, k: usize, joint: usize) -> bool {
+        self.least[k] >= self.lower[joint] && self.most[k] <= self.upper[joint]
     }
 
     /// Beyond its own limits mostly, as a column is that belongs to another.
-    fn strays(&self) -> bool {
-        self.count >= FEW && 4 * self.outside > self.count
+    fn strays(&self, k: usize) -> bool {
+        self.rows >= FEW && 4 * self.outside[k] > self.rows
     }
 }
 
 impl Suspicions {
     pub fn new(file: &str, dofs: &[Dof], angles: Angles) -> Suspicions {
         let degrees = angles == Angles::Deg;
-        let joints: Vec<Joint> = dofs.iter().map(Joint::new).collect();
+        let joint = |dof: &Dof| Joint {
+            name: dof.joint.clone(),
+            revolute: !dof.prismatic,
+            limited: !dof.continuous,
+        };
         Suspicions {
             file: file.to_string(),
-            seen: Seen::new(&joints),
-            joints,
+            seen: Seen::new(dofs),
+            joints: dofs.iter().map(joint).collect(),
             per_rad: if degrees {
                 180.0 / std::f64::consts::PI
             } else {
@@ -188,7 +157,6 @@ impl Suspicions {
 
     /// Say what was noticed and not yet said.
     pub fn judge(&mut self, warnings: &mut Vec<Message>) {
-        self.seen.tell(&mut self.joints);
         let found = [
             self.degrees(),
             self.radians(),
@@ -209,31 +177,39 @@ impl Suspicions {
         }
     }
 
+    fn revolute(&self) -> impl Iterator<Item = usize> {
+        (0..self.joints.len()).filter(|&k| self.joints[k].revolute)
+    }
+
+    /// Largest angle of a revolute joint, rad.
+    fn largest(&self) -> f64 {
+        let most = |k: usize| self.seen.most[k].max(-self.seen.least[k]);
+        self.revolute().map(most).fold(0.0, f64::max)
+    }
+
     /// Radians that look like degrees: whole numbers, or far beyond the limits
     /// of most joints.
     fn degrees(&self) -> Option<Message> {
-        let revolute = || self.joints.iter().filter(|joint| joint.revolute);
-        let sum = |of: fn(&Joint) -> u64| revolute().map(of).sum::<u64>();
-        let (count, nonzero) = (sum(|j| j.count), sum(|j| j.nonzero));
-        let most = revolute().map(|j| j.most.max(-j.least)).fold(0.0, f64::max);
-        let whole = nonzero >= FEW && 10 * sum(|j| j.whole) > 9 * nonzero && most >= 2.0;
-        let straying = revolute().filter(|joint| joint.strays()).count();
-        let beyond = count >= FEW && straying > 2 && 2 * straying > revolute().count();
-        let why = match (whole, beyond) {
-            _ if self.degrees => return None,
-            (true, _) => "nearly all angles are whole numbers",
-            (_, true) => "most joints are far beyond their limits",
-            _ => return None,
+        let seen = &self.seen;
+        let nonzero: u64 = self.revolute().map(|k| seen.nonzero[k]).sum();
+        let whole: u64 = self.revolute().map(|k| seen.whole[k]).sum();
+        let count = self.revolute().count();
+        let straying = self.revolute().filter(|&k| seen.strays(k)).count();
+        let why = if nonzero >= FEW && 10 * whole > 9 * nonzero && self.largest() >= 2.0 {
+            "nearly all angles are whole numbers"
+        } else if straying > 2 && 2 * straying > count {
+            "most joints are far beyond their limits"
+        } else {
+            return None;
         };
         let why = format!("{why}; {IN_DEGREES}");
-        Some(message![why, Setting::Angles, OR_SIDECAR])
+        (!self.degrees).then(|| message![why, Setting::Angles, OR_SIDECAR])
     }
 
     /// Degrees that look like radians: no joint ever moves by more than π of them.
     fn radians(&self) -> Option<Message> {
-        let revolute = || self.joints.iter().filter(|joint| joint.revolute);
-        let most = revolute().map(|j| j.most.max(-j.least)).fold(0.0, f64::max) * self.per_rad;
-        let nonzero: u64 = revolute().map(|joint| joint.nonzero).sum();
+        let most = self.largest() * self.per_rad;
+        let nonzero: u64 = self.revolute().map(|k| self.seen.nonzero[k]).sum();
         (self.degrees && nonzero >= FEW && most <= std::f64::consts::PI).then(|| {
             let said = format!("read in degrees, no joint ever moves beyond {most:.2}°");
             message![
@@ -246,37 +222,29 @@ impl Suspicions {
 
     /// Two joints, one or both beyond their limits, that would fit if exchanged.
     fn swapped(&self) -> Option<String> {
-        let fits = |column: &Joint, joint: &Joint| {
-            column.revolute == joint.revolute
-                && joint.limits.is_some()
-                && joint.allows(column.least, column.most)
+        let (joints, seen) = (&self.joints, &self.seen);
+        let could_be = |column: usize, joint: usize| {
+            let alike = joints[column].revolute == joints[joint].revolute;
+            alike && joints[joint].limited && seen.fits(column, joint)
         };
-        let pairs: Vec<String> = self
-            .joints
-            .iter()
-            .filter(|stray| stray.strays())
-            .filter_map(|stray| {
-                let partner = |other: &&Joint| {
-                    let itself = other.name == stray.name;
-                    !itself && fits(stray, other) && fits(other, stray)
-                };
-                let mut partners = self.joints.iter().filter(partner);
-                // One candidate is a finding, several are a guess.
-                match (partners.next(), partners.next()) {
-                    (Some(other), None) => Some(format!(
-                        "column `{}` is beyond its joint's limits, but fits `{}`, and the other \
-                         way round",
-                        stray.name, other.name
-                    )),
-                    (Some(_), Some(_)) => Some(format!(
-                        "column `{}` is beyond its joint's limits",
-                        stray.name
-                    )),
-                    _ => None,
-                }
-            })
-            .take(4)
-            .collect();
+        let strays = (0..joints.len()).filter(|&stray| seen.strays(stray));
+        let pairs = strays.filter_map(|stray| {
+            let exchanged =
+                |&other: &usize| other != stray && could_be(stray, other) && could_be(other, stray);
+            let mut partners = (0..joints.len()).filter(exchanged);
+            let first = partners.next()?;
+            let mut said = format!(
+                "column `{}` is beyond its joint's limits",
+                joints[stray].name
+            );
+            // One candidate is a finding, several are a guess.
+            if partners.next().is_none() {
+                let fits = &joints[first].name;
+                said += &format!(", but fits `{fits}`, and the other way round");
+            }
+            Some(said)
+        });
+        let pairs: Vec<String> = pairs.take(4).collect();
         (!pairs.is_empty()).then(|| format!("{}; are columns swapped?", pairs.join("; ")))
     }
 
@@ -288,6 +256,132 @@ impl Suspicions {
                  in metres?"
             )
         })
+    }
+}
+
+/// Units that stamps come in, and how many of them are a second.
+const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("µs", 1e6), ("ns", 1e9)];
+
+/// What stamps and joints of a log say of each other: stamps that stand still, and stamps in
+/// another unit than seconds.
+///
+/// ```text
+/// v_j = max |Δq_j| / Δt ≪ v_limit        in rows that follow each other smoothly:
+/// Σ |Δq|² ≪ 2 n Σ Var(q_j)
+/// ```
+///
+/// A robot that creeps for hours is logged slowly; one whose rows are smooth, seconds apart by
+/// their stamps, and thousands of times slower than its joints can be was stamped in ms, µs
+/// or ns.
+struct Stamps {
+    /// Speed that each joint is allowed, rad/s or m/s.
+    limits: Vec<f64>,
+    rows: u64,
+    ends: [f64; 2],
+    last_t: f64,
+    last_q: Vec<f64>,
+    /// Largest speed of each joint by the stamps.
+    fastest: Vec<f64>,
+    /// Sum of the squares of its steps.
+    stepped: Vec<f64>,
+    /// Mean of its positions, and sum of squares about it.
+    mean: Vec<f64>,
+    about: Vec<f64>,
+}
+
+impl Stamps {
+    fn new(dofs: &[Dof]) -> Stamps {
+        let zeros = vec![0.0; dofs.len()];
+        Stamps {
+            limits: dofs.iter().map(|dof| dof.speed).collect(),
+            rows: 0,
+            ends: [f64::INFINITY, f64::NEG_INFINITY],
+            last_t: f64::NAN,
+            last_q: zeros.clone(),
+            fastest: zeros.clone(),
+            stepped: zeros.clone(),
+            mean: zeros.clone(),
+            about: zeros,
+        }
+    }
+
+    /// Take note of rows at times `t` with joints `q`, row after row.
+    fn see(&mut self, t: &[f64], q: &[f64]) {
+        let n = self.limits.len();
+        if n == 0 {
+            return;
+        }
+        for (&t, q) in t.iter().zip(q.chunks_exact(n)) {
+            self.rows += 1;
+            self.ends = [self.ends[0].min(t), self.ends[1].max(t)];
+            let follows = self.rows > 1;
+            let per_second = match follows && t > self.last_t {
+                true => 1.0 / (t - self.last_t),
+                false => 0.0,
+            };
+            let weight = 1.0 / self.rows as f64;
+            let (last, fastest) = (&mut self.last_q[..n], &mut self.fastest[..n]);
+            let (stepped, mean) = (&mut self.stepped[..n], &mut self.mean[..n]);
+            let about = &mut self.about[..n];
+            for j in 0..n {
+                let step = if follows { q[j] - last[j] } else { 0.0 };
+                let speed = step.abs() * per_second;
+                fastest[j] = if speed > fastest[j] {
+                    speed
+                } else {
+                    fastest[j]
+                };
+                stepped[j] += step * step;
+                let off = q[j] - mean[j];
+                mean[j] += off * weight;
+                about[j] += off * (q[j] - mean[j]);
+                last[j] = q[j];
+            }
+            self.last_t = t;
+        }
+    }
+
+    /// Said where all rows have one stamp.
+    fn all_the_same(&self) -> Option<String> {
+        (self.rows >= FEW && self.ends[0] == self.ends[1]).then(|| {
+            format!(
+                "`{T}` is {} in every row: the log says nothing of time, and motion and lasting \
+                 noise are not seen; stamp each row, or leave the column out",
+                self.ends[0]
+            )
+        })
+    }
+
+    /// Said where stamps are hardly in seconds.
+    fn other_unit(&self) -> Option<String> {
+        if self.rows < FEW {
+            return None;
+        }
+        let rows = self.rows as f64;
+        let step = (self.ends[1] - self.ends[0]) / (rows - 1.0);
+        let moves = |j: &usize| self.about[*j] > MOVES * MOVES * rows;
+        let moving: Vec<usize> = (0..self.limits.len()).filter(moves).collect();
+        let sum = |of: &[f64]| moving.iter().map(|&j| of[j]).sum::<f64>();
+        let smooth = sum(&self.stepped) < SMOOTH * 2.0 * sum(&self.about);
+        // Parts of their limits that joints reach.
+        let reached = moving.iter().filter(|&&j| self.limits[j] > 0.0);
+        let reached = reached.map(|&j| self.fastest[j] / self.limits[j]);
+        let reached = reached.fold(0.0, f64::max);
+        if !smooth || reached == 0.0 || reached > CREEPS {
+            return None;
+        }
+        let fits = |unit: &&(&str, f64)| {
+            let per_second = unit.1;
+            let logged = (LOGGED.0..=LOGGED.1).contains(&(step / per_second));
+            logged && reached * per_second <= FASTEST
+        };
+        let (unit, per_second) = UNITS.iter().find(fits)?;
+        Some(format!(
+            "rows are {step:.3} s apart by `{T}`, and no joint moves faster than {:.4} % of its \
+             limit: is `{T}` in {unit}? Rows would be {:.3} s apart then; give seconds",
+            100.0 * reached,
+            step / per_second
+        ))
     }
 }
 
@@ -347,5 +441,51 @@ mod tests {
             warnings(&[(-0.5, 2.0), (-0.5, 0.5)], Angles::Rad, &rows),
             ""
         );
+    }
+
+    /// Two joints that swing at 0.4 and 0.3 Hz, rows `step` seconds apart, stamped in units of
+    /// which `per_second` are a second.
+    fn said(step: f64, slower: f64, per_second: f64) -> Option<String> {
+        let mut stamps = Stamps::new(&dofs(&["a", "b"]));
+        for k in 0..400 {
+            let now = f64::from(k) * step;
+            let wave = |hz: f64| 0.1 * (std::f64::consts::TAU * hz / slower * now).sin();
+            stamps.see(&[per_second * now], &[wave(0.4), wave(0.3)]);
+        }
+        stamps.other_unit()
+    }
+
+    #[test]
+    fn stamps_in_milliseconds_are_told_from_a_slow_robot() {
+        assert_eq!(said(0.01, 1.0, 1.0), None);
+        for step in [0.001, 0.01, 0.1] {
+            let said = said(step, 1.0, 1e3).unwrap();
+            assert!(said.contains("in ms?"), "{said}");
+        }
+        assert!(said(0.01, 1.0, 1e6).unwrap().contains("in µs?"));
+        assert!(said(0.01, 1.0, 1e9).unwrap().contains("in ns?"));
+        // A swing of a minute, and one of ten, logged every second.
+        assert_eq!(said(1.0, 24.0, 1.0), None);
+        assert_eq!(said(1.0, 240.0, 1.0), None);
+    }
+
+    #[test]
+    fn postures_that_are_hours_apart_are_in_seconds() {
+        let mut stamps = Stamps::new(&dofs(&["a", "b"]));
+        for k in 0..400 {
+            let at = |rate: f64| (f64::from(k * k) * rate).sin();
+            stamps.see(&[f64::from(k) * 3600.0], &[at(0.7), at(1.1)]);
+        }
+        assert_eq!(stamps.other_unit(), None);
+        assert_eq!(stamps.all_the_same(), None);
+    }
+
+    #[test]
+    fn one_stamp_for_all_rows_is_said() {
+        let mut stamps = Stamps::new(&dofs(&["a"]));
+        for k in 0..40 {
+            stamps.see(&[7.0], &[f64::from(k)]);
+        }
+        assert!(stamps.all_the_same().unwrap().contains("7 in every row"));
     }
 }

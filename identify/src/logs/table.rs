@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use twox_hash::XxHash64;
 
 use super::columns::{Columns, SUPPORT};
-use super::shared::Shared;
+use super::input::Shared;
 use super::source::{Raw, RowSource, whole};
 use crate::Error;
 

@@ -9,10 +9,46 @@ use std::path::{Path, PathBuf};
 use sesc_model::tree::Dof;
 
 use super::columns::{COP, COP_STD, POSE, SUPPORT, T, check_joints};
-use super::row::{Row, Written, numbers};
 use super::sidecar::Sidecar;
 use crate::Error;
-use sesc_model::files::{self, NewFile};
+use crate::files::{self, NewFile};
+
+/// The columns of a log besides the joints.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Written {
+    /// `t`
+    pub t: bool,
+    /// `support`
+    pub support: bool,
+    /// `cop_x`, `cop_y`
+    pub cop: bool,
+    /// `cop_x_std`, `cop_y_std`
+    pub cop_std: bool,
+}
+
+/// One row; what the log has no column for is not looked at.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Row<'a> {
+    /// Rows that share it are repeated readings.
+    pub pose: i64,
+    /// s
+    pub t: f64,
+    /// Link on the ground.
+    pub support: &'a str,
+    /// rad or m, in the order of the robot's joints
+    pub q: &'a [f64],
+    /// m, support frame
+    pub cop: [f64; 2],
+    /// Standard deviation of a single reading, m.
+    pub cop_std: [f64; 2],
+}
+
+/// Joint values and readings of a row, in the order of their columns.
+pub(super) fn numbers<'a>(row: &'a Row, columns: Written) -> impl Iterator<Item = f64> + 'a {
+    let cop = columns.cop.then_some(row.cop).into_iter().flatten();
+    let std = columns.cop_std.then_some(row.cop_std).into_iter().flatten();
+    row.q.iter().copied().chain(cop).chain(std)
+}
 
 /// A log being written.
 pub struct PostureWriter {
@@ -24,7 +60,7 @@ pub struct PostureWriter {
 }
 
 /// Where rows go, in the format that it was begun in.
-pub(super) enum Sink {
+enum Sink {
     Plain(NewFile),
     /// CSV on a stream, which nobody renames.
     Stream(Box<dyn Write + Send>),
@@ -97,7 +133,7 @@ impl Sink {
     ///
     /// # Errors
     /// Ends of names that stand for something else, folders that cannot be written to.
-    pub(super) fn create(path: &Path, header: &[String]) -> Result<Sink, Error> {
+    fn create(path: &Path, header: &[String]) -> Result<Sink, Error> {
         let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
         let mut sink = match end.to_ascii_lowercase().as_str() {
             "toml" => {
@@ -159,7 +195,7 @@ impl Sink {
     }
 
     /// Append a row; `text` is room for it.
-    pub(super) fn row(
+    fn row(
         &mut self,
         path: &Path,
         row: &Row,
@@ -177,7 +213,7 @@ impl Sink {
     }
 
     /// Write what is left; a file is yet to be moved to its place.
-    pub(super) fn finish(self, path: &Path) -> Result<Option<NewFile>, Error> {
+    fn finish(self, path: &Path) -> Result<Option<NewFile>, Error> {
         let failed = |source| files::failed(path, source);
         Ok(Some(match self {
             Sink::Plain(file) => file,
@@ -234,5 +270,88 @@ fn quoted(name: &str) -> String {
         format!("\"{}\"", name.replace('"', "\"\""))
     } else {
         name.to_string()
+    }
+}
+
+/// Names of the columns of predictions: m, support frame.
+pub const PREDICTED: [&str; 6] = ["pose", "com_x", "com_y", "com_z", "cop_x", "cop_y"];
+
+/// A table of predictions being written: the CoM and CoP of postures, in the formats of logs.
+///
+/// The end of the file's name tells the format: `.csv`, `.csv.gz` or `.parquet`. The table
+/// appears whole or not at all.
+pub struct PredictionWriter(PostureWriter);
+
+impl PredictionWriter {
+    /// Start a table; nothing is at `path` before [`finish`](Self::finish).
+    ///
+    /// # Errors
+    /// Ends of names that stand for something else, folders that cannot be written to.
+    pub fn create(path: &Path) -> Result<PredictionWriter, Error> {
+        let sink = Sink::create(path, &PREDICTED.map(str::to_string))?;
+        let columns = Written {
+            cop: true,
+            ..Written::default()
+        };
+        let writer = PostureWriter::into_sink(path, columns, sink);
+        Ok(PredictionWriter(writer))
+    }
+
+    /// Append a posture: its CoM and CoP, m.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn row(&mut self, pose: i64, com_m: &[f64; 3], cop_m: [f64; 2]) -> Result<(), Error> {
+        self.0.row(&Row {
+            pose,
+            q: com_m,
+            cop: cop_m,
+            ..Row::default()
+        })
+    }
+
+    /// Complete the table and move it to its place.
+    ///
+    /// # Errors
+    /// When it cannot be written to its end.
+    pub fn finish(self) -> Result<(), Error> {
+        if let Some(file) = self.0.sink.finish(&self.0.path)? {
+            file.finish()?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::logs::{LogSource, column_names};
+
+    /// Numbers come back to the last digit.
+    #[test]
+    fn tables_have_the_columns_that_are_promised() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut names = vec!["a.csv", "a.csv.gz"];
+        names.extend(cfg!(feature = "parquet").then_some("a.parquet"));
+        for name in names {
+            let path = folder.path().join(name);
+            let mut writer = PredictionWriter::create(&path).unwrap();
+            writer.row(7, &[0.1, -0.2, 0.3], [1e-17, 0.5]).unwrap();
+            assert!(!path.exists());
+            writer.finish().unwrap();
+            assert_eq!(column_names(&LogSource::from(&path)).unwrap(), PREDICTED);
+        }
+        let text = std::fs::read_to_string(folder.path().join("a.csv")).unwrap();
+        let expected =
+            "pose,com_x,com_y,com_z,cop_x,cop_y\n7,0.1,-0.2,0.3,0.00000000000000001,0.5\n";
+        assert_eq!(text, expected);
+        let wrong = PredictionWriter::create(&folder.path().join("a.txt"));
+        assert!(
+            wrong
+                .err()
+                .unwrap()
+                .to_string()
+                .contains(".csv, .csv.gz or .parquet")
+        );
     }
 }

@@ -33,7 +33,7 @@ pub enum MotionModel {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Share {
-    /// 1 if readings show all that motion adds.
+    /// 1 if motion is fully there.
     pub value: f64,
     /// Standard deviation.
     pub std: f64,
@@ -138,12 +138,11 @@ impl Column {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct MotionUse {
-    /// Whether readings were compared with the ZMP.
+    /// Whether readings follow the ZMP.
     pub used: bool,
-    /// Share of the predicted motion terms that is there; none where joints stand or readings do
-    /// not tell.
+    /// Share of motion terms that is there; none where joints stand or readings do not tell.
     pub share: Option<Share>,
-    /// RMS of the predicted motion terms, m.
+    /// RMS of the motion terms, m.
     pub rms_m: f64,
     /// Rows without known accelerations.
     pub rows_left_out: u64,

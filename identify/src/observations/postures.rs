@@ -130,8 +130,31 @@ impl Postures {
         watch: &mut dyn Watch,
     ) -> Result<Postures, Error> {
         let log = log.into();
+        let data = Postures::read_some(&log, model, taking, watch)?;
+        data.ok_or_else(|| {
+            let message = message![
+                format!(
+                    "no posture stands on `{}`; name another link by ",
+                    model.support()
+                ),
+                Setting::Support
+            ];
+            Error::log(log.name(), None, message)
+        })
+    }
+
+    /// The same; none of a log without a posture on that link.
+    ///
+    /// # Errors
+    /// As [`PostureReader`]; when `watch` stops it.
+    pub fn read_some(
+        log: &LogSource,
+        model: &Model,
+        taking: &Taking,
+        watch: &mut dyn Watch,
+    ) -> Result<Option<Postures>, Error> {
         let dofs = &model.tree.dofs;
-        let reader = PostureReader::open(&log, dofs, &taking.options)?;
+        let reader = PostureReader::open(log, dofs, &taking.options)?;
         let mut reader = Moving::planned(reader, dofs.len(), HEAD, Wanted::Changes)?;
         let support = &model.tree.links[model.tree.support].name;
         let mut gathering = Gathering::new(taking.options.any_unit);
@@ -176,11 +199,7 @@ impl Postures {
         }
         gathering.close();
         if gathering.kept.is_empty() {
-            let message = message![
-                format!("no posture stands on `{support}`; name another link by "),
-                Setting::Support
-            ];
-            return Err(Error::log(log.name(), None, message));
+            return Ok(None);
         }
         let single = (1.0 - reader.averaged()).sqrt();
         let own = Taking {
@@ -214,12 +233,18 @@ impl Postures {
                 Setting::Support
             ]);
         }
-        Ok(data)
+        Ok(Some(data))
     }
 
     /// Postures and readings of known noise (m, one axis), `floor` beside it.
     #[cfg(test)]
-    pub(crate) fn given(dof: usize, q: &[f64], reading: &[f64], noise: f64, floor: f64) -> Postures {
+    pub(crate) fn given(
+        dof: usize,
+        q: &[f64],
+        reading: &[f64],
+        noise: f64,
+        floor: f64,
+    ) -> Postures {
         let pose: Vec<i64> = (0..reading.len() as i64 / 2).collect();
         Postures::of_rows(dof, (&pose, q, reading), Some(noise), floor)
     }

@@ -286,13 +286,13 @@ impl Repeats {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LackOfFit {
-    /// Mean square of the residual over that of noise.
+    /// Mean square of residual over noise.
     pub ratio: f64,
     /// Degrees of freedom of the residual.
     pub df: f64,
     /// Degrees of freedom of the noise; none where its size is stated.
     pub df_noise: Option<f64>,
-    /// Chance of such a ratio from noise alone.
+    /// Chance by noise alone.
     pub p_value: f64,
 }
 

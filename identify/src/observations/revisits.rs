@@ -35,7 +35,7 @@ pub(crate) enum Untold {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Again {
-    /// Their numbers in the log, in ascending order.
+    /// Their numbers in the log; in ascending order.
     pub poses: Vec<i64>,
     /// Why, and how.
     pub sentence: String,

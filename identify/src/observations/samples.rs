@@ -13,9 +13,9 @@ pub struct Samples {
     pub rows: usize,
     /// Independent rows on the worse axis.
     pub independent: usize,
-    /// Integrated correlation time of what is left, s.
+    /// Integrated correlation time, s.
     pub correlation_s: f64,
-    /// Whether rows without usable times count as independent.
+    /// Whether independence is assumed; of logs without usable times.
     pub assumed: bool,
 }
 

@@ -61,7 +61,7 @@ pub struct Counts {
     /// How far each of the first draws is out, m, until one balances.
     #[serde(skip)]
     pub(crate) misses: Vec<f64>,
-    /// Mean standard deviation of the CoP, m.
+    /// Mean deviation of the CoP, m.
     pub cop_std: f64,
     /// How often each link was the one near the ground.
     #[serde(skip)]

@@ -21,7 +21,7 @@ pub struct Lesson {
     pub parameter: String,
     /// `m`; `1` for a mass fraction.
     pub unit: &'static str,
-    /// Standard deviation before the posture, in that unit.
+    /// Standard deviation before it.
     pub before: f64,
     /// Standard deviation after it.
     pub after: f64,

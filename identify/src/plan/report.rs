@@ -28,7 +28,7 @@ pub struct Plan {
     pub poses: usize,
     /// Where the CoP stays, in words.
     pub cop_region: String,
-    /// Safety margin of the CoP in standard deviations.
+    /// Safety margin of the CoP, deviations.
     pub sigmas: f64,
     /// What was drawn.
     pub draws: Counts,
@@ -42,9 +42,9 @@ pub struct Plan {
     pub directions: usize,
     /// Directions that the chosen postures tell.
     pub rank: usize,
-    /// Condition number of the chosen postures' rows.
+    /// Condition number.
     pub condition_number: f64,
-    /// Expected RMS error of the CoP over all candidates, m.
+    /// Expected RMS error of the CoP, m; over all candidates.
     pub expected_error: Option<f64>,
     /// The same for random postures, on average.
     pub expected_error_random: Option<f64>,
@@ -52,7 +52,7 @@ pub struct Plan {
     pub curve: Vec<Efficiency>,
     /// What each posture teaches.
     pub lessons: Vec<Lesson>,
-    /// log det of the information over the prior's; greedy, then per round of exchanges.
+    /// log det of information over prior; greedy, then per round of exchanges.
     pub log_det: Vec<f64>,
     /// Exchanges that improved the greedy choice.
     pub exchanges: usize,
@@ -62,7 +62,7 @@ pub struct Plan {
     pub clearance: String,
     /// What was kept from colliding.
     pub collision: String,
-    /// Whether any two bodies were kept from colliding.
+    /// Whether collisions were checked.
     pub collision_checked: bool,
     /// Pairs of bodies that touch at rest.
     pub collision_exempt: Vec<[String; 2]>,
@@ -70,7 +70,7 @@ pub struct Plan {
     pub notes: Vec<String>,
     /// Corners of the CoP's region, counter-clockwise, m.
     pub corners: Vec<[f64; 2]>,
-    /// Distance of the CoP from the edges, m.
+    /// Distance from the edges, m.
     pub margin: f64,
     /// Predicted CoP of the postures, m.
     pub cop: Vec<[f64; 2]>,
@@ -93,9 +93,9 @@ pub struct Plan {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TwoFeet {
-    /// The link that is the other sole.
+    /// Link of the other sole.
     pub other_foot: String,
-    /// Detectable offsets of the joints between the soles; those that move no sole are left out.
+    /// Detectable offsets between the soles; those that move no sole are left out.
     pub offsets: Vec<Offset>,
 }
 

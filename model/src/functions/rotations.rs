@@ -109,9 +109,12 @@ impl Scratch<'_> {
         let Split { multiples, rest } = self.split(self.positions[angle.dof]);
         let added = self.g.value(rest).unwrap_or(0.0);
         let (quarters, constant) = quarters(angle.factor * added + angle.offset);
+        // As from positions: the angle is taken forwards.
+        let sign = if angle.factor < 0.0 { -1.0 } else { 1.0 };
+        let (times, constant) = (sign * angle.factor, sign * constant);
         let mut sum: Option<(Id, Id)> = None;
         for (dof, multiple) in multiples {
-            let pair = self.multiple_angle(dof, angle.factor * multiple);
+            let pair = self.multiple_angle(dof, times * multiple);
             sum = Some(match sum {
                 Some(sum) => self.sum_of_angles(sum, pair),
                 None => pair,
@@ -121,7 +124,7 @@ impl Scratch<'_> {
         let (mut s, mut c) = sum.unwrap_or(one);
         let mut beside = None;
         if self.g.value(rest).is_none() {
-            let factor = self.g.constant(angle.factor);
+            let factor = self.g.constant(times);
             let (scaled, constant) = (self.g.mul(factor, rest), self.g.constant(constant));
             let x = self.g.add(scaled, constant);
             beside = Some((self.g.sin(x), self.g.cos(x)));
@@ -135,6 +138,7 @@ impl Scratch<'_> {
             self.g.name(s, || format!("s{pass}_{key}"));
             self.g.name(c, || format!("c{pass}_{key}"));
         }
+        let s = if sign < 0.0 { self.g.neg(s) } else { s };
         self.quarter_turns(s, c, quarters)
     }
 

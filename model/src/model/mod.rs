@@ -12,7 +12,6 @@ mod information;
 mod posture;
 mod records;
 mod sensor;
-mod sines;
 
 use std::ops::Deref;
 

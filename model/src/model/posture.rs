@@ -3,7 +3,6 @@
 //! Each function takes the effects that act on it: the CoP all that one posture shows,
 //! functions of the body those of the body, regressor rows those of the encoders.
 
-use super::sines;
 use crate::effects::{
     self, Catalog, ContextSource, EffectContext, Instance, Measured, PostureContext,
 };
@@ -27,12 +26,6 @@ pub(super) fn program(
     given: Given,
     baked: Option<Vec<f64>>,
 ) -> Option<Program> {
-    if given == Given::Positions && model.begins_with_sines() {
-        let of_sines = program(model, function, Given::SinesCosines, baked.clone());
-        if let Some(of_sines) = of_sines {
-            return Some(sines::of_positions(of_sines, model));
-        }
-    }
     if !can_be_had(model, function, given) {
         return None;
     }

@@ -104,7 +104,7 @@ pub(super) fn draft(
                 false => format!("<{tag}> stands for parts of the robot"),
             };
             let message = format!("an unexpanded xacro: {what}; {EXPAND}");
-            reader.report.called(line, message);
+            reader.report.complain(line, message);
             return draft;
         }
         let found = shown(reader.tag(node));

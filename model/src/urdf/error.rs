@@ -1,7 +1,7 @@
 //! Why a robot description cannot be used.
 
 use super::limits;
-use super::report::{Complaint, Faults, one_per_line};
+use super::report::{Complaint, one_per_line};
 
 /// A robot description that cannot be used.
 ///
@@ -47,9 +47,6 @@ enum Problem {
     /// All that is wrong with the text, in line order.
     #[error("{}", one_per_line(.0))]
     Faulty(Vec<Complaint>),
-    /// The same of a text that a program has to expand first.
-    #[error("{}", one_per_line(.0))]
-    Xacro(Vec<Complaint>),
 }
 
 impl Error {
@@ -59,7 +56,7 @@ impl Error {
             Problem::Missing { .. } => ErrorKind::Missing,
             Problem::Directory { .. } => ErrorKind::Directory,
             Problem::Unreadable { .. } => ErrorKind::Unreadable,
-            Problem::Faulty(_) | Problem::Xacro(_) => ErrorKind::Faulty,
+            Problem::Faulty(_) => ErrorKind::Faulty,
         }
     }
 
@@ -69,33 +66,16 @@ impl Error {
             Problem::Missing { file }
             | Problem::Directory { file }
             | Problem::Unreadable { file, .. } => Some(file),
-            Problem::Faulty(complaints) | Problem::Xacro(complaints) => {
-                complaints.first().map(|fault| fault.file.as_str())
-            }
+            Problem::Faulty(complaints) => complaints.first().map(|fault| fault.file.as_str()),
         }
     }
 
     /// The faults of the text in line order; none when the file could not be read at all.
     pub fn complaints(&self) -> &[Complaint] {
         match &self.0 {
-            Problem::Faulty(complaints) | Problem::Xacro(complaints) => complaints,
+            Problem::Faulty(complaints) => complaints,
             _ => &[],
         }
-    }
-
-    /// Whether the text is one that `xacro` has to expand first.
-    #[doc(hidden)]
-    pub fn is_xacro(&self) -> bool {
-        matches!(self.0, Problem::Xacro(_))
-    }
-}
-
-impl From<Faults> for Error {
-    fn from(faults: Faults) -> Error {
-        Error(match faults.is_xacro {
-            true => Problem::Xacro(faults.complaints),
-            false => Problem::Faulty(faults.complaints),
-        })
     }
 }
 

@@ -61,8 +61,6 @@ pub(super) struct Report {
     complaints: Vec<Complaint>,
     notes: Vec<Complaint>,
     unexpanded: Option<Unexpanded>,
-    /// An element of xacro stands for parts of the robot.
-    called: bool,
 }
 
 impl Report {
@@ -72,14 +70,7 @@ impl Report {
             complaints: Vec::new(),
             notes: Vec::new(),
             unexpanded: None,
-            called: false,
         }
-    }
-
-    /// A complaint about an element that xacro would replace.
-    pub(super) fn called(&mut self, line: u32, message: String) {
-        self.called = true;
-        self.complain(line, message);
     }
 
     fn entry(&self, line: u32, message: String) -> Complaint {
@@ -118,8 +109,7 @@ impl Report {
     }
 
     /// The notes, or every complaint.
-    pub(super) fn finish(mut self) -> Result<Vec<String>, Faults> {
-        let is_xacro = self.called || self.is_unexpanded();
+    pub(super) fn finish(mut self) -> Result<Vec<String>, Vec<Complaint>> {
         if let Some(Unexpanded { line, what, count }) = self.unexpanded.take() {
             let others = match count {
                 1 => String::new(),
@@ -133,20 +123,11 @@ impl Report {
         }
         if !self.complaints.is_empty() {
             self.complaints.sort_by_key(|complaint| complaint.line);
-            return Err(Faults {
-                complaints: self.complaints,
-                is_xacro,
-            });
+            return Err(self.complaints);
         }
         self.notes.sort_by_key(|note| note.line);
         Ok(self.notes.iter().map(Complaint::to_string).collect())
     }
-}
-
-/// Every complaint about a text, and whether `xacro` has to expand it first.
-pub(super) struct Faults {
-    pub complaints: Vec<Complaint>,
-    pub is_xacro: bool,
 }
 
 /// How to make a URDF of a xacro.

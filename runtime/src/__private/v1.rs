@@ -14,6 +14,57 @@ pub use crate::real::Real;
 /// An array of `T`.
 pub type Array<D, T> = <D as Dim>::Array<T>;
 
+/// Sines and cosines of the angles that links turn by: what a function's body reads.
+pub trait Angles<T> {
+    /// Those of angle `k`.
+    fn sin_cos(&self, k: usize) -> (T, T);
+}
+
+/// Sines and cosines that the caller has.
+impl<T: Real, const N: usize> Angles<T> for (&[T; N], &[T; N]) {
+    #[inline(always)]
+    fn sin_cos(&self, k: usize) -> (T, T) {
+        (self.0[k], self.1[k])
+    }
+}
+
+/// Most angles whose sines are computed without a loop: each where the body first needs it.
+const MOST_STRAIGHT: usize = 64;
+
+/// Sines and cosines of angles.
+pub struct Positions<T, const N: usize> {
+    /// The angles themselves where there is no loop.
+    sin: [T; N],
+    cos: [T; N],
+}
+
+impl<T: Real, const N: usize> Positions<T, N> {
+    /// Whether sines are computed in a loop before anything else, which the compiler digests.
+    const LOOP: bool = N > MOST_STRAIGHT;
+
+    #[inline(always)]
+    #[allow(missing_docs)]
+    pub fn new(angles: &[T; N]) -> Self {
+        let (mut sin, mut cos) = (*angles, *angles);
+        if Self::LOOP {
+            for ((sin, cos), angle) in sin.iter_mut().zip(&mut cos).zip(angles) {
+                (*sin, *cos) = angle.sin_cos();
+            }
+        }
+        Positions { sin, cos }
+    }
+}
+
+impl<T: Real, const N: usize> Angles<T> for Positions<T, N> {
+    #[inline(always)]
+    fn sin_cos(&self, k: usize) -> (T, T) {
+        match Self::LOOP {
+            true => (self.sin[k], self.cos[k]),
+            false => self.sin[k].sin_cos(),
+        }
+    }
+}
+
 /// Fails to compile where a function is used that the module was generated without.
 macro_rules! left_out {
     ($function:literal) => {

@@ -39,9 +39,9 @@ pub struct ModelUse {
     pub model: String,
     /// The line of a `build.rs`.
     pub build_rs: String,
-    /// The command or call that generates C.
+    /// What generates C.
     pub generate: String,
-    /// The call in C for the robot's CoM.
+    /// The CoM's call in C.
     pub c: &'static str,
 }
 

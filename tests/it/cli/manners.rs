@@ -306,45 +306,48 @@ fn other_formats_are_named_with_the_way_out() {
 /// A stand-in for `xacro` that prints a robot shows that its output is what is read.
 #[cfg(unix)]
 #[test]
-fn xacro_files_are_expanded_where_xacro_is_installed() {
-    for (name, body) in [
-        ("robot.urdf.xacro", ""),
-        // By what is in it, whatever its name.
-        ("robot.urdf", "<link name='${n}'/>"),
-        ("robot.xml", "<xacro:leg side='l'/>"),
+fn xacro_files_are_expanded_where_xacro_is_installed_and_the_user_asks() {
+    for (name, asks) in [
+        ("robot.urdf.xacro", false),
+        ("robot.urdf", true),
+        ("-x.xacro", false),
     ] {
-        expanded(name, body);
+        expanded(name, asks);
     }
 }
 
 #[cfg(unix)]
-fn expanded(name: &str, body: &str) {
+fn expanded(name: &str, asks: bool) {
     use std::os::unix::fs::PermissionsExt as _;
 
     let folder = folder();
-    let robot = folder.path().join(name);
     let text =
-        format!("<robot xmlns:xacro='http://ros.org/wiki/xacro' name='${{n}}'>{body}</robot>");
-    fs::write(&robot, text).unwrap();
+        "<robot xmlns:xacro='http://ros.org/wiki/xacro' name='${n}'><link name='${n}'/></robot>";
+    fs::write(folder.path().join(name), text).unwrap();
     let xacro = folder.path().join("xacro");
     let run = |path: &str| {
         let mut command = std::process::Command::new(program());
-        command.env("PATH", path);
-        command.args(["inspect", robot.to_str().unwrap(), "--support", "r_sole"]);
-        command.output().unwrap()
+        command.env("PATH", path).current_dir(folder.path());
+        command.args(["inspect", "--support", "r_sole"]);
+        command.args(asks.then_some("--xacro"));
+        command.args(["--", name]).output().unwrap()
     };
-    refused(
-        &run("/nowhere"),
-        &[name, "unexpanded xacro", "expand it first"],
-    );
-
+    match asks {
+        true => refused(&run("/nowhere"), &[name, "`xacro` is not installed"]),
+        false => refused(&run("/nowhere"), &[name, "unexpanded xacro"]),
+    }
     let folders = format!("{}:/usr/bin:/bin", folder.path().display());
     let script = |text: String| {
         fs::write(&xacro, text).unwrap();
         fs::set_permissions(&xacro, fs::Permissions::from_mode(0o755)).unwrap();
     };
-    script(format!("#!/bin/sh\ncat '{}'\n", op2()));
-    assert!(stdout(&run(&folders)).contains("op2"));
+    let is_file = "[ $# = 1 ] && [ -f \"$1\" ] && [ \"${1#-}\" = \"$1\" ] || exit 3";
+    script(format!("#!/bin/sh\n{is_file}\ncat '{}'\n", op2()));
+    let output = run(&folders);
+    assert!(stdout(&output).contains("op2"));
+    let said = String::from_utf8_lossy(&output.stderr);
+    let note = format!("note: {name} was expanded by xacro, which ran code of that file");
+    assert!(said.contains(&note), "{said}");
     script("#!/bin/sh\necho 'XacroException: no such macro' >&2\nexit 2\n".into());
     refused(&run(&folders), &[name, "XacroException: no such macro"]);
 }

@@ -93,12 +93,13 @@ const LINES: &[&str] = &[
     "sesc inspect op2.urdf --support r_sole",
     "sesc inspect op2.urdf --support none",
     "sesc verify op2.urdf --support r_sole --samples 20",
+    "sesc plan op2.urdf --support r_sole --poses 10 --candidates 100 --out poses.csv",
     "sesc plan op2.urdf --support r_sole --both-feet --poses 5 --candidates 50 --out few.csv",
     "sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.001 \
      --hide joint_offset:r_knee=3deg --out knee.csv",
     "sesc simulate op2.urdf --support r_sole --poses 600 --rate 50 --noise 0.0005 --out moving.csv",
-    "sesc fit op2.urdf --data knee.csv --out model.toml --physical --urdf corrected.urdf \
-     --report fit.html --robust huber",
+    "sesc fit op2.urdf --data knee.csv --out model.toml --robust huber",
+    "sesc fit op2.urdf --data knee.csv --physical --urdf corrected.urdf --report fit.html",
     "sesc fit op2.urdf --data moving.csv",
     "awk -F, -v OFS=, 'NR == 1 {for (i = 1; i <= NF; i++) if ($i ~ /^cop/) cop[i]} \
      NR > 1 {for (i in cop) $i = 0} 1' knee.csv > dead.csv; cp knee.csv.toml dead.csv.toml",
@@ -108,10 +109,10 @@ const LINES: &[&str] = &[
     "sesc diagnose op2.urdf --data knee.csv --servos servos.toml --out found.toml --urdf found.urdf",
     "sesc effects",
     "sesc compare model.toml found.toml",
-    "sesc predict op2.urdf --data few.csv --support r_sole",
-    "sesc predict op2.urdf --data few.csv --support r_sole --out predicted.csv",
+    "sesc predict op2.urdf --data poses.csv",
+    "sesc predict op2.urdf --data poses.csv --out predicted.csv",
     "sesc generate op2.urdf --support r_sole --name op2_r_sole --out src",
-    "mkdir logs; for k in 1 2 3; do cp knee.csv logs/r${k}_1.csv; echo '#' >> logs/r${k}_1.csv; \
+    "mkdir logs; for k in 1 2 3; do cp knee.csv logs/r${k}_1.csv; \
      cp knee.csv.toml logs/r${k}_1.csv.toml; done; echo pose,cop_x > logs/r4_1.csv",
     "sesc fleet op2.urdf --data logs --out fleet.csv",
 ];

@@ -189,10 +189,10 @@ fn a_pipe_that_closes_ends_the_words_and_not_the_files() {
     }
 }
 
-/// Two commands write the same files at the same time, again and again: in the end all are of
-/// one of them.
+/// Four commands write the same files at the same time, again and again: in the end all are of
+/// one of them, and nothing is left beside them.
 #[test]
-fn of_two_writers_at_once_one_has_all_files() {
+fn of_four_writers_at_once_one_has_all_files() {
     let inputs = Inputs::new();
     for writer in WRITERS {
         let pair = ["simulate, CSV", "fit", "generate, C"];
@@ -205,12 +205,13 @@ fn of_two_writers_at_once_one_has_all_files() {
             files(inputs.0.path())
         });
         for _ in 0..8 {
-            let both = writer.versions.map(|line| {
+            let [one, other] = writer.versions;
+            let four = [one, other, one, other].map(|line| {
                 let mut command = inputs.command(line);
                 command.stdout(Stdio::null()).stderr(Stdio::null());
                 command.spawn().unwrap()
             });
-            for mut child in both {
+            for mut child in four {
                 assert!(child.wait().unwrap().success(), "{}", writer.name);
             }
             let now = files(inputs.0.path());

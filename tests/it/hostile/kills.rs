@@ -1,6 +1,4 @@
-//! Commands that are killed at any moment leave every file as it was or as it will be, whole,
-//! and the next command sweeps what they left beside it. `cargo xtask kills` does the same a
-//! thousand times and more.
+//! Commands that are killed at any moment leave every file as it was or as it will be, whole.
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -15,13 +13,10 @@ const KILLS: u32 = 12;
 fn killed_commands_leave_old_files_or_new_ones() {
     let program = program();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let (mut hit, mut left) = (0, 0);
+    let mut hit = 0;
     // A demo takes seconds.
     for writer in WRITERS.into_iter().filter(|writer| writer.name != "demo") {
-        let tally = Victim::new(&program, writer).kill(KILLS, &mut rng).unwrap();
-        hit += tally.hit;
-        left += tally.left;
+        hit += Victim::new(&program, writer).kill(KILLS, &mut rng).unwrap();
     }
     assert!(hit >= 3 * KILLS, "only {hit} were killed before their end");
-    assert!(left > 0, "no kill left a file to sweep");
 }

@@ -244,3 +244,76 @@ fn urdfs_take_memory_in_proportion_to_the_file() {
     let comments = |n: usize| super::sizes::chain(3, false) + &"<!-- - -->\n".repeat(n);
     in_proportion("URDF of comments", 100, sizes(50_000, comments), inspect);
 }
+
+/// A robot of four joints that carries `n` links that do not move, each with what `each` says.
+fn loaded(n: usize, each: &str) -> String {
+    let mass = "<inertial><origin xyz='0 0 .1'/><mass value='1'/></inertial>";
+    let mut text = format!("<robot name='r'><link name='l0'>{mass}</link>");
+    for k in 1..5 {
+        text += &format!(
+            "<link name='l{k}'>{mass}</link><joint name='j{k}' type='revolute'>\
+             <parent link='l{}'/><child link='l{k}'/><origin xyz='0 0 .2'/><axis xyz='{} {} 0'/>\
+             <limit lower='-.3' upper='.3'/></joint>",
+            k - 1,
+            k % 2,
+            1 - k % 2
+        );
+    }
+    for k in 0..n {
+        text += &format!(
+            "<link name='x{k}'>{each}</link><joint name='f{k}' type='fixed'><parent link='l{}'/>\
+             <child link='x{k}'/></joint>",
+            1 + k % 4
+        );
+    }
+    text + "</robot>"
+}
+
+/// Links that do not move, with and without mass, under every command that takes a URDF.
+#[test]
+fn fixed_links_take_memory_in_proportion_to_the_file_in_every_command() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let log = at("log.csv");
+    let bare = write(folder.path(), "bare.urdf", loaded(0, ""));
+    let simulate = ["--poses", "60", "--noise", "0.0005", "--out", &log];
+    let support = ["--support", "l0"];
+    stdout(&sesc(
+        &[&["simulate", &bare][..], &support, &simulate].concat(),
+    ));
+    let light = "<inertial><mass value='.001'/></inertial>";
+    for (what, each) in [("without mass", ""), ("with mass", light)] {
+        for options in [
+            &["inspect"][..],
+            &["generate", "--lang", "c", "--out", &at("c")],
+            &["verify", "--samples", "5"],
+            &[
+                "plan",
+                "--poses",
+                "6",
+                "--cop-box",
+                "0.05",
+                "--out",
+                &at("poses.csv"),
+            ],
+            &["simulate", "--poses", "6", "--out", &at("new.csv")],
+            &["predict", "--data", &log],
+            &["fit", "--data", &log],
+            &["fit", "--data", &log, "--prior", "free"],
+            &["diagnose", "--data", &log],
+            &["fleet", "--data", &log, "--out", &at("fleet.csv")],
+        ] {
+            let few = write(folder.path(), "r.urdf", loaded(8, each));
+            stdout(&sesc(
+                &[&options[..1], &[&few], &support, &options[1..]].concat(),
+            ));
+            let run = |text: &str| {
+                let urdf = write(folder.path(), "r.urdf", text);
+                peak(&[&options[..1], &[&urdf], &support, &options[1..]].concat())
+            };
+            let links = |n: usize| loaded(n, each);
+            let what = format!("{} of fixed links {what}", options[0]);
+            in_proportion(&what, 200, sizes(500, links), run);
+        }
+    }
+}

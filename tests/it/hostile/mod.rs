@@ -10,5 +10,6 @@ mod kills;
 mod memory;
 mod names;
 mod overwrites;
+mod programs;
 mod sizes;
 mod values;

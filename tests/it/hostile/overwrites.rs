@@ -317,28 +317,6 @@ fn outputs_take_the_place_of_their_like_alone() {
             is_there,
         ),
         ("demo --out thesis.html", is_there),
-        // Ends of names.
-        ("fit a.urdf --data log.csv --out b.urdf", "written as .toml"),
-        (
-            "fit a.urdf --data log.csv --urdf c.txt",
-            "written as .urdf or .xml",
-        ),
-        (
-            "fit a.urdf --data log.csv --report r.pdf",
-            "written as .html or .htm",
-        ),
-        (
-            "fit a.urdf --data log.csv --partial a.txt",
-            "written as .part",
-        ),
-        (
-            "diagnose a.urdf --data log.csv --mcap new.bag",
-            "written as .mcap",
-        ),
-        (
-            &format!("{plan} free.csv --report foot.stl"),
-            ".html or .htm",
-        ),
     ] {
         refused(&inputs.run(line), &[said]);
     }

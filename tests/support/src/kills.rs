@@ -5,11 +5,10 @@
 //! start A or B ── random moment ──▶ SIGKILL ──▶ every file is A's or B's, to the byte
 //! ```
 //!
-//! Temporary files are left by a kill; the next run of the command sweeps them.
+//! A kill may leave temporary files, `.sesc-….part`, beside the outputs.
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::ops::AddAssign;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -142,31 +141,6 @@ pub const WRITERS: [Writer; 13] = [
     ),
 ];
 
-/// What kills of one command left.
-#[derive(Debug, Clone, Default)]
-pub struct Tally {
-    /// Kills that came before the command's end.
-    pub hit: u32,
-    /// Commands that were at their end already.
-    pub late: u32,
-    /// Hits that left every output as it was before.
-    pub old: u32,
-    /// Hits that left outputs of both versions beside each other, each whole.
-    pub mixed: u32,
-    /// Hits that left a temporary file.
-    pub left: u32,
-}
-
-impl AddAssign<&Tally> for Tally {
-    fn add_assign(&mut self, other: &Tally) {
-        self.hit += other.hit;
-        self.late += other.late;
-        self.old += other.old;
-        self.mixed += other.mixed;
-        self.left += other.left;
-    }
-}
-
 /// A folder in which one command is killed.
 pub struct Victim<'p> {
     program: &'p Path,
@@ -195,7 +169,7 @@ impl<'p> Victim<'p> {
             let begun = Instant::now();
             victim.complete(version);
             victim.took = begun.elapsed();
-            victim.whole[version] = files(victim.at(), false);
+            victim.whole[version] = files(victim.at());
         }
         assert_ne!(victim.whole[0], victim.whole[1], "{}", writer.name);
         victim
@@ -251,85 +225,45 @@ impl<'p> Victim<'p> {
         self.to_its_end(self.writer.versions[version]);
     }
 
-    /// Kill the command `times` times, half of the kills towards its end, where it writes.
+    /// Kill the command `times` times, half of the kills towards its end, where it writes; how
+    /// many came before its end.
     ///
     /// # Errors
     /// A file that is neither the old one nor the new one, whole, or that is gone.
-    pub fn kill(&self, times: u32, rng: &mut impl Rng) -> Result<Tally, String> {
-        let mut tally = Tally::default();
+    pub fn kill(&self, times: u32, rng: &mut impl Rng) -> Result<u32, String> {
+        let mut hit = 0;
         for _ in 0..times {
             let version = usize::from(rng.random_bool(0.5));
             let from = if rng.random_bool(0.5) { 0.8 } else { 0.0 };
             self.clear();
-            let before = files(self.at(), false);
+            let before = files(self.at());
             let mut child = self.start(self.writer.versions[version]);
             std::thread::sleep(self.took.mul_f64(rng.random_range(from..1.02)));
             let killed = child.kill();
             let status = child.wait().map_err(|error| error.to_string())?;
             killed.map_err(|error| error.to_string())?;
-            self.look(!status.success(), &before, &mut tally)?;
+            self.look(&before)?;
+            hit += u32::from(!status.success());
         }
-        self.swept()?;
-        Ok(tally)
+        Ok(hit)
     }
 
-    /// What is there after a kill.
-    fn look(
-        &self,
-        hit: bool,
-        before: &BTreeMap<PathBuf, Vec<u8>>,
-        tally: &mut Tally,
-    ) -> Result<(), String> {
-        let now = files(self.at(), false);
-        for (name, bytes) in &now {
-            if !self
-                .whole
-                .iter()
-                .any(|whole| whole.get(name) == Some(bytes))
-            {
-                return Err(format!(
-                    "{}: {} is neither the old file nor the new one",
-                    self.writer.name,
-                    name.display()
-                ));
-            }
-        }
-        if let Some(gone) = before.keys().find(|name| !now.contains_key(*name)) {
-            return Err(format!("{}: {} is gone", self.writer.name, gone.display()));
-        }
-        if !hit {
-            tally.late += 1;
-            return Ok(());
-        }
-        tally.hit += 1;
-        tally.old += u32::from(now == *before);
-        // Files in which the versions differ, by the version that is there.
-        let of = |version: usize| {
-            let [own, other] = [&self.whole[version], &self.whole[1 - version]];
-            let differs =
-                |name: &PathBuf| other.get(name).is_some_and(|x| own.get(name) != Some(x));
-            now.iter()
-                .any(|(name, bytes)| differs(name) && own.get(name) == Some(bytes))
+    /// Whether every file that is there after a kill is whole, and none is gone.
+    fn look(&self, before: &BTreeMap<PathBuf, Vec<u8>>) -> Result<(), String> {
+        let now = files(self.at());
+        let is_whole = |(name, bytes): &(&PathBuf, &Vec<u8>)| {
+            let mut versions = self.whole.iter();
+            versions.any(|whole| whole.get(*name) == Some(*bytes))
         };
-        tally.mixed += u32::from(of(0) && of(1));
-        let temporary = files(self.at(), true).len() > now.len();
-        tally.left += u32::from(temporary);
-        Ok(())
-    }
-
-    /// Whether a run to the end sweeps what kills left, also where it would change no file.
-    fn swept(&self) -> Result<(), String> {
-        self.to_its_end(self.writer.versions[0]);
-        self.to_its_end(self.writer.versions[0]);
-        let all = files(self.at(), true);
-        match all.keys().find(|name| is_temporary(name)) {
-            Some(left) => Err(format!(
-                "{}: {} is not swept",
-                self.writer.name,
-                left.display()
-            )),
-            None => Ok(()),
-        }
+        let wrong = now.iter().find(|file| !is_whole(file));
+        let gone = before.keys().find(|name| !now.contains_key(*name));
+        let said = match (wrong, gone) {
+            (Some((name, _)), _) => (name, "neither the old file nor the new one"),
+            (None, Some(name)) => (name, "gone"),
+            (None, None) => return Ok(()),
+        };
+        let (name, what) = (said.0.display(), said.1);
+        Err(format!("{}: {name} is {what}", self.writer.name))
     }
 }
 
@@ -338,14 +272,14 @@ fn is_temporary(path: &Path) -> bool {
     name.starts_with(".sesc-")
 }
 
-/// All files of a folder and of those in it, by name, with or without temporary ones.
-fn files(folder: &Path, temporary: bool) -> BTreeMap<PathBuf, Vec<u8>> {
+/// All files of a folder and of those in it, by name, but for temporary ones.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         if path.is_dir() {
-            found.extend(files(&path, temporary));
-        } else if temporary || !is_temporary(&path) {
+            found.extend(files(&path));
+        } else if !is_temporary(&path) {
             let bytes = fs::read(&path).expect("a file");
             found.insert(path, bytes);
         }

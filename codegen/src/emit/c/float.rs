@@ -1,5 +1,6 @@
 //! Function bodies in floating point: the listing as C expressions.
 
+use super::core::{Core, Turned};
 use super::helpers::{Calls, Helper};
 use super::sines::{self, SinCos, Statement};
 use super::{Scalar, pair, spelled};
@@ -16,8 +17,34 @@ pub(super) fn body(program: &Program, scalar: Scalar, calls: &Calls, output: &st
         scalar,
         calls,
         shared: None,
+        core: None,
     };
     spelling.lines(output)
+}
+
+/// The same of a body that functions of positions and of sines and cosines share.
+pub(super) fn core(core: &Core, scalar: Scalar, calls: &Calls, output: &str) -> Vec<String> {
+    let listing = Listing::new(&core.shared.core, Results::AtTheEnd);
+    let spelling = Spelling {
+        listing: &listing,
+        scalar,
+        calls,
+        shared: None,
+        core: Some(core),
+    };
+    spelling.lines(output)
+}
+
+/// A value that takes no statements.
+pub(super) fn value(listing: &Listing, scalar: Scalar, calls: &Calls, id: Id) -> String {
+    let spelling = Spelling {
+        listing,
+        scalar,
+        calls,
+        shared: None,
+        core: None,
+    };
+    spelling.operand(id).0
 }
 
 /// The same for a block of postures: entry k of an array stands n postures after entry k - 1.
@@ -33,6 +60,7 @@ pub(super) fn lanes(program: &Program, scalar: Scalar, calls: &Calls, output: &s
         scalar,
         calls,
         shared: Some(shared(program)),
+        core: None,
     };
     spelling.lines(output)
 }
@@ -56,6 +84,8 @@ struct Spelling<'l, 'p> {
     /// For a block of postures, the nodes that are one number for all of them; the others
     /// have a lane for each.
     shared: Option<Vec<bool>>,
+    /// The body that this is, where two functions share it.
+    core: Option<&'l Core>,
 }
 
 impl Spelling<'_, '_> {
@@ -114,6 +144,10 @@ impl Spelling<'_, '_> {
                     let of = self.type_of(angle);
                     lines.push(format!("{of} {};", pair[0]));
                     lines.push(format!("{of} {};", pair[1]));
+                    if let Some(core) = self.core {
+                        lines.extend(self.turned(core, angle, pair));
+                        continue;
+                    }
                     let helper = match self.is_lanes(angle) {
                         true => Helper::SincosLanes,
                         false => Helper::Sincos,
@@ -139,6 +173,31 @@ impl Spelling<'_, '_> {
             }
         }
         lines
+    }
+
+    /// The sine and cosine of an angle of a body that two functions share.
+    fn turned(&self, core: &Core, angle: Id, [sine, cosine]: [String; 2]) -> Vec<String> {
+        let place = core.shared.place(angle);
+        let Some(Turned {
+            angle,
+            sine_and_cosine: [s, c],
+        }) = &core.turned[place]
+        else {
+            let joint = core.shared.angles[place].joint;
+            let arguments = [Argument::Positions, Argument::Sines, Argument::Cosines];
+            let [q, s, c] = arguments.map(|array| format!("{}[{joint}]", spelled(array)));
+            let arguments = format!("of_sines, {q}, {s}, {c}, &{sine}, &{cosine}");
+            return vec![self.calls.call(Helper::Turn, &arguments) + ";"];
+        };
+        let of_angle = format!("{angle}, &{sine}, &{cosine}");
+        vec![
+            "if (of_sines != 0) {".to_string(),
+            format!("    {sine} = {s};"),
+            format!("    {cosine} = {c};"),
+            "} else {".to_string(),
+            format!("    {};", self.calls.call(Helper::Sincos, &of_angle)),
+            "}".to_string(),
+        ]
     }
 
     /// Two angles of a block of postures less quarter turns.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::exported::{Exported, Input};
 use super::helpers::Calls;
 use super::lanes::{self, Block};
-use super::{Scalar, fixed, float, spelled};
+use super::{Scalar, core, fixed, float, spelled};
 use crate::emit::header;
 use crate::facts::Facts;
 use sesc_model::expr::Argument;
@@ -24,8 +24,17 @@ pub(super) struct Text {
     declaration: String,
     definition: String,
     body: Vec<String>,
+    /// The body that it shares with its counterpart of sines and cosines, before the first.
+    core: Option<core::Text>,
     /// For functions of many postures: the function of one register's postures.
     block: Option<Block>,
+}
+
+impl Text {
+    /// Whether the body is another's, too.
+    pub(super) fn is_shared(&self) -> bool {
+        self.core.is_some()
+    }
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -64,13 +73,16 @@ impl Parameter {
 pub(super) fn text(
     facts: &Facts,
     routine: &Exported,
+    all: &[Exported],
     scalar: Scalar,
     name: &str,
     calls: &Calls,
 ) -> Text {
     let output = routine.output();
+    let core = core::of(routine, all, scalar, calls);
     let block = (routine.is_batch()).then(|| lanes::block(routine, scalar, name, calls));
     let body = match (routine.input, &routine.formats) {
+        _ if core.is_some() => core::call(routine, name),
         (Input::Ticks, _) => ticks_body(routine, name),
         (Input::Batch, _) => lanes::body(routine, name, calls),
         (_, Some(formats)) => fixed::body(&routine.program, formats, calls, output),
@@ -82,7 +94,15 @@ pub(super) fn text(
         let declarations: Vec<String> = parameters.iter().map(parameter).collect();
         signature(&declarations, before)
     };
+    let core = core
+        .filter(|_| routine.given == Given::Positions)
+        .map(|core| {
+            // Joint positions come first.
+            let others: Vec<String> = parameters[1..].iter().map(Parameter::defined).collect();
+            core.text(routine, &others, scalar, name, calls)
+        });
     Text {
+        core,
         name: routine.name(),
         brief: routine.function.sentences(facts.has_static_effects())[1],
         details: details(facts, routine),

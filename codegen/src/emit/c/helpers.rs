@@ -12,6 +12,8 @@ use super::Scalar;
 pub(super) enum Helper {
     /// Sine and cosine of an angle.
     Sincos,
+    /// Sine and cosine of an angle, or those that are given.
+    Turn,
     /// Sine and cosine of a step of the table.
     Lookup,
     /// 64 bits to 32 with fewer bits below the point, rounded.
@@ -44,6 +46,7 @@ impl Helper {
     fn name(self) -> &'static str {
         match self {
             Helper::Sincos => "sincos",
+            Helper::Turn => "turn",
             Helper::Lookup => "lookup",
             Helper::Narrow => "narrow",
             Helper::ShiftUp => "shift_up",
@@ -66,6 +69,7 @@ impl Helper {
     fn calls(self, scalar: Scalar) -> &'static [Helper] {
         match (self, scalar) {
             (Helper::Sincos, Scalar::Fixed32) => &[Helper::Lookup, Helper::Narrow],
+            (Helper::Turn, _) => &[Helper::Sincos],
             (Helper::ClampLanes, _) => &[Helper::Splat],
             _ => &[],
         }
@@ -113,6 +117,7 @@ impl<'n> Calls<'n> {
         let template = |of_what: &str| format!("{of_what}_{of}.c");
         context! {
             has_kernel => has(Helper::Sincos),
+            has_turn => has(Helper::Turn),
             has_table => has(Helper::Lookup),
             has_narrow => has(Helper::Narrow),
             has_shift_up => has(Helper::ShiftUp),

@@ -7,6 +7,7 @@
 
 mod about;
 mod columns;
+mod core;
 mod data;
 mod estimator;
 mod exported;
@@ -137,7 +138,7 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
     let calls = Calls::new(name);
     let functions: Vec<functions::Text> = routines
         .iter()
-        .map(|routine| functions::text(facts, routine, options.scalar, name, &calls))
+        .map(|routine| functions::text(facts, routine, &routines, options.scalar, name, &calls))
         .collect();
     let from_ticks = ticks
         .as_ref()
@@ -160,6 +161,7 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
         includes_stdint => options.scalar == Scalar::Fixed32
             || from_ticks.is_some()
             || options.estimator,
+        has_shared => functions.iter().any(functions::Text::is_shared),
         has_lanes => options.lanes.is_some(),
         most_lanes => options.lanes,
         registers => listed(registers),

@@ -9,6 +9,7 @@ use quote::{format_ident, quote};
 use super::number;
 use super::printed::Notes;
 use crate::emit::listing::{Line, Listing, Strength};
+use crate::emit::shared::Shared;
 use sesc_model::expr::{Expr, Id};
 use sesc_model::program::{Program, Shape};
 
@@ -17,6 +18,8 @@ pub(super) struct Body<'p> {
     listing: Listing<'p>,
     /// The matrix that results are written to; without one they are the value of the body.
     matrix: Option<Ident>,
+    /// Where sines and cosines come from an argument, the angles there.
+    shared: Option<&'p Shared>,
     statements: Vec<TokenStream>,
     /// Parts that got names of their own: `p1`, `p2`, …
     parts: usize,
@@ -32,10 +35,15 @@ enum Place<'n> {
 }
 
 impl<'p> Body<'p> {
-    pub(super) fn new(listing: Listing<'p>, matrix: Option<Ident>) -> Body<'p> {
+    pub(super) fn new(
+        listing: Listing<'p>,
+        matrix: Option<Ident>,
+        shared: Option<&'p Shared>,
+    ) -> Body<'p> {
         Body {
             listing,
             matrix,
+            shared,
             statements: Vec::new(),
             parts: 0,
         }
@@ -65,6 +73,22 @@ impl<'p> Body<'p> {
         quote! { #(#statements)* #value }
     }
 
+    /// What the values of a program need, then the values.
+    pub(super) fn values(mut self) -> (Vec<TokenStream>, Vec<TokenStream>) {
+        for line in std::mem::take(&mut self.listing.lines) {
+            if let Line::Let(id) = line {
+                let name = self.name(id).expect("a statement binds a name");
+                let expr = self.program().expr(id);
+                let (value, _) = self.expression(expr, Place::Open, Some(&name));
+                self.statements.push(quote! { let #name = #value; });
+            }
+        }
+        let outputs = self.program().outputs.iter();
+        let values = outputs.map(|id| self.operand(*id, Place::Open, Strength::Sum));
+        let values = values.collect();
+        (self.statements, values)
+    }
+
     fn program(&self) -> &'p Program {
         self.listing.program
     }
@@ -76,12 +100,21 @@ impl<'p> Body<'p> {
 
     /// Sine and cosine of one angle, even when only one of them is needed.
     fn sin_cos(&mut self, angle: Id, pair: [Option<Id>; 2]) -> TokenStream {
-        let value = self.operand(angle, Place::Open, Strength::Atom);
+        let value = match self.shared {
+            Some(shared) => {
+                let place = Literal::usize_unsuffixed(shared.place(angle));
+                quote!(angles.sin_cos(#place))
+            }
+            None => {
+                let value = self.operand(angle, Place::Open, Strength::Atom);
+                quote!(#value.sin_cos())
+            }
+        };
         let [s, c] = pair.map(|id| match id.and_then(|id| self.name(id)) {
             Some(name) => quote!(#name),
             None => quote!(_),
         });
-        quote! { let (#s, #c) = #value.sin_cos(); }
+        quote! { let (#s, #c) = #value; }
     }
 
     /// An operand: its name, or its expression written out.

@@ -7,13 +7,11 @@ use crate::facts::Facts;
 use sesc_model::expr::Argument;
 use sesc_model::{Extent, Function, Given};
 
-/// Parameters of a function and the names to pass on.
+/// Parameters for these arguments and the names to pass on.
 pub(super) fn signature(
-    function: Function,
-    given: Given,
+    arguments: &[Argument],
     rename: impl Fn(Argument) -> String,
 ) -> (TokenStream, Vec<Ident>) {
-    let arguments = function.arguments(given);
     let idents: Vec<Ident> = arguments
         .iter()
         .map(|argument| Ident::new(&rename(*argument), Span::call_site()))
@@ -43,7 +41,7 @@ fn filled(function: Function, rows: Option<usize>, with: &TokenStream) -> TokenS
 }
 
 /// A length as generated code names it.
-fn extent(extent: Extent) -> TokenStream {
+pub(super) fn extent(extent: Extent) -> TokenStream {
     match extent {
         Extent::Fixed(n) => {
             let n = Literal::usize_unsuffixed(n);

@@ -303,32 +303,13 @@ impl v1::Robot for Lift {
 
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        // thumb
-        let e1 = q[1] - T::from_f64(0.5636476090008061);
-        let (s_thumb, c_thumb) = e1.sin_cos();
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let e2 = q[1] - T::from_f64(0.4636476090008061);
-        let (s_wrist, c_wrist) = e2.sin_cos();
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        // lift
-        let e4 = t_wrist_x.mul_plus(T::from_f64(0.5), -e3);
-        let e4 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e4);
-        let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-        let w_wrist_z = e4
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.7453559924999299) * t_thumb_y),
-            );
-        // base
-        let v_base_x = r[0] + w_wrist_x;
-        let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
-        let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
-        [v_base_x, v_base_y, v_base_z]
+        Lift::com_core(
+            &v1::Positions::new(
+                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
+            ),
+            q,
+            r,
+        )
     }
 
     #[inline(always)]
@@ -337,515 +318,89 @@ impl v1::Robot for Lift {
         r: &[T; BASE_PARAMS],
         jacobian: &mut [[T; DOF]; 3],
     ) {
-        let zero = T::from_f64(0.0);
-        jacobian[2][0] = r[3];
-        jacobian[0][0] = zero;
-        jacobian[1][0] = zero;
-        // thumb
-        let e1 = q[1] - T::from_f64(0.5636476090008061);
-        let (s_thumb, c_thumb) = e1.sin_cos();
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let e2 = q[1] - T::from_f64(0.4636476090008061);
-        let (s_wrist, c_wrist) = e2.sin_cos();
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        // wrist
-        let e4 = T::from_f64(0.6666666666666667) * c_wrist;
-        let e5 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = e4 + e5;
-        let e6 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e7 = T::from_f64(0.6666666666666667) * s_wrist;
-        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e6);
-        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e5);
-        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e7);
-        // thumb
-        let p1 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let p2 = e3
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.6666666666666666) * t_wrist_x),
-            );
-        jacobian[0][1] = (e7 - e6).mul_plus(t_thumb_y, -(p1 * t_thumb_x)) - p2;
-        let p3 = by_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-        let p4 = p3.mul_plus(t_thumb_x, by_wrist_y * t_thumb_y);
-        jacobian[1][1] = t_wrist_x
-            .mul_plus(T::from_f64(0.33333333333333326), T::from_f64(0.6666666666666666) * e3) - p4;
-        let p5 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
-        let p6 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let p7 = t_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * e3);
-        jacobian[2][1] = p5.mul_plus(t_thumb_y, -(p6 * t_thumb_x)) - p7;
+        Lift::com_jacobian_core(
+            &v1::Positions::new(
+                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
+            ),
+            r,
+            jacobian,
+        );
     }
 
     #[inline(always)]
     fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        // thumb
-        let e1 = q[1] - T::from_f64(0.5636476090008061);
-        let (s_thumb, c_thumb) = e1.sin_cos();
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let e2 = q[1] - T::from_f64(0.4636476090008061);
-        let (s_wrist, c_wrist) = e2.sin_cos();
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        // thumb
-        let e3 = qd[1] * t_thumb_y;
-        let dt_thumb_y = qd[1] * t_thumb_x;
-        // wrist
-        let e4 = T::from_f64(0.6666666666666666) * dt_thumb_y;
-        let p1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        let dt_wrist_x = s_wrist.mul_plus(e3, -(c_wrist * e4));
-        let dt_wrist_x = (-qd[1]).mul_plus(p1, dt_wrist_x);
-        let dt_wrist_y = s_wrist.mul_plus(e4, c_wrist * e3);
-        let dt_wrist_y = (-qd[1]).mul_plus(t_wrist_x, dt_wrist_y);
-        // lift
-        let e5 = dt_wrist_x.mul_plus(T::from_f64(0.5), dt_wrist_y);
-        let e5 = dt_thumb_y.mul_plus(T::from_f64(0.372677996249965), e5);
-        let dv_lift_x = (-e5).mul_plus(T::from_f64(0.6666666666666666), dt_wrist_x);
-        let dv_lift_y = (-e5).mul_plus(T::from_f64(1.3333333333333333), dt_wrist_y);
-        let dv_lift_z = e5
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.7453559924999299) * dt_thumb_y),
-            );
-        // base
-        let dv_base_z = qd[0].mul_plus(r[3], dv_lift_z);
-        [dv_lift_x, dv_lift_y, dv_base_z]
+        Lift::com_velocity_core(
+            &v1::Positions::new(
+                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
+            ),
+            qd,
+            r,
+        )
     }
 
     #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-        // thumb
-        let e1 = q[1] - T::from_f64(0.5636476090008061);
-        let (s_thumb, c_thumb) = e1.sin_cos();
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let e2 = q[1] - T::from_f64(0.4636476090008061);
-        let (s_wrist, c_wrist) = e2.sin_cos();
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        // wrist
-        let bz_wrist_x = c_wrist
-            .mul_plus(
-                T::from_f64(0.33333333333333337),
-                -(T::from_f64(0.6666666666666667) * s_wrist),
-            );
-        let p1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        let p2 = c_wrist
-            .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * s_wrist);
-        let p3 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let p4 = p2.mul_plus(t_thumb_y, -(p3 * t_thumb_x));
-        [
-            -r[3],
-            t_wrist_x
-                .mul_plus(
-                    T::from_f64(0.6666666666666667),
-                    T::from_f64(0.33333333333333337) * p1,
-                ) - p4,
-        ]
+        Lift::gravity_moments_core(
+            &v1::Positions::new(
+                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
+            ),
+            r,
+        )
     }
 
     #[inline(always)]
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[2][3] = q[0];
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[2][2] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][3] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        // wrist
-        let e1 = q[1] - T::from_f64(0.4636476090008061);
-        let (s_wrist, c_wrist) = e1.sin_cos();
-        let e2 = T::from_f64(0.6666666666666667) * c_wrist;
-        let e3 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = e2 + e3;
-        rows[0][4] = bx_wrist_x;
-        let e4 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e5 = T::from_f64(0.6666666666666667) * s_wrist;
-        let e6 = e5 - e4;
-        let bx_wrist_y = -e6;
-        rows[0][5] = bx_wrist_y;
-        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e4);
-        rows[1][4] = by_wrist_x;
-        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
-        rows[1][5] = by_wrist_y;
-        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e5);
-        rows[2][4] = bz_wrist_x;
-        let e7 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e2);
-        let bz_wrist_y = -e7;
-        rows[2][5] = bz_wrist_y;
-        // thumb
-        let e8 = q[1] - T::from_f64(0.5636476090008061);
-        let (s_thumb, c_thumb) = e8.sin_cos();
-        let e9 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let bx_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
-        rows[0][6] = bx_thumb_x;
-        let bx_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
-        rows[0][7] = bx_thumb_y;
-        let e10 = by_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e10 * s_thumb));
-        rows[1][6] = by_thumb_x;
-        let by_thumb_y = e10.mul_plus(c_thumb, by_wrist_y * s_thumb);
-        rows[1][7] = by_thumb_y;
-        let e11 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let bz_thumb_x = -e7.mul_plus(c_thumb, e11 * s_thumb);
-        rows[2][6] = bz_thumb_x;
-        let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
-        rows[2][7] = bz_thumb_y;
+        Lift::regressor_core(
+            &v1::Positions::new(
+                &[q[1] - T::from_f64(0.4636476090008061), q[1] - T::from_f64(0.5636476090008061)],
+            ),
+            q,
+            rows,
+        );
     }
 
     #[inline(always)]
     fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][3] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        // wrist
-        let e1 = q[1] - T::from_f64(0.4636476090008061);
-        let (s_wrist, c_wrist) = e1.sin_cos();
-        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), e2);
-        rows[0][4] = bx_wrist_x;
-        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e4 = s_wrist.mul_plus(T::from_f64(0.6666666666666667), -e3);
-        let bx_wrist_y = -e4;
-        rows[0][5] = bx_wrist_y;
-        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e3);
-        rows[1][4] = by_wrist_x;
-        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
-        rows[1][5] = by_wrist_y;
-        // thumb
-        let e5 = q[1] - T::from_f64(0.5636476090008061);
-        let (s_thumb, c_thumb) = e5.sin_cos();
-        let e6 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let bx_thumb_x = -e4.mul_plus(c_thumb, e6 * s_thumb);
-        rows[0][6] = bx_thumb_x;
-        let bx_thumb_y = -e4.mul_plus(s_thumb, -(e6 * c_thumb));
-        rows[0][7] = bx_thumb_y;
-        let e7 = by_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e7 * s_thumb));
-        rows[1][6] = by_thumb_x;
-        let by_thumb_y = e7.mul_plus(c_thumb, by_wrist_y * s_thumb);
-        rows[1][7] = by_thumb_y;
+        Lift::regressor_cop_core(
+            &v1::Positions::new(
+                &[q[1] - T::from_f64(0.4636476090008061), q[1] - T::from_f64(0.5636476090008061)],
+            ),
+            rows,
+        );
     }
 
     #[inline(always)]
     fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[2][6] = q[0];
-        rows[0][0] = one;
-        rows[0][3] = one;
-        rows[1][1] = one;
-        rows[1][4] = one;
-        rows[2][2] = one;
-        rows[2][5] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][4] = zero;
-        rows[0][5] = zero;
-        rows[0][6] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[1][5] = zero;
-        rows[1][6] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        rows[2][3] = zero;
-        rows[2][4] = zero;
-        // wrist
-        let e1 = q[1] - T::from_f64(0.4636476090008061);
-        let (s_wrist, c_wrist) = e1.sin_cos();
-        let e2 = T::from_f64(0.6666666666666667) * c_wrist;
-        let e3 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = e2 + e3;
-        let e4 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e5 = T::from_f64(0.6666666666666667) * s_wrist;
-        let e6 = e5 - e4;
-        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e4);
-        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
-        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e5);
-        let e7 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e2);
-        // thumb
-        let e8 = q[1] - T::from_f64(0.5636476090008061);
-        let (s_thumb, c_thumb) = e8.sin_cos();
-        let e9 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let kx_thumb_z = bx_wrist_x
-            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
-        rows[0][12] = kx_thumb_z;
-        let bx_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
-        rows[0][10] = bx_thumb_x;
-        let bx_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
-        rows[0][11] = bx_thumb_y;
-        let e10 = by_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-        let ky_thumb_z = by_wrist_x
-            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
-        rows[1][12] = ky_thumb_z;
-        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e10 * s_thumb));
-        rows[1][10] = by_thumb_x;
-        let by_thumb_y = e10.mul_plus(c_thumb, by_wrist_y * s_thumb);
-        rows[1][11] = by_thumb_y;
-        let e11 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let kz_thumb_z = bz_wrist_x
-            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
-        rows[2][12] = kz_thumb_z;
-        let bz_thumb_x = -e7.mul_plus(c_thumb, e11 * s_thumb);
-        rows[2][10] = bz_thumb_x;
-        let bz_thumb_y = -e7.mul_plus(s_thumb, -(e11 * c_thumb));
-        rows[2][11] = bz_thumb_y;
-        rows[0][7] = bx_wrist_x
-            .mul_plus(
-                T::from_f64(0.29814239699997197),
-                -(T::from_f64(0.8944271909999159) * e6),
-            ) + T::from_f64(0.11111111111111112);
-        rows[0][8] = -kx_thumb_z;
-        rows[0][9] = bx_wrist_x
-            .mul_plus(
-                T::from_f64(0.5962847939999439),
-                T::from_f64(0.4472135954999579) * e6,
-            ) + T::from_f64(0.22222222222222224);
-        rows[1][7] = by_wrist_x
-            .mul_plus(
-                T::from_f64(0.29814239699997197),
-                T::from_f64(0.8944271909999159) * by_wrist_y,
-            ) + T::from_f64(0.22222222222222224);
-        rows[1][8] = -ky_thumb_z;
-        rows[1][9] = by_wrist_x
-            .mul_plus(
-                T::from_f64(0.5962847939999439),
-                -(T::from_f64(0.4472135954999579) * by_wrist_y),
-            ) + T::from_f64(0.4444444444444445);
-        rows[2][7] = bz_wrist_x
-            .mul_plus(
-                T::from_f64(0.29814239699997197),
-                -(T::from_f64(0.8944271909999159) * e7),
-            ) + T::from_f64(0.22222222222222215);
-        rows[2][8] = -kz_thumb_z;
-        rows[2][9] = bz_wrist_x
-            .mul_plus(
-                T::from_f64(0.5962847939999439),
-                T::from_f64(0.4472135954999579) * e7,
-            ) + T::from_f64(0.4444444444444443);
+        Lift::regressor_full_core(
+            &v1::Positions::new(
+                &[q[1] - T::from_f64(0.4636476090008061), q[1] - T::from_f64(0.5636476090008061)],
+            ),
+            q,
+            rows,
+        );
     }
 
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // thumb
-        let e1 = q[1] - T::from_f64(0.5636476090008061);
-        let (s_thumb, c_thumb) = e1.sin_cos();
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let e2 = q[1] - T::from_f64(0.4636476090008061);
-        let (s_wrist, c_wrist) = e2.sin_cos();
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        // lift
-        let e4 = t_wrist_x.mul_plus(T::from_f64(0.5), -e3);
-        let e4 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e4);
-        let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-        // base
-        let v_base_x = r[0] + w_wrist_x;
-        let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
-        [v_base_x, v_base_y]
+        Lift::cop_core(
+            &v1::Positions::new(
+                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
+            ),
+            r,
+        )
     }
 
     #[inline(always)]
     fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // thumb
-        let e1 = q[1] - T::from_f64(0.5636476090008061);
-        let (s_thumb, c_thumb) = e1.sin_cos();
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let e2 = q[1] - T::from_f64(0.4636476090008061);
-        let (s_wrist, c_wrist) = e2.sin_cos();
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        // lift
-        let e4 = t_wrist_x.mul_plus(T::from_f64(0.5), -e3);
-        let e4 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e4);
-        let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-        let w_wrist_z = e4
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.7453559924999299) * t_thumb_y),
-            );
-        // base
-        let v_base_x = r[0] + w_wrist_x;
-        let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
-        let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
-        // wrist
-        let e5 = qd[1] * qd[1];
-        // thumb
-        let e6 = T::from_f64(0.7453559924999299) * qd[1];
-        let e7 = e6 * s_thumb;
-        let o_thumb_y = e6 * c_thumb;
-        let e8 = qd[1].mul_plus(T::from_f64(0.6666666666666666), qd[1]);
-        let e9 = T::from_f64(0.7453559924999299) * qdd[1];
-        let a_thumb_y = e9.mul_plus(c_thumb, -(e7 * qd[1]));
-        let e10 = qdd[1].mul_plus(T::from_f64(0.6666666666666666), qdd[1]);
-        let e11 = e8 * e8;
-        let e12 = e7 * o_thumb_y;
-        let e13 = o_thumb_y.mul_plus(o_thumb_y, e11);
-        let e14 = e12 + e10;
-        let e15 = e7.mul_plus(e8, -a_thumb_y);
-        // thumb
-        let f_thumb_x = r[7].mul_plus(e10 - e12, -(r[6] * e13));
-        let p1 = e7.mul_plus(e7, e11);
-        let e16 = r[6].mul_plus(e14, r[7] * p1);
-        let p2 = e9.mul_plus(s_thumb, o_thumb_y * qd[1]);
-        let p3 = o_thumb_y.mul_plus(e8, p2);
-        let f_thumb_z = r[6].mul_plus(e15, -(r[7] * p3));
-        // wrist
-        let e17 = s_thumb.mul_plus(f_thumb_x, c_thumb * e16);
-        let e18 = e17
-            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.6666666666666666) * f_thumb_z);
-        let p4 = r[4].mul_plus(e5, r[5] * qdd[1]);
-        let f_wrist_x = f_thumb_z
-            .mul_plus(
-                T::from_f64(0.7453559924999299),
-                -(T::from_f64(0.6666666666666666) * e17),
-            ) - p4;
-        let p5 = c_thumb.mul_plus(f_thumb_x, -(s_thumb * e16));
-        let f_wrist_y = r[4].mul_plus(qdd[1], -(r[5] * e5)) + p5;
-        // lift
-        let e19 = c_wrist.mul_plus(f_wrist_x, -(s_wrist * f_wrist_y));
-        let e20 = s_wrist.mul_plus(f_wrist_x, c_wrist * f_wrist_y);
-        let e21 = e19.mul_plus(T::from_f64(0.5), -e20);
-        let e21 = e18.mul_plus(T::from_f64(0.5000000000000001), e21);
-        let f_lift_x = (-e21).mul_plus(T::from_f64(0.6666666666666666), e19);
-        let f_lift_z = e21.mul_plus(T::from_f64(0.6666666666666667), -e18);
-        // base
-        let f_base_z = r[3].mul_plus(qdd[0], f_lift_z);
-        // thumb
-        let e22 = T::from_f64(0.00625) * e13;
-        let e23 = T::from_f64(0.00625) * e14;
-        let e24 = T::from_f64(0.00031250000000000006) * e15;
-        // wrist
-        let e25 = T::from_f64(0.0026666666666666674) * e5;
-        let e26 = c_thumb.mul_plus(e23, -(s_thumb * e22));
-        let e27 = e26
-            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.004166666666666667) * e15);
-        let e28 = c_thumb * e24;
-        let h_wrist_x = (-s_thumb)
-            .mul_plus(T::from_f64(0.004166666666666667), T::from_f64(0.0298142396999972));
-        let h_wrist_y = c_thumb.mul_plus(T::from_f64(0.00625), -T::from_f64(0.022360679774997897));
-        let p6 = e15
-            .mul_plus(T::from_f64(0.004658474953124562), -(T::from_f64(0.6666666666666666) * e26));
-        let g_wrist_x = qdd[1]
-            .mul_plus(
-                T::from_f64(0.022360679774997897),
-                -(T::from_f64(0.0298142396999972) * e5),
-            ) + p6;
-        let p7 = c_thumb.mul_plus(e22, s_thumb * e23);
-        let g_wrist_y = qdd[1]
-            .mul_plus(T::from_f64(0.0298142396999972), T::from_f64(0.022360679774997897) * e5) - p7;
-        let p8 = e28
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.00023292374765622814) * e14);
-        let e29 = qdd[1]
-            .mul_plus(
-                T::from_f64(0.003975231959999628),
-                T::from_f64(0.0029814239699997203) * e5,
-            ) + p8;
-        let n_wrist_y = qdd[1]
-            .mul_plus(
-                T::from_f64(0.0029814239699997203),
-                -(T::from_f64(0.003975231959999628) * e5),
-            );
-        let n_wrist_y = (-s_thumb).mul_plus(e24, n_wrist_y);
-        let p9 = (-qdd[1]).mul_plus(T::from_f64(0.0020000000000000005), e25);
-        let p10 = e14
-            .mul_plus(
-                T::from_f64(0.00020833333333333337),
-                -(T::from_f64(0.7453559924999299) * e28),
-            );
-        let n_wrist_z = qdd[1].mul_plus(T::from_f64(0.003555555555555557), e25) - p9
-            + p10;
-        // lift
-        let e30 = c_wrist.mul_plus(h_wrist_x, -(s_wrist * h_wrist_y));
-        let e31 = s_wrist.mul_plus(h_wrist_x, c_wrist * h_wrist_y);
-        let e32 = e30.mul_plus(T::from_f64(0.5), -e31);
-        let e32 = s_thumb.mul_plus(T::from_f64(0.0023292374765622815), e32);
-        let e33 = c_wrist.mul_plus(g_wrist_x, -(s_wrist * g_wrist_y));
-        let e34 = s_wrist.mul_plus(g_wrist_x, c_wrist * g_wrist_y);
-        let e35 = e33.mul_plus(T::from_f64(0.5), -e34);
-        let e35 = e27.mul_plus(T::from_f64(0.5000000000000001), e35);
-        let g_lift_x = (-e35).mul_plus(T::from_f64(0.6666666666666666), e33);
-        let e36 = e35.mul_plus(T::from_f64(1.3333333333333333), e34);
-        let g_lift_z = e35.mul_plus(T::from_f64(0.6666666666666667), -e27);
-        let e37 = c_wrist.mul_plus(e29, s_wrist * n_wrist_y);
-        let e38 = s_wrist.mul_plus(e29, -(c_wrist * n_wrist_y));
-        let e39 = (-e37).mul_plus(T::from_f64(0.5), e38);
-        let e39 = (-n_wrist_z).mul_plus(T::from_f64(0.5000000000000001), e39);
-        let n_lift_y = (-e39).mul_plus(T::from_f64(1.3333333333333333), e38);
-        let h_lift_x = T::from_f64(0.01111111111111111)
-            + (-e32).mul_plus(T::from_f64(0.6666666666666666), e30);
-        let h_lift_y = T::from_f64(0.034722222222222224)
-            - e32.mul_plus(T::from_f64(1.3333333333333333), e31);
-        let h_lift_z = T::from_f64(0.02222222222222222)
-            + e32
-                .mul_plus(
-                    T::from_f64(0.6666666666666667),
-                    -(T::from_f64(0.004658474953124562) * s_thumb),
-                );
-        // base
-        let h_base_z = q[0].mul_plus(T::from_f64(0.5), h_lift_z);
-        let g_base_z = qdd[0].mul_plus(T::from_f64(0.5), g_lift_z);
-        let n_base_x = e39.mul_plus(T::from_f64(0.6666666666666666), e37);
-        let n_base_x = h_lift_y.mul_plus(qdd[0], -n_base_x);
-        let n_base_x = q[0].mul_plus(e36, n_base_x);
-        let n_base_y = (-h_lift_x).mul_plus(qdd[0], n_lift_y);
-        let n_base_y = q[0].mul_plus(g_lift_x, n_base_y);
-        // ZMP
-        let load = T::from_f64(9.80665) + f_base_z;
-        let e40 = T::from_f64(1.0) / load;
-        let p11 = e21.mul_plus(T::from_f64(1.3333333333333333), e20);
-        let p12 = h_lift_y.mul_plus(g_base_z, h_base_z * e36);
-        let p13 = v_base_z.mul_plus(p11, n_base_x - p12);
-        let e41 = p13.mul_plus(e40, v_base_y);
-        let p14 = h_base_z.mul_plus(g_lift_x, -(h_lift_x * g_base_z));
-        let p15 = v_base_z.mul_plus(f_lift_x, n_base_y - p14);
-        [(-p15).mul_plus(e40, v_base_x), e41]
+        Lift::zmp_core(
+            &v1::Positions::new(
+                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
+            ),
+            q,
+            qd,
+            qdd,
+            r,
+        )
     }
 }
 
@@ -853,37 +408,16 @@ impl v1::Robot for Lift {
 impl v1::SinCosRobot for Lift {
     #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-        // lift
-        let e1 = t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y);
-        let e1 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e1);
-        let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-        let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
-        let w_wrist_z = e1
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.7453559924999299) * t_thumb_y),
-            );
-        // base
-        let v_base_x = r[0] + w_wrist_x;
-        let v_base_y = r[1] + w_wrist_y;
-        let v_base_z = r[2] + sin[0].mul_plus(r[3], w_wrist_z);
-        [v_base_x, v_base_y, v_base_z]
+        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
+        Lift::com_core(&(&sin_of, &cos_of), sin, r)
     }
 
     #[inline(always)]
@@ -892,63 +426,18 @@ impl v1::SinCosRobot for Lift {
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [[T; DOF]; 3] {
-        let zero = T::from_f64(0.0);
-        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-        // wrist
-        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
-        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = e1 - e2;
-        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
-        let bx_wrist_y = e3 + e4;
-        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
-        // thumb
-        let p1 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
-        let ky_thumb_y = p1
-            .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-        let p2 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let p3 = p2.mul_plus(t_thumb_x, bx_wrist_y * t_thumb_y);
-        let row_x = [
-            zero,
-            t_wrist_x
-                .mul_plus(
-                    T::from_f64(0.6666666666666666),
-                    T::from_f64(0.6666666666666667) * t_wrist_y,
-                ) - p3,
-        ];
-        let p4 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
-        let p5 = t_wrist_y
-            .mul_plus(
-                T::from_f64(0.6666666666666666),
-                -(T::from_f64(0.33333333333333326) * t_wrist_x),
-            );
-        let row_y = [zero, ky_thumb_y.mul_plus(t_thumb_x, p4 * t_thumb_y) - p5];
-        let p6 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
-        let p7 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let p8 = t_wrist_x
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.33333333333333337) * t_wrist_y),
-            );
-        let row_z = [r[3], p6.mul_plus(t_thumb_y, -(p7 * t_thumb_x)) - p8];
-        [row_x, row_y, row_z]
+        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
+        let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
+        Lift::com_jacobian_core(&(&sin_of, &cos_of), r, &mut jacobian);
+        jacobian
     }
 
     #[inline(always)]
@@ -958,44 +447,16 @@ impl v1::SinCosRobot for Lift {
         qd: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; 3] {
-        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-        // thumb
-        let e1 = qd[1] * t_thumb_y;
-        let dt_thumb_y = qd[1] * t_thumb_x;
-        // wrist
-        let e2 = T::from_f64(0.6666666666666666) * dt_thumb_y;
-        let dt_wrist_x = c_wrist.mul_plus(e2, s_wrist * e1);
-        let dt_wrist_x = qd[1].mul_plus(t_wrist_y, -dt_wrist_x);
-        let dt_wrist_y = c_wrist.mul_plus(e1, -(s_wrist * e2));
-        let dt_wrist_y = (-qd[1]).mul_plus(t_wrist_x, dt_wrist_y);
-        // lift
-        let e3 = dt_wrist_x.mul_plus(T::from_f64(0.5), dt_wrist_y);
-        let e3 = dt_thumb_y.mul_plus(T::from_f64(0.372677996249965), e3);
-        let dv_lift_x = (-e3).mul_plus(T::from_f64(0.6666666666666666), dt_wrist_x);
-        let dv_lift_y = (-e3).mul_plus(T::from_f64(1.3333333333333333), dt_wrist_y);
-        let dv_lift_z = e3
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.7453559924999299) * dt_thumb_y),
-            );
-        // base
-        let dv_base_z = qd[0].mul_plus(r[3], dv_lift_z);
-        [dv_lift_x, dv_lift_y, dv_base_z]
+        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
+        Lift::com_velocity_core(&(&sin_of, &cos_of), qd, r)
     }
 
     #[inline(always)]
@@ -1004,265 +465,78 @@ impl v1::SinCosRobot for Lift {
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; DOF] {
-        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-        // wrist
-        let bz_wrist_x = c_wrist
-            .mul_plus(T::from_f64(0.33333333333333337), T::from_f64(0.6666666666666667) * s_wrist);
-        let p1 = c_wrist
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.33333333333333337) * s_wrist),
-            );
-        let p2 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let p3 = p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x));
-        [
-            -r[3],
-            t_wrist_x
-                .mul_plus(
-                    T::from_f64(0.6666666666666667),
-                    -(T::from_f64(0.33333333333333337) * t_wrist_y),
-                ) - p3,
-        ]
+        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
+        Lift::gravity_moments_core(&(&sin_of, &cos_of), r)
     }
 
     #[inline(always)]
     fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // wrist
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
-        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = e1 - e2;
-        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
-        let bx_wrist_y = e3 + e4;
-        let e5 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
-        let by_wrist_x = -e5;
-        let e6 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
-        let by_wrist_y = -e6;
-        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
-        let e7 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
-        let bz_wrist_y = -e7;
-        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let e8 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
-        let bx_thumb_y = e8.mul_plus(c_thumb, bx_wrist_y * s_thumb);
-        let ky_thumb_y = e5
-            .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-        let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e6 * c_thumb));
-        let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e6 * s_thumb);
-        let e9 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let bz_thumb_x = -e7.mul_plus(c_thumb, e9 * s_thumb);
-        let bz_thumb_y = -e7.mul_plus(s_thumb, -(e9 * c_thumb));
-        let row_x = [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y];
-        let row_y = [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y];
-        let row_z = [zero, zero, one, sin[0], bz_wrist_x, bz_wrist_y, bz_thumb_x, bz_thumb_y];
-        [row_x, row_y, row_z]
+        let (sin_of, cos_of) = ([s_wrist, s_thumb], [c_wrist, c_thumb]);
+        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
+        Lift::regressor_core(&(&sin_of, &cos_of), sin, &mut rows);
+        rows
     }
 
     #[inline(always)]
     fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // wrist
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let e1 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), -e1);
-        let e2 = T::from_f64(0.6666666666666666) * c_wrist;
-        let bx_wrist_y = s_wrist.mul_plus(T::from_f64(0.6666666666666667), e2);
-        let e3 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
-        let by_wrist_x = -e3;
-        let e4 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e1);
-        let by_wrist_y = -e4;
-        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let e5 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e5 * s_thumb));
-        let bx_thumb_y = e5.mul_plus(c_thumb, bx_wrist_y * s_thumb);
-        let ky_thumb_y = e3
-            .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-        let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e4 * c_thumb));
-        let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e4 * s_thumb);
-        let row_x = [one, zero, zero, zero, bx_wrist_x, bx_wrist_y, bx_thumb_x, bx_thumb_y];
-        let row_y = [zero, one, zero, zero, by_wrist_x, by_wrist_y, by_thumb_x, by_thumb_y];
-        [row_x, row_y]
+        let (sin_of, cos_of) = ([s_wrist, s_thumb], [c_wrist, c_thumb]);
+        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
+        Lift::regressor_cop_core(&(&sin_of, &cos_of), &mut rows);
+        rows
     }
 
     #[inline(always)]
     fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // wrist
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
-        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = e1 - e2;
-        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
-        let bx_wrist_y = e3 + e4;
-        let e5 = s_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
-        let e6 = (-c_wrist).mul_plus(T::from_f64(0.33333333333333326), e2);
-        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), e4);
-        let e7 = (-s_wrist).mul_plus(T::from_f64(0.33333333333333337), e1);
-        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let e8 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let kx_thumb_z = bx_wrist_x
-            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
-        let bx_thumb_x = bx_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
-        let bx_thumb_y = e8.mul_plus(c_thumb, bx_wrist_y * s_thumb);
-        let ky_thumb_y = e5
-            .mul_plus(T::from_f64(0.6666666666666666), -T::from_f64(0.4969039949999533));
-        let e9 = e5.mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.4444444444444445));
-        let ky_thumb_z = -e9;
-        let by_thumb_x = ky_thumb_y.mul_plus(s_thumb, -(e6 * c_thumb));
-        let by_thumb_y = -ky_thumb_y.mul_plus(c_thumb, e6 * s_thumb);
-        let e10 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let kz_thumb_z = bz_wrist_x
-            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
-        let bz_thumb_x = -e7.mul_plus(c_thumb, e10 * s_thumb);
-        let bz_thumb_y = -e7.mul_plus(s_thumb, -(e10 * c_thumb));
-        let row_x = [
-            one,
-            zero,
-            zero,
-            one,
-            zero,
-            zero,
-            zero,
-            bx_wrist_x
-                .mul_plus(
-                    T::from_f64(0.29814239699997197),
-                    T::from_f64(0.8944271909999159) * bx_wrist_y,
-                ) + T::from_f64(0.11111111111111112),
-            -kx_thumb_z,
-            bx_wrist_x
-                .mul_plus(
-                    T::from_f64(0.5962847939999439),
-                    -(T::from_f64(0.4472135954999579) * bx_wrist_y),
-                ) + T::from_f64(0.22222222222222224),
-            bx_thumb_x,
-            bx_thumb_y,
-            kx_thumb_z,
-        ];
-        let row_y = [
-            zero,
-            one,
-            zero,
-            zero,
-            one,
-            zero,
-            zero,
-            T::from_f64(0.22222222222222224)
-                - e5
-                    .mul_plus(
-                        T::from_f64(0.29814239699997197),
-                        T::from_f64(0.8944271909999159) * e6,
-                    ),
-            e9,
-            e6
-                .mul_plus(
-                    T::from_f64(0.4472135954999579),
-                    -(T::from_f64(0.5962847939999439) * e5),
-                ) + T::from_f64(0.4444444444444445),
-            by_thumb_x,
-            by_thumb_y,
-            ky_thumb_z,
-        ];
-        let row_z = [
-            zero,
-            zero,
-            one,
-            zero,
-            zero,
-            one,
-            sin[0],
-            bz_wrist_x
-                .mul_plus(
-                    T::from_f64(0.29814239699997197),
-                    -(T::from_f64(0.8944271909999159) * e7),
-                ) + T::from_f64(0.22222222222222215),
-            -kz_thumb_z,
-            bz_wrist_x
-                .mul_plus(
-                    T::from_f64(0.5962847939999439),
-                    T::from_f64(0.4472135954999579) * e7,
-                ) + T::from_f64(0.4444444444444443),
-            bz_thumb_x,
-            bz_thumb_y,
-            kz_thumb_z,
-        ];
-        [row_x, row_y, row_z]
+        let (sin_of, cos_of) = ([s_wrist, s_thumb], [c_wrist, c_thumb]);
+        let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
+        Lift::regressor_full_core(&(&sin_of, &cos_of), sin, &mut rows);
+        rows
     }
 
     #[inline(always)]
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-        // lift
-        let e1 = t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y);
-        let e1 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e1);
-        let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-        let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
-        // base
-        let v_base_x = r[0] + w_wrist_x;
-        let v_base_y = r[1] + w_wrist_y;
-        [v_base_x, v_base_y]
+        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
+        Lift::cop_core(&(&sin_of, &cos_of), r)
     }
 
     #[inline(always)]
@@ -1273,167 +547,16 @@ impl v1::SinCosRobot for Lift {
         qdd: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; 2] {
-        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
-        // lift
-        let e1 = t_wrist_x.mul_plus(T::from_f64(0.5), t_wrist_y);
-        let e1 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e1);
-        let w_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-        let w_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), t_wrist_y);
-        let w_wrist_z = e1
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.7453559924999299) * t_thumb_y),
-            );
-        // base
-        let v_base_x = r[0] + w_wrist_x;
-        let v_base_y = r[1] + w_wrist_y;
-        let v_base_z = r[2] + sin[0].mul_plus(r[3], w_wrist_z);
-        // wrist
-        let e2 = qd[1] * qd[1];
-        // thumb
-        let e3 = T::from_f64(0.7453559924999299) * qd[1];
-        let e4 = e3 * s_thumb;
-        let o_thumb_y = e3 * c_thumb;
-        let e5 = qd[1].mul_plus(T::from_f64(0.6666666666666666), qd[1]);
-        let e6 = T::from_f64(0.7453559924999299) * qdd[1];
-        let a_thumb_y = e6.mul_plus(c_thumb, -(e4 * qd[1]));
-        let e7 = qdd[1].mul_plus(T::from_f64(0.6666666666666666), qdd[1]);
-        let e8 = e5 * e5;
-        let e9 = e4 * o_thumb_y;
-        let e10 = o_thumb_y.mul_plus(o_thumb_y, e8);
-        let e11 = e9 + e7;
-        let e12 = e4.mul_plus(e5, -a_thumb_y);
-        // thumb
-        let f_thumb_x = r[7].mul_plus(e7 - e9, -(r[6] * e10));
-        let p1 = e4.mul_plus(e4, e8);
-        let e13 = r[6].mul_plus(e11, r[7] * p1);
-        let p2 = e6.mul_plus(s_thumb, o_thumb_y * qd[1]);
-        let p3 = o_thumb_y.mul_plus(e5, p2);
-        let f_thumb_z = r[6].mul_plus(e12, -(r[7] * p3));
-        // wrist
-        let e14 = s_thumb.mul_plus(f_thumb_x, c_thumb * e13);
-        let e15 = e14
-            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.6666666666666666) * f_thumb_z);
-        let p4 = r[4].mul_plus(e2, r[5] * qdd[1]);
-        let f_wrist_x = f_thumb_z
-            .mul_plus(
-                T::from_f64(0.7453559924999299),
-                -(T::from_f64(0.6666666666666666) * e14),
-            ) - p4;
-        let p5 = c_thumb.mul_plus(f_thumb_x, -(s_thumb * e13));
-        let f_wrist_y = r[4].mul_plus(qdd[1], -(r[5] * e2)) + p5;
-        // lift
-        let e16 = c_wrist.mul_plus(f_wrist_x, s_wrist * f_wrist_y);
-        let e17 = s_wrist.mul_plus(f_wrist_x, -(c_wrist * f_wrist_y));
-        let e18 = e16.mul_plus(T::from_f64(0.5), e17);
-        let e18 = e15.mul_plus(T::from_f64(0.5000000000000001), e18);
-        let f_lift_x = (-e18).mul_plus(T::from_f64(0.6666666666666666), e16);
-        let f_lift_y = (-e18).mul_plus(T::from_f64(1.3333333333333333), e17);
-        let f_lift_z = e18.mul_plus(T::from_f64(0.6666666666666667), -e15);
-        // base
-        let f_base_z = r[3].mul_plus(qdd[0], f_lift_z);
-        // thumb
-        let e19 = T::from_f64(0.00625) * e10;
-        let e20 = T::from_f64(0.00625) * e11;
-        let e21 = T::from_f64(0.00031250000000000006) * e12;
-        // wrist
-        let e22 = T::from_f64(0.0026666666666666674) * e2;
-        let e23 = c_thumb.mul_plus(e20, -(s_thumb * e19));
-        let e24 = e23
-            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.004166666666666667) * e12);
-        let e25 = c_thumb * e21;
-        let h_wrist_x = (-s_thumb)
-            .mul_plus(T::from_f64(0.004166666666666667), T::from_f64(0.0298142396999972));
-        let h_wrist_y = c_thumb.mul_plus(T::from_f64(0.00625), -T::from_f64(0.022360679774997897));
-        let p6 = e12
-            .mul_plus(T::from_f64(0.004658474953124562), -(T::from_f64(0.6666666666666666) * e23));
-        let g_wrist_x = qdd[1]
-            .mul_plus(
-                T::from_f64(0.022360679774997897),
-                -(T::from_f64(0.0298142396999972) * e2),
-            ) + p6;
-        let p7 = c_thumb.mul_plus(e19, s_thumb * e20);
-        let g_wrist_y = qdd[1]
-            .mul_plus(T::from_f64(0.0298142396999972), T::from_f64(0.022360679774997897) * e2) - p7;
-        let p8 = e25
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.00023292374765622814) * e11);
-        let e26 = qdd[1]
-            .mul_plus(
-                T::from_f64(0.003975231959999628),
-                T::from_f64(0.0029814239699997203) * e2,
-            ) + p8;
-        let n_wrist_y = qdd[1]
-            .mul_plus(
-                T::from_f64(0.0029814239699997203),
-                -(T::from_f64(0.003975231959999628) * e2),
-            );
-        let n_wrist_y = (-s_thumb).mul_plus(e21, n_wrist_y);
-        let p9 = (-qdd[1]).mul_plus(T::from_f64(0.0020000000000000005), e22);
-        let p10 = e11
-            .mul_plus(
-                T::from_f64(0.00020833333333333337),
-                -(T::from_f64(0.7453559924999299) * e25),
-            );
-        let n_wrist_z = qdd[1].mul_plus(T::from_f64(0.003555555555555557), e22) - p9
-            + p10;
-        // lift
-        let e27 = c_wrist.mul_plus(h_wrist_x, s_wrist * h_wrist_y);
-        let e28 = s_wrist.mul_plus(h_wrist_x, -(c_wrist * h_wrist_y));
-        let e29 = e27.mul_plus(T::from_f64(0.5), e28);
-        let e29 = s_thumb.mul_plus(T::from_f64(0.0023292374765622815), e29);
-        let e30 = c_wrist.mul_plus(g_wrist_x, s_wrist * g_wrist_y);
-        let e31 = s_wrist.mul_plus(g_wrist_x, -(c_wrist * g_wrist_y));
-        let e32 = e30.mul_plus(T::from_f64(0.5), e31);
-        let e32 = e24.mul_plus(T::from_f64(0.5000000000000001), e32);
-        let g_lift_x = (-e32).mul_plus(T::from_f64(0.6666666666666666), e30);
-        let g_lift_y = (-e32).mul_plus(T::from_f64(1.3333333333333333), e31);
-        let g_lift_z = e32.mul_plus(T::from_f64(0.6666666666666667), -e24);
-        let e33 = s_wrist.mul_plus(n_wrist_y, -(c_wrist * e26));
-        let e34 = s_wrist.mul_plus(e26, c_wrist * n_wrist_y);
-        let e35 = e33.mul_plus(T::from_f64(0.5), -e34);
-        let e35 = (-n_wrist_z).mul_plus(T::from_f64(0.5000000000000001), e35);
-        let n_lift_x = (-e35).mul_plus(T::from_f64(0.6666666666666666), e33);
-        let h_lift_x = T::from_f64(0.01111111111111111)
-            + (-e29).mul_plus(T::from_f64(0.6666666666666666), e27);
-        let h_lift_y = T::from_f64(0.034722222222222224)
-            + (-e29).mul_plus(T::from_f64(1.3333333333333333), e28);
-        let h_lift_z = T::from_f64(0.02222222222222222)
-            + e29
-                .mul_plus(
-                    T::from_f64(0.6666666666666667),
-                    -(T::from_f64(0.004658474953124562) * s_thumb),
-                );
-        // base
-        let h_base_z = sin[0].mul_plus(T::from_f64(0.5), h_lift_z);
-        let g_base_z = qdd[0].mul_plus(T::from_f64(0.5), g_lift_z);
-        let n_base_x = h_lift_y.mul_plus(qdd[0], n_lift_x);
-        let n_base_x = (-sin[0]).mul_plus(g_lift_y, n_base_x);
-        let n_base_y = e35.mul_plus(T::from_f64(1.3333333333333333), e34);
-        let n_base_y = h_lift_x.mul_plus(qdd[0], n_base_y);
-        let n_base_y = sin[0].mul_plus(g_lift_x, -n_base_y);
-        // ZMP
-        let load = T::from_f64(9.80665) + f_base_z;
-        let e36 = T::from_f64(1.0) / load;
-        let p11 = h_base_z.mul_plus(g_lift_x, -(h_lift_x * g_base_z));
-        let p12 = v_base_z.mul_plus(f_lift_x, n_base_y - p11);
-        let p13 = h_lift_y.mul_plus(g_base_z, -(h_base_z * g_lift_y));
-        let p14 = v_base_z.mul_plus(f_lift_y, -(n_base_x - p13));
-        [(-p12).mul_plus(e36, v_base_x), (-p14).mul_plus(e36, v_base_y)]
+        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
+        Lift::zmp_core(&(&sin_of, &cos_of), sin, qd, qdd, r)
     }
 
     #[inline(always)]
@@ -1453,24 +576,24 @@ impl v1::SinCosRobot for Lift {
         // wrist
         let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
         let v_wrist_y = r[5] + t_thumb_x;
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, s_wrist * v_wrist_y);
-        let t_wrist_y = s_wrist.mul_plus(v_wrist_x, -(c_wrist * v_wrist_y));
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
         // wrist
         let e1 = along[0].mul_plus(T::from_f64(0.5), along[1]);
         let e1 = (-along[2]).mul_plus(T::from_f64(0.5000000000000001), e1);
         let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
         let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
         let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
-        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
-        let p1 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
+        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, -(k_wrist_y * s_wrist));
+        let p1 = k_wrist_y.mul_plus(c_wrist, k_wrist_x * s_wrist);
         let p2 = b_wrist_x
             .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.7453559924999299) * k_wrist_z);
-        let p3 = k_wrist_y.mul_plus(t_wrist_x, -(k_wrist_x * t_wrist_y));
-        [along[2] * r[3], p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x)) - p3]
+        let p3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        let p4 = k_wrist_y.mul_plus(t_wrist_x, k_wrist_x * p3);
+        [along[2] * r[3], p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x)) - p4]
     }
 
     #[inline(always)]
@@ -1480,8 +603,8 @@ impl v1::SinCosRobot for Lift {
         along: &[T; 3],
     ) -> [T; BASE_PARAMS] {
         // wrist
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
         let e1 = along[0].mul_plus(T::from_f64(0.5), along[1]);
@@ -1489,8 +612,8 @@ impl v1::SinCosRobot for Lift {
         let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
         let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
         let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
-        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
-        let e2 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
+        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, -(k_wrist_y * s_wrist));
+        let e2 = k_wrist_y.mul_plus(c_wrist, k_wrist_x * s_wrist);
         let b_wrist_y = -e2;
         // thumb
         let s_thumb = sin[1]
@@ -1520,8 +643,8 @@ impl v1::SinCosRobot for Lift {
         along: &[T; 3],
     ) -> [T; FULL_PARAMS] {
         // wrist
-        let s_wrist = cos[1]
-            .mul_plus(T::from_f64(0.4472135954999579), -(T::from_f64(0.8944271909999159) * sin[1]));
+        let s_wrist = sin[1]
+            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
         let e1 = along[0].mul_plus(T::from_f64(0.5), along[1]);
@@ -1529,8 +652,8 @@ impl v1::SinCosRobot for Lift {
         let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
         let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
         let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
-        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, k_wrist_y * s_wrist);
-        let e2 = k_wrist_y.mul_plus(c_wrist, -(k_wrist_x * s_wrist));
+        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, -(k_wrist_y * s_wrist));
+        let e2 = k_wrist_y.mul_plus(c_wrist, k_wrist_x * s_wrist);
         // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
@@ -1563,5 +686,562 @@ impl v1::SinCosRobot for Lift {
             b_thumb_y,
             k_thumb_z,
         ]
+    }
+}
+
+#[allow(dead_code, non_snake_case, clippy::all)]
+impl Lift {
+    #[inline(always)]
+    fn com_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        q: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 3] {
+        // thumb
+        let (s_thumb, c_thumb) = angles.sin_cos(0);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let (s_wrist, c_wrist) = angles.sin_cos(1);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        // lift
+        let e2 = t_wrist_x.mul_plus(T::from_f64(0.5), -e1);
+        let e2 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e2);
+        let w_wrist_x = (-e2).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        let w_wrist_z = e2
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * t_thumb_y),
+            );
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] - e2.mul_plus(T::from_f64(1.3333333333333333), e1);
+        let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
+        [v_base_x, v_base_y, v_base_z]
+    }
+
+    #[inline(always)]
+    fn com_jacobian_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        r: &[T; BASE_PARAMS],
+        jacobian: &mut [[T; DOF]; 3],
+    ) {
+        let zero = T::from_f64(0.0);
+        jacobian[2][0] = r[3];
+        jacobian[0][0] = zero;
+        jacobian[1][0] = zero;
+        // thumb
+        let (s_thumb, c_thumb) = angles.sin_cos(0);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let (s_wrist, c_wrist) = angles.sin_cos(1);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        // wrist
+        let e2 = T::from_f64(0.6666666666666667) * c_wrist;
+        let e3 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = e2 + e3;
+        let e4 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e5 = T::from_f64(0.6666666666666667) * s_wrist;
+        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e4);
+        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e3);
+        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e5);
+        // thumb
+        let p1 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let p2 = e1
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.6666666666666666) * t_wrist_x),
+            );
+        jacobian[0][1] = (e5 - e4).mul_plus(t_thumb_y, -(p1 * t_thumb_x)) - p2;
+        let p3 = by_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        let p4 = p3.mul_plus(t_thumb_x, by_wrist_y * t_thumb_y);
+        jacobian[1][1] = t_wrist_x
+            .mul_plus(T::from_f64(0.33333333333333326), T::from_f64(0.6666666666666666) * e1) - p4;
+        let p5 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e2);
+        let p6 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let p7 = t_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * e1);
+        jacobian[2][1] = p5.mul_plus(t_thumb_y, -(p6 * t_thumb_x)) - p7;
+    }
+
+    #[inline(always)]
+    fn com_velocity_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        qd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 3] {
+        // thumb
+        let (s_thumb, c_thumb) = angles.sin_cos(0);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let (s_wrist, c_wrist) = angles.sin_cos(1);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        // thumb
+        let e1 = qd[1] * t_thumb_y;
+        let dt_thumb_y = qd[1] * t_thumb_x;
+        // wrist
+        let e2 = T::from_f64(0.6666666666666666) * dt_thumb_y;
+        let p1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        let dt_wrist_x = s_wrist.mul_plus(e1, -(c_wrist * e2));
+        let dt_wrist_x = (-qd[1]).mul_plus(p1, dt_wrist_x);
+        let dt_wrist_y = s_wrist.mul_plus(e2, c_wrist * e1);
+        let dt_wrist_y = (-qd[1]).mul_plus(t_wrist_x, dt_wrist_y);
+        // lift
+        let e3 = dt_wrist_x.mul_plus(T::from_f64(0.5), dt_wrist_y);
+        let e3 = dt_thumb_y.mul_plus(T::from_f64(0.372677996249965), e3);
+        let dv_lift_x = (-e3).mul_plus(T::from_f64(0.6666666666666666), dt_wrist_x);
+        let dv_lift_y = (-e3).mul_plus(T::from_f64(1.3333333333333333), dt_wrist_y);
+        let dv_lift_z = e3
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * dt_thumb_y),
+            );
+        // base
+        let dv_base_z = qd[0].mul_plus(r[3], dv_lift_z);
+        [dv_lift_x, dv_lift_y, dv_base_z]
+    }
+
+    #[inline(always)]
+    fn gravity_moments_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        r: &[T; BASE_PARAMS],
+    ) -> [T; DOF] {
+        // thumb
+        let (s_thumb, c_thumb) = angles.sin_cos(0);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let (s_wrist, c_wrist) = angles.sin_cos(1);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        // wrist
+        let bz_wrist_x = c_wrist
+            .mul_plus(
+                T::from_f64(0.33333333333333337),
+                -(T::from_f64(0.6666666666666667) * s_wrist),
+            );
+        let p1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        let p2 = c_wrist
+            .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * s_wrist);
+        let p3 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let p4 = p2.mul_plus(t_thumb_y, -(p3 * t_thumb_x));
+        [
+            -r[3],
+            t_wrist_x
+                .mul_plus(
+                    T::from_f64(0.6666666666666667),
+                    T::from_f64(0.33333333333333337) * p1,
+                ) - p4,
+        ]
+    }
+
+    #[inline(always)]
+    fn regressor_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        q: &[T; DOF],
+        rows: &mut [[T; BASE_PARAMS]; 3],
+    ) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[2][3] = q[0];
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][3] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        // wrist
+        let (s_wrist, c_wrist) = angles.sin_cos(0);
+        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
+        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = e1 + e2;
+        rows[0][4] = bx_wrist_x;
+        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
+        let e5 = e4 - e3;
+        let bx_wrist_y = -e5;
+        rows[0][5] = bx_wrist_y;
+        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e3);
+        rows[1][4] = by_wrist_x;
+        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
+        rows[1][5] = by_wrist_y;
+        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e4);
+        rows[2][4] = bz_wrist_x;
+        let e6 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e1);
+        let bz_wrist_y = -e6;
+        rows[2][5] = bz_wrist_y;
+        // thumb
+        let (s_thumb, c_thumb) = angles.sin_cos(1);
+        let e7 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let bx_thumb_x = -e5.mul_plus(c_thumb, e7 * s_thumb);
+        rows[0][6] = bx_thumb_x;
+        let bx_thumb_y = -e5.mul_plus(s_thumb, -(e7 * c_thumb));
+        rows[0][7] = bx_thumb_y;
+        let e8 = by_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
+        rows[1][6] = by_thumb_x;
+        let by_thumb_y = e8.mul_plus(c_thumb, by_wrist_y * s_thumb);
+        rows[1][7] = by_thumb_y;
+        let e9 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let bz_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
+        rows[2][6] = bz_thumb_x;
+        let bz_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
+        rows[2][7] = bz_thumb_y;
+    }
+
+    #[inline(always)]
+    fn regressor_cop_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 2]) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][3] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        // wrist
+        let (s_wrist, c_wrist) = angles.sin_cos(0);
+        let e1 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), e1);
+        rows[0][4] = bx_wrist_x;
+        let e2 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e3 = s_wrist.mul_plus(T::from_f64(0.6666666666666667), -e2);
+        let bx_wrist_y = -e3;
+        rows[0][5] = bx_wrist_y;
+        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e2);
+        rows[1][4] = by_wrist_x;
+        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e1);
+        rows[1][5] = by_wrist_y;
+        // thumb
+        let (s_thumb, c_thumb) = angles.sin_cos(1);
+        let e4 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let bx_thumb_x = -e3.mul_plus(c_thumb, e4 * s_thumb);
+        rows[0][6] = bx_thumb_x;
+        let bx_thumb_y = -e3.mul_plus(s_thumb, -(e4 * c_thumb));
+        rows[0][7] = bx_thumb_y;
+        let e5 = by_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e5 * s_thumb));
+        rows[1][6] = by_thumb_x;
+        let by_thumb_y = e5.mul_plus(c_thumb, by_wrist_y * s_thumb);
+        rows[1][7] = by_thumb_y;
+    }
+
+    #[inline(always)]
+    fn regressor_full_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        q: &[T; DOF],
+        rows: &mut [[T; FULL_PARAMS]; 3],
+    ) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[2][6] = q[0];
+        rows[0][0] = one;
+        rows[0][3] = one;
+        rows[1][1] = one;
+        rows[1][4] = one;
+        rows[2][2] = one;
+        rows[2][5] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][4] = zero;
+        rows[0][5] = zero;
+        rows[0][6] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        rows[2][3] = zero;
+        rows[2][4] = zero;
+        // wrist
+        let (s_wrist, c_wrist) = angles.sin_cos(0);
+        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
+        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
+        let bx_wrist_x = e1 + e2;
+        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
+        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
+        let e5 = e4 - e3;
+        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e3);
+        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
+        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e4);
+        let e6 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e1);
+        // thumb
+        let (s_thumb, c_thumb) = angles.sin_cos(1);
+        let e7 = bx_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
+        let kx_thumb_z = bx_wrist_x
+            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
+        rows[0][12] = kx_thumb_z;
+        let bx_thumb_x = -e5.mul_plus(c_thumb, e7 * s_thumb);
+        rows[0][10] = bx_thumb_x;
+        let bx_thumb_y = -e5.mul_plus(s_thumb, -(e7 * c_thumb));
+        rows[0][11] = bx_thumb_y;
+        let e8 = by_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
+        let ky_thumb_z = by_wrist_x
+            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
+        rows[1][12] = ky_thumb_z;
+        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
+        rows[1][10] = by_thumb_x;
+        let by_thumb_y = e8.mul_plus(c_thumb, by_wrist_y * s_thumb);
+        rows[1][11] = by_thumb_y;
+        let e9 = bz_wrist_x
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
+        let kz_thumb_z = bz_wrist_x
+            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
+        rows[2][12] = kz_thumb_z;
+        let bz_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
+        rows[2][10] = bz_thumb_x;
+        let bz_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
+        rows[2][11] = bz_thumb_y;
+        rows[0][7] = bx_wrist_x
+            .mul_plus(
+                T::from_f64(0.29814239699997197),
+                -(T::from_f64(0.8944271909999159) * e5),
+            ) + T::from_f64(0.11111111111111112);
+        rows[0][8] = -kx_thumb_z;
+        rows[0][9] = bx_wrist_x
+            .mul_plus(
+                T::from_f64(0.5962847939999439),
+                T::from_f64(0.4472135954999579) * e5,
+            ) + T::from_f64(0.22222222222222224);
+        rows[1][7] = by_wrist_x
+            .mul_plus(
+                T::from_f64(0.29814239699997197),
+                T::from_f64(0.8944271909999159) * by_wrist_y,
+            ) + T::from_f64(0.22222222222222224);
+        rows[1][8] = -ky_thumb_z;
+        rows[1][9] = by_wrist_x
+            .mul_plus(
+                T::from_f64(0.5962847939999439),
+                -(T::from_f64(0.4472135954999579) * by_wrist_y),
+            ) + T::from_f64(0.4444444444444445);
+        rows[2][7] = bz_wrist_x
+            .mul_plus(
+                T::from_f64(0.29814239699997197),
+                -(T::from_f64(0.8944271909999159) * e6),
+            ) + T::from_f64(0.22222222222222215);
+        rows[2][8] = -kz_thumb_z;
+        rows[2][9] = bz_wrist_x
+            .mul_plus(
+                T::from_f64(0.5962847939999439),
+                T::from_f64(0.4472135954999579) * e6,
+            ) + T::from_f64(0.4444444444444443);
+    }
+
+    #[inline(always)]
+    fn cop_core<T: Real>(angles: &impl v1::Angles<T>, r: &[T; BASE_PARAMS]) -> [T; 2] {
+        // thumb
+        let (s_thumb, c_thumb) = angles.sin_cos(0);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let (s_wrist, c_wrist) = angles.sin_cos(1);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        // lift
+        let e2 = t_wrist_x.mul_plus(T::from_f64(0.5), -e1);
+        let e2 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e2);
+        let w_wrist_x = (-e2).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] - e2.mul_plus(T::from_f64(1.3333333333333333), e1);
+        [v_base_x, v_base_y]
+    }
+
+    #[inline(always)]
+    fn zmp_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        q: &[T; DOF],
+        qd: &[T; DOF],
+        qdd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 2] {
+        // thumb
+        let (s_thumb, c_thumb) = angles.sin_cos(0);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let (s_wrist, c_wrist) = angles.sin_cos(1);
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        // lift
+        let e2 = t_wrist_x.mul_plus(T::from_f64(0.5), -e1);
+        let e2 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e2);
+        let w_wrist_x = (-e2).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        let w_wrist_z = e2
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * t_thumb_y),
+            );
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] - e2.mul_plus(T::from_f64(1.3333333333333333), e1);
+        let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
+        // wrist
+        let e3 = qd[1] * qd[1];
+        // thumb
+        let e4 = T::from_f64(0.7453559924999299) * qd[1];
+        let e5 = e4 * s_thumb;
+        let o_thumb_y = e4 * c_thumb;
+        let e6 = qd[1].mul_plus(T::from_f64(0.6666666666666666), qd[1]);
+        let e7 = T::from_f64(0.7453559924999299) * qdd[1];
+        let a_thumb_y = e7.mul_plus(c_thumb, -(e5 * qd[1]));
+        let e8 = qdd[1].mul_plus(T::from_f64(0.6666666666666666), qdd[1]);
+        let e9 = e6 * e6;
+        let e10 = e5 * o_thumb_y;
+        let e11 = o_thumb_y.mul_plus(o_thumb_y, e9);
+        let e12 = e10 + e8;
+        let e13 = e5.mul_plus(e6, -a_thumb_y);
+        // thumb
+        let f_thumb_x = r[7].mul_plus(e8 - e10, -(r[6] * e11));
+        let p1 = e5.mul_plus(e5, e9);
+        let e14 = r[6].mul_plus(e12, r[7] * p1);
+        let p2 = e7.mul_plus(s_thumb, o_thumb_y * qd[1]);
+        let p3 = o_thumb_y.mul_plus(e6, p2);
+        let f_thumb_z = r[6].mul_plus(e13, -(r[7] * p3));
+        // wrist
+        let e15 = s_thumb.mul_plus(f_thumb_x, c_thumb * e14);
+        let e16 = e15
+            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.6666666666666666) * f_thumb_z);
+        let p4 = r[4].mul_plus(e3, r[5] * qdd[1]);
+        let f_wrist_x = f_thumb_z
+            .mul_plus(
+                T::from_f64(0.7453559924999299),
+                -(T::from_f64(0.6666666666666666) * e15),
+            ) - p4;
+        let p5 = c_thumb.mul_plus(f_thumb_x, -(s_thumb * e14));
+        let f_wrist_y = r[4].mul_plus(qdd[1], -(r[5] * e3)) + p5;
+        // lift
+        let e17 = c_wrist.mul_plus(f_wrist_x, -(s_wrist * f_wrist_y));
+        let e18 = s_wrist.mul_plus(f_wrist_x, c_wrist * f_wrist_y);
+        let e19 = e17.mul_plus(T::from_f64(0.5), -e18);
+        let e19 = e16.mul_plus(T::from_f64(0.5000000000000001), e19);
+        let f_lift_x = (-e19).mul_plus(T::from_f64(0.6666666666666666), e17);
+        let f_lift_z = e19.mul_plus(T::from_f64(0.6666666666666667), -e16);
+        // base
+        let f_base_z = r[3].mul_plus(qdd[0], f_lift_z);
+        // thumb
+        let e20 = T::from_f64(0.00625) * e11;
+        let e21 = T::from_f64(0.00625) * e12;
+        let e22 = T::from_f64(0.00031250000000000006) * e13;
+        // wrist
+        let e23 = T::from_f64(0.0026666666666666674) * e3;
+        let e24 = c_thumb.mul_plus(e21, -(s_thumb * e20));
+        let e25 = e24
+            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.004166666666666667) * e13);
+        let e26 = c_thumb * e22;
+        let h_wrist_x = (-s_thumb)
+            .mul_plus(T::from_f64(0.004166666666666667), T::from_f64(0.0298142396999972));
+        let h_wrist_y = c_thumb.mul_plus(T::from_f64(0.00625), -T::from_f64(0.022360679774997897));
+        let p6 = e13
+            .mul_plus(T::from_f64(0.004658474953124562), -(T::from_f64(0.6666666666666666) * e24));
+        let g_wrist_x = qdd[1]
+            .mul_plus(
+                T::from_f64(0.022360679774997897),
+                -(T::from_f64(0.0298142396999972) * e3),
+            ) + p6;
+        let p7 = c_thumb.mul_plus(e20, s_thumb * e21);
+        let g_wrist_y = qdd[1]
+            .mul_plus(T::from_f64(0.0298142396999972), T::from_f64(0.022360679774997897) * e3) - p7;
+        let p8 = e26
+            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.00023292374765622814) * e12);
+        let e27 = qdd[1]
+            .mul_plus(
+                T::from_f64(0.003975231959999628),
+                T::from_f64(0.0029814239699997203) * e3,
+            ) + p8;
+        let n_wrist_y = qdd[1]
+            .mul_plus(
+                T::from_f64(0.0029814239699997203),
+                -(T::from_f64(0.003975231959999628) * e3),
+            );
+        let n_wrist_y = (-s_thumb).mul_plus(e22, n_wrist_y);
+        let p9 = (-qdd[1]).mul_plus(T::from_f64(0.0020000000000000005), e23);
+        let p10 = e12
+            .mul_plus(
+                T::from_f64(0.00020833333333333337),
+                -(T::from_f64(0.7453559924999299) * e26),
+            );
+        let n_wrist_z = qdd[1].mul_plus(T::from_f64(0.003555555555555557), e23) - p9
+            + p10;
+        // lift
+        let e28 = c_wrist.mul_plus(h_wrist_x, -(s_wrist * h_wrist_y));
+        let e29 = s_wrist.mul_plus(h_wrist_x, c_wrist * h_wrist_y);
+        let e30 = e28.mul_plus(T::from_f64(0.5), -e29);
+        let e30 = s_thumb.mul_plus(T::from_f64(0.0023292374765622815), e30);
+        let e31 = c_wrist.mul_plus(g_wrist_x, -(s_wrist * g_wrist_y));
+        let e32 = s_wrist.mul_plus(g_wrist_x, c_wrist * g_wrist_y);
+        let e33 = e31.mul_plus(T::from_f64(0.5), -e32);
+        let e33 = e25.mul_plus(T::from_f64(0.5000000000000001), e33);
+        let g_lift_x = (-e33).mul_plus(T::from_f64(0.6666666666666666), e31);
+        let e34 = e33.mul_plus(T::from_f64(1.3333333333333333), e32);
+        let g_lift_z = e33.mul_plus(T::from_f64(0.6666666666666667), -e25);
+        let e35 = c_wrist.mul_plus(e27, s_wrist * n_wrist_y);
+        let e36 = s_wrist.mul_plus(e27, -(c_wrist * n_wrist_y));
+        let e37 = (-e35).mul_plus(T::from_f64(0.5), e36);
+        let e37 = (-n_wrist_z).mul_plus(T::from_f64(0.5000000000000001), e37);
+        let n_lift_y = (-e37).mul_plus(T::from_f64(1.3333333333333333), e36);
+        let h_lift_x = T::from_f64(0.01111111111111111)
+            + (-e30).mul_plus(T::from_f64(0.6666666666666666), e28);
+        let h_lift_y = T::from_f64(0.034722222222222224)
+            - e30.mul_plus(T::from_f64(1.3333333333333333), e29);
+        let h_lift_z = T::from_f64(0.02222222222222222)
+            + e30
+                .mul_plus(
+                    T::from_f64(0.6666666666666667),
+                    -(T::from_f64(0.004658474953124562) * s_thumb),
+                );
+        // base
+        let h_base_z = q[0].mul_plus(T::from_f64(0.5), h_lift_z);
+        let g_base_z = qdd[0].mul_plus(T::from_f64(0.5), g_lift_z);
+        let n_base_x = e37.mul_plus(T::from_f64(0.6666666666666666), e35);
+        let n_base_x = h_lift_y.mul_plus(qdd[0], -n_base_x);
+        let n_base_x = q[0].mul_plus(e34, n_base_x);
+        let n_base_y = (-h_lift_x).mul_plus(qdd[0], n_lift_y);
+        let n_base_y = q[0].mul_plus(g_lift_x, n_base_y);
+        // ZMP
+        let load = T::from_f64(9.80665) + f_base_z;
+        let e38 = T::from_f64(1.0) / load;
+        let p11 = e19.mul_plus(T::from_f64(1.3333333333333333), e18);
+        let p12 = h_lift_y.mul_plus(g_base_z, h_base_z * e34);
+        let p13 = v_base_z.mul_plus(p11, n_base_x - p12);
+        let e39 = p13.mul_plus(e38, v_base_y);
+        let p14 = h_base_z.mul_plus(g_lift_x, -(h_lift_x * g_base_z));
+        let p15 = v_base_z.mul_plus(f_lift_x, n_base_y - p14);
+        [(-p15).mul_plus(e38, v_base_x), e39]
     }
 }

@@ -39,7 +39,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define lift_SOURCE
 #include "lift.h"
-#ifndef lift_PAIR_ec8b5079d627a603
+#ifndef lift_PAIR_0db2407dacdc1d06
 #error "lift.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -186,35 +186,114 @@ static void lift_sincos(float x, float *sine, float *cosine)
 
 #endif
 
-void lift_com(const lift_real q[], const lift_real r[], lift_real com[restrict 3])
+
+/* A body that two functions share is made a part of both. */
+#if defined(__GNUC__)
+#define lift_SHARED static inline __attribute__((always_inline))
+#else
+#define lift_SHARED static inline
+#endif
+lift_SHARED void lift_com_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real r[],
+    lift_real com[restrict 3])
 {
     /* thumb */
-    const float e1 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    lift_sincos(e1, &s_thumb, &c_thumb);
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
     const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
     const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
     /* wrist */
     const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
     const float v_wrist_y = r[5] + t_thumb_x;
-    const float e2 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    lift_sincos(e2, &s_wrist, &c_wrist);
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
     const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
-    const float e3 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
+    const float e1 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
     /* lift */
-    const float e4 = (0.5f * t_wrist_x) - e3 + (0.37267798f * t_thumb_y);
-    const float w_wrist_x = t_wrist_x - (0.6666667f * e4);
-    const float w_wrist_z = (0.6666667f * e4) - (0.74535596f * t_thumb_y);
+    const float e2 = (0.5f * t_wrist_x) - e1 + (0.37267798f * t_thumb_y);
+    const float w_wrist_x = t_wrist_x - (0.6666667f * e2);
+    const float w_wrist_z = (0.6666667f * e2) - (0.74535596f * t_thumb_y);
     /* base */
     const float v_base_x = r[0] + w_wrist_x;
-    const float v_base_y = r[1] - (e3 + (1.3333334f * e4));
+    const float v_base_y = r[1] - (e1 + (1.3333334f * e2));
     const float v_base_z = r[2] + (w_wrist_z + (q[0] * r[3]));
     com[0] = v_base_x;
     com[1] = v_base_y;
     com[2] = v_base_z;
+}
+
+void lift_com(const lift_real q[], const lift_real r[], lift_real com[restrict 3])
+{
+    lift_com_core(0, q, q, q, r, com);
+}
+
+lift_SHARED void lift_com_jacobian_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real r[],
+    lift_real jac[restrict 3 * lift_DOF])
+{
+    /* thumb */
+    float s_thumb;
+    float c_thumb;
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
+    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
+    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
+    /* wrist */
+    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
+    const float v_wrist_y = r[5] + t_thumb_x;
+    float s_wrist;
+    float c_wrist;
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
+    const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
+    const float e1 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
+    /* wrist */
+    const float e2 = 0.6666667f * c_wrist;
+    const float e3 = 0.6666667f * s_wrist;
+    const float bx_wrist_x = e2 + e3;
+    const float e4 = 0.6666667f * c_wrist;
+    const float e5 = 0.6666667f * s_wrist;
+    const float by_wrist_x = (0.33333334f * s_wrist) - e4;
+    const float by_wrist_y = (0.33333334f * c_wrist) + e3;
+    const float bz_wrist_x = (0.33333334f * c_wrist) - e5;
+    jac[0] = 0.0f;
+    jac[1] = ((e5 - e4) * t_thumb_y) - (((0.6666667f * bx_wrist_x) + 0.248452f) * t_thumb_x)
+        - ((0.6666667f * e1) - (0.6666667f * t_wrist_x));
+    jac[2] = 0.0f;
+    jac[3] = (0.33333334f * t_wrist_x) + (0.6666667f * e1)
+        - ((((0.6666667f * by_wrist_x) + 0.496904f) * t_thumb_x) + (by_wrist_y * t_thumb_y));
+    jac[4] = r[3];
+    jac[5] = ((e2 + (0.33333334f * s_wrist)) * t_thumb_y)
+        - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x)
+        - ((0.6666667f * t_wrist_x) + (0.33333334f * e1));
 }
 
 void lift_com_jacobian(
@@ -222,41 +301,59 @@ void lift_com_jacobian(
     const lift_real r[],
     lift_real jac[restrict 3 * lift_DOF])
 {
+    lift_com_jacobian_core(0, q, q, q, r, jac);
+}
+
+lift_SHARED void lift_com_velocity_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real qd[],
+    const lift_real r[],
+    lift_real velocity[restrict 3])
+{
     /* thumb */
-    const float e1 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    lift_sincos(e1, &s_thumb, &c_thumb);
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
     const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
     const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
     /* wrist */
     const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
     const float v_wrist_y = r[5] + t_thumb_x;
-    const float e2 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    lift_sincos(e2, &s_wrist, &c_wrist);
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
     const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
-    const float e3 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
+    /* thumb */
+    const float e1 = qd[1] * t_thumb_y;
+    const float dt_thumb_y = qd[1] * t_thumb_x;
     /* wrist */
-    const float e4 = 0.6666667f * c_wrist;
-    const float e5 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = e4 + e5;
-    const float e6 = 0.6666667f * c_wrist;
-    const float e7 = 0.6666667f * s_wrist;
-    const float by_wrist_x = (0.33333334f * s_wrist) - e6;
-    const float by_wrist_y = (0.33333334f * c_wrist) + e5;
-    const float bz_wrist_x = (0.33333334f * c_wrist) - e7;
-    jac[0] = 0.0f;
-    jac[1] = ((e7 - e6) * t_thumb_y) - (((0.6666667f * bx_wrist_x) + 0.248452f) * t_thumb_x)
-        - ((0.6666667f * e3) - (0.6666667f * t_wrist_x));
-    jac[2] = 0.0f;
-    jac[3] = (0.33333334f * t_wrist_x) + (0.6666667f * e3)
-        - ((((0.6666667f * by_wrist_x) + 0.496904f) * t_thumb_x) + (by_wrist_y * t_thumb_y));
-    jac[4] = r[3];
-    jac[5] = ((e4 + (0.33333334f * s_wrist)) * t_thumb_y)
-        - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x)
-        - ((0.6666667f * t_wrist_x) + (0.33333334f * e3));
+    const float e2 = 0.6666667f * dt_thumb_y;
+    const float dt_wrist_x = (s_wrist * e1) - (c_wrist * e2)
+        - (qd[1] * ((s_wrist * v_wrist_x) + (c_wrist * v_wrist_y)));
+    const float dt_wrist_y = (s_wrist * e2) + (c_wrist * e1) - (qd[1] * t_wrist_x);
+    /* lift */
+    const float e3 = (0.5f * dt_wrist_x) + dt_wrist_y + (0.37267798f * dt_thumb_y);
+    const float dv_lift_x = dt_wrist_x - (0.6666667f * e3);
+    const float dv_lift_y = dt_wrist_y - (1.3333334f * e3);
+    const float dv_lift_z = (0.6666667f * e3) - (0.74535596f * dt_thumb_y);
+    /* base */
+    const float dv_base_z = dv_lift_z + (qd[0] * r[3]);
+    velocity[0] = dv_lift_x;
+    velocity[1] = dv_lift_y;
+    velocity[2] = dv_base_z;
 }
 
 void lift_com_velocity(
@@ -265,60 +362,39 @@ void lift_com_velocity(
     const lift_real r[],
     lift_real velocity[restrict 3])
 {
-    /* thumb */
-    const float e1 = q[1] - 0.5636476f;
-    float s_thumb;
-    float c_thumb;
-    lift_sincos(e1, &s_thumb, &c_thumb);
-    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
-    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
-    /* wrist */
-    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
-    const float v_wrist_y = r[5] + t_thumb_x;
-    const float e2 = q[1] - 0.4636476f;
-    float s_wrist;
-    float c_wrist;
-    lift_sincos(e2, &s_wrist, &c_wrist);
-    const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
-    /* thumb */
-    const float e3 = qd[1] * t_thumb_y;
-    const float dt_thumb_y = qd[1] * t_thumb_x;
-    /* wrist */
-    const float e4 = 0.6666667f * dt_thumb_y;
-    const float dt_wrist_x = (s_wrist * e3) - (c_wrist * e4)
-        - (qd[1] * ((s_wrist * v_wrist_x) + (c_wrist * v_wrist_y)));
-    const float dt_wrist_y = (s_wrist * e4) + (c_wrist * e3) - (qd[1] * t_wrist_x);
-    /* lift */
-    const float e5 = (0.5f * dt_wrist_x) + dt_wrist_y + (0.37267798f * dt_thumb_y);
-    const float dv_lift_x = dt_wrist_x - (0.6666667f * e5);
-    const float dv_lift_y = dt_wrist_y - (1.3333334f * e5);
-    const float dv_lift_z = (0.6666667f * e5) - (0.74535596f * dt_thumb_y);
-    /* base */
-    const float dv_base_z = dv_lift_z + (qd[0] * r[3]);
-    velocity[0] = dv_lift_x;
-    velocity[1] = dv_lift_y;
-    velocity[2] = dv_base_z;
+    lift_com_velocity_core(0, q, q, q, qd, r, velocity);
 }
 
-void lift_gravity_moments(
+lift_SHARED void lift_gravity_moments_core(
+    int of_sines,
     const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
     const lift_real r[],
     lift_real moments[restrict lift_DOF])
 {
     /* thumb */
-    const float e1 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    lift_sincos(e1, &s_thumb, &c_thumb);
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
     const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
     const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
     /* wrist */
     const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
     const float v_wrist_y = r[5] + t_thumb_x;
-    const float e2 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    lift_sincos(e2, &s_wrist, &c_wrist);
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
     const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
     /* wrist */
     const float bz_wrist_x = (0.33333334f * c_wrist) - (0.6666667f * s_wrist);
@@ -329,39 +405,60 @@ void lift_gravity_moments(
         - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x));
 }
 
-void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_PARAMS])
+void lift_gravity_moments(
+    const lift_real q[],
+    const lift_real r[],
+    lift_real moments[restrict lift_DOF])
+{
+    lift_gravity_moments_core(0, q, q, q, r, moments);
+}
+
+lift_SHARED void lift_regressor_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    lift_real rows[restrict 3 * lift_BASE_PARAMS])
 {
     /* wrist */
-    const float e1 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    lift_sincos(e1, &s_wrist, &c_wrist);
-    const float e2 = 0.6666667f * c_wrist;
-    const float e3 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = e2 + e3;
-    const float e4 = 0.6666667f * c_wrist;
-    const float e5 = 0.6666667f * s_wrist;
-    const float e6 = e5 - e4;
-    const float bx_wrist_y = -e6;
-    const float by_wrist_x = (0.33333334f * s_wrist) - e4;
-    const float by_wrist_y = (0.33333334f * c_wrist) + e3;
-    const float bz_wrist_x = (0.33333334f * c_wrist) - e5;
-    const float e7 = e2 + (0.33333334f * s_wrist);
-    const float bz_wrist_y = -e7;
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
+    const float e1 = 0.6666667f * c_wrist;
+    const float e2 = 0.6666667f * s_wrist;
+    const float bx_wrist_x = e1 + e2;
+    const float e3 = 0.6666667f * c_wrist;
+    const float e4 = 0.6666667f * s_wrist;
+    const float e5 = e4 - e3;
+    const float bx_wrist_y = -e5;
+    const float by_wrist_x = (0.33333334f * s_wrist) - e3;
+    const float by_wrist_y = (0.33333334f * c_wrist) + e2;
+    const float bz_wrist_x = (0.33333334f * c_wrist) - e4;
+    const float e6 = e1 + (0.33333334f * s_wrist);
+    const float bz_wrist_y = -e6;
     /* thumb */
-    const float e8 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    lift_sincos(e8, &s_thumb, &c_thumb);
-    const float e9 = (0.6666667f * bx_wrist_x) + 0.248452f;
-    const float bx_thumb_x = -((e6 * c_thumb) + (e9 * s_thumb));
-    const float bx_thumb_y = -((e6 * s_thumb) - (e9 * c_thumb));
-    const float e10 = (0.6666667f * by_wrist_x) + 0.496904f;
-    const float by_thumb_x = (by_wrist_y * c_thumb) - (e10 * s_thumb);
-    const float by_thumb_y = (e10 * c_thumb) + (by_wrist_y * s_thumb);
-    const float e11 = (0.6666667f * bz_wrist_x) + 0.496904f;
-    const float bz_thumb_x = -((e7 * c_thumb) + (e11 * s_thumb));
-    const float bz_thumb_y = -((e7 * s_thumb) - (e11 * c_thumb));
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
+    const float e7 = (0.6666667f * bx_wrist_x) + 0.248452f;
+    const float bx_thumb_x = -((e5 * c_thumb) + (e7 * s_thumb));
+    const float bx_thumb_y = -((e5 * s_thumb) - (e7 * c_thumb));
+    const float e8 = (0.6666667f * by_wrist_x) + 0.496904f;
+    const float by_thumb_x = (by_wrist_y * c_thumb) - (e8 * s_thumb);
+    const float by_thumb_y = (e8 * c_thumb) + (by_wrist_y * s_thumb);
+    const float e9 = (0.6666667f * bz_wrist_x) + 0.496904f;
+    const float bz_thumb_x = -((e6 * c_thumb) + (e9 * s_thumb));
+    const float bz_thumb_y = -((e6 * s_thumb) - (e9 * c_thumb));
     rows[0] = 1.0f;
     rows[1] = 0.0f;
     rows[2] = 0.0f;
@@ -388,31 +485,49 @@ void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_P
     rows[23] = bz_thumb_y;
 }
 
-void lift_regressor_cop(const lift_real q[], lift_real rows[restrict 2 * lift_BASE_PARAMS])
+void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_PARAMS])
+{
+    lift_regressor_core(0, q, q, q, rows);
+}
+
+lift_SHARED void lift_regressor_cop_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    lift_real rows[restrict 2 * lift_BASE_PARAMS])
 {
     /* wrist */
-    const float e1 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    lift_sincos(e1, &s_wrist, &c_wrist);
-    const float e2 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = (0.6666667f * c_wrist) + e2;
-    const float e3 = 0.6666667f * c_wrist;
-    const float e4 = (0.6666667f * s_wrist) - e3;
-    const float bx_wrist_y = -e4;
-    const float by_wrist_x = (0.33333334f * s_wrist) - e3;
-    const float by_wrist_y = (0.33333334f * c_wrist) + e2;
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
+    const float e1 = 0.6666667f * s_wrist;
+    const float bx_wrist_x = (0.6666667f * c_wrist) + e1;
+    const float e2 = 0.6666667f * c_wrist;
+    const float e3 = (0.6666667f * s_wrist) - e2;
+    const float bx_wrist_y = -e3;
+    const float by_wrist_x = (0.33333334f * s_wrist) - e2;
+    const float by_wrist_y = (0.33333334f * c_wrist) + e1;
     /* thumb */
-    const float e5 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    lift_sincos(e5, &s_thumb, &c_thumb);
-    const float e6 = (0.6666667f * bx_wrist_x) + 0.248452f;
-    const float bx_thumb_x = -((e4 * c_thumb) + (e6 * s_thumb));
-    const float bx_thumb_y = -((e4 * s_thumb) - (e6 * c_thumb));
-    const float e7 = (0.6666667f * by_wrist_x) + 0.496904f;
-    const float by_thumb_x = (by_wrist_y * c_thumb) - (e7 * s_thumb);
-    const float by_thumb_y = (e7 * c_thumb) + (by_wrist_y * s_thumb);
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
+    const float e4 = (0.6666667f * bx_wrist_x) + 0.248452f;
+    const float bx_thumb_x = -((e3 * c_thumb) + (e4 * s_thumb));
+    const float bx_thumb_y = -((e3 * s_thumb) - (e4 * c_thumb));
+    const float e5 = (0.6666667f * by_wrist_x) + 0.496904f;
+    const float by_thumb_x = (by_wrist_y * c_thumb) - (e5 * s_thumb);
+    const float by_thumb_y = (e5 * c_thumb) + (by_wrist_y * s_thumb);
     rows[0] = 1.0f;
     rows[1] = 0.0f;
     rows[2] = 0.0f;
@@ -431,40 +546,58 @@ void lift_regressor_cop(const lift_real q[], lift_real rows[restrict 2 * lift_BA
     rows[15] = by_thumb_y;
 }
 
-void lift_regressor_full(const lift_real q[], lift_real rows[restrict 3 * lift_FULL_PARAMS])
+void lift_regressor_cop(const lift_real q[], lift_real rows[restrict 2 * lift_BASE_PARAMS])
+{
+    lift_regressor_cop_core(0, q, q, q, rows);
+}
+
+lift_SHARED void lift_regressor_full_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    lift_real rows[restrict 3 * lift_FULL_PARAMS])
 {
     /* wrist */
-    const float e1 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    lift_sincos(e1, &s_wrist, &c_wrist);
-    const float e2 = 0.6666667f * c_wrist;
-    const float e3 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = e2 + e3;
-    const float e4 = 0.6666667f * c_wrist;
-    const float e5 = 0.6666667f * s_wrist;
-    const float e6 = e5 - e4;
-    const float by_wrist_x = (0.33333334f * s_wrist) - e4;
-    const float by_wrist_y = (0.33333334f * c_wrist) + e3;
-    const float bz_wrist_x = (0.33333334f * c_wrist) - e5;
-    const float e7 = e2 + (0.33333334f * s_wrist);
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
+    const float e1 = 0.6666667f * c_wrist;
+    const float e2 = 0.6666667f * s_wrist;
+    const float bx_wrist_x = e1 + e2;
+    const float e3 = 0.6666667f * c_wrist;
+    const float e4 = 0.6666667f * s_wrist;
+    const float e5 = e4 - e3;
+    const float by_wrist_x = (0.33333334f * s_wrist) - e3;
+    const float by_wrist_y = (0.33333334f * c_wrist) + e2;
+    const float bz_wrist_x = (0.33333334f * c_wrist) - e4;
+    const float e6 = e1 + (0.33333334f * s_wrist);
     /* thumb */
-    const float e8 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    lift_sincos(e8, &s_thumb, &c_thumb);
-    const float e9 = (0.6666667f * bx_wrist_x) + 0.248452f;
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
+    const float e7 = (0.6666667f * bx_wrist_x) + 0.248452f;
     const float kx_thumb_z = (0.74535596f * bx_wrist_x) - 0.22222222f;
-    const float bx_thumb_x = -((e6 * c_thumb) + (e9 * s_thumb));
-    const float bx_thumb_y = -((e6 * s_thumb) - (e9 * c_thumb));
-    const float e10 = (0.6666667f * by_wrist_x) + 0.496904f;
+    const float bx_thumb_x = -((e5 * c_thumb) + (e7 * s_thumb));
+    const float bx_thumb_y = -((e5 * s_thumb) - (e7 * c_thumb));
+    const float e8 = (0.6666667f * by_wrist_x) + 0.496904f;
     const float ky_thumb_z = (0.74535596f * by_wrist_x) - 0.44444445f;
-    const float by_thumb_x = (by_wrist_y * c_thumb) - (e10 * s_thumb);
-    const float by_thumb_y = (e10 * c_thumb) + (by_wrist_y * s_thumb);
-    const float e11 = (0.6666667f * bz_wrist_x) + 0.496904f;
+    const float by_thumb_x = (by_wrist_y * c_thumb) - (e8 * s_thumb);
+    const float by_thumb_y = (e8 * c_thumb) + (by_wrist_y * s_thumb);
+    const float e9 = (0.6666667f * bz_wrist_x) + 0.496904f;
     const float kz_thumb_z = (0.74535596f * bz_wrist_x) - 0.44444445f;
-    const float bz_thumb_x = -((e7 * c_thumb) + (e11 * s_thumb));
-    const float bz_thumb_y = -((e7 * s_thumb) - (e11 * c_thumb));
+    const float bz_thumb_x = -((e6 * c_thumb) + (e9 * s_thumb));
+    const float bz_thumb_y = -((e6 * s_thumb) - (e9 * c_thumb));
     rows[0] = 1.0f;
     rows[1] = 0.0f;
     rows[2] = 0.0f;
@@ -472,9 +605,9 @@ void lift_regressor_full(const lift_real q[], lift_real rows[restrict 3 * lift_F
     rows[4] = 0.0f;
     rows[5] = 0.0f;
     rows[6] = 0.0f;
-    rows[7] = (0.2981424f * bx_wrist_x) - (0.8944272f * e6) + 0.11111111f;
+    rows[7] = (0.2981424f * bx_wrist_x) - (0.8944272f * e5) + 0.11111111f;
     rows[8] = -kx_thumb_z;
-    rows[9] = (0.5962848f * bx_wrist_x) + (0.4472136f * e6) + 0.22222222f;
+    rows[9] = (0.5962848f * bx_wrist_x) + (0.4472136f * e5) + 0.22222222f;
     rows[10] = bx_thumb_x;
     rows[11] = bx_thumb_y;
     rows[12] = kx_thumb_z;
@@ -498,40 +631,195 @@ void lift_regressor_full(const lift_real q[], lift_real rows[restrict 3 * lift_F
     rows[30] = 0.0f;
     rows[31] = 1.0f;
     rows[32] = q[0];
-    rows[33] = (0.2981424f * bz_wrist_x) - (0.8944272f * e7) + 0.22222222f;
+    rows[33] = (0.2981424f * bz_wrist_x) - (0.8944272f * e6) + 0.22222222f;
     rows[34] = -kz_thumb_z;
-    rows[35] = (0.5962848f * bz_wrist_x) + (0.4472136f * e7) + 0.44444445f;
+    rows[35] = (0.5962848f * bz_wrist_x) + (0.4472136f * e6) + 0.44444445f;
     rows[36] = bz_thumb_x;
     rows[37] = bz_thumb_y;
     rows[38] = kz_thumb_z;
 }
 
-void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[restrict 2])
+void lift_regressor_full(const lift_real q[], lift_real rows[restrict 3 * lift_FULL_PARAMS])
+{
+    lift_regressor_full_core(0, q, q, q, rows);
+}
+
+lift_SHARED void lift_cop_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real r[],
+    lift_real cop[restrict 2])
 {
     /* thumb */
-    const float e1 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    lift_sincos(e1, &s_thumb, &c_thumb);
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
     const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
     const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
     /* wrist */
     const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
     const float v_wrist_y = r[5] + t_thumb_x;
-    const float e2 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    lift_sincos(e2, &s_wrist, &c_wrist);
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
     const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
-    const float e3 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
+    const float e1 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
     /* lift */
-    const float e4 = (0.5f * t_wrist_x) - e3 + (0.37267798f * t_thumb_y);
-    const float w_wrist_x = t_wrist_x - (0.6666667f * e4);
+    const float e2 = (0.5f * t_wrist_x) - e1 + (0.37267798f * t_thumb_y);
+    const float w_wrist_x = t_wrist_x - (0.6666667f * e2);
     /* base */
     const float v_base_x = r[0] + w_wrist_x;
-    const float v_base_y = r[1] - (e3 + (1.3333334f * e4));
+    const float v_base_y = r[1] - (e1 + (1.3333334f * e2));
     cop[0] = v_base_x;
     cop[1] = v_base_y;
+}
+
+void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[restrict 2])
+{
+    lift_cop_core(0, q, q, q, r, cop);
+}
+
+lift_SHARED void lift_zmp_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real qd[],
+    const lift_real qdd[],
+    const lift_real r[],
+    lift_real zmp[restrict 2])
+{
+    /* thumb */
+    float s_thumb;
+    float c_thumb;
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
+    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
+    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
+    /* wrist */
+    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
+    const float v_wrist_y = r[5] + t_thumb_x;
+    float s_wrist;
+    float c_wrist;
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
+    const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
+    const float e1 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
+    /* lift */
+    const float e2 = (0.5f * t_wrist_x) - e1 + (0.37267798f * t_thumb_y);
+    const float w_wrist_x = t_wrist_x - (0.6666667f * e2);
+    const float w_wrist_z = (0.6666667f * e2) - (0.74535596f * t_thumb_y);
+    /* base */
+    const float v_base_x = r[0] + w_wrist_x;
+    const float v_base_y = r[1] - (e1 + (1.3333334f * e2));
+    const float v_base_z = r[2] + (w_wrist_z + (q[0] * r[3]));
+    /* wrist */
+    const float e3 = qd[1] * qd[1];
+    /* thumb */
+    const float e4 = 0.74535596f * qd[1];
+    const float e5 = e4 * s_thumb;
+    const float o_thumb_y = e4 * c_thumb;
+    const float e6 = (0.6666667f * qd[1]) + qd[1];
+    const float e7 = 0.74535596f * qdd[1];
+    const float a_thumb_y = (e7 * c_thumb) - (e5 * qd[1]);
+    const float e8 = (0.6666667f * qdd[1]) + qdd[1];
+    const float e9 = e6 * e6;
+    const float e10 = e5 * o_thumb_y;
+    const float e11 = (o_thumb_y * o_thumb_y) + e9;
+    const float e12 = e10 + e8;
+    const float e13 = (e5 * e6) - a_thumb_y;
+    /* thumb */
+    const float f_thumb_x = (r[7] * (e8 - e10)) - (r[6] * e11);
+    const float e14 = (r[6] * e12) + (r[7] * ((e5 * e5) + e9));
+    const float f_thumb_z = (r[6] * e13)
+        - (r[7] * ((o_thumb_y * e6) + ((e7 * s_thumb) + (o_thumb_y * qd[1]))));
+    /* wrist */
+    const float e15 = (s_thumb * f_thumb_x) + (c_thumb * e14);
+    const float e16 = (0.74535596f * e15) + (0.6666667f * f_thumb_z);
+    const float f_wrist_x = (0.74535596f * f_thumb_z) - (0.6666667f * e15)
+        - ((r[4] * e3) + (r[5] * qdd[1]));
+    const float f_wrist_y = (r[4] * qdd[1]) - (r[5] * e3)
+        + ((c_thumb * f_thumb_x) - (s_thumb * e14));
+    /* lift */
+    const float e17 = (c_wrist * f_wrist_x) - (s_wrist * f_wrist_y);
+    const float e18 = (s_wrist * f_wrist_x) + (c_wrist * f_wrist_y);
+    const float e19 = (0.5f * e17) - e18 + (0.5f * e16);
+    const float f_lift_x = e17 - (0.6666667f * e19);
+    const float f_lift_z = (0.6666667f * e19) - e16;
+    /* base */
+    const float f_base_z = f_lift_z + (r[3] * qdd[0]);
+    /* thumb */
+    const float e20 = 0.00625f * e11;
+    const float e21 = 0.00625f * e12;
+    const float e22 = 0.0003125f * e13;
+    /* wrist */
+    const float e23 = 0.0026666666f * e3;
+    const float e24 = (c_thumb * e21) - (s_thumb * e20);
+    const float e25 = (0.74535596f * e24) + (0.004166667f * e13);
+    const float e26 = c_thumb * e22;
+    const float h_wrist_x = 0.02981424f - (0.004166667f * s_thumb);
+    const float h_wrist_y = (0.00625f * c_thumb) - 0.02236068f;
+    const float g_wrist_x = (0.02236068f * qdd[1]) - (0.02981424f * e3)
+        + ((0.004658475f * e13) - (0.6666667f * e24));
+    const float g_wrist_y = (0.02981424f * qdd[1]) + (0.02236068f * e3)
+        - ((c_thumb * e20) + (s_thumb * e21));
+    const float e27 = (0.003975232f * qdd[1]) + (0.0029814239f * e3)
+        + ((0.6666667f * e26) + (0.00023292375f * e12));
+    const float n_wrist_y = (0.0029814239f * qdd[1]) - (0.003975232f * e3) - (s_thumb * e22);
+    const float n_wrist_z = (0.0035555556f * qdd[1]) + e23 - (e23 - (0.002f * qdd[1]))
+        + ((0.00020833334f * e12) - (0.74535596f * e26));
+    /* lift */
+    const float e28 = (c_wrist * h_wrist_x) - (s_wrist * h_wrist_y);
+    const float e29 = (s_wrist * h_wrist_x) + (c_wrist * h_wrist_y);
+    const float e30 = (0.5f * e28) - e29 + (0.0023292375f * s_thumb);
+    const float e31 = (c_wrist * g_wrist_x) - (s_wrist * g_wrist_y);
+    const float e32 = (s_wrist * g_wrist_x) + (c_wrist * g_wrist_y);
+    const float e33 = (0.5f * e31) - e32 + (0.5f * e25);
+    const float g_lift_x = e31 - (0.6666667f * e33);
+    const float e34 = e32 + (1.3333334f * e33);
+    const float g_lift_z = (0.6666667f * e33) - e25;
+    const float e35 = (c_wrist * e27) + (s_wrist * n_wrist_y);
+    const float e36 = (s_wrist * e27) - (c_wrist * n_wrist_y);
+    const float e37 = e36 - (0.5f * e35) - (0.5f * n_wrist_z);
+    const float n_lift_y = e36 - (1.3333334f * e37);
+    const float h_lift_x = 0.011111111f + (e28 - (0.6666667f * e30));
+    const float h_lift_y = 0.034722224f - (e29 + (1.3333334f * e30));
+    const float h_lift_z = 0.022222223f + ((0.6666667f * e30) - (0.004658475f * s_thumb));
+    /* base */
+    const float h_base_z = h_lift_z + (0.5f * q[0]);
+    const float g_base_z = g_lift_z + (0.5f * qdd[0]);
+    const float n_base_x = (h_lift_y * qdd[0]) - (e35 + (0.6666667f * e37)) + (q[0] * e34);
+    const float n_base_y = n_lift_y - (h_lift_x * qdd[0]) + (q[0] * g_lift_x);
+    /* ZMP */
+    const float load = 9.80665f + f_base_z;
+    const float e38 = 1.0f / load;
+    const float e39 = v_base_y
+        + (((v_base_z * (e18 + (1.3333334f * e19)))
+        + (n_base_x - ((h_lift_y * g_base_z) + (h_base_z * e34)))) * e38);
+    zmp[0] = v_base_x
+        - (((v_base_z * f_lift_x) + (n_base_y - ((h_base_z * g_lift_x) - (h_lift_x * g_base_z))))
+        * e38);
+    zmp[1] = e39;
 }
 
 void lift_zmp(
@@ -541,117 +829,7 @@ void lift_zmp(
     const lift_real r[],
     lift_real zmp[restrict 2])
 {
-    /* thumb */
-    const float e1 = q[1] - 0.5636476f;
-    float s_thumb;
-    float c_thumb;
-    lift_sincos(e1, &s_thumb, &c_thumb);
-    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
-    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
-    /* wrist */
-    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
-    const float v_wrist_y = r[5] + t_thumb_x;
-    const float e2 = q[1] - 0.4636476f;
-    float s_wrist;
-    float c_wrist;
-    lift_sincos(e2, &s_wrist, &c_wrist);
-    const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
-    const float e3 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
-    /* lift */
-    const float e4 = (0.5f * t_wrist_x) - e3 + (0.37267798f * t_thumb_y);
-    const float w_wrist_x = t_wrist_x - (0.6666667f * e4);
-    const float w_wrist_z = (0.6666667f * e4) - (0.74535596f * t_thumb_y);
-    /* base */
-    const float v_base_x = r[0] + w_wrist_x;
-    const float v_base_y = r[1] - (e3 + (1.3333334f * e4));
-    const float v_base_z = r[2] + (w_wrist_z + (q[0] * r[3]));
-    /* wrist */
-    const float e5 = qd[1] * qd[1];
-    /* thumb */
-    const float e6 = 0.74535596f * qd[1];
-    const float e7 = e6 * s_thumb;
-    const float o_thumb_y = e6 * c_thumb;
-    const float e8 = (0.6666667f * qd[1]) + qd[1];
-    const float e9 = 0.74535596f * qdd[1];
-    const float a_thumb_y = (e9 * c_thumb) - (e7 * qd[1]);
-    const float e10 = (0.6666667f * qdd[1]) + qdd[1];
-    const float e11 = e8 * e8;
-    const float e12 = e7 * o_thumb_y;
-    const float e13 = (o_thumb_y * o_thumb_y) + e11;
-    const float e14 = e12 + e10;
-    const float e15 = (e7 * e8) - a_thumb_y;
-    /* thumb */
-    const float f_thumb_x = (r[7] * (e10 - e12)) - (r[6] * e13);
-    const float e16 = (r[6] * e14) + (r[7] * ((e7 * e7) + e11));
-    const float f_thumb_z = (r[6] * e15)
-        - (r[7] * ((o_thumb_y * e8) + ((e9 * s_thumb) + (o_thumb_y * qd[1]))));
-    /* wrist */
-    const float e17 = (s_thumb * f_thumb_x) + (c_thumb * e16);
-    const float e18 = (0.74535596f * e17) + (0.6666667f * f_thumb_z);
-    const float f_wrist_x = (0.74535596f * f_thumb_z) - (0.6666667f * e17)
-        - ((r[4] * e5) + (r[5] * qdd[1]));
-    const float f_wrist_y = (r[4] * qdd[1]) - (r[5] * e5)
-        + ((c_thumb * f_thumb_x) - (s_thumb * e16));
-    /* lift */
-    const float e19 = (c_wrist * f_wrist_x) - (s_wrist * f_wrist_y);
-    const float e20 = (s_wrist * f_wrist_x) + (c_wrist * f_wrist_y);
-    const float e21 = (0.5f * e19) - e20 + (0.5f * e18);
-    const float f_lift_x = e19 - (0.6666667f * e21);
-    const float f_lift_z = (0.6666667f * e21) - e18;
-    /* base */
-    const float f_base_z = f_lift_z + (r[3] * qdd[0]);
-    /* thumb */
-    const float e22 = 0.00625f * e13;
-    const float e23 = 0.00625f * e14;
-    const float e24 = 0.0003125f * e15;
-    /* wrist */
-    const float e25 = 0.0026666666f * e5;
-    const float e26 = (c_thumb * e23) - (s_thumb * e22);
-    const float e27 = (0.74535596f * e26) + (0.004166667f * e15);
-    const float e28 = c_thumb * e24;
-    const float h_wrist_x = 0.02981424f - (0.004166667f * s_thumb);
-    const float h_wrist_y = (0.00625f * c_thumb) - 0.02236068f;
-    const float g_wrist_x = (0.02236068f * qdd[1]) - (0.02981424f * e5)
-        + ((0.004658475f * e15) - (0.6666667f * e26));
-    const float g_wrist_y = (0.02981424f * qdd[1]) + (0.02236068f * e5)
-        - ((c_thumb * e22) + (s_thumb * e23));
-    const float e29 = (0.003975232f * qdd[1]) + (0.0029814239f * e5)
-        + ((0.6666667f * e28) + (0.00023292375f * e14));
-    const float n_wrist_y = (0.0029814239f * qdd[1]) - (0.003975232f * e5) - (s_thumb * e24);
-    const float n_wrist_z = (0.0035555556f * qdd[1]) + e25 - (e25 - (0.002f * qdd[1]))
-        + ((0.00020833334f * e14) - (0.74535596f * e28));
-    /* lift */
-    const float e30 = (c_wrist * h_wrist_x) - (s_wrist * h_wrist_y);
-    const float e31 = (s_wrist * h_wrist_x) + (c_wrist * h_wrist_y);
-    const float e32 = (0.5f * e30) - e31 + (0.0023292375f * s_thumb);
-    const float e33 = (c_wrist * g_wrist_x) - (s_wrist * g_wrist_y);
-    const float e34 = (s_wrist * g_wrist_x) + (c_wrist * g_wrist_y);
-    const float e35 = (0.5f * e33) - e34 + (0.5f * e27);
-    const float g_lift_x = e33 - (0.6666667f * e35);
-    const float e36 = e34 + (1.3333334f * e35);
-    const float g_lift_z = (0.6666667f * e35) - e27;
-    const float e37 = (c_wrist * e29) + (s_wrist * n_wrist_y);
-    const float e38 = (s_wrist * e29) - (c_wrist * n_wrist_y);
-    const float e39 = e38 - (0.5f * e37) - (0.5f * n_wrist_z);
-    const float n_lift_y = e38 - (1.3333334f * e39);
-    const float h_lift_x = 0.011111111f + (e30 - (0.6666667f * e32));
-    const float h_lift_y = 0.034722224f - (e31 + (1.3333334f * e32));
-    const float h_lift_z = 0.022222223f + ((0.6666667f * e32) - (0.004658475f * s_thumb));
-    /* base */
-    const float h_base_z = h_lift_z + (0.5f * q[0]);
-    const float g_base_z = g_lift_z + (0.5f * qdd[0]);
-    const float n_base_x = (h_lift_y * qdd[0]) - (e37 + (0.6666667f * e39)) + (q[0] * e36);
-    const float n_base_y = n_lift_y - (h_lift_x * qdd[0]) + (q[0] * g_lift_x);
-    /* ZMP */
-    const float load = 9.80665f + f_base_z;
-    const float e40 = 1.0f / load;
-    const float e41 = v_base_y
-        + (((v_base_z * (e20 + (1.3333334f * e21)))
-        + (n_base_x - ((h_lift_y * g_base_z) + (h_base_z * e36)))) * e40);
-    zmp[0] = v_base_x
-        - (((v_base_z * f_lift_x) + (n_base_y - ((h_base_z * g_lift_x) - (h_lift_x * g_base_z))))
-        * e40);
-    zmp[1] = e41;
+    lift_zmp_core(0, q, q, q, qd, qdd, r, zmp);
 }
 
 void lift_com_sc(
@@ -660,30 +838,7 @@ void lift_com_sc(
     const lift_real r[],
     lift_real com[restrict 3])
 {
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
-    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
-    /* wrist */
-    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
-    const float v_wrist_y = r[5] + t_thumb_x;
-    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float t_wrist_x = (c_wrist * v_wrist_x) + (s_wrist * v_wrist_y);
-    const float t_wrist_y = (s_wrist * v_wrist_x) - (c_wrist * v_wrist_y);
-    /* lift */
-    const float e1 = (0.5f * t_wrist_x) + t_wrist_y + (0.37267798f * t_thumb_y);
-    const float w_wrist_x = t_wrist_x - (0.6666667f * e1);
-    const float w_wrist_y = t_wrist_y - (1.3333334f * e1);
-    const float w_wrist_z = (0.6666667f * e1) - (0.74535596f * t_thumb_y);
-    /* base */
-    const float v_base_x = r[0] + w_wrist_x;
-    const float v_base_y = r[1] + w_wrist_y;
-    const float v_base_z = r[2] + (w_wrist_z + (sin_q[0] * r[3]));
-    com[0] = v_base_x;
-    com[1] = v_base_y;
-    com[2] = v_base_z;
+    lift_com_core(1, sin_q, sin_q, cos_q, r, com);
 }
 
 void lift_com_jacobian_sc(
@@ -692,38 +847,7 @@ void lift_com_jacobian_sc(
     const lift_real r[],
     lift_real jac[restrict 3 * lift_DOF])
 {
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
-    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
-    /* wrist */
-    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
-    const float v_wrist_y = r[5] + t_thumb_x;
-    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float t_wrist_x = (c_wrist * v_wrist_x) + (s_wrist * v_wrist_y);
-    const float t_wrist_y = (s_wrist * v_wrist_x) - (c_wrist * v_wrist_y);
-    /* wrist */
-    const float e1 = 0.6666667f * c_wrist;
-    const float e2 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = e1 - e2;
-    const float e3 = 0.6666667f * c_wrist;
-    const float e4 = 0.6666667f * s_wrist;
-    const float bx_wrist_y = e3 + e4;
-    const float bz_wrist_x = (0.33333334f * c_wrist) + e4;
-    /* thumb */
-    const float ky_thumb_y = (0.6666667f * (e3 + (0.33333334f * s_wrist))) - 0.496904f;
-    jac[0] = 0.0f;
-    jac[1] = (0.6666667f * t_wrist_x) + (0.6666667f * t_wrist_y)
-        - ((((0.6666667f * bx_wrist_x) + 0.248452f) * t_thumb_x) + (bx_wrist_y * t_thumb_y));
-    jac[2] = 0.0f;
-    jac[3] = (ky_thumb_y * t_thumb_x) + ((e2 - (0.33333334f * c_wrist)) * t_thumb_y)
-        - ((0.6666667f * t_wrist_y) - (0.33333334f * t_wrist_x));
-    jac[4] = r[3];
-    jac[5] = ((e1 - (0.33333334f * s_wrist)) * t_thumb_y)
-        - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x)
-        - ((0.6666667f * t_wrist_x) - (0.33333334f * t_wrist_y));
+    lift_com_jacobian_core(1, sin_q, sin_q, cos_q, r, jac);
 }
 
 void lift_com_velocity_sc(
@@ -733,35 +857,7 @@ void lift_com_velocity_sc(
     const lift_real r[],
     lift_real velocity[restrict 3])
 {
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
-    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
-    /* wrist */
-    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
-    const float v_wrist_y = r[5] + t_thumb_x;
-    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float t_wrist_x = (c_wrist * v_wrist_x) + (s_wrist * v_wrist_y);
-    const float t_wrist_y = (s_wrist * v_wrist_x) - (c_wrist * v_wrist_y);
-    /* thumb */
-    const float e1 = qd[1] * t_thumb_y;
-    const float dt_thumb_y = qd[1] * t_thumb_x;
-    /* wrist */
-    const float e2 = 0.6666667f * dt_thumb_y;
-    const float dt_wrist_x = (qd[1] * t_wrist_y) - ((c_wrist * e2) + (s_wrist * e1));
-    const float dt_wrist_y = (c_wrist * e1) - (s_wrist * e2) - (qd[1] * t_wrist_x);
-    /* lift */
-    const float e3 = (0.5f * dt_wrist_x) + dt_wrist_y + (0.37267798f * dt_thumb_y);
-    const float dv_lift_x = dt_wrist_x - (0.6666667f * e3);
-    const float dv_lift_y = dt_wrist_y - (1.3333334f * e3);
-    const float dv_lift_z = (0.6666667f * e3) - (0.74535596f * dt_thumb_y);
-    /* base */
-    const float dv_base_z = dv_lift_z + (qd[0] * r[3]);
-    velocity[0] = dv_lift_x;
-    velocity[1] = dv_lift_y;
-    velocity[2] = dv_base_z;
+    lift_com_velocity_core(1, sin_q, sin_q, cos_q, qd, r, velocity);
 }
 
 void lift_gravity_moments_sc(
@@ -770,24 +866,7 @@ void lift_gravity_moments_sc(
     const lift_real r[],
     lift_real moments[restrict lift_DOF])
 {
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
-    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
-    /* wrist */
-    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
-    const float v_wrist_y = r[5] + t_thumb_x;
-    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float t_wrist_x = (c_wrist * v_wrist_x) + (s_wrist * v_wrist_y);
-    const float t_wrist_y = (s_wrist * v_wrist_x) - (c_wrist * v_wrist_y);
-    /* wrist */
-    const float bz_wrist_x = (0.33333334f * c_wrist) + (0.6666667f * s_wrist);
-    moments[0] = -r[3];
-    moments[1] = (0.6666667f * t_wrist_x) - (0.33333334f * t_wrist_y)
-        - ((((0.6666667f * c_wrist) - (0.33333334f * s_wrist)) * t_thumb_y)
-        - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x));
+    lift_gravity_moments_core(1, sin_q, sin_q, cos_q, r, moments);
 }
 
 void lift_regressor_sc(
@@ -795,58 +874,7 @@ void lift_regressor_sc(
     const lift_real cos_q[],
     lift_real rows[restrict 3 * lift_BASE_PARAMS])
 {
-    /* wrist */
-    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float e1 = 0.6666667f * c_wrist;
-    const float e2 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = e1 - e2;
-    const float e3 = 0.6666667f * c_wrist;
-    const float e4 = 0.6666667f * s_wrist;
-    const float bx_wrist_y = e3 + e4;
-    const float e5 = e3 + (0.33333334f * s_wrist);
-    const float by_wrist_x = -e5;
-    const float e6 = e2 - (0.33333334f * c_wrist);
-    const float by_wrist_y = -e6;
-    const float bz_wrist_x = (0.33333334f * c_wrist) + e4;
-    const float e7 = e1 - (0.33333334f * s_wrist);
-    const float bz_wrist_y = -e7;
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float e8 = (0.6666667f * bx_wrist_x) + 0.248452f;
-    const float bx_thumb_x = (bx_wrist_y * c_thumb) - (e8 * s_thumb);
-    const float bx_thumb_y = (e8 * c_thumb) + (bx_wrist_y * s_thumb);
-    const float ky_thumb_y = (0.6666667f * e5) - 0.496904f;
-    const float by_thumb_x = (ky_thumb_y * s_thumb) - (e6 * c_thumb);
-    const float by_thumb_y = -((ky_thumb_y * c_thumb) + (e6 * s_thumb));
-    const float e9 = (0.6666667f * bz_wrist_x) + 0.496904f;
-    const float bz_thumb_x = -((e7 * c_thumb) + (e9 * s_thumb));
-    const float bz_thumb_y = -((e7 * s_thumb) - (e9 * c_thumb));
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = 0.0f;
-    rows[4] = bx_wrist_x;
-    rows[5] = bx_wrist_y;
-    rows[6] = bx_thumb_x;
-    rows[7] = bx_thumb_y;
-    rows[8] = 0.0f;
-    rows[9] = 1.0f;
-    rows[10] = 0.0f;
-    rows[11] = 0.0f;
-    rows[12] = by_wrist_x;
-    rows[13] = by_wrist_y;
-    rows[14] = by_thumb_x;
-    rows[15] = by_thumb_y;
-    rows[16] = 0.0f;
-    rows[17] = 0.0f;
-    rows[18] = 1.0f;
-    rows[19] = sin_q[0];
-    rows[20] = bz_wrist_x;
-    rows[21] = bz_wrist_y;
-    rows[22] = bz_thumb_x;
-    rows[23] = bz_thumb_y;
+    lift_regressor_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void lift_regressor_cop_sc(
@@ -854,42 +882,7 @@ void lift_regressor_cop_sc(
     const lift_real cos_q[],
     lift_real rows[restrict 2 * lift_BASE_PARAMS])
 {
-    /* wrist */
-    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float e1 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = (0.6666667f * c_wrist) - e1;
-    const float e2 = 0.6666667f * c_wrist;
-    const float bx_wrist_y = e2 + (0.6666667f * s_wrist);
-    const float e3 = e2 + (0.33333334f * s_wrist);
-    const float by_wrist_x = -e3;
-    const float e4 = e1 - (0.33333334f * c_wrist);
-    const float by_wrist_y = -e4;
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float e5 = (0.6666667f * bx_wrist_x) + 0.248452f;
-    const float bx_thumb_x = (bx_wrist_y * c_thumb) - (e5 * s_thumb);
-    const float bx_thumb_y = (e5 * c_thumb) + (bx_wrist_y * s_thumb);
-    const float ky_thumb_y = (0.6666667f * e3) - 0.496904f;
-    const float by_thumb_x = (ky_thumb_y * s_thumb) - (e4 * c_thumb);
-    const float by_thumb_y = -((ky_thumb_y * c_thumb) + (e4 * s_thumb));
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = 0.0f;
-    rows[4] = bx_wrist_x;
-    rows[5] = bx_wrist_y;
-    rows[6] = bx_thumb_x;
-    rows[7] = bx_thumb_y;
-    rows[8] = 0.0f;
-    rows[9] = 1.0f;
-    rows[10] = 0.0f;
-    rows[11] = 0.0f;
-    rows[12] = by_wrist_x;
-    rows[13] = by_wrist_y;
-    rows[14] = by_thumb_x;
-    rows[15] = by_thumb_y;
+    lift_regressor_cop_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void lift_regressor_full_sc(
@@ -897,74 +890,7 @@ void lift_regressor_full_sc(
     const lift_real cos_q[],
     lift_real rows[restrict 3 * lift_FULL_PARAMS])
 {
-    /* wrist */
-    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float e1 = 0.6666667f * c_wrist;
-    const float e2 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = e1 - e2;
-    const float e3 = 0.6666667f * c_wrist;
-    const float e4 = 0.6666667f * s_wrist;
-    const float bx_wrist_y = e3 + e4;
-    const float e5 = e3 + (0.33333334f * s_wrist);
-    const float e6 = e2 - (0.33333334f * c_wrist);
-    const float bz_wrist_x = (0.33333334f * c_wrist) + e4;
-    const float e7 = e1 - (0.33333334f * s_wrist);
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float e8 = (0.6666667f * bx_wrist_x) + 0.248452f;
-    const float kx_thumb_z = (0.74535596f * bx_wrist_x) - 0.22222222f;
-    const float bx_thumb_x = (bx_wrist_y * c_thumb) - (e8 * s_thumb);
-    const float bx_thumb_y = (e8 * c_thumb) + (bx_wrist_y * s_thumb);
-    const float ky_thumb_y = (0.6666667f * e5) - 0.496904f;
-    const float e9 = (0.74535596f * e5) + 0.44444445f;
-    const float ky_thumb_z = -e9;
-    const float by_thumb_x = (ky_thumb_y * s_thumb) - (e6 * c_thumb);
-    const float by_thumb_y = -((ky_thumb_y * c_thumb) + (e6 * s_thumb));
-    const float e10 = (0.6666667f * bz_wrist_x) + 0.496904f;
-    const float kz_thumb_z = (0.74535596f * bz_wrist_x) - 0.44444445f;
-    const float bz_thumb_x = -((e7 * c_thumb) + (e10 * s_thumb));
-    const float bz_thumb_y = -((e7 * s_thumb) - (e10 * c_thumb));
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = 1.0f;
-    rows[4] = 0.0f;
-    rows[5] = 0.0f;
-    rows[6] = 0.0f;
-    rows[7] = (0.2981424f * bx_wrist_x) + (0.8944272f * bx_wrist_y) + 0.11111111f;
-    rows[8] = -kx_thumb_z;
-    rows[9] = (0.5962848f * bx_wrist_x) - (0.4472136f * bx_wrist_y) + 0.22222222f;
-    rows[10] = bx_thumb_x;
-    rows[11] = bx_thumb_y;
-    rows[12] = kx_thumb_z;
-    rows[13] = 0.0f;
-    rows[14] = 1.0f;
-    rows[15] = 0.0f;
-    rows[16] = 0.0f;
-    rows[17] = 1.0f;
-    rows[18] = 0.0f;
-    rows[19] = 0.0f;
-    rows[20] = 0.22222222f - ((0.2981424f * e5) + (0.8944272f * e6));
-    rows[21] = e9;
-    rows[22] = (0.4472136f * e6) - (0.5962848f * e5) + 0.44444445f;
-    rows[23] = by_thumb_x;
-    rows[24] = by_thumb_y;
-    rows[25] = ky_thumb_z;
-    rows[26] = 0.0f;
-    rows[27] = 0.0f;
-    rows[28] = 1.0f;
-    rows[29] = 0.0f;
-    rows[30] = 0.0f;
-    rows[31] = 1.0f;
-    rows[32] = sin_q[0];
-    rows[33] = (0.2981424f * bz_wrist_x) - (0.8944272f * e7) + 0.22222222f;
-    rows[34] = -kz_thumb_z;
-    rows[35] = (0.5962848f * bz_wrist_x) + (0.4472136f * e7) + 0.44444445f;
-    rows[36] = bz_thumb_x;
-    rows[37] = bz_thumb_y;
-    rows[38] = kz_thumb_z;
+    lift_regressor_full_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void lift_cop_sc(
@@ -973,27 +899,7 @@ void lift_cop_sc(
     const lift_real r[],
     lift_real cop[restrict 2])
 {
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
-    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
-    /* wrist */
-    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
-    const float v_wrist_y = r[5] + t_thumb_x;
-    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float t_wrist_x = (c_wrist * v_wrist_x) + (s_wrist * v_wrist_y);
-    const float t_wrist_y = (s_wrist * v_wrist_x) - (c_wrist * v_wrist_y);
-    /* lift */
-    const float e1 = (0.5f * t_wrist_x) + t_wrist_y + (0.37267798f * t_thumb_y);
-    const float w_wrist_x = t_wrist_x - (0.6666667f * e1);
-    const float w_wrist_y = t_wrist_y - (1.3333334f * e1);
-    /* base */
-    const float v_base_x = r[0] + w_wrist_x;
-    const float v_base_y = r[1] + w_wrist_y;
-    cop[0] = v_base_x;
-    cop[1] = v_base_y;
+    lift_cop_core(1, sin_q, sin_q, cos_q, r, cop);
 }
 
 void lift_zmp_sc(
@@ -1004,114 +910,7 @@ void lift_zmp_sc(
     const lift_real r[],
     lift_real zmp[restrict 2])
 {
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
-    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
-    /* wrist */
-    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
-    const float v_wrist_y = r[5] + t_thumb_x;
-    const float s_wrist = (0.4472136f * cos_q[1]) - (0.8944272f * sin_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float t_wrist_x = (c_wrist * v_wrist_x) + (s_wrist * v_wrist_y);
-    const float t_wrist_y = (s_wrist * v_wrist_x) - (c_wrist * v_wrist_y);
-    /* lift */
-    const float e1 = (0.5f * t_wrist_x) + t_wrist_y + (0.37267798f * t_thumb_y);
-    const float w_wrist_x = t_wrist_x - (0.6666667f * e1);
-    const float w_wrist_y = t_wrist_y - (1.3333334f * e1);
-    const float w_wrist_z = (0.6666667f * e1) - (0.74535596f * t_thumb_y);
-    /* base */
-    const float v_base_x = r[0] + w_wrist_x;
-    const float v_base_y = r[1] + w_wrist_y;
-    const float v_base_z = r[2] + (w_wrist_z + (sin_q[0] * r[3]));
-    /* wrist */
-    const float e2 = qd[1] * qd[1];
-    /* thumb */
-    const float e3 = 0.74535596f * qd[1];
-    const float e4 = e3 * s_thumb;
-    const float o_thumb_y = e3 * c_thumb;
-    const float e5 = (0.6666667f * qd[1]) + qd[1];
-    const float e6 = 0.74535596f * qdd[1];
-    const float a_thumb_y = (e6 * c_thumb) - (e4 * qd[1]);
-    const float e7 = (0.6666667f * qdd[1]) + qdd[1];
-    const float e8 = e5 * e5;
-    const float e9 = e4 * o_thumb_y;
-    const float e10 = (o_thumb_y * o_thumb_y) + e8;
-    const float e11 = e9 + e7;
-    const float e12 = (e4 * e5) - a_thumb_y;
-    /* thumb */
-    const float f_thumb_x = (r[7] * (e7 - e9)) - (r[6] * e10);
-    const float e13 = (r[6] * e11) + (r[7] * ((e4 * e4) + e8));
-    const float f_thumb_z = (r[6] * e12)
-        - (r[7] * ((o_thumb_y * e5) + ((e6 * s_thumb) + (o_thumb_y * qd[1]))));
-    /* wrist */
-    const float e14 = (s_thumb * f_thumb_x) + (c_thumb * e13);
-    const float e15 = (0.74535596f * e14) + (0.6666667f * f_thumb_z);
-    const float f_wrist_x = (0.74535596f * f_thumb_z) - (0.6666667f * e14)
-        - ((r[4] * e2) + (r[5] * qdd[1]));
-    const float f_wrist_y = (r[4] * qdd[1]) - (r[5] * e2)
-        + ((c_thumb * f_thumb_x) - (s_thumb * e13));
-    /* lift */
-    const float e16 = (c_wrist * f_wrist_x) + (s_wrist * f_wrist_y);
-    const float e17 = (s_wrist * f_wrist_x) - (c_wrist * f_wrist_y);
-    const float e18 = (0.5f * e16) + e17 + (0.5f * e15);
-    const float f_lift_x = e16 - (0.6666667f * e18);
-    const float f_lift_y = e17 - (1.3333334f * e18);
-    const float f_lift_z = (0.6666667f * e18) - e15;
-    /* base */
-    const float f_base_z = f_lift_z + (r[3] * qdd[0]);
-    /* thumb */
-    const float e19 = 0.00625f * e10;
-    const float e20 = 0.00625f * e11;
-    const float e21 = 0.0003125f * e12;
-    /* wrist */
-    const float e22 = 0.0026666666f * e2;
-    const float e23 = (c_thumb * e20) - (s_thumb * e19);
-    const float e24 = (0.74535596f * e23) + (0.004166667f * e12);
-    const float e25 = c_thumb * e21;
-    const float h_wrist_x = 0.02981424f - (0.004166667f * s_thumb);
-    const float h_wrist_y = (0.00625f * c_thumb) - 0.02236068f;
-    const float g_wrist_x = (0.02236068f * qdd[1]) - (0.02981424f * e2)
-        + ((0.004658475f * e12) - (0.6666667f * e23));
-    const float g_wrist_y = (0.02981424f * qdd[1]) + (0.02236068f * e2)
-        - ((c_thumb * e19) + (s_thumb * e20));
-    const float e26 = (0.003975232f * qdd[1]) + (0.0029814239f * e2)
-        + ((0.6666667f * e25) + (0.00023292375f * e11));
-    const float n_wrist_y = (0.0029814239f * qdd[1]) - (0.003975232f * e2) - (s_thumb * e21);
-    const float n_wrist_z = (0.0035555556f * qdd[1]) + e22 - (e22 - (0.002f * qdd[1]))
-        + ((0.00020833334f * e11) - (0.74535596f * e25));
-    /* lift */
-    const float e27 = (c_wrist * h_wrist_x) + (s_wrist * h_wrist_y);
-    const float e28 = (s_wrist * h_wrist_x) - (c_wrist * h_wrist_y);
-    const float e29 = (0.5f * e27) + e28 + (0.0023292375f * s_thumb);
-    const float e30 = (c_wrist * g_wrist_x) + (s_wrist * g_wrist_y);
-    const float e31 = (s_wrist * g_wrist_x) - (c_wrist * g_wrist_y);
-    const float e32 = (0.5f * e30) + e31 + (0.5f * e24);
-    const float g_lift_x = e30 - (0.6666667f * e32);
-    const float g_lift_y = e31 - (1.3333334f * e32);
-    const float g_lift_z = (0.6666667f * e32) - e24;
-    const float e33 = (s_wrist * n_wrist_y) - (c_wrist * e26);
-    const float e34 = (s_wrist * e26) + (c_wrist * n_wrist_y);
-    const float e35 = (0.5f * e33) - e34 - (0.5f * n_wrist_z);
-    const float n_lift_x = e33 - (0.6666667f * e35);
-    const float h_lift_x = 0.011111111f + (e27 - (0.6666667f * e29));
-    const float h_lift_y = 0.034722224f + (e28 - (1.3333334f * e29));
-    const float h_lift_z = 0.022222223f + ((0.6666667f * e29) - (0.004658475f * s_thumb));
-    /* base */
-    const float h_base_z = h_lift_z + (0.5f * sin_q[0]);
-    const float g_base_z = g_lift_z + (0.5f * qdd[0]);
-    const float n_base_x = n_lift_x + (h_lift_y * qdd[0]) - (sin_q[0] * g_lift_y);
-    const float n_base_y = (sin_q[0] * g_lift_x) - (e34 + (1.3333334f * e35) + (h_lift_x * qdd[0]));
-    /* ZMP */
-    const float load = 9.80665f + f_base_z;
-    const float e36 = 1.0f / load;
-    zmp[0] = v_base_x
-        - (((v_base_z * f_lift_x) + (n_base_y - ((h_base_z * g_lift_x) - (h_lift_x * g_base_z))))
-        * e36);
-    zmp[1] = v_base_y
-        - (((v_base_z * f_lift_y) - (n_base_x - ((h_lift_y * g_base_z) - (h_base_z * g_lift_y))))
-        * e36);
+    lift_zmp_core(1, sin_q, sin_q, cos_q, qd, qdd, r, zmp);
 }
 
 static int lift_differs(
@@ -1146,7 +945,7 @@ static int lift_rounds_otherwise(lift_real result)
 }
 #endif
 
-int lift_selftest_ec8b5079d627a603(void)
+int lift_selftest_0db2407dacdc1d06(void)
 {
     static const lift_real q[2] = {
         0.30329895f,
@@ -1195,5 +994,5 @@ int lift_selftest_ec8b5079d627a603(void)
 
 int lift_selftest(void)
 {
-    return lift_selftest_ec8b5079d627a603();
+    return lift_selftest_0db2407dacdc1d06();
 }

@@ -35,7 +35,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define lift_SOURCE
 #include "lift.h"
-#ifndef lift_PAIR_1850fc25709fc08e
+#ifndef lift_PAIR_aea9aecadc2cbcff
 #error "lift.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -721,26 +721,25 @@ void lift_com_sc(
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
     const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t s_wrist = lift_narrow(((int64_t)480191942 * cos_q[1])
-        - ((int64_t)960383883 * sin_q[1]), 30u);
+    const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
+        - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t t_wrist_x = lift_narrow(((int64_t)c_wrist * v_wrist_x)
-        + ((int64_t)s_wrist * v_wrist_y), 30u);
-    const int32_t t_wrist_y = lift_narrow(((int64_t)s_wrist * v_wrist_x)
-        - ((int64_t)c_wrist * v_wrist_y), 30u);
+        - ((int64_t)s_wrist * v_wrist_y), 30u);
+    const int32_t e1 = lift_narrow(((int64_t)s_wrist * v_wrist_x)
+        + ((int64_t)c_wrist * v_wrist_y), 30u);
     /* lift */
-    const int32_t e1 = lift_narrow(((int64_t)536870912 * t_wrist_x) + lift_shift_up(t_wrist_y, 30u)
+    const int32_t e2 = lift_narrow(((int64_t)536870912 * t_wrist_x) - lift_shift_up(e1, 30u)
         + ((int64_t)400159951 * t_thumb_y), 30u);
     const int32_t w_wrist_x = lift_narrow(lift_shift_up(t_wrist_x, 30u)
-        - ((int64_t)715827883 * e1), 30u);
-    const int32_t w_wrist_y = lift_narrow(lift_shift_up(t_wrist_y, 30u)
-        - ((int64_t)1431655765 * e1), 30u);
-    const int32_t w_wrist_z = lift_narrow(((int64_t)715827883 * e1)
+        - ((int64_t)715827883 * e2), 30u);
+    const int32_t w_wrist_z = lift_narrow(((int64_t)715827883 * e2)
         - ((int64_t)800319903 * t_thumb_y), 30u);
     /* base */
     const int32_t v_base_x = r[0] + w_wrist_x;
-    const int32_t v_base_y = r[1] + w_wrist_y;
+    const int32_t v_base_y = lift_narrow(lift_shift_up(r[1], 30u) - lift_shift_up(e1, 30u)
+        - ((int64_t)1431655765 * e2), 30u);
     const int32_t v_base_z = lift_narrow(lift_shift_up(r[2], 30u) + lift_shift_up(w_wrist_z, 30u)
         + ((int64_t)sin_q[0] * r[3]), 30u);
     com[0] = v_base_x;
@@ -767,43 +766,42 @@ void lift_com_jacobian_sc(
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
     const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t s_wrist = lift_narrow(((int64_t)480191942 * cos_q[1])
-        - ((int64_t)960383883 * sin_q[1]), 30u);
+    const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
+        - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t t_wrist_x = lift_narrow(((int64_t)c_wrist * v_wrist_x)
-        + ((int64_t)s_wrist * v_wrist_y), 30u);
-    const int32_t t_wrist_y = lift_narrow(((int64_t)s_wrist * v_wrist_x)
-        - ((int64_t)c_wrist * v_wrist_y), 30u);
+        - ((int64_t)s_wrist * v_wrist_y), 30u);
+    const int32_t e1 = lift_narrow(((int64_t)s_wrist * v_wrist_x)
+        + ((int64_t)c_wrist * v_wrist_y), 30u);
     /* wrist */
-    const int32_t e1 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
-    const int32_t e2 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_x = e1 - e2;
-    const int32_t e3 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
-    const int32_t e4 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_y = e3 + e4;
+    const int32_t e2 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
+    const int32_t e3 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
+    const int32_t bx_wrist_x = e2 + e3;
+    const int32_t e4 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
+    const int32_t e5 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
+    const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
+        - lift_shift_up(e4, 30u), 30u);
+    const int32_t by_wrist_y = lift_narrow(((int64_t)357913941 * c_wrist)
+        + lift_shift_up(e3, 30u), 30u);
     const int32_t bz_wrist_x = lift_narrow(((int64_t)357913941 * c_wrist)
-        + lift_shift_up(e4, 30u), 30u);
-    /* thumb */
-    const int32_t ky_thumb_y =
-        lift_narrow(((int64_t)715827883
-        * lift_narrow(lift_shift_up(e3, 30u) + ((int64_t)357913941 * s_wrist), 30u))
-        - INT64_C(572891301560499328), 30u);
+        - lift_shift_up(e5, 30u), 30u);
     jac[0] = 0;
-    jac[1] = lift_narrow(((int64_t)715827883 * t_wrist_x) + ((int64_t)715827883 * t_wrist_y)
+    jac[1] = lift_narrow(((int64_t)(e5 - e4) * t_thumb_y)
         - ((int64_t)lift_narrow(((int64_t)715827883 * bx_wrist_x)
-        + INT64_C(286445650780249664), 30u) * t_thumb_x) - ((int64_t)bx_wrist_y * t_thumb_y), 30u);
+        + INT64_C(286445650780249664), 30u) * t_thumb_x) - ((int64_t)715827883 * e1)
+        + ((int64_t)715827883 * t_wrist_x), 30u);
     jac[2] = 0;
-    jac[3] = lift_narrow(((int64_t)ky_thumb_y * t_thumb_x)
-        + ((int64_t)lift_narrow(lift_shift_up(e2, 30u) - ((int64_t)357913941 * c_wrist), 30u)
-        * t_thumb_y) - ((int64_t)715827883 * t_wrist_y) + ((int64_t)357913941 * t_wrist_x), 30u);
+    jac[3] = lift_narrow(((int64_t)357913941 * t_wrist_x) + ((int64_t)715827883 * e1)
+        - ((int64_t)lift_narrow(((int64_t)715827883 * by_wrist_x)
+        + INT64_C(572891301560499328), 30u) * t_thumb_x) - ((int64_t)by_wrist_y * t_thumb_y), 30u);
     jac[4] = r[3];
     jac[5] =
-        lift_narrow(((int64_t)lift_narrow(lift_shift_up(e1, 30u)
-        - ((int64_t)357913941 * s_wrist), 30u) * t_thumb_y)
+        lift_narrow(((int64_t)lift_narrow(lift_shift_up(e2, 30u)
+        + ((int64_t)357913941 * s_wrist), 30u) * t_thumb_y)
         - ((int64_t)lift_narrow(((int64_t)715827883 * bz_wrist_x)
         + INT64_C(572891301560499136), 30u) * t_thumb_x) - ((int64_t)715827883 * t_wrist_x)
-        + ((int64_t)357913941 * t_wrist_y), 30u);
+        - ((int64_t)357913941 * e1), 30u);
 }
 
 void lift_com_velocity_sc(
@@ -826,22 +824,21 @@ void lift_com_velocity_sc(
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
     const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t s_wrist = lift_narrow(((int64_t)480191942 * cos_q[1])
-        - ((int64_t)960383883 * sin_q[1]), 30u);
+    const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
+        - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t t_wrist_x = lift_narrow(((int64_t)c_wrist * v_wrist_x)
-        + ((int64_t)s_wrist * v_wrist_y), 30u);
-    const int32_t t_wrist_y = lift_narrow(((int64_t)s_wrist * v_wrist_x)
-        - ((int64_t)c_wrist * v_wrist_y), 30u);
+        - ((int64_t)s_wrist * v_wrist_y), 30u);
     /* thumb */
     const int32_t e1 = lift_narrow((int64_t)qd[1] * t_thumb_y, 30u);
     const int32_t dt_thumb_y = lift_narrow((int64_t)qd[1] * t_thumb_x, 30u);
     /* wrist */
     const int32_t e2 = lift_narrow((int64_t)715827883 * dt_thumb_y, 30u);
-    const int32_t dt_wrist_x = lift_narrow(((int64_t)qd[1] * t_wrist_y) - ((int64_t)c_wrist * e2)
-        - ((int64_t)s_wrist * e1), 30u);
-    const int32_t dt_wrist_y = lift_narrow(((int64_t)c_wrist * e1) - ((int64_t)s_wrist * e2)
+    const int32_t dt_wrist_x = lift_narrow(((int64_t)s_wrist * e1) - ((int64_t)c_wrist * e2)
+        - ((int64_t)qd[1]
+        * lift_narrow(((int64_t)s_wrist * v_wrist_x) + ((int64_t)c_wrist * v_wrist_y), 30u)), 30u);
+    const int32_t dt_wrist_y = lift_narrow(((int64_t)s_wrist * e2) + ((int64_t)c_wrist * e1)
         - ((int64_t)qd[1] * t_wrist_x), 30u);
     /* lift */
     const int32_t e3 = lift_narrow(((int64_t)536870912 * dt_wrist_x)
@@ -879,21 +876,21 @@ void lift_gravity_moments_sc(
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
     const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t s_wrist = lift_narrow(((int64_t)480191942 * cos_q[1])
-        - ((int64_t)960383883 * sin_q[1]), 30u);
+    const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
+        - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t t_wrist_x = lift_narrow(((int64_t)c_wrist * v_wrist_x)
-        + ((int64_t)s_wrist * v_wrist_y), 30u);
-    const int32_t t_wrist_y = lift_narrow(((int64_t)s_wrist * v_wrist_x)
-        - ((int64_t)c_wrist * v_wrist_y), 30u);
+        - ((int64_t)s_wrist * v_wrist_y), 30u);
     /* wrist */
     const int32_t bz_wrist_x = lift_narrow(((int64_t)357913941 * c_wrist)
-        + ((int64_t)715827883 * s_wrist), 30u);
+        - ((int64_t)715827883 * s_wrist), 30u);
     moments[0] = (-r[3]);
-    moments[1] = lift_narrow(((int64_t)715827883 * t_wrist_x) - ((int64_t)357913941 * t_wrist_y)
+    moments[1] = lift_narrow(((int64_t)715827883 * t_wrist_x)
+        + ((int64_t)357913941
+        * lift_narrow(((int64_t)s_wrist * v_wrist_x) + ((int64_t)c_wrist * v_wrist_y), 30u))
         - ((int64_t)lift_narrow(((int64_t)715827883 * c_wrist)
-        - ((int64_t)357913941 * s_wrist), 30u) * t_thumb_y)
+        + ((int64_t)357913941 * s_wrist), 30u) * t_thumb_y)
         + ((int64_t)lift_narrow(((int64_t)715827883 * bz_wrist_x)
         + INT64_C(572891301560499136), 30u) * t_thumb_x), 30u);
 }
@@ -904,45 +901,44 @@ void lift_regressor_sc(
     lift_real rows[restrict 3 * lift_BASE_PARAMS])
 {
     /* wrist */
-    const int32_t s_wrist = lift_narrow(((int64_t)480191942 * cos_q[1])
-        - ((int64_t)960383883 * sin_q[1]), 30u);
+    const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
+        - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t e1 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e2 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_x = e1 - e2;
+    const int32_t bx_wrist_x = e1 + e2;
     const int32_t e3 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e4 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_y = e3 + e4;
-    const int32_t e5 = lift_narrow(lift_shift_up(e3, 30u) + ((int64_t)357913941 * s_wrist), 30u);
-    const int32_t by_wrist_x = -e5;
-    const int32_t e6 = lift_narrow(lift_shift_up(e2, 30u) - ((int64_t)357913941 * c_wrist), 30u);
-    const int32_t by_wrist_y = -e6;
+    const int32_t e5 = e4 - e3;
+    const int32_t bx_wrist_y = -e5;
+    const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
+        - lift_shift_up(e3, 30u), 30u);
+    const int32_t by_wrist_y = lift_narrow(((int64_t)357913941 * c_wrist)
+        + lift_shift_up(e2, 30u), 30u);
     const int32_t bz_wrist_x = lift_narrow(((int64_t)357913941 * c_wrist)
-        + lift_shift_up(e4, 30u), 30u);
-    const int32_t e7 = lift_narrow(lift_shift_up(e1, 30u) - ((int64_t)357913941 * s_wrist), 30u);
-    const int32_t bz_wrist_y = -e7;
+        - lift_shift_up(e4, 30u), 30u);
+    const int32_t e6 = lift_narrow(lift_shift_up(e1, 30u) + ((int64_t)357913941 * s_wrist), 30u);
+    const int32_t bz_wrist_y = -e6;
     /* thumb */
     const int32_t s_thumb = lift_narrow(((int64_t)907646762 * sin_q[1])
         - ((int64_t)573671387 * cos_q[1]), 30u);
     const int32_t c_thumb = lift_narrow(((int64_t)907646762 * cos_q[1])
         + ((int64_t)573671387 * sin_q[1]), 30u);
-    const int32_t e8 = lift_narrow(((int64_t)715827883 * bx_wrist_x)
+    const int32_t e7 = lift_narrow(((int64_t)715827883 * bx_wrist_x)
         + INT64_C(286445650780249664), 30u);
-    const int32_t bx_thumb_x = lift_narrow(((int64_t)bx_wrist_y * c_thumb)
+    const int32_t bx_thumb_x = -lift_narrow(((int64_t)e5 * c_thumb) + ((int64_t)e7 * s_thumb), 30u);
+    const int32_t bx_thumb_y = -lift_narrow(((int64_t)e5 * s_thumb) - ((int64_t)e7 * c_thumb), 30u);
+    const int32_t e8 = lift_narrow(((int64_t)715827883 * by_wrist_x)
+        + INT64_C(572891301560499328), 30u);
+    const int32_t by_thumb_x = lift_narrow(((int64_t)by_wrist_y * c_thumb)
         - ((int64_t)e8 * s_thumb), 30u);
-    const int32_t bx_thumb_y = lift_narrow(((int64_t)e8 * c_thumb)
-        + ((int64_t)bx_wrist_y * s_thumb), 30u);
-    const int32_t ky_thumb_y = lift_narrow(((int64_t)715827883 * e5)
-        - INT64_C(572891301560499328), 30u);
-    const int32_t by_thumb_x = lift_narrow(((int64_t)ky_thumb_y * s_thumb)
-        - ((int64_t)e6 * c_thumb), 30u);
-    const int32_t by_thumb_y = -lift_narrow(((int64_t)ky_thumb_y * c_thumb)
-        + ((int64_t)e6 * s_thumb), 30u);
+    const int32_t by_thumb_y = lift_narrow(((int64_t)e8 * c_thumb)
+        + ((int64_t)by_wrist_y * s_thumb), 30u);
     const int32_t e9 = lift_narrow(((int64_t)715827883 * bz_wrist_x)
         + INT64_C(572891301560499136), 30u);
-    const int32_t bz_thumb_x = -lift_narrow(((int64_t)e7 * c_thumb) + ((int64_t)e9 * s_thumb), 30u);
-    const int32_t bz_thumb_y = -lift_narrow(((int64_t)e7 * s_thumb) - ((int64_t)e9 * c_thumb), 30u);
+    const int32_t bz_thumb_x = -lift_narrow(((int64_t)e6 * c_thumb) + ((int64_t)e9 * s_thumb), 30u);
+    const int32_t bz_thumb_y = -lift_narrow(((int64_t)e6 * s_thumb) - ((int64_t)e9 * c_thumb), 30u);
     rows[0] = (int32_t)lift_shift_up(1, 30u);
     rows[1] = 0;
     rows[2] = 0;
@@ -975,37 +971,35 @@ void lift_regressor_cop_sc(
     lift_real rows[restrict 2 * lift_BASE_PARAMS])
 {
     /* wrist */
-    const int32_t s_wrist = lift_narrow(((int64_t)480191942 * cos_q[1])
-        - ((int64_t)960383883 * sin_q[1]), 30u);
+    const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
+        - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t e1 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
     const int32_t bx_wrist_x = lift_narrow(((int64_t)715827883 * c_wrist)
-        - lift_shift_up(e1, 30u), 30u);
+        + lift_shift_up(e1, 30u), 30u);
     const int32_t e2 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
-    const int32_t bx_wrist_y = lift_narrow(lift_shift_up(e2, 30u)
-        + ((int64_t)715827883 * s_wrist), 30u);
-    const int32_t e3 = lift_narrow(lift_shift_up(e2, 30u) + ((int64_t)357913941 * s_wrist), 30u);
-    const int32_t by_wrist_x = -e3;
-    const int32_t e4 = lift_narrow(lift_shift_up(e1, 30u) - ((int64_t)357913941 * c_wrist), 30u);
-    const int32_t by_wrist_y = -e4;
+    const int32_t e3 = lift_narrow(((int64_t)715827883 * s_wrist) - lift_shift_up(e2, 30u), 30u);
+    const int32_t bx_wrist_y = -e3;
+    const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
+        - lift_shift_up(e2, 30u), 30u);
+    const int32_t by_wrist_y = lift_narrow(((int64_t)357913941 * c_wrist)
+        + lift_shift_up(e1, 30u), 30u);
     /* thumb */
     const int32_t s_thumb = lift_narrow(((int64_t)907646762 * sin_q[1])
         - ((int64_t)573671387 * cos_q[1]), 30u);
     const int32_t c_thumb = lift_narrow(((int64_t)907646762 * cos_q[1])
         + ((int64_t)573671387 * sin_q[1]), 30u);
-    const int32_t e5 = lift_narrow(((int64_t)715827883 * bx_wrist_x)
+    const int32_t e4 = lift_narrow(((int64_t)715827883 * bx_wrist_x)
         + INT64_C(286445650780249664), 30u);
-    const int32_t bx_thumb_x = lift_narrow(((int64_t)bx_wrist_y * c_thumb)
+    const int32_t bx_thumb_x = -lift_narrow(((int64_t)e3 * c_thumb) + ((int64_t)e4 * s_thumb), 30u);
+    const int32_t bx_thumb_y = -lift_narrow(((int64_t)e3 * s_thumb) - ((int64_t)e4 * c_thumb), 30u);
+    const int32_t e5 = lift_narrow(((int64_t)715827883 * by_wrist_x)
+        + INT64_C(572891301560499328), 30u);
+    const int32_t by_thumb_x = lift_narrow(((int64_t)by_wrist_y * c_thumb)
         - ((int64_t)e5 * s_thumb), 30u);
-    const int32_t bx_thumb_y = lift_narrow(((int64_t)e5 * c_thumb)
-        + ((int64_t)bx_wrist_y * s_thumb), 30u);
-    const int32_t ky_thumb_y = lift_narrow(((int64_t)715827883 * e3)
-        - INT64_C(572891301560499328), 30u);
-    const int32_t by_thumb_x = lift_narrow(((int64_t)ky_thumb_y * s_thumb)
-        - ((int64_t)e4 * c_thumb), 30u);
-    const int32_t by_thumb_y = -lift_narrow(((int64_t)ky_thumb_y * c_thumb)
-        + ((int64_t)e4 * s_thumb), 30u);
+    const int32_t by_thumb_y = lift_narrow(((int64_t)e5 * c_thumb)
+        + ((int64_t)by_wrist_y * s_thumb), 30u);
     rows[0] = (int32_t)lift_shift_up(1, 30u);
     rows[1] = 0;
     rows[2] = 0;
@@ -1030,50 +1024,48 @@ void lift_regressor_full_sc(
     lift_real rows[restrict 3 * lift_FULL_PARAMS])
 {
     /* wrist */
-    const int32_t s_wrist = lift_narrow(((int64_t)480191942 * cos_q[1])
-        - ((int64_t)960383883 * sin_q[1]), 30u);
+    const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
+        - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t e1 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e2 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_x = e1 - e2;
+    const int32_t bx_wrist_x = e1 + e2;
     const int32_t e3 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e4 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_y = e3 + e4;
-    const int32_t e5 = lift_narrow(lift_shift_up(e3, 30u) + ((int64_t)357913941 * s_wrist), 30u);
-    const int32_t e6 = lift_narrow(lift_shift_up(e2, 30u) - ((int64_t)357913941 * c_wrist), 30u);
+    const int32_t e5 = e4 - e3;
+    const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
+        - lift_shift_up(e3, 30u), 30u);
+    const int32_t by_wrist_y = lift_narrow(((int64_t)357913941 * c_wrist)
+        + lift_shift_up(e2, 30u), 30u);
     const int32_t bz_wrist_x = lift_narrow(((int64_t)357913941 * c_wrist)
-        + lift_shift_up(e4, 30u), 30u);
-    const int32_t e7 = lift_narrow(lift_shift_up(e1, 30u) - ((int64_t)357913941 * s_wrist), 30u);
+        - lift_shift_up(e4, 30u), 30u);
+    const int32_t e6 = lift_narrow(lift_shift_up(e1, 30u) + ((int64_t)357913941 * s_wrist), 30u);
     /* thumb */
     const int32_t s_thumb = lift_narrow(((int64_t)907646762 * sin_q[1])
         - ((int64_t)573671387 * cos_q[1]), 30u);
     const int32_t c_thumb = lift_narrow(((int64_t)907646762 * cos_q[1])
         + ((int64_t)573671387 * sin_q[1]), 30u);
-    const int32_t e8 = lift_narrow(((int64_t)715827883 * bx_wrist_x)
+    const int32_t e7 = lift_narrow(((int64_t)715827883 * bx_wrist_x)
         + INT64_C(286445650780249664), 30u);
     const int32_t kx_thumb_z = lift_narrow(((int64_t)800319903 * bx_wrist_x)
         - INT64_C(256204778801521568), 30u);
-    const int32_t bx_thumb_x = lift_narrow(((int64_t)bx_wrist_y * c_thumb)
+    const int32_t bx_thumb_x = -lift_narrow(((int64_t)e5 * c_thumb) + ((int64_t)e7 * s_thumb), 30u);
+    const int32_t bx_thumb_y = -lift_narrow(((int64_t)e5 * s_thumb) - ((int64_t)e7 * c_thumb), 30u);
+    const int32_t e8 = lift_narrow(((int64_t)715827883 * by_wrist_x)
+        + INT64_C(572891301560499328), 30u);
+    const int32_t ky_thumb_z = lift_narrow(((int64_t)800319903 * by_wrist_x)
+        - INT64_C(512409557603043136), 30u);
+    const int32_t by_thumb_x = lift_narrow(((int64_t)by_wrist_y * c_thumb)
         - ((int64_t)e8 * s_thumb), 30u);
-    const int32_t bx_thumb_y = lift_narrow(((int64_t)e8 * c_thumb)
-        + ((int64_t)bx_wrist_y * s_thumb), 30u);
-    const int32_t ky_thumb_y = lift_narrow(((int64_t)715827883 * e5)
-        - INT64_C(572891301560499328), 30u);
-    const int32_t e9 = lift_narrow(((int64_t)800319903 * e5) + INT64_C(512409557603043136), 30u);
-    const int32_t ky_thumb_z = -e9;
-    const int32_t by_thumb_x = lift_narrow(((int64_t)ky_thumb_y * s_thumb)
-        - ((int64_t)e6 * c_thumb), 30u);
-    const int32_t by_thumb_y = -lift_narrow(((int64_t)ky_thumb_y * c_thumb)
-        + ((int64_t)e6 * s_thumb), 30u);
-    const int32_t e10 = lift_narrow(((int64_t)715827883 * bz_wrist_x)
+    const int32_t by_thumb_y = lift_narrow(((int64_t)e8 * c_thumb)
+        + ((int64_t)by_wrist_y * s_thumb), 30u);
+    const int32_t e9 = lift_narrow(((int64_t)715827883 * bz_wrist_x)
         + INT64_C(572891301560499136), 30u);
     const int32_t kz_thumb_z = lift_narrow(((int64_t)800319903 * bz_wrist_x)
         - INT64_C(512409557603042944), 30u);
-    const int32_t bz_thumb_x = -lift_narrow(((int64_t)e7 * c_thumb)
-        + ((int64_t)e10 * s_thumb), 30u);
-    const int32_t bz_thumb_y = -lift_narrow(((int64_t)e7 * s_thumb)
-        - ((int64_t)e10 * c_thumb), 30u);
+    const int32_t bz_thumb_x = -lift_narrow(((int64_t)e6 * c_thumb) + ((int64_t)e9 * s_thumb), 30u);
+    const int32_t bz_thumb_y = -lift_narrow(((int64_t)e6 * s_thumb) - ((int64_t)e9 * c_thumb), 30u);
     rows[0] = (int32_t)lift_shift_up(1, 30u);
     rows[1] = 0;
     rows[2] = 0;
@@ -1081,10 +1073,10 @@ void lift_regressor_full_sc(
     rows[4] = 0;
     rows[5] = 0;
     rows[6] = 0;
-    rows[7] = lift_narrow(((int64_t)320127961 * bx_wrist_x) + ((int64_t)960383883 * bx_wrist_y)
+    rows[7] = lift_narrow(((int64_t)320127961 * bx_wrist_x) - ((int64_t)960383883 * e5)
         + INT64_C(128102389400760784), 30u);
     rows[8] = (-kx_thumb_z);
-    rows[9] = lift_narrow(((int64_t)640255922 * bx_wrist_x) - ((int64_t)480191942 * bx_wrist_y)
+    rows[9] = lift_narrow(((int64_t)640255922 * bx_wrist_x) + ((int64_t)480191942 * e5)
         + INT64_C(256204778801521568), 30u);
     rows[10] = bx_thumb_x;
     rows[11] = bx_thumb_y;
@@ -1096,10 +1088,10 @@ void lift_regressor_full_sc(
     rows[17] = (int32_t)lift_shift_up(1, 30u);
     rows[18] = 0;
     rows[19] = 0;
-    rows[20] = lift_narrow(INT64_C(256204778801521568) - ((int64_t)320127961 * e5)
-        - ((int64_t)960383883 * e6), 30u);
-    rows[21] = e9;
-    rows[22] = lift_narrow(((int64_t)480191942 * e6) - ((int64_t)640255922 * e5)
+    rows[20] = lift_narrow(((int64_t)320127961 * by_wrist_x) + ((int64_t)960383883 * by_wrist_y)
+        + INT64_C(256204778801521568), 30u);
+    rows[21] = (-ky_thumb_z);
+    rows[22] = lift_narrow(((int64_t)640255922 * by_wrist_x) - ((int64_t)480191942 * by_wrist_y)
         + INT64_C(512409557603043136), 30u);
     rows[23] = by_thumb_x;
     rows[24] = by_thumb_y;
@@ -1111,10 +1103,10 @@ void lift_regressor_full_sc(
     rows[30] = 0;
     rows[31] = (int32_t)lift_shift_up(1, 30u);
     rows[32] = sin_q[0];
-    rows[33] = lift_narrow(((int64_t)320127961 * bz_wrist_x) - ((int64_t)960383883 * e7)
+    rows[33] = lift_narrow(((int64_t)320127961 * bz_wrist_x) - ((int64_t)960383883 * e6)
         + INT64_C(256204778801521472), 30u);
     rows[34] = (-kz_thumb_z);
-    rows[35] = lift_narrow(((int64_t)640255922 * bz_wrist_x) + ((int64_t)480191942 * e7)
+    rows[35] = lift_narrow(((int64_t)640255922 * bz_wrist_x) + ((int64_t)480191942 * e6)
         + INT64_C(512409557603042944), 30u);
     rows[36] = bz_thumb_x;
     rows[37] = bz_thumb_y;
@@ -1140,24 +1132,23 @@ void lift_cop_sc(
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
     const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t s_wrist = lift_narrow(((int64_t)480191942 * cos_q[1])
-        - ((int64_t)960383883 * sin_q[1]), 30u);
+    const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
+        - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t t_wrist_x = lift_narrow(((int64_t)c_wrist * v_wrist_x)
-        + ((int64_t)s_wrist * v_wrist_y), 30u);
-    const int32_t t_wrist_y = lift_narrow(((int64_t)s_wrist * v_wrist_x)
-        - ((int64_t)c_wrist * v_wrist_y), 30u);
+        - ((int64_t)s_wrist * v_wrist_y), 30u);
+    const int32_t e1 = lift_narrow(((int64_t)s_wrist * v_wrist_x)
+        + ((int64_t)c_wrist * v_wrist_y), 30u);
     /* lift */
-    const int32_t e1 = lift_narrow(((int64_t)536870912 * t_wrist_x) + lift_shift_up(t_wrist_y, 30u)
+    const int32_t e2 = lift_narrow(((int64_t)536870912 * t_wrist_x) - lift_shift_up(e1, 30u)
         + ((int64_t)400159951 * t_thumb_y), 30u);
     const int32_t w_wrist_x = lift_narrow(lift_shift_up(t_wrist_x, 30u)
-        - ((int64_t)715827883 * e1), 30u);
-    const int32_t w_wrist_y = lift_narrow(lift_shift_up(t_wrist_y, 30u)
-        - ((int64_t)1431655765 * e1), 30u);
+        - ((int64_t)715827883 * e2), 30u);
     /* base */
     const int32_t v_base_x = r[0] + w_wrist_x;
-    const int32_t v_base_y = r[1] + w_wrist_y;
+    const int32_t v_base_y = lift_narrow(lift_shift_up(r[1], 30u) - lift_shift_up(e1, 30u)
+        - ((int64_t)1431655765 * e2), 30u);
     cop[0] = v_base_x;
     cop[1] = v_base_y;
 }
@@ -1179,7 +1170,7 @@ static int lift_differs(
     return differs;
 }
 
-int lift_selftest_1850fc25709fc08e(void)
+int lift_selftest_aea9aecadc2cbcff(void)
 {
     static const lift_real q[2] = {
         325664768,
@@ -1222,5 +1213,5 @@ int lift_selftest_1850fc25709fc08e(void)
 
 int lift_selftest(void)
 {
-    return lift_selftest_1850fc25709fc08e();
+    return lift_selftest_aea9aecadc2cbcff();
 }

@@ -45,7 +45,7 @@ extern "C" {
 typedef int32_t lift_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define lift_PAIR_1850fc25709fc08e
+#define lift_PAIR_aea9aecadc2cbcff
 
 /** Number of independent joints. */
 #define lift_DOF 2
@@ -323,10 +323,10 @@ int lift_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int lift_selftest_1850fc25709fc08e(void);
+int lift_selftest_aea9aecadc2cbcff(void);
 #ifndef lift_SOURCE
 #define lift_selftest() \
-    lift_selftest_1850fc25709fc08e()
+    lift_selftest_aea9aecadc2cbcff()
 #endif
 
 #ifdef __cplusplus

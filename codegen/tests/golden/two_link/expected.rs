@@ -300,20 +300,7 @@ impl v1::Robot for TwoLink {
 
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        // ankle
-        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
-        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
-        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
-        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        // foot
-        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
-        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
-        let v_foot_z = (-s_ankle).mul_plus(v_ankle_x, r[2]);
-        let v_foot_z = c_ankle.mul_plus(v_ankle_y, v_foot_z);
-        [v_foot_x, r[1], v_foot_z]
+        TwoLink::com_core(&v1::Positions::new(q), r)
     }
 
     #[inline(always)]
@@ -322,243 +309,42 @@ impl v1::Robot for TwoLink {
         r: &[T; BASE_PARAMS],
         jacobian: &mut [[T; DOF]; 3],
     ) {
-        let zero = T::from_f64(0.0);
-        jacobian[1][0] = zero;
-        jacobian[1][1] = zero;
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
-        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
-        // ankle
-        let v_ankle_x = r[3] + t_knee_x;
-        let v_ankle_y = r[4] + t_knee_y;
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
-        let t_ankle_y = c_ankle.mul_plus(v_ankle_y, -(s_ankle * v_ankle_x));
-        jacobian[0][0] = t_ankle_y;
-        // ankle
-        jacobian[2][0] = -t_ankle_x;
-        // knee
-        jacobian[0][1] = -s_ankle.mul_plus(t_knee_x, -(c_ankle * t_knee_y));
-        jacobian[2][1] = -c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y);
+        TwoLink::com_jacobian_core(&v1::Positions::new(q), r, jacobian);
     }
 
     #[inline(always)]
     fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        let zero = T::from_f64(0.0);
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
-        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
-        // ankle
-        let v_ankle_x = r[3] + t_knee_x;
-        let v_ankle_y = r[4] + t_knee_y;
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
-        let t_ankle_y = c_ankle.mul_plus(v_ankle_y, -(s_ankle * v_ankle_x));
-        // knee
-        let dt_knee_x = qd[1] * t_knee_y;
-        let e1 = qd[1] * t_knee_x;
-        // ankle
-        let dt_ankle_x = c_ankle.mul_plus(dt_knee_x, -(s_ankle * e1));
-        let dt_ankle_x = qd[0].mul_plus(t_ankle_y, dt_ankle_x);
-        let p1 = s_ankle.mul_plus(dt_knee_x, c_ankle * e1);
-        let dt_ankle_y = -qd[0].mul_plus(t_ankle_x, p1);
-        [dt_ankle_x, zero, dt_ankle_y]
+        TwoLink::com_velocity_core(&v1::Positions::new(q), qd, r)
     }
 
     #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
-        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
-        // ankle
-        let v_ankle_x = r[3] + t_knee_x;
-        let v_ankle_y = r[4] + t_knee_y;
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
-        [t_ankle_x, c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y)]
+        TwoLink::gravity_moments_core(&v1::Positions::new(q), r)
     }
 
     #[inline(always)]
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[2][2] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[1][4] = zero;
-        rows[1][5] = zero;
-        rows[1][6] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        // ankle
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        rows[0][4] = s_ankle;
-        rows[0][3] = c_ankle;
-        rows[2][4] = c_ankle;
-        let bz_ankle_x = -s_ankle;
-        rows[2][3] = bz_ankle_x;
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
-        rows[0][5] = bx_knee_x;
-        rows[2][6] = bx_knee_x;
-        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
-        rows[0][6] = bx_knee_y;
-        let bz_knee_x = -bx_knee_y;
-        rows[2][5] = bz_knee_x;
+        TwoLink::regressor_core(&v1::Positions::new(q), rows);
     }
 
     #[inline(always)]
     fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[1][4] = zero;
-        rows[1][5] = zero;
-        rows[1][6] = zero;
-        // ankle
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        rows[0][4] = s_ankle;
-        rows[0][3] = c_ankle;
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
-        rows[0][5] = bx_knee_x;
-        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
-        rows[0][6] = bx_knee_y;
+        TwoLink::regressor_cop_core(&v1::Positions::new(q), rows);
     }
 
     #[inline(always)]
     fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[1][4] = one;
-        rows[1][7] = one;
-        rows[2][2] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][4] = zero;
-        rows[0][7] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[1][5] = zero;
-        rows[1][6] = zero;
-        rows[1][8] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        rows[2][4] = zero;
-        rows[2][7] = zero;
-        // ankle
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        rows[0][5] = s_ankle;
-        rows[0][3] = c_ankle;
-        rows[2][5] = c_ankle;
-        let bz_ankle_x = -s_ankle;
-        rows[2][3] = bz_ankle_x;
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
-        rows[0][6] = bx_knee_x;
-        rows[2][8] = bx_knee_x;
-        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
-        rows[0][8] = bx_knee_y;
-        let bz_knee_x = -bx_knee_y;
-        rows[2][6] = bz_knee_x;
+        TwoLink::regressor_full_core(&v1::Positions::new(q), rows);
     }
 
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        // ankle
-        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
-        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
-        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
-        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        // foot
-        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
-        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
-        [v_foot_x, r[1]]
+        TwoLink::cop_core(&v1::Positions::new(q), r)
     }
 
     #[inline(always)]
     fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        // ankle
-        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
-        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
-        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
-        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        // foot
-        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
-        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
-        let v_foot_z = (-s_ankle).mul_plus(v_ankle_x, r[2]);
-        let v_foot_z = c_ankle.mul_plus(v_ankle_y, v_foot_z);
-        // ankle
-        let e1 = qd[0] * qd[0];
-        // knee
-        let e2 = qd[0] + qd[1];
-        let e3 = qdd[0] + qdd[1];
-        let e4 = e2 * e2;
-        let f_knee_x = r[6].mul_plus(e3, -(r[5] * e4));
-        let e5 = r[5].mul_plus(e3, r[6] * e4);
-        // ankle
-        let p1 = c_knee.mul_plus(f_knee_x, -(s_knee * e5));
-        let f_ankle_x = r[4].mul_plus(qdd[0], -(r[3] * e1)) + p1;
-        let p2 = s_knee.mul_plus(f_knee_x, c_knee * e5);
-        let e6 = r[3].mul_plus(qdd[0], r[4] * e1) + p2;
-        // foot
-        let f_foot_x = c_ankle.mul_plus(f_ankle_x, -(s_ankle * e6));
-        // knee
-        let g_knee_x = e3.mul_plus(T::from_f64(0.125), -(T::from_f64(0.005) * e4));
-        let e7 = e3.mul_plus(T::from_f64(0.005), T::from_f64(0.125) * e4);
-        let e8 = T::from_f64(0.00125) * e4;
-        // ankle
-        let h_ankle_x = c_knee.mul_plus(T::from_f64(0.005), T::from_f64(0.125) * s_knee);
-        let e9 = c_knee.mul_plus(T::from_f64(0.125), -(T::from_f64(0.005) * s_knee));
-        let e10 = c_knee.mul_plus(g_knee_x, -(s_knee * e7));
-        let h_ankle_y = T::from_f64(0.26666666666666666) + e9;
-        let g_ankle_x = qdd[0].mul_plus(T::from_f64(0.26666666666666666), e10);
-        let e11 = s_knee.mul_plus(g_knee_x, c_knee * e7);
-        let e11 = e1.mul_plus(T::from_f64(0.26666666666666666), e11);
-        let p3 = e3.mul_plus(T::from_f64(0.00005), e8);
-        let p4 = e3.mul_plus(T::from_f64(0.03125), -e8);
-        let p5 = e10.mul_plus(T::from_f64(0.4), p3 + p4);
-        let p6 = h_ankle_x.mul_plus(T::from_f64(0.4) * e1, e9 * (T::from_f64(0.4) * qdd[0]));
-        let e12 = qdd[0].mul_plus(T::from_f64(0.09333333333333335), p5 + p6);
-        // foot
-        let g_foot_x = c_ankle.mul_plus(g_ankle_x, -(s_ankle * e11));
-        let n_foot_y = g_foot_x.mul_plus(T::from_f64(0.1), e12);
-        let h_foot_x = T::from_f64(0.003333333333333333)
-            + c_ankle.mul_plus(h_ankle_x, s_ankle * h_ankle_y);
-        let h_foot_z = T::from_f64(0.08499999999999999)
-            + c_ankle.mul_plus(h_ankle_y, -(s_ankle * h_ankle_x));
-        // ZMP
-        let load = T::from_f64(9.80665) - s_ankle.mul_plus(f_ankle_x, c_ankle * e6);
-        let p7 = s_ankle.mul_plus(g_ankle_x, c_ankle * e11);
-        let p8 = h_foot_z.mul_plus(g_foot_x, h_foot_x * p7);
-        let e13 = v_foot_z.mul_plus(f_foot_x, n_foot_y - p8) * (T::from_f64(1.0) / load);
-        [v_foot_x - e13, r[1]]
+        TwoLink::zmp_core(&v1::Positions::new(q), qd, qdd, r)
     }
 }
 
@@ -566,17 +352,7 @@ impl v1::Robot for TwoLink {
 impl v1::SinCosRobot for TwoLink {
     #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        // ankle
-        let v_ankle_x = cos[1].mul_plus(r[5], r[3]);
-        let v_ankle_x = sin[1].mul_plus(r[6], v_ankle_x);
-        let v_ankle_y = (-sin[1]).mul_plus(r[5], r[4]);
-        let v_ankle_y = cos[1].mul_plus(r[6], v_ankle_y);
-        // foot
-        let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
-        let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
-        let v_foot_z = (-sin[0]).mul_plus(v_ankle_x, r[2]);
-        let v_foot_z = cos[0].mul_plus(v_ankle_y, v_foot_z);
-        [v_foot_x, r[1], v_foot_z]
+        TwoLink::com_core(&(sin, cos), r)
     }
 
     #[inline(always)]
@@ -585,19 +361,9 @@ impl v1::SinCosRobot for TwoLink {
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [[T; DOF]; 3] {
-        let zero = T::from_f64(0.0);
-        // knee
-        let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
-        let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
-        // ankle
-        let v_ankle_x = r[3] + t_knee_x;
-        let v_ankle_y = r[4] + t_knee_y;
-        let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
-        let t_ankle_y = cos[0].mul_plus(v_ankle_y, -(sin[0] * v_ankle_x));
-        let row_x = [t_ankle_y, -sin[0].mul_plus(t_knee_x, -(cos[0] * t_knee_y))];
-        let row_y = [zero, zero];
-        let row_z = [-t_ankle_x, -cos[0].mul_plus(t_knee_x, sin[0] * t_knee_y)];
-        [row_x, row_y, row_z]
+        let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
+        TwoLink::com_jacobian_core(&(sin, cos), r, &mut jacobian);
+        jacobian
     }
 
     #[inline(always)]
@@ -607,24 +373,7 @@ impl v1::SinCosRobot for TwoLink {
         qd: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; 3] {
-        let zero = T::from_f64(0.0);
-        // knee
-        let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
-        let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
-        // ankle
-        let v_ankle_x = r[3] + t_knee_x;
-        let v_ankle_y = r[4] + t_knee_y;
-        let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
-        let t_ankle_y = cos[0].mul_plus(v_ankle_y, -(sin[0] * v_ankle_x));
-        // knee
-        let dt_knee_x = qd[1] * t_knee_y;
-        let e1 = qd[1] * t_knee_x;
-        // ankle
-        let dt_ankle_x = cos[0].mul_plus(dt_knee_x, -(sin[0] * e1));
-        let dt_ankle_x = qd[0].mul_plus(t_ankle_y, dt_ankle_x);
-        let p1 = sin[0].mul_plus(dt_knee_x, cos[0] * e1);
-        let dt_ankle_y = -qd[0].mul_plus(t_ankle_x, p1);
-        [dt_ankle_x, zero, dt_ankle_y]
+        TwoLink::com_velocity_core(&(sin, cos), qd, r)
     }
 
     #[inline(always)]
@@ -633,71 +382,33 @@ impl v1::SinCosRobot for TwoLink {
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; DOF] {
-        // knee
-        let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
-        let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
-        // ankle
-        let v_ankle_x = r[3] + t_knee_x;
-        let v_ankle_y = r[4] + t_knee_y;
-        let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
-        [t_ankle_x, cos[0].mul_plus(t_knee_x, sin[0] * t_knee_y)]
+        TwoLink::gravity_moments_core(&(sin, cos), r)
     }
 
     #[inline(always)]
     fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // ankle
-        let bz_ankle_x = -sin[0];
-        // knee
-        let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
-        let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
-        let bz_knee_x = -bx_knee_y;
-        let row_x = [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y];
-        let row_y = [zero, one, zero, zero, zero, zero, zero];
-        let row_z = [zero, zero, one, bz_ankle_x, cos[0], bz_knee_x, bx_knee_x];
-        [row_x, row_y, row_z]
+        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
+        TwoLink::regressor_core(&(sin, cos), &mut rows);
+        rows
     }
 
     #[inline(always)]
     fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // knee
-        let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
-        let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
-        let row_x = [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y];
-        let row_y = [zero, one, zero, zero, zero, zero, zero];
-        [row_x, row_y]
+        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
+        TwoLink::regressor_cop_core(&(sin, cos), &mut rows);
+        rows
     }
 
     #[inline(always)]
     fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // ankle
-        let bz_ankle_x = -sin[0];
-        // knee
-        let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
-        let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
-        let bz_knee_x = -bx_knee_y;
-        let row_x = [one, zero, zero, cos[0], zero, sin[0], bx_knee_x, zero, bx_knee_y];
-        let row_y = [zero, one, zero, zero, one, zero, zero, one, zero];
-        let row_z = [zero, zero, one, bz_ankle_x, zero, cos[0], bz_knee_x, zero, bx_knee_x];
-        [row_x, row_y, row_z]
+        let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
+        TwoLink::regressor_full_core(&(sin, cos), &mut rows);
+        rows
     }
 
     #[inline(always)]
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // ankle
-        let v_ankle_x = cos[1].mul_plus(r[5], r[3]);
-        let v_ankle_x = sin[1].mul_plus(r[6], v_ankle_x);
-        let v_ankle_y = (-sin[1]).mul_plus(r[5], r[4]);
-        let v_ankle_y = cos[1].mul_plus(r[6], v_ankle_y);
-        // foot
-        let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
-        let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
-        [v_foot_x, r[1]]
+        TwoLink::cop_core(&(sin, cos), r)
     }
 
     #[inline(always)]
@@ -708,61 +419,7 @@ impl v1::SinCosRobot for TwoLink {
         qdd: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; 2] {
-        // ankle
-        let v_ankle_x = cos[1].mul_plus(r[5], r[3]);
-        let v_ankle_x = sin[1].mul_plus(r[6], v_ankle_x);
-        let v_ankle_y = (-sin[1]).mul_plus(r[5], r[4]);
-        let v_ankle_y = cos[1].mul_plus(r[6], v_ankle_y);
-        // foot
-        let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
-        let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
-        let v_foot_z = (-sin[0]).mul_plus(v_ankle_x, r[2]);
-        let v_foot_z = cos[0].mul_plus(v_ankle_y, v_foot_z);
-        // ankle
-        let e1 = qd[0] * qd[0];
-        // knee
-        let e2 = qd[0] + qd[1];
-        let e3 = qdd[0] + qdd[1];
-        let e4 = e2 * e2;
-        let f_knee_x = r[6].mul_plus(e3, -(r[5] * e4));
-        let e5 = r[5].mul_plus(e3, r[6] * e4);
-        // ankle
-        let p1 = cos[1].mul_plus(f_knee_x, -(sin[1] * e5));
-        let f_ankle_x = r[4].mul_plus(qdd[0], -(r[3] * e1)) + p1;
-        let p2 = sin[1].mul_plus(f_knee_x, cos[1] * e5);
-        let e6 = r[3].mul_plus(qdd[0], r[4] * e1) + p2;
-        // foot
-        let f_foot_x = cos[0].mul_plus(f_ankle_x, -(sin[0] * e6));
-        // knee
-        let g_knee_x = e3.mul_plus(T::from_f64(0.125), -(T::from_f64(0.005) * e4));
-        let e7 = e3.mul_plus(T::from_f64(0.005), T::from_f64(0.125) * e4);
-        let e8 = T::from_f64(0.00125) * e4;
-        // ankle
-        let h_ankle_x = cos[1].mul_plus(T::from_f64(0.005), T::from_f64(0.125) * sin[1]);
-        let e9 = cos[1].mul_plus(T::from_f64(0.125), -(T::from_f64(0.005) * sin[1]));
-        let e10 = cos[1].mul_plus(g_knee_x, -(sin[1] * e7));
-        let h_ankle_y = T::from_f64(0.26666666666666666) + e9;
-        let g_ankle_x = qdd[0].mul_plus(T::from_f64(0.26666666666666666), e10);
-        let e11 = sin[1].mul_plus(g_knee_x, cos[1] * e7);
-        let e11 = e1.mul_plus(T::from_f64(0.26666666666666666), e11);
-        let p3 = e3.mul_plus(T::from_f64(0.00005), e8);
-        let p4 = e3.mul_plus(T::from_f64(0.03125), -e8);
-        let p5 = e10.mul_plus(T::from_f64(0.4), p3 + p4);
-        let p6 = h_ankle_x.mul_plus(T::from_f64(0.4) * e1, e9 * (T::from_f64(0.4) * qdd[0]));
-        let e12 = qdd[0].mul_plus(T::from_f64(0.09333333333333335), p5 + p6);
-        // foot
-        let g_foot_x = cos[0].mul_plus(g_ankle_x, -(sin[0] * e11));
-        let n_foot_y = g_foot_x.mul_plus(T::from_f64(0.1), e12);
-        let h_foot_x = T::from_f64(0.003333333333333333)
-            + cos[0].mul_plus(h_ankle_x, sin[0] * h_ankle_y);
-        let h_foot_z = T::from_f64(0.08499999999999999)
-            + cos[0].mul_plus(h_ankle_y, -(sin[0] * h_ankle_x));
-        // ZMP
-        let load = T::from_f64(9.80665) - sin[0].mul_plus(f_ankle_x, cos[0] * e6);
-        let p7 = sin[0].mul_plus(g_ankle_x, cos[0] * e11);
-        let p8 = h_foot_z.mul_plus(g_foot_x, h_foot_x * p7);
-        let e13 = v_foot_z.mul_plus(f_foot_x, n_foot_y - p8);
-        [(-e13).mul_plus(T::from_f64(1.0) / load, v_foot_x), r[1]]
+        TwoLink::zmp_core(&(sin, cos), qd, qdd, r)
     }
 
     #[inline(always)]
@@ -817,5 +474,283 @@ impl v1::SinCosRobot for TwoLink {
         let b_knee_x = b_ankle_x.mul_plus(cos[1], -(b_ankle_y * sin[1]));
         let b_knee_y = b_ankle_y.mul_plus(cos[1], b_ankle_x * sin[1]);
         [along[0], along[1], along[2], b_ankle_x, along[1], b_ankle_y, b_knee_x, along[1], b_knee_y]
+    }
+}
+
+#[allow(dead_code, non_snake_case, clippy::all)]
+impl TwoLink {
+    #[inline(always)]
+    fn com_core<T: Real>(angles: &impl v1::Angles<T>, r: &[T; BASE_PARAMS]) -> [T; 3] {
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        // ankle
+        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
+        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
+        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        // foot
+        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
+        let v_foot_z = (-s_ankle).mul_plus(v_ankle_x, r[2]);
+        let v_foot_z = c_ankle.mul_plus(v_ankle_y, v_foot_z);
+        [v_foot_x, r[1], v_foot_z]
+    }
+
+    #[inline(always)]
+    fn com_jacobian_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        r: &[T; BASE_PARAMS],
+        jacobian: &mut [[T; DOF]; 3],
+    ) {
+        let zero = T::from_f64(0.0);
+        jacobian[1][0] = zero;
+        jacobian[1][1] = zero;
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
+        let t_ankle_y = c_ankle.mul_plus(v_ankle_y, -(s_ankle * v_ankle_x));
+        jacobian[0][0] = t_ankle_y;
+        // ankle
+        jacobian[2][0] = -t_ankle_x;
+        // knee
+        jacobian[0][1] = -s_ankle.mul_plus(t_knee_x, -(c_ankle * t_knee_y));
+        jacobian[2][1] = -c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y);
+    }
+
+    #[inline(always)]
+    fn com_velocity_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        qd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 3] {
+        let zero = T::from_f64(0.0);
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
+        let t_ankle_y = c_ankle.mul_plus(v_ankle_y, -(s_ankle * v_ankle_x));
+        // knee
+        let dt_knee_x = qd[1] * t_knee_y;
+        let e1 = qd[1] * t_knee_x;
+        // ankle
+        let dt_ankle_x = c_ankle.mul_plus(dt_knee_x, -(s_ankle * e1));
+        let dt_ankle_x = qd[0].mul_plus(t_ankle_y, dt_ankle_x);
+        let p1 = s_ankle.mul_plus(dt_knee_x, c_ankle * e1);
+        let dt_ankle_y = -qd[0].mul_plus(t_ankle_x, p1);
+        [dt_ankle_x, zero, dt_ankle_y]
+    }
+
+    #[inline(always)]
+    fn gravity_moments_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        r: &[T; BASE_PARAMS],
+    ) -> [T; DOF] {
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
+        [t_ankle_x, c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y)]
+    }
+
+    #[inline(always)]
+    fn regressor_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 3]) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][4] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        // ankle
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        rows[0][4] = s_ankle;
+        rows[0][3] = c_ankle;
+        rows[2][4] = c_ankle;
+        let bz_ankle_x = -s_ankle;
+        rows[2][3] = bz_ankle_x;
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
+        rows[0][5] = bx_knee_x;
+        rows[2][6] = bx_knee_x;
+        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
+        rows[0][6] = bx_knee_y;
+        let bz_knee_x = -bx_knee_y;
+        rows[2][5] = bz_knee_x;
+    }
+
+    #[inline(always)]
+    fn regressor_cop_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 2]) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][4] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        // ankle
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        rows[0][4] = s_ankle;
+        rows[0][3] = c_ankle;
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
+        rows[0][5] = bx_knee_x;
+        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
+        rows[0][6] = bx_knee_y;
+    }
+
+    #[inline(always)]
+    fn regressor_full_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; FULL_PARAMS]; 3]) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[1][4] = one;
+        rows[1][7] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][4] = zero;
+        rows[0][7] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        rows[1][8] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        rows[2][4] = zero;
+        rows[2][7] = zero;
+        // ankle
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        rows[0][5] = s_ankle;
+        rows[0][3] = c_ankle;
+        rows[2][5] = c_ankle;
+        let bz_ankle_x = -s_ankle;
+        rows[2][3] = bz_ankle_x;
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
+        rows[0][6] = bx_knee_x;
+        rows[2][8] = bx_knee_x;
+        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
+        rows[0][8] = bx_knee_y;
+        let bz_knee_x = -bx_knee_y;
+        rows[2][6] = bz_knee_x;
+    }
+
+    #[inline(always)]
+    fn cop_core<T: Real>(angles: &impl v1::Angles<T>, r: &[T; BASE_PARAMS]) -> [T; 2] {
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        // ankle
+        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
+        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
+        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        // foot
+        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
+        [v_foot_x, r[1]]
+    }
+
+    #[inline(always)]
+    fn zmp_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        qd: &[T; DOF],
+        qdd: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [T; 2] {
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        // ankle
+        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
+        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
+        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        // foot
+        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
+        let v_foot_z = (-s_ankle).mul_plus(v_ankle_x, r[2]);
+        let v_foot_z = c_ankle.mul_plus(v_ankle_y, v_foot_z);
+        // ankle
+        let e1 = qd[0] * qd[0];
+        // knee
+        let e2 = qd[0] + qd[1];
+        let e3 = qdd[0] + qdd[1];
+        let e4 = e2 * e2;
+        let f_knee_x = r[6].mul_plus(e3, -(r[5] * e4));
+        let e5 = r[5].mul_plus(e3, r[6] * e4);
+        // ankle
+        let p1 = c_knee.mul_plus(f_knee_x, -(s_knee * e5));
+        let f_ankle_x = r[4].mul_plus(qdd[0], -(r[3] * e1)) + p1;
+        let p2 = s_knee.mul_plus(f_knee_x, c_knee * e5);
+        let e6 = r[3].mul_plus(qdd[0], r[4] * e1) + p2;
+        // foot
+        let f_foot_x = c_ankle.mul_plus(f_ankle_x, -(s_ankle * e6));
+        // knee
+        let g_knee_x = e3.mul_plus(T::from_f64(0.125), -(T::from_f64(0.005) * e4));
+        let e7 = e3.mul_plus(T::from_f64(0.005), T::from_f64(0.125) * e4);
+        let e8 = T::from_f64(0.00125) * e4;
+        // ankle
+        let h_ankle_x = c_knee.mul_plus(T::from_f64(0.005), T::from_f64(0.125) * s_knee);
+        let e9 = c_knee.mul_plus(T::from_f64(0.125), -(T::from_f64(0.005) * s_knee));
+        let e10 = c_knee.mul_plus(g_knee_x, -(s_knee * e7));
+        let h_ankle_y = T::from_f64(0.26666666666666666) + e9;
+        let g_ankle_x = qdd[0].mul_plus(T::from_f64(0.26666666666666666), e10);
+        let e11 = s_knee.mul_plus(g_knee_x, c_knee * e7);
+        let e11 = e1.mul_plus(T::from_f64(0.26666666666666666), e11);
+        let p3 = e3.mul_plus(T::from_f64(0.00005), e8);
+        let p4 = e3.mul_plus(T::from_f64(0.03125), -e8);
+        let p5 = e10.mul_plus(T::from_f64(0.4), p3 + p4);
+        let p6 = h_ankle_x.mul_plus(T::from_f64(0.4) * e1, e9 * (T::from_f64(0.4) * qdd[0]));
+        let e12 = qdd[0].mul_plus(T::from_f64(0.09333333333333335), p5 + p6);
+        // foot
+        let g_foot_x = c_ankle.mul_plus(g_ankle_x, -(s_ankle * e11));
+        let n_foot_y = g_foot_x.mul_plus(T::from_f64(0.1), e12);
+        let h_foot_x = T::from_f64(0.003333333333333333)
+            + c_ankle.mul_plus(h_ankle_x, s_ankle * h_ankle_y);
+        let h_foot_z = T::from_f64(0.08499999999999999)
+            + c_ankle.mul_plus(h_ankle_y, -(s_ankle * h_ankle_x));
+        // ZMP
+        let load = T::from_f64(9.80665) - s_ankle.mul_plus(f_ankle_x, c_ankle * e6);
+        let p7 = s_ankle.mul_plus(g_ankle_x, c_ankle * e11);
+        let p8 = h_foot_z.mul_plus(g_foot_x, h_foot_x * p7);
+        let e13 = v_foot_z.mul_plus(f_foot_x, n_foot_y - p8) * (T::from_f64(1.0) / load);
+        [v_foot_x - e13, r[1]]
     }
 }

@@ -49,7 +49,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define two_link_SOURCE
 #include "two_link.h"
-#ifndef two_link_PAIR_2ac8247b7419e5fd
+#ifndef two_link_PAIR_2d7af5166c9f4ff4
 #error "two_link.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -354,6 +354,31 @@ static void two_link_sincos(float x, float *sine, float *cosine)
 
 #endif
 
+
+/* A body that two functions share is made a part of both. */
+#if defined(__GNUC__)
+#define two_link_SHARED static inline __attribute__((always_inline))
+#else
+#define two_link_SHARED static inline
+#endif
+
+/* The sine and cosine that are given, or those of q. */
+two_link_SHARED void two_link_turn(
+    int of_sines,
+    two_link_real q,
+    two_link_real sin_q,
+    two_link_real cos_q,
+    two_link_real *sine,
+    two_link_real *cosine)
+{
+    if (of_sines != 0) {
+        *sine = sin_q;
+        *cosine = cos_q;
+    } else {
+        two_link_sincos(q, sine, cosine);
+    }
+}
+
 /* Sines and cosines of the joint angles, positions of prismatic joints, from servo ticks. */
 static void two_link_from_ticks(const int32_t ticks[], two_link_real sin_q[], two_link_real cos_q[])
 {
@@ -361,18 +386,24 @@ static void two_link_from_ticks(const int32_t ticks[], two_link_real sin_q[], tw
     two_link_lookup((uint32_t)ticks[1] - 2048u, &sin_q[1], &cos_q[1]);
 }
 
-void two_link_com(const two_link_real q[], const two_link_real r[], two_link_real com[restrict 3])
+two_link_SHARED void two_link_com_core(
+    int of_sines,
+    const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real r[],
+    two_link_real com[restrict 3])
 {
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_sincos(q[1], &s_knee, &c_knee);
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
     /* ankle */
     const float v_ankle_x = r[3] + (c_knee * r[5]) + (s_knee * r[6]);
     const float v_ankle_y = r[4] - (s_knee * r[5]) + (c_knee * r[6]);
     float s_ankle;
     float c_ankle;
-    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
     /* foot */
     const float v_foot_x = r[0] + (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     const float v_foot_z = r[2] - (s_ankle * v_ankle_x) + (c_ankle * v_ankle_y);
@@ -381,15 +412,23 @@ void two_link_com(const two_link_real q[], const two_link_real r[], two_link_rea
     com[2] = v_foot_z;
 }
 
-void two_link_com_jacobian(
+void two_link_com(const two_link_real q[], const two_link_real r[], two_link_real com[restrict 3])
+{
+    two_link_com_core(0, q, q, q, r, com);
+}
+
+two_link_SHARED void two_link_com_jacobian_core(
+    int of_sines,
     const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
     const two_link_real r[],
     two_link_real jac[restrict 3 * two_link_DOF])
 {
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_sincos(q[1], &s_knee, &c_knee);
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
     const float t_knee_x = (c_knee * r[5]) + (s_knee * r[6]);
     const float t_knee_y = (c_knee * r[6]) - (s_knee * r[5]);
     /* ankle */
@@ -397,7 +436,7 @@ void two_link_com_jacobian(
     const float v_ankle_y = r[4] + t_knee_y;
     float s_ankle;
     float c_ankle;
-    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
     const float t_ankle_x = (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     const float t_ankle_y = (c_ankle * v_ankle_y) - (s_ankle * v_ankle_x);
     jac[0] = t_ankle_y;
@@ -408,8 +447,19 @@ void two_link_com_jacobian(
     jac[5] = -((c_ankle * t_knee_x) + (s_ankle * t_knee_y));
 }
 
-void two_link_com_velocity(
+void two_link_com_jacobian(
     const two_link_real q[],
+    const two_link_real r[],
+    two_link_real jac[restrict 3 * two_link_DOF])
+{
+    two_link_com_jacobian_core(0, q, q, q, r, jac);
+}
+
+two_link_SHARED void two_link_com_velocity_core(
+    int of_sines,
+    const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
     const two_link_real qd[],
     const two_link_real r[],
     two_link_real velocity[restrict 3])
@@ -417,7 +467,7 @@ void two_link_com_velocity(
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_sincos(q[1], &s_knee, &c_knee);
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
     const float t_knee_x = (c_knee * r[5]) + (s_knee * r[6]);
     const float t_knee_y = (c_knee * r[6]) - (s_knee * r[5]);
     /* ankle */
@@ -425,7 +475,7 @@ void two_link_com_velocity(
     const float v_ankle_y = r[4] + t_knee_y;
     float s_ankle;
     float c_ankle;
-    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
     const float t_ankle_x = (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     const float t_ankle_y = (c_ankle * v_ankle_y) - (s_ankle * v_ankle_x);
     /* knee */
@@ -439,15 +489,27 @@ void two_link_com_velocity(
     velocity[2] = dt_ankle_y;
 }
 
-void two_link_gravity_moments(
+void two_link_com_velocity(
     const two_link_real q[],
+    const two_link_real qd[],
+    const two_link_real r[],
+    two_link_real velocity[restrict 3])
+{
+    two_link_com_velocity_core(0, q, q, q, qd, r, velocity);
+}
+
+two_link_SHARED void two_link_gravity_moments_core(
+    int of_sines,
+    const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
     const two_link_real r[],
     two_link_real moments[restrict two_link_DOF])
 {
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_sincos(q[1], &s_knee, &c_knee);
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
     const float t_knee_x = (c_knee * r[5]) + (s_knee * r[6]);
     const float t_knee_y = (c_knee * r[6]) - (s_knee * r[5]);
     /* ankle */
@@ -455,25 +517,36 @@ void two_link_gravity_moments(
     const float v_ankle_y = r[4] + t_knee_y;
     float s_ankle;
     float c_ankle;
-    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
     const float t_ankle_x = (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     moments[0] = t_ankle_x;
     moments[1] = (c_ankle * t_knee_x) + (s_ankle * t_knee_y);
 }
 
-void two_link_regressor(
+void two_link_gravity_moments(
     const two_link_real q[],
+    const two_link_real r[],
+    two_link_real moments[restrict two_link_DOF])
+{
+    two_link_gravity_moments_core(0, q, q, q, r, moments);
+}
+
+two_link_SHARED void two_link_regressor_core(
+    int of_sines,
+    const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
     two_link_real rows[restrict 3 * two_link_BASE_PARAMS])
 {
     /* ankle */
     float s_ankle;
     float c_ankle;
-    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
     const float bz_ankle_x = -s_ankle;
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_sincos(q[1], &s_knee, &c_knee);
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
     const float bx_knee_x = (c_ankle * c_knee) - (s_ankle * s_knee);
     const float bx_knee_y = (s_ankle * c_knee) + (c_ankle * s_knee);
     const float bz_knee_x = -bx_knee_y;
@@ -500,18 +573,28 @@ void two_link_regressor(
     rows[20] = bx_knee_x;
 }
 
-void two_link_regressor_cop(
+void two_link_regressor(
     const two_link_real q[],
+    two_link_real rows[restrict 3 * two_link_BASE_PARAMS])
+{
+    two_link_regressor_core(0, q, q, q, rows);
+}
+
+two_link_SHARED void two_link_regressor_cop_core(
+    int of_sines,
+    const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
     two_link_real rows[restrict 2 * two_link_BASE_PARAMS])
 {
     /* ankle */
     float s_ankle;
     float c_ankle;
-    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_sincos(q[1], &s_knee, &c_knee);
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
     const float bx_knee_x = (c_ankle * c_knee) - (s_ankle * s_knee);
     const float bx_knee_y = (s_ankle * c_knee) + (c_ankle * s_knee);
     rows[0] = 1.0f;
@@ -530,19 +613,29 @@ void two_link_regressor_cop(
     rows[13] = 0.0f;
 }
 
-void two_link_regressor_full(
+void two_link_regressor_cop(
     const two_link_real q[],
+    two_link_real rows[restrict 2 * two_link_BASE_PARAMS])
+{
+    two_link_regressor_cop_core(0, q, q, q, rows);
+}
+
+two_link_SHARED void two_link_regressor_full_core(
+    int of_sines,
+    const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
     two_link_real rows[restrict 3 * two_link_FULL_PARAMS])
 {
     /* ankle */
     float s_ankle;
     float c_ankle;
-    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
     const float bz_ankle_x = -s_ankle;
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_sincos(q[1], &s_knee, &c_knee);
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
     const float bx_knee_x = (c_ankle * c_knee) - (s_ankle * s_knee);
     const float bx_knee_y = (s_ankle * c_knee) + (c_ankle * s_knee);
     const float bz_knee_x = -bx_knee_y;
@@ -575,26 +668,47 @@ void two_link_regressor_full(
     rows[26] = bx_knee_x;
 }
 
-void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_real cop[restrict 2])
+void two_link_regressor_full(
+    const two_link_real q[],
+    two_link_real rows[restrict 3 * two_link_FULL_PARAMS])
+{
+    two_link_regressor_full_core(0, q, q, q, rows);
+}
+
+two_link_SHARED void two_link_cop_core(
+    int of_sines,
+    const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real r[],
+    two_link_real cop[restrict 2])
 {
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_sincos(q[1], &s_knee, &c_knee);
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
     /* ankle */
     const float v_ankle_x = r[3] + (c_knee * r[5]) + (s_knee * r[6]);
     const float v_ankle_y = r[4] - (s_knee * r[5]) + (c_knee * r[6]);
     float s_ankle;
     float c_ankle;
-    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
     /* foot */
     const float v_foot_x = r[0] + (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     cop[0] = v_foot_x;
     cop[1] = r[1];
 }
 
-void two_link_zmp(
+void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_real cop[restrict 2])
+{
+    two_link_cop_core(0, q, q, q, r, cop);
+}
+
+two_link_SHARED void two_link_zmp_core(
+    int of_sines,
     const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
     const two_link_real qd[],
     const two_link_real qdd[],
     const two_link_real r[],
@@ -603,13 +717,13 @@ void two_link_zmp(
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_sincos(q[1], &s_knee, &c_knee);
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
     /* ankle */
     const float v_ankle_x = r[3] + (c_knee * r[5]) + (s_knee * r[6]);
     const float v_ankle_y = r[4] - (s_knee * r[5]) + (c_knee * r[6]);
     float s_ankle;
     float c_ankle;
-    two_link_sincos(q[0], &s_ankle, &c_ankle);
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
     /* foot */
     const float v_foot_x = r[0] + (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     const float v_foot_z = r[2] - (s_ankle * v_ankle_x) + (c_ankle * v_ankle_y);
@@ -655,21 +769,23 @@ void two_link_zmp(
     zmp[1] = r[1];
 }
 
+void two_link_zmp(
+    const two_link_real q[],
+    const two_link_real qd[],
+    const two_link_real qdd[],
+    const two_link_real r[],
+    two_link_real zmp[restrict 2])
+{
+    two_link_zmp_core(0, q, q, q, qd, qdd, r, zmp);
+}
+
 void two_link_com_sc(
     const two_link_real sin_q[],
     const two_link_real cos_q[],
     const two_link_real r[],
     two_link_real com[restrict 3])
 {
-    /* ankle */
-    const float v_ankle_x = r[3] + (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
-    const float v_ankle_y = r[4] - (sin_q[1] * r[5]) + (cos_q[1] * r[6]);
-    /* foot */
-    const float v_foot_x = r[0] + (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
-    const float v_foot_z = r[2] - (sin_q[0] * v_ankle_x) + (cos_q[0] * v_ankle_y);
-    com[0] = v_foot_x;
-    com[1] = r[1];
-    com[2] = v_foot_z;
+    two_link_com_core(1, sin_q, sin_q, cos_q, r, com);
 }
 
 void two_link_com_jacobian_sc(
@@ -678,20 +794,7 @@ void two_link_com_jacobian_sc(
     const two_link_real r[],
     two_link_real jac[restrict 3 * two_link_DOF])
 {
-    /* knee */
-    const float t_knee_x = (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
-    const float t_knee_y = (cos_q[1] * r[6]) - (sin_q[1] * r[5]);
-    /* ankle */
-    const float v_ankle_x = r[3] + t_knee_x;
-    const float v_ankle_y = r[4] + t_knee_y;
-    const float t_ankle_x = (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
-    const float t_ankle_y = (cos_q[0] * v_ankle_y) - (sin_q[0] * v_ankle_x);
-    jac[0] = t_ankle_y;
-    jac[1] = -((sin_q[0] * t_knee_x) - (cos_q[0] * t_knee_y));
-    jac[2] = 0.0f;
-    jac[3] = 0.0f;
-    jac[4] = -t_ankle_x;
-    jac[5] = -((cos_q[0] * t_knee_x) + (sin_q[0] * t_knee_y));
+    two_link_com_jacobian_core(1, sin_q, sin_q, cos_q, r, jac);
 }
 
 void two_link_com_velocity_sc(
@@ -701,23 +804,7 @@ void two_link_com_velocity_sc(
     const two_link_real r[],
     two_link_real velocity[restrict 3])
 {
-    /* knee */
-    const float t_knee_x = (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
-    const float t_knee_y = (cos_q[1] * r[6]) - (sin_q[1] * r[5]);
-    /* ankle */
-    const float v_ankle_x = r[3] + t_knee_x;
-    const float v_ankle_y = r[4] + t_knee_y;
-    const float t_ankle_x = (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
-    const float t_ankle_y = (cos_q[0] * v_ankle_y) - (sin_q[0] * v_ankle_x);
-    /* knee */
-    const float dt_knee_x = qd[1] * t_knee_y;
-    const float e1 = qd[1] * t_knee_x;
-    /* ankle */
-    const float dt_ankle_x = (cos_q[0] * dt_knee_x) - (sin_q[0] * e1) + (qd[0] * t_ankle_y);
-    const float dt_ankle_y = -((sin_q[0] * dt_knee_x) + (cos_q[0] * e1) + (qd[0] * t_ankle_x));
-    velocity[0] = dt_ankle_x;
-    velocity[1] = 0.0f;
-    velocity[2] = dt_ankle_y;
+    two_link_com_velocity_core(1, sin_q, sin_q, cos_q, qd, r, velocity);
 }
 
 void two_link_gravity_moments_sc(
@@ -726,15 +813,7 @@ void two_link_gravity_moments_sc(
     const two_link_real r[],
     two_link_real moments[restrict two_link_DOF])
 {
-    /* knee */
-    const float t_knee_x = (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
-    const float t_knee_y = (cos_q[1] * r[6]) - (sin_q[1] * r[5]);
-    /* ankle */
-    const float v_ankle_x = r[3] + t_knee_x;
-    const float v_ankle_y = r[4] + t_knee_y;
-    const float t_ankle_x = (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
-    moments[0] = t_ankle_x;
-    moments[1] = (cos_q[0] * t_knee_x) + (sin_q[0] * t_knee_y);
+    two_link_gravity_moments_core(1, sin_q, sin_q, cos_q, r, moments);
 }
 
 void two_link_regressor_sc(
@@ -742,33 +821,7 @@ void two_link_regressor_sc(
     const two_link_real cos_q[],
     two_link_real rows[restrict 3 * two_link_BASE_PARAMS])
 {
-    /* ankle */
-    const float bz_ankle_x = -sin_q[0];
-    /* knee */
-    const float bx_knee_x = (cos_q[0] * cos_q[1]) - (sin_q[0] * sin_q[1]);
-    const float bx_knee_y = (sin_q[0] * cos_q[1]) + (cos_q[0] * sin_q[1]);
-    const float bz_knee_x = -bx_knee_y;
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = cos_q[0];
-    rows[4] = sin_q[0];
-    rows[5] = bx_knee_x;
-    rows[6] = bx_knee_y;
-    rows[7] = 0.0f;
-    rows[8] = 1.0f;
-    rows[9] = 0.0f;
-    rows[10] = 0.0f;
-    rows[11] = 0.0f;
-    rows[12] = 0.0f;
-    rows[13] = 0.0f;
-    rows[14] = 0.0f;
-    rows[15] = 0.0f;
-    rows[16] = 1.0f;
-    rows[17] = bz_ankle_x;
-    rows[18] = cos_q[0];
-    rows[19] = bz_knee_x;
-    rows[20] = bx_knee_x;
+    two_link_regressor_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void two_link_regressor_cop_sc(
@@ -776,23 +829,7 @@ void two_link_regressor_cop_sc(
     const two_link_real cos_q[],
     two_link_real rows[restrict 2 * two_link_BASE_PARAMS])
 {
-    /* knee */
-    const float bx_knee_x = (cos_q[0] * cos_q[1]) - (sin_q[0] * sin_q[1]);
-    const float bx_knee_y = (sin_q[0] * cos_q[1]) + (cos_q[0] * sin_q[1]);
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = cos_q[0];
-    rows[4] = sin_q[0];
-    rows[5] = bx_knee_x;
-    rows[6] = bx_knee_y;
-    rows[7] = 0.0f;
-    rows[8] = 1.0f;
-    rows[9] = 0.0f;
-    rows[10] = 0.0f;
-    rows[11] = 0.0f;
-    rows[12] = 0.0f;
-    rows[13] = 0.0f;
+    two_link_regressor_cop_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void two_link_regressor_full_sc(
@@ -800,39 +837,7 @@ void two_link_regressor_full_sc(
     const two_link_real cos_q[],
     two_link_real rows[restrict 3 * two_link_FULL_PARAMS])
 {
-    /* ankle */
-    const float bz_ankle_x = -sin_q[0];
-    /* knee */
-    const float bx_knee_x = (cos_q[0] * cos_q[1]) - (sin_q[0] * sin_q[1]);
-    const float bx_knee_y = (sin_q[0] * cos_q[1]) + (cos_q[0] * sin_q[1]);
-    const float bz_knee_x = -bx_knee_y;
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = cos_q[0];
-    rows[4] = 0.0f;
-    rows[5] = sin_q[0];
-    rows[6] = bx_knee_x;
-    rows[7] = 0.0f;
-    rows[8] = bx_knee_y;
-    rows[9] = 0.0f;
-    rows[10] = 1.0f;
-    rows[11] = 0.0f;
-    rows[12] = 0.0f;
-    rows[13] = 1.0f;
-    rows[14] = 0.0f;
-    rows[15] = 0.0f;
-    rows[16] = 1.0f;
-    rows[17] = 0.0f;
-    rows[18] = 0.0f;
-    rows[19] = 0.0f;
-    rows[20] = 1.0f;
-    rows[21] = bz_ankle_x;
-    rows[22] = 0.0f;
-    rows[23] = cos_q[0];
-    rows[24] = bz_knee_x;
-    rows[25] = 0.0f;
-    rows[26] = bx_knee_x;
+    two_link_regressor_full_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void two_link_cop_sc(
@@ -841,13 +846,7 @@ void two_link_cop_sc(
     const two_link_real r[],
     two_link_real cop[restrict 2])
 {
-    /* ankle */
-    const float v_ankle_x = r[3] + (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
-    const float v_ankle_y = r[4] - (sin_q[1] * r[5]) + (cos_q[1] * r[6]);
-    /* foot */
-    const float v_foot_x = r[0] + (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
-    cop[0] = v_foot_x;
-    cop[1] = r[1];
+    two_link_cop_core(1, sin_q, sin_q, cos_q, r, cop);
 }
 
 void two_link_zmp_sc(
@@ -858,52 +857,7 @@ void two_link_zmp_sc(
     const two_link_real r[],
     two_link_real zmp[restrict 2])
 {
-    /* ankle */
-    const float v_ankle_x = r[3] + (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
-    const float v_ankle_y = r[4] - (sin_q[1] * r[5]) + (cos_q[1] * r[6]);
-    /* foot */
-    const float v_foot_x = r[0] + (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
-    const float v_foot_z = r[2] - (sin_q[0] * v_ankle_x) + (cos_q[0] * v_ankle_y);
-    /* ankle */
-    const float e1 = qd[0] * qd[0];
-    /* knee */
-    const float e2 = qd[0] + qd[1];
-    const float e3 = qdd[0] + qdd[1];
-    const float e4 = e2 * e2;
-    const float f_knee_x = (r[6] * e3) - (r[5] * e4);
-    const float e5 = (r[5] * e3) + (r[6] * e4);
-    /* ankle */
-    const float f_ankle_x = (r[4] * qdd[0]) - (r[3] * e1)
-        + ((cos_q[1] * f_knee_x) - (sin_q[1] * e5));
-    const float e6 = (r[3] * qdd[0]) + (r[4] * e1) + ((sin_q[1] * f_knee_x) + (cos_q[1] * e5));
-    /* foot */
-    const float f_foot_x = (cos_q[0] * f_ankle_x) - (sin_q[0] * e6);
-    /* knee */
-    const float g_knee_x = (0.125f * e3) - (0.005f * e4);
-    const float e7 = (0.005f * e3) + (0.125f * e4);
-    const float e8 = 0.00125f * e4;
-    /* ankle */
-    const float h_ankle_x = (0.005f * cos_q[1]) + (0.125f * sin_q[1]);
-    const float e9 = (0.125f * cos_q[1]) - (0.005f * sin_q[1]);
-    const float e10 = (cos_q[1] * g_knee_x) - (sin_q[1] * e7);
-    const float h_ankle_y = 0.26666668f + e9;
-    const float g_ankle_x = (0.26666668f * qdd[0]) + e10;
-    const float e11 = (0.26666668f * e1) + ((sin_q[1] * g_knee_x) + (cos_q[1] * e7));
-    const float e12 = (0.093333334f * qdd[0])
-        + ((5e-5f * e3) + e8 + ((0.03125f * e3) - e8) + (0.4f * e10)
-        + ((h_ankle_x * (0.4f * e1)) + (e9 * (0.4f * qdd[0]))));
-    /* foot */
-    const float g_foot_x = (cos_q[0] * g_ankle_x) - (sin_q[0] * e11);
-    const float n_foot_y = e12 + (0.1f * g_foot_x);
-    const float h_foot_x = 0.0033333334f + ((cos_q[0] * h_ankle_x) + (sin_q[0] * h_ankle_y));
-    const float h_foot_z = 0.085f + ((cos_q[0] * h_ankle_y) - (sin_q[0] * h_ankle_x));
-    /* ZMP */
-    const float load = 9.80665f - ((sin_q[0] * f_ankle_x) + (cos_q[0] * e6));
-    const float e13 = (v_foot_z * f_foot_x)
-        + (n_foot_y
-        - ((h_foot_z * g_foot_x) + (h_foot_x * ((sin_q[0] * g_ankle_x) + (cos_q[0] * e11)))));
-    zmp[0] = v_foot_x - (e13 * (1.0f / load));
-    zmp[1] = r[1];
+    two_link_zmp_core(1, sin_q, sin_q, cos_q, qd, qdd, r, zmp);
 }
 
 void two_link_com_ticks(
@@ -1037,7 +991,7 @@ static int two_link_rounds_otherwise(two_link_real result)
 }
 #endif
 
-int two_link_selftest_2ac8247b7419e5fd(void)
+int two_link_selftest_2d7af5166c9f4ff4(void)
 {
     static const two_link_real q[2] = {
         0.21321106f,
@@ -1100,5 +1054,5 @@ int two_link_selftest_2ac8247b7419e5fd(void)
 
 int two_link_selftest(void)
 {
-    return two_link_selftest_2ac8247b7419e5fd();
+    return two_link_selftest_2d7af5166c9f4ff4();
 }

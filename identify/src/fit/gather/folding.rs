@@ -86,28 +86,9 @@ struct Worker {
     folds: JoinHandle<Vec<(usize, Fold)>>,
 }
 
-/// The threads, while rows of a log come; none otherwise.
+/// The threads, from the first large block of a log to its end; none otherwise.
 #[derive(Default)]
-pub(super) struct Folding(Vec<Worker>);
-
-/// What logs leave is copied and compared between logs.
-impl Clone for Folding {
-    fn clone(&self) -> Folding {
-        Folding::default()
-    }
-}
-
-impl PartialEq for Folding {
-    fn eq(&self, _: &Folding) -> bool {
-        true
-    }
-}
-
-impl std::fmt::Debug for Folding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Folding by {} threads", self.0.len())
-    }
-}
+pub(in crate::fit) struct Folding(Vec<Worker>);
 
 impl Folding {
     /// Let threads work on `folds` until [`Folding::end`], if there are processors for them.
@@ -148,7 +129,7 @@ impl Folding {
     }
 
     /// Fold rows in, now or soon.
-    pub fn push(&mut self, work: Work, folds: &mut [Fold]) {
+    pub(super) fn push(&mut self, work: Work, folds: &mut [Fold]) {
         if self.0.is_empty() {
             for (index, fold) in folds.iter_mut().enumerate() {
                 work.fold(index, fold);

@@ -70,7 +70,7 @@ pub struct Change {
     pub robot: String,
     /// The first such day.
     pub day: String,
-    /// Days on which it may have come, at 95 %; none of what files themselves state.
+    /// Possible days, at 95 %; none of what files themselves state.
     pub day_interval: Option<[String; 2]>,
     /// What changed, as a sentence.
     pub what: String,
@@ -84,7 +84,7 @@ pub struct Change {
     pub before: Option<Size>,
     /// Its size on the last such day; none where it is not seen.
     pub after: Option<Size>,
-    /// Largest chance of it in a fleet without changes; none of what is no estimate.
+    /// Largest chance without changes; none of what is no estimate.
     pub chance: Option<f64>,
 }
 

@@ -37,9 +37,9 @@ pub struct Reason {
     pub weight: f64,
     /// Standard deviation of the weight; each statement is true or false.
     pub weight_std: f64,
-    /// Possible first and last place in the list, at 95 %; robots of one weight share their places.
+    /// Possible places, at 95 %; robots of one weight share their places.
     pub places: [usize; 2],
-    /// Chance that a sound robot is listed so.
+    /// Chance for a sound robot.
     pub chance: f64,
     /// The statements.
     pub said: Vec<Statement>,

@@ -34,16 +34,16 @@ use crate::fit::population::Population;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Summary {
-    /// Effects that robots share, the most common first.
+    /// Effects that robots share.
     pub shared: Vec<Shared>,
     /// What changed, robot by robot.
     pub changes: Vec<Change>,
-    /// Robots, the first to look at first; those of which nothing is to be said are left out.
+    /// Robots to look at first.
     pub look_first: Vec<String>,
     /// Why, in the same order.
     pub reasons: Vec<Reason>,
-    /// Advice if most robots have effects of their own; an effect may then stand for a body that
-    /// differs from the URDF.
+    /// Advice if most robots have effects; an effect may then stand for a body that differs from
+    /// the URDF.
     pub bodies: Option<String>,
     /// Prior for the next robot; see [`population`](super::population()).
     pub population: Option<Population>,

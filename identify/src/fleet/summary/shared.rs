@@ -76,7 +76,7 @@ pub struct Shared {
     pub own_std_interval: [f64; 2],
     /// Its size in each robot.
     pub members: Vec<SharedMember>,
-    /// Largest chance of it in a fleet that shares nothing.
+    /// Largest chance if nothing is shared.
     pub chance: f64,
     /// The same as a sentence.
     pub sentence: String,

@@ -6,6 +6,8 @@
 //! counts its closing zero. Every length is checked against the bytes that
 //! are there, so that no message can claim more than it has.
 
+use std::collections::HashMap;
+
 use sesc_model::urdf::limits;
 
 /// Joints of a message, at most, and bytes of a name: as of a robot.
@@ -40,6 +42,20 @@ impl JointState {
             position: cdr.doubles()?,
             velocity: cdr.doubles()?,
         })
+    }
+
+    /// Put the positions of joints that have a place there; the fastest of their velocities.
+    pub fn put(&self, places: &HashMap<String, usize>, q: &mut [f64]) -> f64 {
+        let mut fastest = 0.0_f64;
+        for (k, (name, position)) in self.name.iter().zip(&self.position).enumerate() {
+            if let Some(place) = places.get(name.trim()) {
+                q[*place] = *position;
+                // Drivers that do not measure it send nothing or NaN.
+                let velocity = self.velocity.get(k).filter(|v| v.is_finite());
+                fastest = fastest.max(velocity.map_or(0.0, |v| v.abs()));
+            }
+        }
+        fastest
     }
 }
 

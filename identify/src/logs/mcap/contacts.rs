@@ -46,17 +46,15 @@ impl Pair {
         let mut seen: BTreeMap<String, Seen> = BTreeMap::new();
         let (mut first, mut count) = (None, 0);
         while let Some(message) = records.next()? {
-            let Some(channel) = records.channel_of(&message) else {
-                continue;
-            };
+            let channel = &message.channel;
             match channel.schema.as_str() {
                 // Which of them is the CoP, its sidecar says.
                 POINT => return Ok(None),
                 WRENCH => {}
                 _ => continue,
             }
-            check_encoding(&channel)?;
-            let (header, force, _) = cdr::wrench(records.data(&message))?;
+            check_encoding(channel)?;
+            let (header, force, _) = cdr::wrench(&records.data)?;
             first.get_or_insert_with(|| channel.topic.clone());
             let own = seen.entry(channel.topic.clone()).or_default();
             own.link = header.frame.trim_start_matches('/').to_string();

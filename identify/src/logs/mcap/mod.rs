@@ -21,18 +21,14 @@
 
 mod cdr;
 mod contacts;
-mod encode;
-mod format;
 mod moving;
 mod records;
 mod survey;
 #[cfg(test)]
 pub(super) mod tests;
 mod write;
-mod writer;
 
 use std::collections::{HashMap, VecDeque};
-use std::io::BufReader;
 use std::sync::Arc;
 
 use sesc_model::tree::Dof;
@@ -57,6 +53,10 @@ pub(super) use self::write::begun;
 const STATE: &str = "sensor_msgs/msg/JointState";
 const WRENCH: &str = "geometry_msgs/msg/WrenchStamped";
 const POINT: &str = "geometry_msgs/msg/PointStamped";
+
+/// Key and value in the description of a topic each message of which is a posture of its own, or
+/// the reading that belongs to it, however short the robot held still.
+const OWN_POSTURES: [&str; 2] = ["sesc", "a message is a posture"];
 
 /// Columns before the joints; a recording without readings has three of them.
 const FIRST: [&str; 5] = [POSE, T, SUPPORT, COP[0], COP[1]];
@@ -83,7 +83,7 @@ struct Ready {
 /// A recording being read.
 pub(super) struct McapSource {
     file: String,
-    records: Records<BufReader<Metered>>,
+    records: Records<Metered>,
     meter: Arc<Meter>,
     header: Vec<String>,
     /// Place of each joint among the joints of the header.
@@ -124,7 +124,7 @@ impl McapSource {
                 Bytes::open(place).map_err(|source| Error::read(file.to_string(), source))?;
             let input = Metered::new(input);
             let meter = input.meter();
-            Ok((Records::new(BufReader::new(input)).map_err(bad)?, meter))
+            Ok((Records::new(input).map_err(bad)?, meter))
         };
         let wanted = options.readings != Readings::Ignored;
         let mut survey = Survey::of(start()?.0, dofs, topic, wanted).map_err(bad)?;
@@ -165,7 +165,7 @@ impl McapSource {
             header: names.chain(survey.joints.iter().cloned()).collect(),
             q: vec![f64::NAN; survey.joints.len()],
             moving: moves.then(|| Moving::new(survey.joints.len())),
-            place: survey.joints.into_iter().zip(0..).collect(),
+            place: survey.places(),
             topic: survey.topic,
             chosen: topic.is_some() || survey.said || both.is_some(),
             both: both.map(|pair| (pair, Contacts::new())),
@@ -201,10 +201,8 @@ impl McapSource {
             self.take_moving();
             return self.conclude();
         };
-        let Some(channel) = self.records.channel_of(&message) else {
-            return Ok(());
-        };
-        let data = self.records.data(&message);
+        let channel = message.channel;
+        let data = &self.records.data;
         let at = |message: String| format!("topic {}: {message}", short(&channel.topic));
         match channel.schema.as_str() {
             STATE => {
@@ -264,16 +262,7 @@ impl McapSource {
             self.take_moving();
             return Ok(());
         }
-        let mut speed = 0.0f64;
-        for (k, name) in state.name.iter().enumerate() {
-            let Some(place) = self.place.get(name.trim()) else {
-                continue;
-            };
-            self.q[*place] = state.position[k];
-            // Drivers that do not measure it send nothing or NaN.
-            let velocity = state.velocity.get(k).filter(|v| v.is_finite());
-            speed = speed.max(velocity.map_or(0.0, |v| v.abs()));
-        }
+        let speed = state.put(&self.place, &mut self.q);
         let ended = match apart {
             true => self.cutter.posture(t, &self.q),
             false => self.cutter.state(t, &self.q, speed),

@@ -1,29 +1,30 @@
-//! The messages of an MCAP file, in its order.
+//! The messages of an MCAP file that say anything of joints or the CoP, in its order.
 //!
-//! ```text
-//! file    magic, records, magic
-//! record  opcode u8, length u64, content
-//! chunk   records once more, maybe compressed
-//! ```
-//!
-//! Integers are little-endian. Only schemas, channels and messages matter here;
-//! the summary after the data is walked over. A file that ends before its
-//! closing magic was cut off, which is an error. Memory: one chunk, of
-//! [`LARGEST`] bytes at most, and the names of topics and types, [`NAMES`] bytes at most. A
-//! chunk becomes at most [`EXPANSION`] times larger than it is, and all of a file [`FREE`] bytes
-//! more, so that time is in proportion to the file, too.
+//! The crate `mcap` reads the records; chunks that are packed are unpacked here. A file that ends
+//! before its closing magic was cut off, which is an error; its summary, which may be missing, is
+//! walked over. Memory: a chunk, of [`LARGEST`] bytes at most, packed and unpacked, and the names
+//! of topics and types, [`NAMES`] bytes at most. A chunk becomes at most [`EXPANSION`] times
+//! larger than it is, and all of a file [`FREE`] bytes more, so that time is in proportion to the
+//! file, too.
 
 use std::collections::HashMap;
-use std::io::Read;
-use std::ops::Range;
+use std::io::{self, Cursor, Read};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::format::opcode::{CHANNEL, CHUNK, FOOTER, MESSAGE, SCHEMA};
-use super::format::{MAGIC, OWN_POSTURES};
+use mcap::records::{Record, op};
+use mcap::sans_io::decompressor::{DecompressResult, Decompressor};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{McapError, McapResult, parse_record};
+
+use super::{OWN_POSTURES, POINT, STATE, WRENCH};
+use crate::logs::names::short;
 
 /// Larger records are refused, bytes. Recorders write chunks of about 1 MiB,
 /// images included.
-const LARGEST: u64 = 64 << 20;
+const LARGEST: usize = 64 << 20;
+/// So are larger descriptions of a topic: what publishers promise has some KiB.
+const LARGEST_CHANNEL: usize = 1 << 20;
 
 /// Unpacked bytes of a file that need no packed ones, and how many times larger its chunks become
 /// beyond: joint states pack ten to one.
@@ -33,6 +34,9 @@ const EXPANSION: u64 = 200;
 /// Bytes of one name of a topic, type or encoding, and of all that are kept.
 const NAME: usize = 1024;
 const NAMES: usize = 16 << 20;
+
+/// Bytes that are read at once.
+const PIECE: usize = 64 << 10;
 
 /// What a channel carries.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,316 +50,249 @@ pub(super) struct Channel {
     pub own_postures: bool,
 }
 
-/// A message: where it is from, and where its bytes are.
+/// A message, whose bytes are [`Records::data`].
 #[derive(Debug)]
 pub(super) struct Message {
-    channel: u16,
+    pub channel: Arc<Channel>,
     /// s
     pub log_time: f64,
-    content: Range<usize>,
 }
 
 /// The records of a file.
 pub(super) struct Records<R> {
     input: R,
+    reader: LinearReader,
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Arc<Channel>>,
     /// Bytes of names that were kept.
     names: usize,
-    /// The record that was read last, or the chunk that is being walked.
-    buffer: Vec<u8>,
-    /// Where the next record of the chunk starts.
-    at: usize,
-    in_chunk: bool,
-    ended: bool,
-    /// What is left of [`FREE`].
-    free: u64,
+    /// Bytes of the message that was read last.
+    pub data: Vec<u8>,
 }
 
 impl<R: Read> Records<R> {
     /// Start at the magic.
     pub fn new(mut input: R) -> Result<Records<R>, String> {
         let mut magic = [0; 8];
-        input.read_exact(&mut magic).map_err(|e| cut_off(&e))?;
-        if &magic != MAGIC {
+        input.read_exact(&mut magic).map_err(|e| unread(&e))?;
+        if magic != mcap::MAGIC {
             return Err("a version of MCAP other than 0; convert it with the `mcap` tool".into());
+        }
+        let options = LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(LARGEST);
+        let mut reader = LinearReader::new_with_options(options);
+        let free = Arc::new(AtomicU64::new(FREE));
+        for name in ["lz4", "zstd"] {
+            let unpacker = Unpacker {
+                name,
+                free: Arc::clone(&free),
+                records: Cursor::default(),
+            };
+            reader.add_decompressor(unpacker).map_err(fault)?;
         }
         Ok(Records {
             input,
+            reader,
             schemas: HashMap::new(),
             channels: HashMap::new(),
             names: 0,
-            buffer: Vec::new(),
-            at: 0,
-            in_chunk: false,
-            ended: false,
-            free: FREE,
+            data: Vec::new(),
         })
     }
 
-    /// The next message; nothing at the end of the file.
+    /// The next message of joints or of a CoP; nothing at the end of the file.
     pub fn next(&mut self) -> Result<Option<Message>, String> {
-        while let Some((opcode, content)) = self.record()? {
-            match opcode {
-                SCHEMA => self.schema(content)?,
-                CHANNEL => self.channel(content)?,
-                CHUNK => self.open_chunk(content)?,
-                MESSAGE => {
-                    let mut fields = Fields(&self.buffer[content.clone()]);
-                    let channel = fields.u16()?;
-                    fields.take(4)?; // sequence
-                    let log_time = fields.u64()? as f64 * 1e-9;
-                    fields.take(8)?; // publish time
-                    let start = content.end - fields.0.len();
-                    return Ok(Some(Message {
-                        channel,
-                        log_time,
-                        content: start..content.end,
-                    }));
+        while let Some(event) = self.reader.next_event() {
+            let (opcode, content) = match event.map_err(fault)? {
+                LinearReadEvent::Record { opcode, data } => (opcode, data),
+                LinearReadEvent::ReadRequest(_) => {
+                    // A piece at a time: a false length does not reserve memory.
+                    match self.input.read(self.reader.insert(PIECE)) {
+                        Ok(n) => self.reader.notify_read(n),
+                        Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                        Err(error) => return Err(unread(&error)),
+                    }
+                    continue;
                 }
-                FOOTER if !self.in_chunk => self.finish()?,
-                _ => {}
+            };
+            if opcode == op::CHUNK {
+                return Err("a chunk within a chunk; the file is damaged".into());
+            }
+            if opcode == op::CHANNEL && content.len() > LARGEST_CHANNEL {
+                return Err("a topic of more than 1 MiB; the file is damaged".into());
+            }
+            if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
+                continue;
+            }
+            let kept = match parse_record(opcode, content).map_err(fault)? {
+                Record::Schema { header, .. } => {
+                    let kept = name(&header.name)?;
+                    self.schemas.insert(header.id, header.name);
+                    kept
+                }
+                Record::Channel(channel) => {
+                    let schema = self.schemas.get(&channel.schema_id);
+                    let schema = schema.cloned().unwrap_or_default();
+                    let names = [&channel.topic, &channel.message_encoding, &schema];
+                    let lengths = names.map(|text| name(text));
+                    let kept = lengths.into_iter().sum::<Result<usize, String>>()?;
+                    let [key, value] = OWN_POSTURES;
+                    let own_postures = channel.metadata.get(key).is_some_and(|own| own == value);
+                    let own = Channel {
+                        topic: channel.topic,
+                        schema,
+                        encoding: channel.message_encoding,
+                        own_postures,
+                    };
+                    self.channels.insert(channel.id, Arc::new(own));
+                    kept
+                }
+                Record::Message { header, data } => {
+                    let channel = self.channels.get(&header.channel_id);
+                    let read = |own: &&Arc<Channel>| [STATE, WRENCH, POINT].contains(&&*own.schema);
+                    if let Some(channel) = channel.filter(read) {
+                        self.data.clear();
+                        self.data.extend_from_slice(&data);
+                        return Ok(Some(Message {
+                            channel: Arc::clone(channel),
+                            log_time: header.log_time as f64 * 1e-9,
+                        }));
+                    }
+                    0
+                }
+                _ => 0,
+            };
+            self.names += kept;
+            if self.names > NAMES {
+                return Err(format!(
+                    "topics and types of more than {} MiB; the file is damaged",
+                    NAMES >> 20
+                ));
             }
         }
-        Ok(None)
-    }
-
-    /// Bytes of the message that was read last.
-    pub fn data(&self, message: &Message) -> &[u8] {
-        &self.buffer[message.content.clone()]
-    }
-
-    /// Channel of a message; a message may come without.
-    pub fn channel_of(&self, message: &Message) -> Option<Arc<Channel>> {
-        self.channels.get(&message.channel).cloned()
+        // Whatever follows the closing magic: the hash is of the whole file.
+        let rest = io::copy(&mut self.input, &mut io::sink());
+        rest.map(|_| None).map_err(|error| unread(&error))
     }
 
     /// Topics and types that were announced so far.
     pub fn channels(&self) -> impl Iterator<Item = &Channel> {
         self.channels.values().map(|channel| &**channel)
     }
+}
 
-    /// The next record of the chunk or else of the file: its opcode and where
-    /// in the buffer its content is.
-    fn record(&mut self) -> Result<Option<(u8, Range<usize>)>, String> {
-        if self.in_chunk {
-            if self.at < self.buffer.len() {
-                let mut fields = Fields(&self.buffer[self.at..]);
-                let opcode = fields.u8()?;
-                let length = fields.length()?;
-                fields.take(length)?;
-                let start = self.at + 9;
-                self.at = start + length;
-                return Ok(Some((opcode, start..self.at)));
-            }
-            self.in_chunk = false;
-        }
-        if self.ended {
-            return Ok(None);
-        }
-        let mut head = [0; 9];
-        self.input.read_exact(&mut head).map_err(|e| cut_off(&e))?;
-        let mut fields = Fields(&head);
-        let (opcode, length) = (fields.u8()?, fields.u64()?);
-        if length > LARGEST {
-            return Err(format!(
-                "a record of {length} bytes, more than {} MiB; the file is damaged",
-                LARGEST >> 20
-            ));
-        }
-        // Taken as it comes: a false length does not reserve memory.
-        self.buffer.clear();
-        let taken = (&mut self.input).take(length).read_to_end(&mut self.buffer);
-        match taken {
-            Ok(n) if n as u64 == length => Ok(Some((opcode, 0..n))),
-            Ok(_) => Err(cut_off(&std::io::ErrorKind::UnexpectedEof.into())),
-            Err(error) => Err(cut_off(&error)),
-        }
+/// How long a name is.
+fn name(text: &str) -> Result<usize, String> {
+    match text.len() {
+        length if length > NAME => Err(format!("a name of {length} bytes; the file is damaged")),
+        length => Ok(length),
     }
+}
 
-    /// The closing magic, and whatever follows it.
-    fn finish(&mut self) -> Result<(), String> {
-        let mut magic = [0; 8];
-        self.input.read_exact(&mut magic).map_err(|e| cut_off(&e))?;
-        if &magic != MAGIC {
-            return Err("no closing mark; the file is damaged".into());
-        }
-        self.ended = true;
-        // The hash is of the whole file.
-        std::io::copy(&mut self.input, &mut std::io::sink())
-            .map(|_| ())
-            .map_err(|error| cut_off(&error))
-    }
+/// Unpacks chunks, each at once.
+struct Unpacker {
+    name: &'static str,
+    /// What is left of [`FREE`].
+    free: Arc<AtomicU64>,
+    /// The records of the chunk, and how many bytes of them were given out.
+    records: Cursor<Vec<u8>>,
+}
 
-    fn schema(&mut self, content: Range<usize>) -> Result<(), String> {
-        let mut fields = Fields(&self.buffer[content]);
-        let id = fields.u16()?;
-        let name = fields.name()?;
-        let names = name.len();
-        self.schemas.insert(id, name);
-        self.keep(names)
-    }
-
-    /// Count what is kept until the end.
-    fn keep(&mut self, bytes: usize) -> Result<(), String> {
-        self.names += bytes;
-        match self.names > NAMES {
-            true => Err(format!(
-                "topics and types of more than {} MiB; the file is damaged",
-                NAMES >> 20
-            )),
-            false => Ok(()),
-        }
-    }
-
-    fn channel(&mut self, content: Range<usize>) -> Result<(), String> {
-        let mut fields = Fields(&self.buffer[content]);
-        let (id, schema) = (fields.u16()?, fields.u16()?);
-        let channel = Channel {
-            topic: fields.name()?,
-            encoding: fields.name()?,
-            schema: self.schemas.get(&schema).cloned().unwrap_or_default(),
-            own_postures: fields.has(OWN_POSTURES),
-        };
-        let names = channel.topic.len() + channel.encoding.len() + channel.schema.len();
-        self.channels.insert(id, Arc::new(channel));
-        self.keep(names)
-    }
-
-    fn open_chunk(&mut self, content: Range<usize>) -> Result<(), String> {
-        if self.in_chunk {
-            return Err("a chunk within a chunk; the file is damaged".into());
-        }
-        let mut fields = Fields(&self.buffer[content]);
-        fields.take(16)?; // first and last time
-        let size = fields.u64()?;
-        let checksum = fields.u32()?;
-        let compression = fields.name()?;
-        let length = fields.length()?;
-        let packed = fields.take(length)?;
-        let beyond = size.saturating_sub(EXPANSION.saturating_mul(packed.len() as u64));
-        if size > LARGEST || beyond > self.free {
+impl Unpacker {
+    /// Unpack a chunk, which claims to have `claimed` bytes of records.
+    fn unpack(&mut self, packed: &[u8], claimed: u64) -> McapResult<()> {
+        let refused = |claimed: u64| {
             let packed = packed.len();
-            return Err(format!(
-                "a chunk of {packed} bytes that claims to unpack to {size}; the file is damaged"
-            ));
+            let message = format!("a chunk of {packed} bytes that claims to unpack to {claimed}");
+            McapError::DecompressionError(message)
+        };
+        let allowed = EXPANSION.saturating_mul(packed.len() as u64);
+        let free = self.free.load(Ordering::Relaxed);
+        let most = allowed.saturating_add(free);
+        if claimed > most {
+            return Err(refused(claimed));
         }
-        self.free -= beyond;
-        let records = unpack(&compression, packed, size)?;
-        if records.len() as u64 != size || (checksum != 0 && crc32(&records) != checksum) {
-            return Err("a chunk that does not match its checksum; the file is damaged".into());
+        let mut records = Vec::new();
+        let unpacked = match self.name {
+            "lz4" => lz4_flex::frame::FrameDecoder::new(packed)
+                .take(most + 1)
+                .read_to_end(&mut records),
+            _ => match ruzstd::decoding::StreamingDecoder::new(packed) {
+                Ok(decoder) => decoder.take(most + 1).read_to_end(&mut records),
+                Err(error) => Err(io::Error::other(error.to_string())),
+            },
+        };
+        let size = unpacked.map_err(|error| {
+            McapError::DecompressionError(format!("a chunk cannot be unpacked ({error})"))
+        })? as u64;
+        if size > most {
+            return Err(refused(size));
         }
-        (self.buffer, self.at, self.in_chunk) = (records, 0, true);
+        self.free
+            .store(free - size.saturating_sub(allowed), Ordering::Relaxed);
+        self.records = Cursor::new(records);
         Ok(())
     }
 }
 
-pub(super) fn crc32(bytes: &[u8]) -> u32 {
-    let mut crc = flate2::Crc::new();
-    crc.update(bytes);
-    crc.sum()
-}
+impl Decompressor for Unpacker {
+    /// The whole chunk.
+    fn next_read_size(&self) -> usize {
+        usize::MAX
+    }
 
-/// The records of a chunk; `size` bounds what they may grow to.
-pub(super) fn unpack(compression: &str, packed: &[u8], size: u64) -> Result<Vec<u8>, String> {
-    let mut records = Vec::new();
-    let done = match compression {
-        "" => {
-            records.extend(packed);
-            Ok(0)
+    fn decompress(&mut self, packed: &[u8], to: &mut [u8]) -> McapResult<DecompressResult> {
+        if !packed.is_empty() {
+            self.unpack(packed, to.len() as u64)?;
         }
-        "lz4" => lz4_flex::frame::FrameDecoder::new(packed)
-            .take(size + 1)
-            .read_to_end(&mut records),
-        "zstd" => match ruzstd::decoding::StreamingDecoder::new(packed) {
-            Ok(decoder) => decoder.take(size + 1).read_to_end(&mut records),
-            Err(error) => Err(std::io::Error::other(error.to_string())),
-        },
-        other => {
-            return Err(format!(
-                "chunks packed with `{}`; repack it with `mcap compress --compression zstd`",
-                super::super::names::short(other)
-            ));
+        Ok(DecompressResult {
+            consumed: packed.len(),
+            wrote: self.records.read(to)?,
+        })
+    }
+
+    fn reset(&mut self) -> McapResult<()> {
+        let records = std::mem::take(&mut self.records);
+        if records.position() < records.get_ref().len() as u64 {
+            let message = "a chunk that has more bytes than it claims";
+            return Err(McapError::DecompressionError(message.into()));
         }
-    };
-    match done {
-        Ok(_) => Ok(records),
-        Err(error) => Err(format!(
-            "a chunk cannot be unpacked ({error}); the file is damaged"
-        )),
+        Ok(())
+    }
+
+    fn name(&self) -> &'static str {
+        self.name
     }
 }
 
-fn cut_off(error: &std::io::Error) -> String {
+fn fault(error: McapError) -> String {
+    let what = match error {
+        McapError::UnexpectedEof => return unread(&io::ErrorKind::UnexpectedEof.into()),
+        McapError::UnsupportedCompression(name) => {
+            let name = short(&name);
+            return format!(
+                "chunks packed with `{name}`; repack it with `mcap compress --compression zstd`"
+            );
+        }
+        McapError::BadMagic => "no closing mark".to_string(),
+        McapError::RecordTooLarge { len, .. } => {
+            format!("a record of {len} bytes, more than {} MiB", LARGEST >> 20)
+        }
+        McapError::ChunkTooLarge(size) => format!("a chunk that claims to unpack to {size} bytes"),
+        McapError::BadChunkCrc { .. } => "a chunk that does not match its checksum".to_string(),
+        McapError::DecompressionError(message) => message,
+        other => other.to_string(),
+    };
+    format!("{what}; the file is damaged")
+}
+
+fn unread(error: &io::Error) -> String {
     match error.kind() {
-        std::io::ErrorKind::UnexpectedEof => {
+        io::ErrorKind::UnexpectedEof => {
             "the recording is cut off; mend it with `mcap recover`".to_string()
         }
         _ => format!("cannot be read on: {error}"),
-    }
-}
-
-/// The fields of a record, one after the other.
-struct Fields<'a>(&'a [u8]);
-
-impl<'a> Fields<'a> {
-    fn take(&mut self, count: usize) -> Result<&'a [u8], String> {
-        let (taken, rest) = self
-            .0
-            .split_at_checked(count)
-            .ok_or("a record shorter than what it claims; the file is damaged")?;
-        self.0 = rest;
-        Ok(taken)
-    }
-
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        let mut bytes = [0; N];
-        bytes.copy_from_slice(self.take(N)?);
-        Ok(bytes)
-    }
-
-    fn u8(&mut self) -> Result<u8, String> {
-        Ok(self.array::<1>()?[0])
-    }
-
-    fn u16(&mut self) -> Result<u16, String> {
-        Ok(u16::from_le_bytes(self.array()?))
-    }
-
-    fn u32(&mut self) -> Result<u32, String> {
-        Ok(u32::from_le_bytes(self.array()?))
-    }
-
-    fn u64(&mut self) -> Result<u64, String> {
-        Ok(u64::from_le_bytes(self.array()?))
-    }
-
-    /// A length that this machine can address.
-    fn length(&mut self) -> Result<usize, String> {
-        Ok(usize::try_from(self.u64()?).unwrap_or(usize::MAX))
-    }
-
-    fn name(&mut self) -> Result<String, String> {
-        let length = self.u32()? as usize;
-        if length > NAME {
-            return Err(format!("a name of {length} bytes; the file is damaged"));
-        }
-        Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
-    }
-
-    /// Whether a map of texts, which may be missing, has this entry.
-    fn has(&mut self, [key, value]: [&str; 2]) -> bool {
-        let entries = self.u32().and_then(|length| self.take(length as usize));
-        let mut entries = Fields(entries.unwrap_or_default());
-        let mut text = || {
-            let length = entries.u32().ok()?;
-            entries.take(length as usize).ok()
-        };
-        while let (Some(own), Some(said)) = (text(), text()) {
-            if own == key.as_bytes() {
-                return said == value.as_bytes();
-            }
-        }
-        false
     }
 }

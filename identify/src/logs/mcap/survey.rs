@@ -27,6 +27,11 @@ pub(super) struct Survey {
 }
 
 impl Survey {
+    /// Place of each joint among the joints.
+    pub fn places(&self) -> HashMap<String, usize> {
+        self.joints.iter().cloned().zip(0..).collect()
+    }
+
     /// Whether the robot holds still anywhere, or each joint state is a posture of its own; reads
     /// up to the end of the first such stretch.
     pub fn holds_still<R: Read>(
@@ -34,30 +39,20 @@ impl Survey {
         mut records: Records<R>,
         stillness: StillnessLimits,
     ) -> Result<bool, String> {
-        let places = self.joints.iter().map(String::as_str).zip(0..);
-        let places: HashMap<&str, usize> = places.collect();
+        let places = self.places();
         let mut q = vec![f64::NAN; self.joints.len()];
         let mut cutter: StillnessCutter<()> = StillnessCutter::new(stillness);
         while let Some(message) = records.next()? {
-            let Some(channel) = records.channel_of(&message) else {
-                continue;
-            };
+            let channel = &message.channel;
             if channel.schema != STATE {
                 continue;
             }
             if channel.own_postures {
                 return Ok(true);
             }
-            check_encoding(&channel)?;
-            let state = JointState::decode(records.data(&message))?;
-            let mut speed = 0.0_f64;
-            for (k, (name, position)) in state.name.iter().zip(&state.position).enumerate() {
-                if let Some(place) = places.get(name.trim()) {
-                    q[*place] = *position;
-                    let velocity = state.velocity.get(k).filter(|v| v.is_finite());
-                    speed = speed.max(velocity.map_or(0.0, |v| v.abs()));
-                }
-            }
+            check_encoding(channel)?;
+            let state = JointState::decode(&records.data)?;
+            let speed = state.put(&places, &mut q);
             let t = state.header.stamp.unwrap_or(message.log_time);
             if cutter.state(t, &q, speed).is_some() {
                 return Ok(true);
@@ -79,13 +74,11 @@ impl Survey {
             let Some(message) = records.next()? else {
                 break;
             };
-            let Some(channel) = records.channel_of(&message) else {
-                continue;
-            };
+            let channel = &message.channel;
             match channel.schema.as_str() {
                 STATE => {
-                    check_encoding(&channel)?;
-                    for name in JointState::decode(records.data(&message))?.name {
+                    check_encoding(channel)?;
+                    for name in JointState::decode(&records.data)?.name {
                         missing.remove(name.trim());
                         if seen.len() < MOST_JOINTS {
                             seen.insert(name.trim().to_string());

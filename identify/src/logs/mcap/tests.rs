@@ -212,6 +212,43 @@ fn stretches_of_rest_become_postures() {
     for compression in ["", "lz4", "zstd"] {
         let (block, _) = read(&recording(compression), "").unwrap();
         assert!(block == expected, "{compression}");
+        let (block, _) = read(&file(&unchecked(records(), compression)), "").unwrap();
+        assert!(block == expected, "{compression}, without a checksum");
+    }
+}
+
+/// A chunk without a checksum.
+fn unchecked(records: Vec<u8>, compression: &str) -> Vec<u8> {
+    let mut chunk = chunk(&records, compression);
+    // After opcode, length, two times and the size.
+    chunk[33..37].fill(0);
+    chunk
+}
+
+#[test]
+fn claims_of_records_and_chunks_are_held_against_their_bytes() {
+    let claim = |length: u64| [&[0x05][..], &length.to_le_bytes()].concat();
+    let mut short = unchecked(records(), "lz4");
+    short[25] = short[25].wrapping_sub(1);
+    let mut long = unchecked(records(), "lz4");
+    long[25] = long[25].wrapping_add(1);
+    for (records, word) in [
+        (
+            claim((64 << 20) + 1),
+            "a record of 67108865 bytes, more than 64 MiB",
+        ),
+        (claim(u64::MAX), "more than 64 MiB"),
+        (chunk(&claim(1 << 40), "lz4"), "more than 64 MiB"),
+        (
+            chunk(&chunk(&records(), ""), "lz4"),
+            "a chunk within a chunk",
+        ),
+        (chunk(&records(), "brotli"), "`brotli`; repack it"),
+        (short, "damaged"),
+        (long, "damaged"),
+    ] {
+        let said = read(&file(&records), "").unwrap_err().to_string();
+        assert!(said.contains(word), "{said}");
     }
 }
 

@@ -2,26 +2,25 @@
 //! any width, `support` as text. Timestamps are seconds since 1970, as those of tables.
 //!
 //! Memory: one page of each wanted column, and what files claim is held against their
-//! bytes (`budget`).
+//! bytes (`limits`).
 
-mod budget;
 mod hashing;
-mod kinds;
+mod limits;
 mod sink;
-mod thrift;
 mod values;
 
 use std::panic::{self, AssertUnwindSafe};
+use std::sync::Arc;
 
 use parquet::basic::Type as Physical;
-use parquet::column::reader::ColumnReader;
+use parquet::column::reader::{ColumnReader, get_column_reader};
 use parquet::data_type::ByteArray;
 use parquet::errors::ParquetError;
-use parquet::file::reader::FileReader;
-use parquet::file::serialized_reader::SerializedFileReader;
+use parquet::file::metadata::ParquetMetaData;
+use parquet::schema::types::ColumnDescPtr;
 
-use self::budget::Footer;
 use self::hashing::Hashing;
+use self::limits::Input;
 pub(super) use self::sink::ParquetSink;
 use self::values::{is_flat, is_number, read, read_numbers, spread, unit};
 use super::columns::{Columns, POSE, SUPPORT};
@@ -37,8 +36,8 @@ const MANY: u64 = 30_000;
 pub(super) struct ParquetSource {
     file: String,
     place: Place,
-    footer: Footer,
-    reader: Box<dyn FileReader>,
+    input: Input,
+    footer: ParquetMetaData,
     header: Vec<String>,
     /// Row groups that were opened.
     groups: usize,
@@ -60,25 +59,14 @@ pub(super) struct ParquetSource {
 impl ParquetSource {
     /// Read the columns' names; `file` names the log in messages.
     pub fn open(place: &Place, file: &str) -> Result<ParquetSource, Error> {
-        let failed = |source| Error::read(file.to_string(), source);
-        let mut input = Bytes::open(place).map_err(failed)?;
-        let budget = |message: String| -> Error {
-            let message = format!("the Parquet file is damaged or was made to do harm: {message}");
-            Error::log(file.to_string(), None, message)
+        let input = Bytes::open(place).map_err(|source| Error::read(file.to_string(), source))?;
+        let input = match input {
+            Bytes::File(file) => Input::File(Arc::new(file)),
+            Bytes::Memory(bytes) => Input::Memory(bytes::Bytes::from_owner(bytes.into_inner())),
+            Bytes::Stream(_) => return Err(Error::log(file.to_string(), None, "a stream")),
         };
-        let footer = Footer::read(&mut input).map_err(budget)?;
-        let reader = guarded(|| -> Result<Box<dyn FileReader>, _> {
-            Ok(match input {
-                Bytes::File(file) => Box::new(SerializedFileReader::new(file)?),
-                Bytes::Memory(bytes) => {
-                    let bytes = bytes::Bytes::from_owner(bytes.into_inner());
-                    Box::new(SerializedFileReader::new(bytes)?)
-                }
-                Bytes::Stream(_) => return Err(ParquetError::General("a stream".to_string())),
-            })
-        })
-        .map_err(|error| damaged(file, None, &error))?;
-        let about = reader.metadata().file_metadata();
+        let footer = guarded(|| input.footer()).map_err(|error| damaged(file, None, &error))?;
+        let about = footer.file_metadata();
         let header: Vec<String> = about
             .schema_descr()
             .columns()
@@ -89,15 +77,15 @@ impl ParquetSource {
                 name => name.trim().to_string(),
             })
             .collect();
-        let rows = reader.metadata().row_groups().iter();
+        let rows = footer.row_groups().iter();
         let total = rows
             .map(|group| u64::try_from(group.num_rows()).unwrap_or(0))
             .fold(0u64, u64::saturating_add);
         Ok(ParquetSource {
             file: file.to_string(),
             place: place.clone(),
+            input,
             footer,
-            reader,
             header,
             groups: 0,
             open: Vec::new(),
@@ -114,19 +102,22 @@ impl ParquetSource {
     /// Open the wanted columns of the next group; false after the last.
     fn next_group(&mut self, columns: &Columns) -> Result<bool, Error> {
         let at = Some(self.done + 1);
-        if self.groups == self.reader.num_row_groups() {
+        let Some(group) = self.footer.row_groups().get(self.groups) else {
             return Ok(false);
-        }
+        };
         let open = guarded(|| {
-            let group = self.reader.get_row_group(self.groups)?;
+            let rows = usize::try_from(group.num_rows())?;
             let wanted = columns.numbers.iter().copied();
             let wanted = wanted.chain(columns.pose).chain(columns.support);
-            let open: Result<Vec<_>, _> = wanted.map(|k| group.get_column_reader(k)).collect();
-            Ok((group.metadata().num_rows(), open?))
+            let open = wanted.map(|k| {
+                let pages = self.input.pages(group.column(k), rows)?;
+                Ok(get_column_reader(self.column(k), pages))
+            });
+            Ok((rows as u64, open.collect::<Result<Vec<_>, ParquetError>>()?))
         });
         let (rows, open) = open.map_err(|error| damaged(&self.file, at, &error))?;
         self.open = open;
-        self.left = u64::try_from(rows).map_err(|_| self.bad(format!("{rows} rows in a group")))?;
+        self.left = rows;
         self.groups += 1;
         Ok(true)
     }
@@ -137,20 +128,19 @@ impl ParquetSource {
 
     /// Check once that every wanted column holds what it should.
     fn check_types(&self, columns: &Columns) -> Result<(), Error> {
-        let schema = self.reader.metadata().file_metadata().schema_descr();
         let named = columns.numbers.iter().copied().zip(&columns.names);
         for (k, name) in named {
-            if !is_number(&schema.column(k)) {
+            if !is_number(&self.column(k)) {
                 return Err(self.bad(format!(
                     "column `{name}` holds no plain numbers; store float64, float32, integers or timestamps"
                 )));
             }
         }
-        if columns.pose.is_some_and(|k| !is_number(&schema.column(k))) {
+        if columns.pose.is_some_and(|k| !is_number(&self.column(k))) {
             return Err(self.bad(format!("column `{POSE}` holds no whole numbers")));
         }
         if columns.support.is_some_and(|k| {
-            let column = schema.column(k);
+            let column = self.column(k);
             !is_flat(&column) || column.physical_type() != Physical::BYTE_ARRAY
         }) {
             return Err(self.bad(format!("column `{SUPPORT}` holds no text")));
@@ -158,27 +148,8 @@ impl ParquetSource {
         Ok(())
     }
 
-    /// The factor of a column's numbers: times are seconds.
-    fn unit(&self, column: usize) -> f64 {
-        let schema = self.reader.metadata().file_metadata().schema_descr();
-        unit(&schema.column(column)).unwrap_or(1.0)
-    }
-
-    /// Hold what the pages of wanted columns claim against their bytes.
-    fn check_pages(&self, columns: &Columns) -> Result<(), Error> {
-        let mut input =
-            Bytes::open(&self.place).map_err(|source| Error::read(self.file.clone(), source))?;
-        let wanted = |k: usize| {
-            columns.numbers.contains(&k) || columns.pose == Some(k) || columns.support == Some(k)
-        };
-        let checked = self
-            .footer
-            .check_pages(&mut input, self.header.len(), wanted);
-        checked.map_err(|message| {
-            self.bad(format!(
-                "the Parquet file is damaged or was made to do harm: {message}"
-            ))
-        })
+    fn column(&self, k: usize) -> ColumnDescPtr {
+        self.footer.file_metadata().schema_descr().column(k)
     }
 
     /// Read `n` rows that the open group still has.
@@ -192,7 +163,7 @@ impl ParquetSource {
                 let place = raw.numbers[start..].iter_mut().skip(k).step_by(width);
                 let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
                 self.complete(values.len(), n)?;
-                let factor = self.unit(columns.numbers[k]);
+                let factor = unit(&self.column(columns.numbers[k])).unwrap_or(1.0);
                 place
                     .zip(values)
                     .for_each(|(to, value)| *to = value * factor);
@@ -242,14 +213,15 @@ impl ParquetSource {
         let count = usize::try_from(n).unwrap_or(usize::MAX);
         for reader in &mut open {
             let passed = guarded(|| match reader {
-                ColumnReader::BoolColumnReader(reader) => reader.skip_records(count),
                 ColumnReader::Int32ColumnReader(reader) => reader.skip_records(count),
                 ColumnReader::Int64ColumnReader(reader) => reader.skip_records(count),
                 ColumnReader::Int96ColumnReader(reader) => reader.skip_records(count),
                 ColumnReader::FloatColumnReader(reader) => reader.skip_records(count),
                 ColumnReader::DoubleColumnReader(reader) => reader.skip_records(count),
                 ColumnReader::ByteArrayColumnReader(reader) => reader.skip_records(count),
-                ColumnReader::FixedLenByteArrayColumnReader(reader) => reader.skip_records(count),
+                // Of no column that a log has.
+                ColumnReader::BoolColumnReader(_)
+                | ColumnReader::FixedLenByteArrayColumnReader(_) => Ok(count),
             });
             self.complete(passed.map_err(|e| self.broken(&e))?, count)?;
         }
@@ -279,7 +251,6 @@ impl RowSource for ParquetSource {
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
         if self.groups == 0 {
             self.check_types(columns)?;
-            self.check_pages(columns)?;
         }
         let mut missing = count;
         while missing > 0 {
@@ -344,7 +315,9 @@ fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
     } else if said.contains("compile time") {
         format!("packed in a way that cannot be read ({said}); write it with snappy").into()
     } else {
-        format!("the Parquet file is cut off or damaged ({said}); copy it again").into()
+        let said = said.trim_start_matches("Parquet error: ");
+        format!("the Parquet file is cut off, damaged or made to do harm ({said}); copy it again")
+            .into()
     };
     Error::log(file.to_string(), line, message)
 }

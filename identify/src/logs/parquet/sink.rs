@@ -16,9 +16,9 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use crate::Error;
+use crate::files::{self, NewFile};
 use crate::logs::columns::{POSE, SUPPORT};
-use crate::logs::row::{Row, Written, numbers};
-use sesc_model::files::{self, NewFile};
+use crate::logs::writer::{Row, Written, numbers};
 
 /// Rows of a group.
 const GROUP: usize = 65_536;

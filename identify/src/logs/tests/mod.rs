@@ -80,6 +80,29 @@ pub(in crate::logs) fn gzip(bytes: &[u8]) -> Vec<u8> {
     packed.finish().unwrap()
 }
 
+/// As pyarrow writes a table with a batch of no rows, one without any, and an encrypted one.
+#[cfg(feature = "parquet")]
+#[test]
+fn groups_of_no_rows_are_passed_over() {
+    let joints = dofs(&["ankle", "roll", "waist", "shoulder"]);
+    let read = |bytes: &[u8]| {
+        let (_folder, path) = log("log.parquet", bytes, "");
+        read_file(&path, &joints, &Options::default())
+    };
+    let (block, _) = read(include_bytes!("files/group_of_no_rows.parquet")).unwrap();
+    assert_eq!((block.len(), block.reading.unwrap().len()), (40, 40));
+    let encrypted: [&[u8]; 2] = [include_bytes!("files/encrypted.parquet"), b"PARE....PARE"];
+    let empty: &[u8] = include_bytes!("files/empty.parquet");
+    for (bytes, words) in [
+        (empty, "no postures below the header"),
+        (encrypted[0], "encrypted; decrypt it first"),
+        (encrypted[1], "encrypted; decrypt it first"),
+    ] {
+        let said = read(bytes).unwrap_err().to_string();
+        assert!(said.contains(words), "{said}");
+    }
+}
+
 #[test]
 fn every_spelling_of_a_table_reads_the_same() {
     let plain = "pose,knee,hip,cop_x,cop_y\n3,0.5,-1,0.01,0.02\n3,0.5,-1,0.02,0.03\n";

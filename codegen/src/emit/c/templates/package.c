@@ -40,6 +40,13 @@ static void {{ function.block.signature }}
 {{ "    " if line }}{{ line }}
 {%- endfor %}
 }
+{% endif %}{%- if function.core %}
+{{ name }}_SHARED void {{ name }}_{{ function.name }}_core({{ function.core.parameters }})
+{
+{%- for line in function.core.body %}
+{{ "    " if line }}{{ line }}
+{%- endfor %}
+}
 {% endif %}
 void {{ name }}_{{ function.name }}({{ function.definition }})
 {

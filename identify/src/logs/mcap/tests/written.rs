@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::super::encode::VECTOR;
-use super::super::write::written;
+use super::super::write::{VECTOR, written};
 use super::super::{POINT, STATE};
 use super::*;
 use crate::logs::recording::{Recording, Track, TrackKind};
@@ -77,89 +76,37 @@ fn postures_and_readings_come_back_to_the_last_digit() {
     }
 }
 
-/// Records of the file itself, those of chunks not among them: opcode, place and content.
-fn outer(bytes: &[u8]) -> Vec<(u8, usize, &[u8])> {
-    let (mut at, mut found) = (8, Vec::new());
-    while at < bytes.len() - 8 {
-        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
-        found.push((bytes[at], at, &bytes[at + 9..at + 9 + length]));
-        at += 9 + length;
-    }
-    found
-}
-
-fn u64_at(bytes: &[u8], at: usize) -> u64 {
-    u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap())
-}
-
-/// What viewers jump by leads to what the standard says is there.
+/// What viewers jump by says what is there.
 #[test]
 fn the_summary_leads_to_every_chunk_and_message() {
     let (recording, stamps) = recording(6_000);
     let bytes = written(&recording, &stamps, Vec::new(), |_| true).unwrap();
-    let records = outer(&bytes);
-    let of = |opcode: u8| -> Vec<&[u8]> {
-        let own = records.iter().filter(|record| record.0 == opcode);
-        own.map(|record| record.2).collect()
-    };
-    let (chunks, indexes) = (of(0x06), of(0x08));
-    assert!(chunks.len() > 1 && chunks.len() == indexes.len());
-    let mut messages = 0;
-    for (chunk, about) in chunks.iter().zip(indexes) {
-        let start = u64_at(about, 16) as usize;
-        assert_eq!(
-            (bytes[start], u64_at(about, 24)),
-            (0x06, chunk.len() as u64 + 9)
-        );
-        assert_eq!(about[..16], chunk[..16]);
-        // Behind the compression's name: four letters are three.
-        let packed = &chunk[28 + 4 + 3 + 8..];
-        let unpacked = super::super::records::unpack("lz4", packed, u64_at(chunk, 16)).unwrap();
-        // Four topics, 10 bytes each.
-        assert_eq!(u32::from_le_bytes(about[32..36].try_into().unwrap()), 40);
-        for entry in about[36..76].chunks(10) {
-            let at = u64_at(entry, 2) as usize;
-            assert_eq!((bytes[at], &bytes[at + 9..at + 11]), (0x07, &entry[..2]));
-            let length = u32::from_le_bytes(bytes[at + 11..at + 15].try_into().unwrap()) as usize;
-            for message in bytes[at + 15..at + 15 + length].chunks(16) {
-                let own = &unpacked[u64_at(message, 8) as usize..];
-                assert_eq!((own[0], &own[9..11]), (0x05, &entry[..2]));
-                assert_eq!(own[15..23], message[..8], "its time");
-                messages += 1;
-            }
-        }
-    }
-    assert_eq!(messages, 4 * 6_000);
-    assert_eq!(u64_at(of(0x0b)[0], 0), 4 * 6_000);
-    let (_, place, footer) = *records.last().unwrap();
-    let summary = u64_at(footer, 0) as usize;
-    assert_eq!(bytes[summary], 0x03);
-    assert_eq!(bytes[u64_at(footer, 8) as usize], 0x0e);
-    let mut crc = flate2::Crc::new();
-    crc.update(&bytes[summary..place + 25]);
-    assert_eq!(footer[16..], crc.sum().to_le_bytes());
-    for group in of(0x0e) {
-        let (from, length) = (u64_at(group, 1) as usize, u64_at(group, 9) as usize);
-        assert_eq!(bytes[from], group[0]);
-        assert!(length > 9 && from + length <= place);
-    }
+    let summary = ::mcap::Summary::read(&bytes).unwrap().unwrap();
+    let messages = |chunk| summary.stream_chunk(&bytes, chunk).unwrap().count();
+    let chunks = &summary.chunk_indexes;
+    assert!(chunks.len() > 1);
+    assert_eq!(chunks.iter().map(messages).sum::<usize>(), 4 * 6_000);
+    assert_eq!(summary.stats.unwrap().message_count, 4 * 6_000);
 }
 
 #[test]
 fn every_topic_has_its_type_and_differences_their_values() {
     let (recording, stamps) = recording(3);
     let bytes = written(&recording, &stamps, Vec::new(), |_| true).unwrap();
-    let mut records = Records::new(&bytes[..]).unwrap();
     let (mut types, mut differences) = (BTreeMap::new(), Vec::new());
-    while let Some(message) = records.next().unwrap() {
-        let channel = records.channel_of(&message).unwrap();
-        if channel.schema == VECTOR {
+    for message in ::mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let schema = message.channel.schema.clone().unwrap();
+        // A type explains the types that it is made of.
+        let text = std::str::from_utf8(&schema.data).unwrap();
+        assert!(text.contains("MSG: std_msgs/Header") && text.contains("MSG: builtin_interfaces"));
+        if schema.name == VECTOR {
             // Laid out as a point.
-            let (header, [x, y, z]) = cdr::point(records.data(&message)).unwrap();
+            let (header, [x, y, z]) = cdr::point(&message.data).unwrap();
             assert_eq!((&*header.frame, z), ("sole", 0.0));
             differences.push([x, y]);
         }
-        types.insert(channel.topic.clone(), channel.schema.clone());
+        types.insert(message.channel.topic.clone(), schema.name.clone());
     }
     let expected = [
         ("/cop/cad", POINT),

@@ -1,0 +1,3 @@
+#![no_main]
+
+sesc_fuzz::target!(sesc_fuzz::arrow::arrow);
