@@ -43,7 +43,14 @@ fn checked(case: &Case, source: String) -> String {
 /// `case` in fixed point, stopped by what overflows.
 pub fn trapping(folder: &Path, case: &Case) -> Compiled {
     let change = |source| checked(case, source);
-    Compiled::build(folder, case, Scalar::Fixed32, COMPILERS[COMPILERS.len() - 1], &TRAPS, change)
+    Compiled::build(
+        folder,
+        case,
+        Scalar::Fixed32,
+        COMPILERS[COMPILERS.len() - 1],
+        &TRAPS,
+        change,
+    )
 }
 
 /// A chain of joints of alternating axes, links `length` long, limits ±`limit`.
