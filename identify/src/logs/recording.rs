@@ -8,7 +8,7 @@
 
 use std::path::Path;
 
-use sesc_model::files::NewFile;
+use crate::files::NewFile;
 
 use crate::{Error, Watch};
 

@@ -43,7 +43,14 @@ fn checked(case: &Case, source: String) -> String {
 /// `case` in fixed point, stopped by what overflows.
 pub fn trapping(folder: &Path, case: &Case) -> Compiled {
     let change = |source| checked(case, source);
-    Compiled::build(folder, case, Scalar::Fixed32, COMPILERS[0], &TRAPS, change)
+    Compiled::build(
+        folder,
+        case,
+        Scalar::Fixed32,
+        COMPILERS[COMPILERS.len() - 1],
+        &TRAPS,
+        change,
+    )
 }
 
 /// A chain of joints of alternating axes, links `length` long, limits ±`limit`.
@@ -225,13 +232,14 @@ fn in_floats(folder: &Path, case: &Case, scalar: Scalar) {
     }
 }
 
-/// Five hundred joints in one chain: the CoM alone, in all its variants.
+/// Hundreds of joints in one chain: the CoM alone, in all its variants. gcc takes minutes for five
+/// hundred, clang seconds.
 #[test]
-fn a_chain_of_five_hundred_joints_stays_inside() {
+fn a_chain_of_hundreds_of_joints_stays_inside() {
     let folder = folder("long");
     let chain = Chain {
         name: "long",
-        joints: 500,
+        joints: if COMPILERS.len() == 1 { 150 } else { 500 },
         length: 0.01,
         kind: REVOLUTE,
         lower: -1.0,

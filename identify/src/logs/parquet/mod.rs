@@ -315,6 +315,7 @@ fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
     } else if said.contains("compile time") {
         format!("packed in a way that cannot be read ({said}); write it with snappy").into()
     } else {
+        let said = said.trim_start_matches("External: ");
         let said = said.trim_start_matches("Parquet error: ");
         format!("the Parquet file is cut off, damaged or made to do harm ({said}); copy it again")
             .into()
