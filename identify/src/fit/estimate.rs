@@ -222,7 +222,7 @@ pub(super) fn identify_within(
             Some(range) => format!("±{:.0}° within the joint limits", range.to_degrees()),
             None => "the joint limits".to_string(),
         },
-        com_height_constant: height(model, &parameters),
+        com_height_constant: height(&model.base.params, &parameters),
         bodies: bodies(model, &estimate, &cad, &std),
         correlations: correlations(model, &estimate.covariance),
         parameters,

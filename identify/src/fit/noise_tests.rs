@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
 use sesc_model::Snapping;
 
-use super::gather::Gathered;
+use super::gather::{Folding, Gathered};
 use super::prior::Prior;
 use super::{Identification, Settings, identify};
 use crate::logs::Block;

@@ -3,7 +3,7 @@
 use super::criteria::CORRELATED;
 use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
-use sesc_model::base::Column;
+use sesc_model::base::{BaseParam, Column};
 
 use super::gather::{Fold, Gathered};
 use super::identification::{BodyLength, Correlation, HeightConstant, ParameterFound, Unseen};
@@ -131,9 +131,9 @@ pub(super) fn parameters(
 
 /// r_0 along z, which flat readings of one foot never tell. Regrouping keeps it: it drops columns
 /// that come after those which make them up.
-pub(super) fn height(model: &Model, parameters: &[ParameterFound]) -> HeightConstant {
+pub(super) fn height(base: &[BaseParam], parameters: &[ParameterFound]) -> HeightConstant {
     let r_0z = Column::Axis { body: 0, axis: 2 };
-    let all = model.base.params.iter().zip(parameters);
+    let all = base.iter().zip(parameters);
     let found = all.into_iter().find(|(param, _)| param.column == r_0z);
     let (_, found) = found.expect("r_0 along z is a base parameter of every robot");
     HeightConstant {
@@ -274,30 +274,28 @@ mod tests {
         let urdf = "<robot name='r'><link name='a.b'><inertial><origin xyz='1 2 3'/>\
                     <mass value='1'/></inertial></link></robot>";
         let robot = Robot::parse(urdf, "r.urdf").unwrap();
-        let model = robot.model("a.b", Snapping::default(), None);
-        let mut model = Model::clone(&model.unwrap());
-        let found = |model: &Model| {
-            let all = model.base.params.iter().map(|param| ParameterFound {
+        let model = robot.model("a.b", Snapping::default(), None).unwrap();
+        let mut params = model.base.params.clone();
+        let found = |params: &[BaseParam]| {
+            let all = params.iter().map(|param| ParameterFound {
                 name: param.name.clone(),
                 value: param.cad,
                 std: None,
                 cad: param.cad,
                 source: "cad",
             });
-            height(model, &all.collect::<Vec<_>>())
+            height(params, &all.collect::<Vec<_>>())
         };
         assert_eq!(
-            (found(&model).name.as_str(), found(&model).value),
+            (found(&params).name.as_str(), found(&params).value),
             ("a.b.z", 3.0)
         );
         // Another parameter is then third, or last.
         for order in [[2, 0, 1], [0, 2, 1]] {
-            let params = order.map(|k: usize| model.base.params[k].clone());
-            let mut other = model.clone();
-            other.base.params = params.to_vec();
+            let other = order.map(|k: usize| params[k].clone());
             assert_eq!(found(&other).name, "a.b.z", "{order:?}");
         }
-        model.base.params.remove(0);
-        assert_eq!(found(&model).name, "a.b.z");
+        params.remove(0);
+        assert_eq!(found(&params).name, "a.b.z");
     }
 }
