@@ -21,11 +21,14 @@ pub struct Schemas {
     pub definitions: serde_json::Map<String, serde_json::Value>,
 }
 
+/// Adds the schema of a type to those that are referred to.
+type SchemaOf = fn(&mut SchemaGenerator) -> Schema;
+
 /// The schemas of all commands, in the order in which `sesc --help` lists these.
 pub fn all() -> Schemas {
     let settings = SchemaSettings::draft2020_12().for_serialize();
     let mut generator = settings.into_generator();
-    let all: [(_, _, fn(&mut SchemaGenerator) -> Schema); 15] = [
+    let all: [(_, _, SchemaOf); 15] = [
         ("errors", "", Failure::json_schema),
         ("demo", "", demo::Answer::json_schema),
         ("inspect", "", WithSteps::<Inspection>::json_schema),

@@ -348,10 +348,12 @@ mod tests {
             let text = "pose,hip,cop_x,cop_y\n".to_string() + &rows(f64::from(is_odd) * 1e-3);
             Ok(io::Cursor::new(text).chain(io::empty()))
         });
-        let mut request = Request::default();
-        request.robot = Some(Arc::new(Robot::parse(ROD, "rod.urdf").unwrap()));
-        request.logs = vec![stream];
-        request.support = Some("foot".into());
+        let request = Request {
+            robot: Some(Arc::new(Robot::parse(ROD, "rod.urdf").unwrap())),
+            logs: vec![stream],
+            support: Some("foot".into()),
+            ..Request::default()
+        };
         let error = gather(&request, &mut ()).err();
         (
             opened.load(Ordering::Relaxed),
