@@ -101,7 +101,7 @@ const LINES: &[&str] = &[
     "sesc fit op2.urdf --data knee.csv --out model.toml --robust huber",
     "sesc fit op2.urdf --data knee.csv --physical --urdf corrected.urdf --report fit.html",
     "sesc fit op2.urdf --data moving.csv",
-    "awk -F, -v OFS=, 'NR == 1 {for (i = 1; i <= NF; i++) if ($i ~ /^cop/) cop[i]} \
+    "awk -F, -v OFS=, 'NR == 1 {for (i = 1; i <= NF; i++) if ($i ~ /^cop_[xy]$/) cop[i]} \
      NR > 1 {for (i in cop) $i = 0} 1' knee.csv > dead.csv; cp knee.csv.toml dead.csv.toml",
     "sesc fit op2.urdf --data dead.csv",
     "sesc diagnose op2.urdf --data dead.csv",
