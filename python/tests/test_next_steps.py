@@ -56,7 +56,7 @@ def test_calls_of_next_steps_run(op2: sesc.Robot, tmp_path: Path, monkeypatch: p
         sesc.simulate(model, 60, range=0.5, noise=3e-4, seed=4, hide=hide).save(f"{name}.csv")
     fitted = sesc.fit(op2, "clean.csv")
     fitted.save("model.toml")
-    results = [
+    results: list[tuple[str, Any]] = [
         ("clean.csv", model),
         ("clean.csv", fitted),
         ("knee.csv", sesc.fit(op2, "knee.csv", prior="tight")),

@@ -383,7 +383,8 @@ fn walk(folder: &Path, rest: &[Pattern], found: &mut Vec<PathBuf>) -> io::Result
             continue;
         }
         if !is_deep && after.is_empty() {
-            if path.is_file() {
+            // A pipe or a device becomes a row that says so.
+            if !path.is_dir() {
                 found.push(PathBuf::from(path.to_string_lossy().into_owned()));
             }
         } else if path.is_dir() && !(is_deep && entry.file_type()?.is_symlink()) {
