@@ -92,9 +92,9 @@ struct Survey {
 pub enum Wanted {
     /// Nothing: for predictions.
     Alone,
-    /// How accelerations change, [`Motion::jerks`] and [`Motion::snaps`]: for joints that are late.
+    /// How accelerations change, jerks and snaps: for joints that are late.
     Changes,
-    /// [`Motion::smooth`]: for rows of a regressor.
+    /// Smoothed positions: for rows of a regressor.
     Smooth,
     /// Both.
     All,
