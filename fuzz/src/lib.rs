@@ -1,7 +1,7 @@
 //! Whatever the bytes, an answer or an error: never a panic, a hang, or a number that is none.
 //!
 //! A function for each target, called with what libFuzzer made up; each states what must hold
-//! besides. `fuzz/run` builds and runs them, `docs/fuzzing.md` says for how long they ran.
+//! besides. `fuzz/run` builds and runs them, `docs/dev/quality.md` says what came of them.
 
 pub mod arrow;
 pub mod files;

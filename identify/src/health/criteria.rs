@@ -1,4 +1,4 @@
-//! From which size on something is wrong, in one place, with reasons; `cargo xtask study-health`
+//! From which size on something is wrong, in one place, with reasons; `cargo xtask study health`
 //! counts what comes of all of these numbers together.
 
 /// A deviation where none is known yet, m. Chosen: 1 mm is large for a force plate and small
