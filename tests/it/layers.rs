@@ -15,14 +15,14 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const ROOMS: [(&str, &str); 5] = [
     (
         "model",
-        "text spelling hash stamp urdf error files snap names tree chain frames numeric \
+        "text spelling hash files urdf error snap names tree chain frames numeric \
          base robot standard inertia expr program bounds wide tape interface functions \
          measurement effects model",
     ),
     ("codegen", "error routines facts emit sources builder"),
     (
         "identify",
-        "words next_steps error watch threads svd logs robot stance poses hide evaluate \
+        "words next_steps error watch files threads svd logs xacro robot stance poses hide evaluate \
          tolerances observations feet simulate predict health lsq fit plan skeleton \
          diagnose compare fleet",
     ),

@@ -42,7 +42,7 @@ fn ask(case: &Kept, seeds: std::ops::Range<u64>) -> Vec<Said> {
 
 /// Share of the intervals that hold, and the median of what rows are worth.
 fn summed(said: &[Said]) -> (f64, f64) {
-    let [all, hold] = [0, 1].map(|k| {
+    let [hold, all] = [0, 1].map(|k| {
         let of = |s: &Said| [s.intervals.0, s.intervals.1][k] as f64;
         said.iter().map(of).sum::<f64>()
     });

@@ -13,7 +13,7 @@ use twox_hash::XxHash64;
 
 use super::block::Block;
 use super::sidecar::Sidecar;
-use super::table::Table;
+use super::table::{Shared, Table};
 use crate::{Error, Message};
 
 /// A posture log that can be opened, as often as needed.
@@ -380,33 +380,6 @@ pub type Screening = Box<dyn FnMut(&mut Block) + Send>;
 pub trait Screen: fmt::Debug + Send + Sync {
     /// Begin a reading of the log.
     fn start(&self) -> Screening;
-}
-
-/// Values that somebody else owns, without a copy: a vector, an array of another language.
-pub(super) struct Shared<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
-
-impl<T> Shared<T> {
-    pub fn new(values: impl AsRef<[T]> + Send + Sync + 'static) -> Shared<T> {
-        Shared(Arc::new(values))
-    }
-}
-
-impl<T> AsRef<[T]> for Shared<T> {
-    fn as_ref(&self) -> &[T] {
-        (*self.0).as_ref()
-    }
-}
-
-impl<T> Clone for Shared<T> {
-    fn clone(&self) -> Shared<T> {
-        Shared(self.0.clone())
-    }
-}
-
-impl<T> fmt::Debug for Shared<T> {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{} values", self.as_ref().len())
-    }
 }
 
 type Open = dyn Fn() -> io::Result<Box<dyn Read + Send>> + Send + Sync;

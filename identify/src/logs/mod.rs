@@ -48,7 +48,7 @@ pub use block::{Block, Cells};
 pub(crate) use bounds::LEAST_LOAD_N;
 #[doc(hidden)]
 pub use columns::columns_text;
-pub use columns::{COLUMNS, Column, Need};
+pub use columns::{COLUMNS, Column, Need, Row, Written};
 #[doc(hidden)]
 pub use contacts::Soles;
 pub(crate) use csv::delimiter;
@@ -65,4 +65,4 @@ pub use recording::{Recording, Track, TrackKind};
 pub use sidecar::KEYS as SIDECAR_KEYS;
 pub use sidecar::{Angles, Sidecar};
 pub use table::{Table, Values};
-pub use writer::{PREDICTED, PostureWriter, PredictionWriter, Row, Written};
+pub use writer::{PREDICTED, PostureWriter, PredictionWriter};

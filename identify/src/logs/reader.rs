@@ -12,12 +12,13 @@ use super::block::Block;
 use super::columns::Columns;
 use super::contacts::Standing;
 use super::csv::CsvSource;
-use super::input::{Bytes, LogSource, Metered, Place, Screening, Shared};
+use super::input::{Bytes, LogSource, Metered, Place, Screening};
 use super::options::{Options, Stays, StillnessLimits};
 use super::settle::Settling;
 use super::sidecar::{Angles, Sidecar};
 use super::source::{Raw, RowSource};
 use super::suspect::Suspicions;
+use super::table::Shared;
 use super::table::TableSource;
 use crate::{Error, Message};
 

@@ -6,11 +6,7 @@
 //!
 //! Stamps are whole nanoseconds from 0 to 2^31 s. Times that reach beyond begin at zero.
 
-use std::path::Path;
-
-use crate::files::NewFile;
-
-use crate::{Error, Watch};
+use crate::Error;
 
 /// Stamps of ROS 2 count seconds in a signed number of 32 bits.
 const LARGEST_S: f64 = 2_147_483_648.0;
@@ -53,42 +49,12 @@ pub enum TrackKind {
     Difference,
 }
 
-/// What begins a file with a recording, whose postures have these stamps, ns.
-type Begin = fn(&Recording, &[u64], &Path, &mut dyn Watch) -> Result<NewFile, Error>;
-
-#[cfg(feature = "mcap")]
-fn writer(_: &Path) -> Result<Begin, Error> {
-    Ok(super::mcap::begun)
-}
-
-#[cfg(not(feature = "mcap"))]
-fn writer(path: &Path) -> Result<Begin, Error> {
-    Err(Error::without("mcap", "MCAP", &path.display().to_string()))
-}
-
 impl Recording {
-    /// Whether this build can write one.
-    ///
-    /// # Errors
-    /// Where the format is left out, naming the file that was asked for.
-    pub fn check_format(path: &Path) -> Result<(), Error> {
-        writer(path).map(drop)
-    }
-
-    /// The recording as a file, not yet in its place.
-    ///
-    /// # Errors
-    /// Times that stamps do not hold, a file that cannot be written,
-    /// [`check_format`](Self::check_format), and the kind `Interrupted` where `watch` stops it.
-    pub fn begun(&self, path: &Path, watch: &mut dyn Watch) -> Result<NewFile, Error> {
-        writer(path)?(self, &self.stamps()?, path, watch)
-    }
-
     /// Stamp of each posture, ns.
     ///
     /// # Errors
     /// Times that stamps do not hold.
-    fn stamps(&self) -> Result<Vec<u64>, Error> {
+    pub(super) fn stamps(&self) -> Result<Vec<u64>, Error> {
         let Some(t) = &self.t else {
             let n = self.tracks.first().map_or(0, |track| track.xy.len());
             return Ok((0..n as u64).map(|k| k * 1_000_000_000).collect());

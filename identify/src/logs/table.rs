@@ -1,12 +1,12 @@
 //! Logs that are in memory already: one slice per column.
 
+use std::fmt;
 use std::hash::Hasher as _;
 use std::sync::{Arc, OnceLock};
 
 use twox_hash::XxHash64;
 
 use super::columns::{Columns, SUPPORT};
-use super::input::Shared;
 use super::source::{Raw, RowSource, whole};
 use crate::Error;
 
@@ -272,4 +272,31 @@ impl RowSource for TableSource {
 
 fn fault(table: &Table, message: String) -> Error {
     Error::log(table.name.clone(), None, message)
+}
+
+/// Values that somebody else owns, without a copy: a vector, an array of another language.
+pub(super) struct Shared<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
+
+impl<T> Shared<T> {
+    pub fn new(values: impl AsRef<[T]> + Send + Sync + 'static) -> Shared<T> {
+        Shared(Arc::new(values))
+    }
+}
+
+impl<T> AsRef<[T]> for Shared<T> {
+    fn as_ref(&self) -> &[T] {
+        (*self.0).as_ref()
+    }
+}
+
+impl<T> Clone for Shared<T> {
+    fn clone(&self) -> Shared<T> {
+        Shared(self.0.clone())
+    }
+}
+
+impl<T> fmt::Debug for Shared<T> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} values", self.as_ref().len())
+    }
 }

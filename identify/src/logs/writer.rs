@@ -1,4 +1,4 @@
-//! Writing logs: the one place where the order of their columns is set.
+//! Writing logs and recordings: the one place where the order of their columns is set.
 //!
 //! The end of the file's name tells the format: `.csv`, `.csv.gz` or
 //! `.parquet`. Log and sidecar appear whole or not at all.
@@ -8,47 +8,11 @@ use std::path::{Path, PathBuf};
 
 use sesc_model::tree::Dof;
 
-use super::columns::{COP, COP_STD, POSE, SUPPORT, T, check_joints};
+use super::columns::{COP, COP_STD, POSE, Row, SUPPORT, T, Written, check_joints, numbers};
+use super::recording::Recording;
 use super::sidecar::Sidecar;
-use crate::Error;
 use crate::files::{self, NewFile};
-
-/// The columns of a log besides the joints.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Written {
-    /// `t`
-    pub t: bool,
-    /// `support`
-    pub support: bool,
-    /// `cop_x`, `cop_y`
-    pub cop: bool,
-    /// `cop_x_std`, `cop_y_std`
-    pub cop_std: bool,
-}
-
-/// One row; what the log has no column for is not looked at.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Row<'a> {
-    /// Rows that share it are repeated readings.
-    pub pose: i64,
-    /// s
-    pub t: f64,
-    /// Link on the ground.
-    pub support: &'a str,
-    /// rad or m, in the order of the robot's joints
-    pub q: &'a [f64],
-    /// m, support frame
-    pub cop: [f64; 2],
-    /// Standard deviation of a single reading, m.
-    pub cop_std: [f64; 2],
-}
-
-/// Joint values and readings of a row, in the order of their columns.
-pub(super) fn numbers<'a>(row: &'a Row, columns: Written) -> impl Iterator<Item = f64> + 'a {
-    let cop = columns.cop.then_some(row.cop).into_iter().flatten();
-    let std = columns.cop_std.then_some(row.cop_std).into_iter().flatten();
-    row.q.iter().copied().chain(cop).chain(std)
-}
+use crate::{Error, Watch};
 
 /// A log being written.
 pub struct PostureWriter {
@@ -319,6 +283,38 @@ impl PredictionWriter {
             file.finish()?;
         }
         Ok(())
+    }
+}
+
+/// What begins a file with a recording, whose postures have these stamps, ns.
+type Begin = fn(&Recording, &[u64], &Path, &mut dyn Watch) -> Result<NewFile, Error>;
+
+#[cfg(feature = "mcap")]
+fn writer(_: &Path) -> Result<Begin, Error> {
+    Ok(super::mcap::begun)
+}
+
+#[cfg(not(feature = "mcap"))]
+fn writer(path: &Path) -> Result<Begin, Error> {
+    Err(Error::without("mcap", "MCAP", &path.display().to_string()))
+}
+
+impl Recording {
+    /// Whether this build can write one.
+    ///
+    /// # Errors
+    /// Where the format is left out, naming the file that was asked for.
+    pub fn check_format(path: &Path) -> Result<(), Error> {
+        writer(path).map(drop)
+    }
+
+    /// The recording as a file, not yet in its place.
+    ///
+    /// # Errors
+    /// Times that stamps do not hold, a file that cannot be written,
+    /// [`check_format`](Self::check_format), and the kind `Interrupted` where `watch` stops it.
+    pub fn begun(&self, path: &Path, watch: &mut dyn Watch) -> Result<NewFile, Error> {
+        writer(path)?(self, &self.stamps()?, path, watch)
     }
 }
 

@@ -41,7 +41,8 @@ pub fn ask(diagnoser: &Diagnoser, trial: &Trial, folder: &Path) -> Result<Outcom
     let seconds = start.elapsed().as_secs_f64();
     let answer = Answer::read(&json).map_err(named)?;
     let mut judgement = Judgement::of(&answer, trial);
-    if !trial.aside.is_empty() {
+    // No model is written where it would not predict its log as the diagnosis states.
+    if !trial.aside.is_empty() && model.exists() {
         let postures = folder.join(format!("{stem}_aside.csv"));
         let predicted = diagnoser.predict(urdf, &model, &postures).map_err(named)?;
         judgement.aside = Some(over_noise(&predicted, trial)?);

@@ -12,26 +12,14 @@
 use serde::Serialize;
 
 use super::exported::{Exported, Input};
-use super::{Scalar, float, spelled};
+use super::float::{self, Core, Turned};
+use super::{Scalar, spelled};
 use crate::emit::c::helpers::Calls;
 use crate::emit::listing::{Line, Listing, Results};
 use crate::emit::shared::{Shared, values};
 use sesc_model::Given;
 use sesc_model::expr::{Argument, Id};
 use sesc_model::program::Program;
-
-/// A body that two functions call.
-pub(super) struct Core {
-    pub(super) shared: Shared,
-    /// Of each angle: itself, its sine and its cosine, unless it is a joint's position.
-    pub(super) turned: Vec<Option<Turned>>,
-}
-
-/// How the sine and cosine of an angle come about.
-pub(super) struct Turned {
-    pub(super) angle: String,
-    pub(super) sine_and_cosine: [String; 2],
-}
 
 /// Text of a body.
 #[derive(Debug, Clone, Serialize)]

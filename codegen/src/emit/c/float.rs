@@ -1,13 +1,26 @@
 //! Function bodies in floating point: the listing as C expressions.
 
-use super::core::{Core, Turned};
 use super::helpers::{Calls, Helper};
 use super::sines::{self, SinCos, Statement};
 use super::{Scalar, pair, spelled};
 use crate::emit::header::printable;
 use crate::emit::listing::{Line, Listing, Results, Strength};
+use crate::emit::shared::Shared;
 use sesc_model::expr::{Argument, Expr, Id};
 use sesc_model::program::{Program, Shape, operands};
+
+/// A body that two functions call.
+pub(super) struct Core {
+    pub(super) shared: Shared,
+    /// Of each angle: itself, its sine and its cosine, unless it is a joint's position.
+    pub(super) turned: Vec<Option<Turned>>,
+}
+
+/// How the sine and cosine of an angle come about.
+pub(super) struct Turned {
+    pub(super) angle: String,
+    pub(super) sine_and_cosine: [String; 2],
+}
 
 /// Lines of the body that computes `program` into array `output`.
 pub(super) fn body(program: &Program, scalar: Scalar, calls: &Calls, output: &str) -> Vec<String> {

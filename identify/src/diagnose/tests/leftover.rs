@@ -33,7 +33,8 @@ fn a_function_of_a_joint_goes_with_the_position_of_that_joint() {
             Suspect::Position(joint.to_string()),
             "{found:?}"
         );
-        assert!(found[0].1 > 0.7 && found.len() <= 3, "{found:?}");
+        // More than noise alone gives to anything, see below.
+        assert!(found[0].1 > 0.5 && found.len() <= 3, "{found:?}");
     }
 }
 

@@ -166,7 +166,9 @@ fn about() -> About<'static> {
 }
 
 fn diagnosed(problem: &mut Problem) -> Explained {
-    find(problem, &[], &about(), &mut ()).unwrap()
+    let mut found = find(problem, &[], &about(), &mut ()).unwrap();
+    found.diagnosis.sentence = super::verdict::sentence(problem, &found);
+    found
 }
 
 fn gauss(seed: u64) -> impl FnMut() -> f64 {

@@ -155,7 +155,8 @@ fn a_class_says_how_far_its_coms_are_apart() {
         (sensor - moved).abs() < 0.15 * moved,
         "{sensor} is not {moved}"
     );
-    assert!(member(&["payload:r_ank_roll_link"]) < 0.15 * moved);
+    let payload = member(&["payload:r_ank_roll_link"]);
+    assert!(payload < 0.15 * moved, "{payload} of {moved}");
     let said = found.sentence;
     assert!(said.contains("do not agree on the CoM"), "{said}");
     // Which of two joints in a row is off by 0.5° makes less than 1 mm.
@@ -205,7 +206,9 @@ fn what_is_not_in_the_list_stays_unexplained_and_names_its_joint() {
     assert!(
         found
             .sentence
-            .contains("goes most with the position of r_knee")
+            .contains("goes most with the position of r_knee"),
+        "{}",
+        found.sentence
     );
     assert!(found.leftover.suspect_share > 0.5, "{:?}", found.leftover);
 }

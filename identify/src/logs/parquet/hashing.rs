@@ -76,7 +76,7 @@ fn while_wanted(place: &Place, wanted: &AtomicBool) -> io::Result<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::logs::input::Shared;
+    use crate::logs::table::Shared;
 
     #[test]
     fn a_hash_aside_is_that_of_the_bytes() {

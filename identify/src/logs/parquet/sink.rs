@@ -17,8 +17,7 @@ use parquet::schema::types::Type;
 
 use crate::Error;
 use crate::files::{self, NewFile};
-use crate::logs::columns::{POSE, SUPPORT};
-use crate::logs::writer::{Row, Written, numbers};
+use crate::logs::columns::{POSE, Row, SUPPORT, Written, numbers};
 
 /// Rows of a group.
 const GROUP: usize = 65_536;
