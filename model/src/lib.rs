@@ -88,6 +88,7 @@ mod robot;
 mod snap;
 #[doc(hidden)]
 pub mod spelling;
+mod stamp;
 #[doc(hidden)]
 pub mod standard;
 pub mod tape;

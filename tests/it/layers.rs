@@ -15,7 +15,7 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const ROOMS: [(&str, &str); 5] = [
     (
         "model",
-        "text spelling hash files urdf error snap names tree chain frames numeric \
+        "text spelling hash stamp urdf error files snap names tree chain frames numeric \
          base robot standard inertia expr program bounds wide tape interface functions \
          measurement effects model",
     ),

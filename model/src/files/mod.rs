@@ -19,8 +19,9 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::error::Problem;
+pub use crate::stamp::Stamp;
 pub use parse::{MARKS, TomlFault, parse_toml};
-pub use read::{MODEL, PART, SETTINGS, SIDECAR, Stamp, read_bytes, read_text};
+pub use read::{MODEL, PART, SETTINGS, SIDECAR, read_bytes, read_text};
 
 /// Write files that belong together, in folders that are made for them: none takes its place
 /// before all are on the disk, and what would not change is not touched. Returns which of them

@@ -43,8 +43,8 @@ mod tests;
 use std::io::Read as _;
 use std::path::Path;
 
-use crate::files::Stamp;
 use crate::hash;
+use crate::stamp::Stamp;
 #[doc(hidden)]
 pub use collision::{Collision, Shape, collisions};
 pub use description::Description;
