@@ -356,7 +356,7 @@ def fleet_groups(
     data: list[str], table: list[tuple[str, dict[str, str]]], by: list[str]
 ) -> list[str]: ...
 def fleet_work(
-    robot: Robot, options: str, group: str, store: str | None = None, show: _Show = None
+    robot: Robot, options: str, group: str, store: str | None = None, check: Callable[[], None] | None = None
 ) -> str: ...
 def plan_postures(
     robot: Robot, model: Model, data: Log | None, options: dict[str, Any], show: _Show = None

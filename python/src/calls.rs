@@ -128,6 +128,44 @@ pub fn watched<T: Send + 'static>(
     stopped: Stopped,
     call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
 ) -> PyResult<(T, Vec<String>)> {
+    let look = |shared: &Shared| {
+        py.check_signals()?;
+        let progress = shared.progress.lock().ok().and_then(|mut last| last.take());
+        match (&show, progress) {
+            (Some(show), Some(progress)) => {
+                let told = (progress.what, progress.done, progress.total);
+                show.call1(py, told).map(drop)
+            }
+            _ => Ok(()),
+        }
+    };
+    run_in_thread(py, look, stopped, call)
+}
+
+/// As [`watched`], in a thread that gets no signals: `check` is called every [`EVERY`], and an
+/// exception of it stops the call.
+pub fn checked<T: Send + 'static>(
+    py: Python<'_>,
+    check: Option<Py<PyAny>>,
+    call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
+) -> PyResult<T> {
+    let look = |_: &Shared| {
+        py.check_signals()?;
+        check
+            .as_ref()
+            .map_or(Ok(()), |check| check.call0(py).map(drop))
+    };
+    Ok(run_in_thread(py, look, Stopped::Abandoned, call)?.0)
+}
+
+/// Run a call in a thread of its own; an exception of `look`, which is called every [`EVERY`],
+/// stops it.
+fn run_in_thread<T: Send + 'static>(
+    py: Python<'_>,
+    look: impl Fn(&Shared) -> PyResult<()>,
+    stopped: Stopped,
+    call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
+) -> PyResult<(T, Vec<String>)> {
     let shared = Arc::new(Shared::default());
     let (send, receive) = mpsc::channel();
     // A receiver is of one thread; a lock lets another wait with it.
@@ -160,7 +198,7 @@ pub fn watched<T: Send + 'static>(
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(Failure::internal("a thread ended early").raise(py));
             }
-            Err(RecvTimeoutError::Timeout) => look(py, show.as_ref(), &shared),
+            Err(RecvTimeoutError::Timeout) => look(&shared),
         };
         if let Err(error) = looked {
             shared.stop.store(true, Ordering::Relaxed);
@@ -169,19 +207,6 @@ pub fn watched<T: Send + 'static>(
             }
             return Err(error);
         }
-    }
-}
-
-/// Whether there is a signal; `show` is told how far the call is.
-fn look(py: Python<'_>, show: Option<&Py<PyAny>>, shared: &Shared) -> PyResult<()> {
-    py.check_signals()?;
-    let progress = shared.progress.lock().ok().and_then(|mut last| last.take());
-    match (show, progress) {
-        (Some(show), Some(progress)) => {
-            let told = (progress.what, progress.done, progress.total);
-            show.call1(py, told).map(drop)
-        }
-        _ => Ok(()),
     }
 }
 

@@ -14,7 +14,7 @@ use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{self, Fleet, Group, Input, Options, Request, Row, Store};
 use sesc_identify::robot;
 
-use crate::calls::{Stopped, detached, watched};
+use crate::calls::{Stopped, checked, detached, watched};
 use crate::errors::{Doing, Failure};
 use crate::model::json;
 use crate::robot::Robot;
@@ -51,25 +51,24 @@ pub fn fleet_groups(
     })
 }
 
-/// What one group comes to; an exception of `show` stops it.
+/// What one group comes to; an exception of `check`, which is called every 50 ms, stops it.
 #[pyfunction]
-#[pyo3(signature = (robot, options, group, store=None, show=None))]
+#[pyo3(signature = (robot, options, group, store=None, check=None))]
 pub fn fleet_work(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     options: String,
     group: String,
     store: Option<PathBuf>,
-    show: Option<Py<PyAny>>,
+    check: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let robot = robot.inner.clone();
-    let (done, _) = watched(py, show, Stopped::Abandoned, move |watch| {
+    checked(py, check, move |watch| {
         let (options, group): (Options, Group) = (parsed(&options)?, parsed(&group)?);
         let store = store.map(Store::new);
         let done = fleet::work(&robot, &options, &group, store.as_ref(), watch);
         text(&done.map_err(|error| Failure::of(&error, Doing::Fit))?)
-    })?;
-    Ok(done)
+    })
 }
 
 /// The robot of a fleet, and how every group was looked at.

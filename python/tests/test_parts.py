@@ -1,4 +1,4 @@
-"""Parts as bytes: small, of every format that was ever written."""
+"""Parts as bytes: small, the same after they are saved and loaded."""
 
 from __future__ import annotations
 
@@ -12,13 +12,6 @@ import numpy as np
 import pytest
 
 import sesc
-
-from conftest import repository
-
-FOLDER = repository() / "identify" / "src" / "fit" / "part"
-#: 40 readings of 20 postures of a pole of 2 kg, of the formats before, and what was fitted then.
-BEFORE = [FOLDER / "monday-2.part", FOLDER / "monday-3.part"]
-FITTED = [0.1, -6.649317114344957e-08, 0.0, 1.957835096433806e-06, 0.9999909904061652]
 
 
 def test_a_part_of_the_op2_is_80_kb_and_its_urdf(op2: sesc.Robot, model: sesc.Model) -> None:
@@ -37,14 +30,6 @@ def test_parts_of_deviations_of_their_own_keep_both_sums(op2: sesc.Robot, model:
     # One deviation first, then many: the same rows as all at once.
     more = sesc.gather(op2, sesc.simulate(model, 100, range=0.5, noise=1e-4, seed=2))
     np.testing.assert_allclose(sesc.fit(more | part).params, sesc.fit(part | more).params, atol=1e-12)
-
-
-@pytest.mark.parametrize("path", BEFORE, ids=lambda path: path.stem)
-def test_parts_of_the_formats_before_are_read(path: Path) -> None:
-    part = sesc.Part.load(path)
-    assert part.postures == 20 and part.support == "foot"
-    assert part.unit is None and part.options is None
-    np.testing.assert_allclose(sesc.fit(part).params, FITTED, atol=1e-12)
 
 
 def half(model: sesc.Model, seed: int) -> sesc.Log:

@@ -61,8 +61,8 @@ def work(job: Job) -> str:
         True
     """
 
-    def told(*_: Any) -> None:
+    def check() -> None:
         if job.stop is not None and job.stop.is_set():
             raise KeyboardInterrupt("the run was stopped")
 
-    return _sesc.fleet_work(job.robot, job.options, job.group, job.store, told)
+    return _sesc.fleet_work(job.robot, job.options, job.group, job.store, check)
