@@ -16,7 +16,7 @@ use super::{Bar, Outcome, command_line, message, print_json, show, steps};
 use crate::demo::{self, Demo};
 use crate::report::next_steps::{self, Worded};
 use crate::report::table::{Table, wrapped};
-use crate::report::{self, DemoReport};
+use crate::report::{self, DemoReport, HiddenAct};
 use crate::{Error, OP2_URDF};
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
@@ -68,8 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
     let steps = [after(arguments.keep.as_deref())];
-    let page = report::demo::page(&demo.report, &steps, &command_line())
-        .map_err(|error| Error::Report(Box::new(error)))?;
+    let page = report::demo::page(&demo.report, &steps, &command_line())?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
     let page = arguments.out.display().to_string();
     match arguments.json {
@@ -228,13 +227,12 @@ fn text(demo: &Demo) -> String {
         mm(errors.theory_rmse_m),
         mm(report.height_offset_m),
     );
-    out.push_str(&second_act(demo));
+    out.extend(report.hidden.as_ref().map(second_act));
     out
 }
 
 /// Something is wrong with the robot, and is found.
-fn second_act(demo: &Demo) -> String {
-    let hidden = &demo.hidden;
+fn second_act(hidden: &HiddenAct) -> String {
     let found = &hidden.diagnosis;
     let mm = |x: f64| format!("{:.2}", 1e3 * x);
     let mut out = String::new();

@@ -91,33 +91,34 @@ pub(super) fn margin_m(text: &str) -> Result<f64, String> {
 
 /// A range of joint angles, degrees.
 pub(super) fn range_deg(text: &str) -> Result<f64, String> {
-    let value: f64 = text
-        .parse()
-        .map_err(|_| "give a number of degrees".to_string())?;
-    let meant = (value / 1000.0).to_degrees();
-    match value.abs() > TURN_DEG {
-        true if meant.abs() > TURN_DEG => Err(format!("give degrees, {TURN_DEG} at most")),
-        true => Err(format!(
-            "that is {value}°, more than a turn; give degrees: {meant:.4} for {value} mrad"
-        )),
-        false => Ok(value),
-    }
+    let meant = |x: f64| (x / 1000.0).to_degrees();
+    number(
+        text,
+        "degrees",
+        TURN_DEG,
+        |x| meant(x).abs() <= TURN_DEG,
+        |x| {
+            let meant = meant(x);
+            format!("that is {x}°, more than a turn; give degrees: {meant:.4} for {x} mrad")
+        },
+    )
 }
 
 /// Rows per second.
 pub(super) fn rate_hz(text: &str) -> Result<f64, String> {
-    let value: f64 = text
-        .parse()
-        .map_err(|_| "give a number of rows per second".to_string())?;
-    match value > FASTEST_HZ {
-        true if value > 1e9 => Err(format!("give rows per second, {FASTEST_HZ} at most")),
-        true => Err(format!(
-            "that is {value} rows a second, more than any robot logs; give Hz: {} for a row every \
-             {value} ns",
-            1e9 / value
-        )),
-        false => Ok(value),
-    }
+    number(
+        text,
+        "rows per second",
+        FASTEST_HZ,
+        |x| (0.0..=1e9).contains(&x),
+        |x| {
+            let rate = 1e9 / x;
+            format!(
+                "that is {x} rows a second, more than any robot logs; give Hz: {rate} for a row every \
+             {x} ns"
+            )
+        },
+    )
 }
 
 /// Whether a robot of `cad_kg` may weigh `kg`; what else is wrong with it is for the command to
@@ -136,16 +137,34 @@ pub(super) fn check_mass(kg: Option<f64>, cad_kg: f64) -> Result<(), Error> {
 /// A number of metres, up to `most` either way; what else is wrong with it is for the command
 /// to say.
 fn metres(text: &str, most: f64) -> Result<f64, String> {
+    // Millimetres would be too much, too.
+    number(
+        text,
+        "metres",
+        most,
+        |x| (x / 1000.0).abs() <= most,
+        |x| {
+            let meant = x / 1000.0;
+            format!("that is {x} m; give metres: {meant} for {x} mm")
+        },
+    )
+}
+
+/// A number up to `most` either way. What is more `is_likely` to have been typed in another unit is
+/// refused with what was `meant`.
+fn number(
+    text: &str,
+    unit: &str,
+    most: f64,
+    is_likely: impl Fn(f64) -> bool,
+    meant: impl Fn(f64) -> String,
+) -> Result<f64, String> {
     let value: f64 = text
         .parse()
-        .map_err(|_| "give a number of metres".to_string())?;
-    let meant = value / 1000.0;
+        .map_err(|_| format!("give a number of {unit}"))?;
     match value.abs() > most {
-        // Millimetres would be too much, too.
-        true if meant.abs() > most => Err(format!("give metres, {most} at most")),
-        true => Err(format!(
-            "that is {value} m; give metres: {meant} for {value} mm"
-        )),
+        true if is_likely(value) => Err(meant(value)),
+        true => Err(format!("give {unit}, {most} at most")),
         false => Ok(value),
     }
 }

@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 
 use crate::report::next_steps::{self, Worded};
 use crate::report::soles;
-use crate::report::table::{Table, chance, wrapped};
+use crate::report::table::{self, Table, chance, wrapped};
 use sesc_identify::fit::Identification;
+use sesc_identify::fit::corrected::Corrected;
 
 /// Fewer degrees of freedom than this are mentioned.
 const FEW: f64 = 50.0;
@@ -205,4 +206,40 @@ fn source(found: &Identification) -> String {
 
 fn mm(x: f64) -> String {
     format!("{:.2}", 1e3 * x)
+}
+
+/// The console's account of a corrected URDF: links that changed, by how much.
+pub fn corrections(corrected: &Corrected) -> String {
+    let mut table = Table::new(&[
+        "corrected link",
+        "CAD, kg",
+        "mass, kg",
+        "change, %",
+        "CoM moved, mm",
+    ]);
+    for change in &corrected.links {
+        let [old, new] = change.mass;
+        let relative = match old > 0.0 {
+            true => format!("{:+.2}", 100.0 * (new / old - 1.0)),
+            false => "new".to_string(),
+        };
+        table.row(&[
+            change.link.clone(),
+            format!("{old:.4}"),
+            format!("{new:.4}"),
+            relative,
+            table::mm(change.shift()),
+        ]);
+    }
+    let mut out = format!("\n{table}");
+    let _ = writeln!(
+        out,
+        "\nThe URDF weighs {:.4} kg; inertia is scaled with the mass of its link: a robot at rest \
+         tells nothing of it.",
+        corrected.total_mass
+    );
+    for bound in &corrected.active_bounds {
+        let _ = writeln!(out, "held by a bound  {bound}");
+    }
+    out
 }
