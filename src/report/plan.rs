@@ -3,8 +3,6 @@
 #[cfg(test)]
 mod tests;
 
-use std::fmt::Write as _;
-
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
@@ -14,13 +12,15 @@ use crate::report::html::render;
 use crate::report::next_steps::{self, Worded};
 use crate::report::origin::Origin;
 use crate::report::robot::{Card, Correction, Shown};
-use crate::report::table::mm;
+use crate::report::table::{lines, mm};
 use sesc_identify::plan::{Lesson, Plan};
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::text::shortened;
+use sesc_model::text::{listed, shortened};
 
 /// Postures on the contact sheet, at most.
 const SHEET: usize = 120;
+/// Pairs of links that are named, at most.
+const EXEMPT: usize = 8;
 /// Letters of a parameter under a posture.
 const LETTERS: usize = 17;
 
@@ -106,100 +106,56 @@ pub fn page(
 
 /// What was drawn, what was chosen, and what it will be good for.
 pub fn text(plan: &Plan, next: &[Worded]) -> String {
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "{} on {}: {} postures of {} candidates\n",
-        plan.robot, plan.support, plan.poses, plan.candidates
+    let (poses, candidates) = (plan.poses, plan.candidates);
+    let about = format!(
+        "{} on {}: {poses} postures of {candidates} candidates",
+        plan.robot, plan.support
     );
-    let mut line = |name: &str, text: String| {
-        let _ = writeln!(out, "{name:<17}{text}");
-    };
-    line("drawn", plan.drawn());
-    line(
-        "CoP",
-        format!(
-            "{}, with {} standard deviations to spare ({} mm each on average)",
-            plan.cop_region,
-            plan.sigmas,
-            mm(plan.draws.cop_std)
-        ),
+    let cop = format!(
+        "{}, with {} standard deviations to spare ({} mm each on average)",
+        plan.cop_region,
+        plan.sigmas,
+        mm(plan.draws.cop_std)
     );
-    if let Some(feet) = &plan.both_feet {
-        line("soles", feet.sentence());
-    }
-    line("revisits", plan.revisits.sentence.clone());
-    line("ground", plan.clearance.clone());
-    line("collisions", plan.collision.clone());
+    let mut facts = vec![("drawn", plan.drawn()), ("CoP", cop)];
+    facts.extend(plan.both_feet.iter().map(|feet| ("soles", feet.sentence())));
+    facts.push(("revisits", plan.revisits.sentence.clone()));
+    facts.push(("ground", plan.clearance.clone()));
+    facts.push(("collisions", plan.collision.clone()));
     if !plan.collision_exempt.is_empty() {
-        let pairs: Vec<String> = plan
-            .collision_exempt
-            .iter()
-            .take(8)
-            .map(|p| p.join("–"))
-            .collect();
-        let more = plan.collision_exempt.len() - pairs.len();
-        let more = if more > 0 {
-            format!(" and {more} more")
-        } else {
-            String::new()
-        };
-        line(
-            "",
-            format!("touching at rest, not watched: {}{more}", pairs.join(", ")),
-        );
+        let pairs = plan.collision_exempt.iter().map(|pair| pair.join("–"));
+        let pairs = listed(pairs, EXEMPT);
+        facts.push(("", format!("touching at rest, not watched: {pairs}")));
     }
-    line("prior", plan.prior.clone());
+    facts.push(("prior", plan.prior.clone()));
     if let (Some(error), Some(random)) = (plan.expected_error, plan.expected_error_random) {
-        line(
-            "expected error",
-            format!(
-                "{} mm over all candidates, from readings to {} mm",
-                mm(error),
-                mm(plan.noise)
-            ),
-        );
-        line(
+        let less = match 100.0 * (1.0 - error / random) {
+            less if less >= 0.5 => format!("{less:.0} % less"),
+            _ => "here any postures do".to_string(),
+        };
+        let [error, random, noise] = [error, random, plan.noise].map(mm);
+        let text = format!("{error} mm over all candidates, from readings to {noise} mm");
+        facts.push(("expected error", text));
+        facts.push((
             "",
-            format!(
-                "{} mm with postures chosen at random: {}",
-                mm(random),
-                match 100.0 * (1.0 - error / random) {
-                    less if less >= 0.5 => format!("{less:.0} % less"),
-                    _ => "here any postures do".to_string(),
-                }
-            ),
-        );
+            format!("{random} mm with postures chosen at random: {less}"),
+        ));
     }
-    line(
-        "conditioning",
-        format!(
-            "{} directions told, condition number {:.0}",
-            plan.rank, plan.condition_number
-        ),
-    );
+    let (rank, condition) = (plan.rank, plan.condition_number);
+    let conditioning = format!("{rank} directions told, condition number {condition:.0}");
+    facts.push(("conditioning", conditioning));
     let gain = plan.log_det[plan.log_det.len() - 1] - plan.log_det[0];
-    line(
-        "choice",
-        format!(
-            "greedy, then {} exchanges: log det + {gain:.2}",
-            plan.exchanges
-        ),
+    let choice = format!(
+        "greedy, then {} exchanges: log det + {gain:.2}",
+        plan.exchanges
     );
-    line(
-        "motion",
-        format!(
-            "{:.0}° in this order, {:.0}° as chosen (largest joint, summed)",
-            plan.motion.ordered.to_degrees(),
-            plan.motion.as_chosen.to_degrees()
-        ),
-    );
-    for note in &plan.notes {
-        line("note", note.clone());
-    }
-    line(
-        "note",
-        "only the postures are checked, not the way from one to the next".to_string(),
-    );
-    out + &next_steps::text(next)
+    facts.push(("choice", choice));
+    let [ordered, chosen] = [plan.motion.ordered, plan.motion.as_chosen].map(f64::to_degrees);
+    let motion =
+        format!("{ordered:.0}° in this order, {chosen:.0}° as chosen (largest joint, summed)");
+    facts.push(("motion", motion));
+    facts.extend(plan.notes.iter().map(|note| ("note", note.clone())));
+    let way = "only the postures are checked, not the way from one to the next";
+    facts.push(("note", way.to_string()));
+    format!("{about}\n\n{}{}", lines(facts), next_steps::text(next))
 }
