@@ -173,41 +173,19 @@ fn number(
 mod tests {
     use super::*;
 
+    /// What the command line's own tests do not type.
     #[test]
-    fn millimetres_are_told_from_metres() {
-        assert_eq!(deviation_m("0.0005"), Ok(0.0005));
-        let said = deviation_m("0.5").unwrap_err();
-        assert!(said.contains("0.0005 for 0.5 mm"), "{said}");
-        assert!(length_m("23").unwrap_err().contains("0.023 for 23 mm"));
+    fn numbers_that_no_unit_makes_likely_have_a_bound() {
         for far in ["inf", "-inf", "1e300", "5000"] {
-            assert_eq!(
-                length_m(far).unwrap_err(),
-                "give metres, 2 at most",
-                "{far}"
-            );
+            let said = length_m(far).unwrap_err();
+            assert_eq!(said, "give metres, 2 at most", "{far}");
         }
-        assert!(length_m("x").is_err());
         // What is not a number passes on to the command's own check.
-        assert!(length_m("nan").unwrap().is_nan());
-        assert!(margin_m("2").unwrap_err().contains("0.002 for 2 mm"));
-        assert_eq!(margin_m("0.01"), Ok(0.01));
-        assert!(length_m("9").unwrap_err().contains("0.009 for 9 mm"));
-        assert!(
-            range_deg("3000")
-                .unwrap_err()
-                .contains("171.8873 for 3000 mrad")
-        );
+        assert!(length_m("nan").unwrap().is_nan() && length_m("x").is_err());
         assert_eq!(range_deg("360"), Ok(360.0));
         assert_eq!(range_deg("1e300").unwrap_err(), "give degrees, 360 at most");
-        let said = rate_hz("1000000").unwrap_err();
-        assert!(said.contains("1000 for a row every 1000000 ns"), "{said}");
-        assert_eq!(rate_hz("1000"), Ok(1000.0));
-        assert_eq!(
-            rate_hz("inf").unwrap_err(),
-            "give rows per second, 50000 at most"
-        );
-        let said = check_mass(Some(2930.0), 2.9).unwrap_err().to_string();
-        assert!(said.contains("2.93 for 2930 g"), "{said}");
+        let said = rate_hz("inf").unwrap_err();
+        assert_eq!(said, "give rows per second, 50000 at most");
         assert!(check_mass(Some(3.0), 2.9).is_ok() && check_mass(None, 0.0).is_ok());
         assert_eq!(stays("0.5"), Ok(Stays::Alone(0.5)));
         assert_eq!(stays("0"), Ok(Stays::Moving));
