@@ -39,6 +39,12 @@ pub enum Error {
     Report(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
+impl From<minijinja::Error> for Error {
+    fn from(error: minijinja::Error) -> Error {
+        Error::Report(Box::new(error))
+    }
+}
+
 impl Error {
     /// One word for programs: `usage`, `model`, `log`, `read`, `write` and the other kinds of
     /// the libraries.

@@ -7,12 +7,9 @@
 //! A model with effects is compared with the virtual robot of the reference, which has
 //! them (`world`).
 
-mod allowed;
 mod compare;
 mod functions;
-mod imperfect;
 mod motion;
-mod truth;
 mod world;
 
 use std::collections::BTreeMap;
@@ -22,17 +19,16 @@ use sesc_model::{Function, Model};
 use sesc_reference::Reference;
 
 use crate::Error;
-pub use allowed::allowed;
-use compare::{Block, Blocks, Compared};
+use compare::{Compared, blocks};
 use functions::functions;
-pub use functions::{UNPROVEN_OF_REACH, USEFUL};
-pub use imperfect::with_effect;
+pub use functions::{UNPROVEN_OF_REACH, USEFUL, allowed};
 pub use motion::JointMotion;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_identify::threads::each;
 use sesc_identify::{Watch, tell};
 use world::Bent;
+pub use world::with_effect;
 
 /// Joint angles that [`samples`] draws, in postures that the limits below hold.
 const DRAWN: usize = 1_000_000;
@@ -131,8 +127,7 @@ pub fn verify(
         let unit = Some(function.error_unit()).filter(|unit| !unit.is_empty());
         unit.unwrap_or("m")
     };
-    let blocks = Blocks::of(&postures, count, dof);
-    let blocks: Vec<Block> = blocks.iter().collect();
+    let blocks = blocks(&postures, count, dof);
     let compared = Compared {
         reference,
         bent: bent.as_ref(),

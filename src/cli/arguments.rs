@@ -4,16 +4,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
+use sesc_identify::diagnose::Request;
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::MotionModel;
-use sesc_identify::fit::prior::PriorChoice;
-use sesc_identify::logs::{Angles, Stays};
+use sesc_identify::fit::prior::{Prior, PriorChoice};
+use sesc_identify::logs::{Angles, LogSource, Stays};
 use sesc_identify::robot::Robot;
 use sesc_identify::stance::Stance;
 use sesc_model::tree::sole_of;
 use sesc_model::{Model, ModelFile, Snapping};
 
-use super::{left_out, message, notes, units};
+use super::{message, notes, units};
 use crate::Error;
 
 /// Whether the motion of the joints counts.
@@ -78,6 +79,30 @@ pub(super) struct DiagnosisArguments {
         allow_negative_numbers = true, value_parser = units::deviation_m
     )]
     pub(super) floor: f64,
+}
+
+impl DiagnosisArguments {
+    /// Ask about a log so.
+    pub(super) fn request(
+        &self,
+        robot: Arc<Robot>,
+        log: LogSource,
+        standing: &StandingArguments,
+        feet: &FeetArguments,
+        stays: &StaysArguments,
+    ) -> Result<Request, Error> {
+        let mut request = Request::new(robot, log);
+        request.support = standing.support()?;
+        request.snapping = standing.snapping();
+        request.angles = self.reading.angles();
+        request.prior = self.reading.prior_or(Prior::OF_DIAGNOSES);
+        request.noise = self.reading.noise;
+        request.floor = self.floor;
+        request.motion = self.reading.motion.into();
+        request.stays = stays.into();
+        request.feet = feet.into();
+        Ok(request)
+    }
 }
 
 /// What becomes of rows in which the robot holds still.
@@ -202,8 +227,9 @@ impl RobotArguments {
     pub(super) fn load(&self, model_file: Option<&Path>) -> Result<(Arc<Robot>, Model), Error> {
         let stance = self.stance(model_file)?;
         let model = stance.model()?;
-        notes(&model);
-        left_out(&model);
+        notes(&model.tree.notes);
+        // Effects of a model file that no posture alone shows.
+        notes(&model.left_out());
         Ok((stance.robot, model))
     }
 }

@@ -5,11 +5,9 @@ use std::sync::Arc;
 
 use clap::Args;
 use sesc_identify::compare;
-use sesc_identify::diagnose::{Request, Verdict, diagnose};
-use sesc_identify::feet::Feet;
+use sesc_identify::diagnose::{Verdict, diagnose};
 use sesc_identify::files;
-use sesc_identify::fit::prior::Prior;
-use sesc_identify::logs::{LogSource, Stays};
+use sesc_identify::logs::LogSource;
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
@@ -130,7 +128,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
             drawn.as_ref(),
             &command_line(),
         );
-        files::write(path, &page.map_err(|error| Error::Report(Box::new(error)))?)?;
+        files::write(path, &page?)?;
         message(&format!("wrote {}", path.display()));
     }
     match arguments.json {
@@ -204,17 +202,10 @@ fn model(
             false => Ok(Some(ModelFile::read(path)?)),
         };
     };
-    let mut request = Request::new(Arc::clone(robot), LogSource::from(path));
-    request.support = arguments.standing.support()?;
-    request.snapping = arguments.standing.snapping();
-    let reading = &arguments.how.reading;
-    request.angles = reading.angles();
-    request.prior = reading.prior_or(Prior::OF_DIAGNOSES);
-    request.noise = reading.noise;
-    request.floor = arguments.how.floor;
-    request.motion = reading.motion.into();
-    request.stays = Stays::from(&arguments.stays);
-    request.feet = Feet::from(&arguments.feet);
+    let (robot, standing) = (Arc::clone(robot), &arguments.standing);
+    let (feet, stays) = (&arguments.feet, &arguments.stays);
+    let how = &arguments.how;
+    let request = how.request(robot, LogSource::from(path), standing, feet, stays)?;
     let report = diagnose(&request, &mut Bar::new("reading"))?;
     let found = &report.diagnosis;
     if found.verdict == Verdict::Unusable {

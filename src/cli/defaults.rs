@@ -31,7 +31,7 @@ const FORMAT: u32 = 1;
 
 /// What a key's value is.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+pub(super) enum Kind {
     Text,
     Number,
     Flag,
@@ -40,7 +40,7 @@ enum Kind {
 }
 
 /// Keys, which are options with `_` for `-`, in the order in which they are said.
-const KEYS: [(&str, Kind); 13] = [
+pub(super) const KEYS: [(&str, Kind); 13] = [
     ("support", Kind::Text),
     ("no_snap", Kind::Flag),
     ("both_feet", Kind::Flag),
@@ -55,30 +55,6 @@ const KEYS: [(&str, Kind); 13] = [
     ("sole", Kind::Path(&[])),
     ("servos", Kind::Path(&[])),
 ];
-
-/// Keys, what their values are, and the commands that take them.
-pub(super) fn keys() -> Vec<(&'static str, &'static str, Vec<String>)> {
-    let command = Cli::command();
-    let of = |(key, kind): (&'static str, Kind)| {
-        let long = key.replace('_', "-");
-        let takes = |own: &&Command| {
-            let mut options = own.get_arguments();
-            options.any(|option| option.get_long() == Some(&long))
-        };
-        let fleet = |own: &&Command| !(key == "support" && own.get_name() == "fleet");
-        let commands = command.get_subcommands().filter(takes).filter(fleet);
-        let value = match kind {
-            Kind::Text => "text",
-            Kind::Number => "number",
-            Kind::Flag => "`true` or `false`",
-            Kind::Path([]) => "path",
-            Kind::Path(_) => "name, or path",
-        };
-        let commands = commands.map(|own| own.get_name().to_string());
-        (key, value, commands.collect())
-    };
-    KEYS.into_iter().map(of).collect()
-}
 
 /// Options that the [`FILE`] of a robot gave.
 pub(super) struct Given {

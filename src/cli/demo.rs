@@ -16,7 +16,7 @@ use super::{Bar, Outcome, command_line, message, print_json, show, steps};
 use crate::demo::{self, Demo};
 use crate::report::next_steps::{self, Worded};
 use crate::report::table::{Table, wrapped};
-use crate::report::{self, DemoReport};
+use crate::report::{self, DemoReport, HiddenAct};
 use crate::{Error, OP2_URDF};
 
 /// The seed paper's simulation end to end on the embedded OP2, with a report
@@ -68,8 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     let demo = demo::run(arguments.seed, &mut Bar::new("verifying"))?;
     let steps = [after(arguments.keep.as_deref())];
-    let page = report::demo::page(&demo.report, &steps, &command_line())
-        .map_err(|error| Error::Report(Box::new(error)))?;
+    let page = report::demo::page(&demo.report, &steps, &command_line())?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
     let page = arguments.out.display().to_string();
     match arguments.json {
@@ -149,21 +148,14 @@ fn keep(folder: &Path) -> Result<(), Error> {
 }
 
 fn text(demo: &Demo) -> String {
-    let report = &demo.report;
-    let errors = &report.errors;
-    let mm = |x: f64| format!("{:.2}", 1e3 * x);
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "{} on {}: {} joints, {} SESC parameters of which data can tell {} apart\n\
-         1. generated {} lines of Rust and compared them with the reference on {} postures\n",
-        report.robot,
-        report.support,
-        report.dof,
-        report.full_params,
-        report.base_params,
-        demo.first.lines,
-        demo.first.verification.samples
+    let (report, first) = (&demo.report, &demo.first);
+    let (full_params, base_params) = (report.full_params, report.base_params);
+    let (lines, samples) = (first.lines, first.verification.samples);
+    let mut out = format!(
+        "{} on {}: {} joints, {full_params} SESC parameters of which data can tell {base_params} \
+         apart\n1. generated {lines} lines of Rust and compared them with the reference on \
+         {samples} postures\n\n",
+        report.robot, report.support, report.dof
     );
     let mut functions = Table::new(&[
         "function",
@@ -183,18 +175,15 @@ fn text(demo: &Demo) -> String {
             format!("{:.1e}", row.bound_m),
         ]);
     }
+    let ([full_rank, rank], condition) = (first.ranks, first.condition_number);
     let _ = writeln!(
         out,
-        "{functions}\n2. {} postures in ±{:.0}°, CoP noise {} mm: least squares on {} columns (rank {}) \
-         and on {} base columns (rank {}, condition {:.0})\n",
+        "{functions}\n2. {} postures in ±{:.0}°, CoP noise {} mm: least squares on {full_params} \
+         columns (rank {full_rank}) and on {base_params} base columns (rank {rank}, condition \
+         {condition:.0})\n",
         report.postures,
         report.range_deg,
         mm(report.noise_m),
-        report.full_params,
-        demo.first.ranks[0],
-        report.base_params,
-        demo.first.ranks[1],
-        demo.first.condition_number
     );
     let mut lengths = Table::new(&[
         "body",
@@ -214,10 +203,10 @@ fn text(demo: &Demo) -> String {
             row.unseen.clone(),
         ]);
     }
-    let _ = writeln!(out, "{lengths}");
+    let errors = &report.errors;
     let _ = writeln!(
         out,
-        "3. on {} postures the fit never saw\n   \
+        "{lengths}\n3. on {} postures the fit never saw\n   \
          against noisy readings   {} mm mean absolute, of which the noise alone makes {} mm\n   \
          against the true CoP     {} mm RMS (theory: noise × √(rank/2N) = {} mm)\n   \
          CoM height               known up to one constant ({} mm with minimum norm); flat CoP cannot tell it, CAD gives it",
@@ -228,33 +217,27 @@ fn text(demo: &Demo) -> String {
         mm(errors.theory_rmse_m),
         mm(report.height_offset_m),
     );
-    out.push_str(&second_act(demo));
+    out.extend(report.hidden.as_ref().map(second_act));
     out
 }
 
 /// Something is wrong with the robot, and is found.
-fn second_act(demo: &Demo) -> String {
-    let hidden = &demo.hidden;
-    let found = &hidden.diagnosis;
-    let mm = |x: f64| format!("{:.2}", 1e3 * x);
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "\n4. something is hidden in the robot: {} balanced postures, read to {} mm\n   {}",
+fn second_act(hidden: &HiddenAct) -> String {
+    let (found, lines) = (&hidden.diagnosis, hidden.lines);
+    let [noise, after, before] = [found.noise, hidden.after, hidden.before].map(mm);
+    let [com_after, com_before] = [hidden.com_after, hidden.com_before].map(mm);
+    format!(
+        "\n4. something is hidden in the robot: {} balanced postures, read to {noise} mm\n   {}\n   \
+         on {} postures never seen the model misses the true CoP by {after} mm, before {before} mm,\n   \
+         and the true CoM by {com_after} mm, before {com_before} mm; its {lines} lines of Rust carry \
+         the effect\n",
         found.postures,
-        mm(found.noise),
-        wrapped(&found.sentence, "   ")
-    );
-    let _ = writeln!(
-        out,
-        "   on {} postures never seen the model misses the true CoP by {} mm, before {} mm,\n   \
-         and the true CoM by {} mm, before {} mm; its {} lines of Rust carry the effect",
-        demo::hidden::JUDGED,
-        mm(hidden.after),
-        mm(hidden.before),
-        mm(hidden.com_after),
-        mm(hidden.com_before),
-        hidden.lines
-    );
-    out
+        wrapped(&found.sentence, "   "),
+        hidden.judged
+    )
+}
+
+/// Millimetres, to hundredths.
+fn mm(metres: f64) -> String {
+    format!("{:.2}", 1e3 * metres)
 }

@@ -9,16 +9,14 @@ use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, cad_mass_kg,
-    command_line, message, outputs, print_json, show_beside, steps, units,
+    command_line, message, not_written, notes, outputs, print_json, show_beside, steps, units,
 };
 use crate::Error;
 use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
 use crate::report::unusable;
 use crate::servos;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
-use sesc_identify::feet::Feet;
-use sesc_identify::fit::prior::Prior;
-use sesc_identify::logs::{self, Recording, Stays};
+use sesc_identify::logs::{self, Recording};
 use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
 
@@ -117,10 +115,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let request = request(arguments)?;
     let report = diagnose::diagnose(&request, bar)?;
     bar.clear();
-    report
-        .notes
-        .iter()
-        .for_each(|note| message(&format!("note: {note}")));
+    notes(&report.notes);
     let usable = report.diagnosis.verdict != Verdict::Unusable;
     let steps = report.diagnosis.next_steps();
     // Who asked for a file needs no such step.
@@ -149,17 +144,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             &arguments.mcap,
         ];
         for path in named.into_iter().flatten() {
-            message(&format!(
-                "{} is not written: the data cannot be used",
-                path.display()
-            ));
+            not_written(path);
         }
         let mut files = Together::default();
         if let Some(path) = &arguments.report {
             let drawn = skeleton(&request, &report.diagnosis.support)?;
             let (made, line) = (&report.model_file, command_line());
             let text = unusable::page_of_diagnosis(&printed, made, Some(&drawn), &line);
-            files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+            files.add(path, &text?)?;
         }
         files.finish()?;
     }
@@ -196,19 +188,11 @@ fn model_use(arguments: &Arguments, report: &Report) -> Option<ModelUse> {
 fn request(arguments: &Arguments) -> Result<Request, Error> {
     let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
     units::check_mass(arguments.total_mass, cad_mass_kg(&robot))?;
-    let mut request = Request::new(robot, outputs::log(&arguments.data)?);
+    let (log, standing) = (outputs::log(&arguments.data)?, &arguments.robot.standing);
+    let how = &arguments.how;
+    let mut request = how.request(robot, log, standing, &arguments.feet, &arguments.stays)?;
     let then = arguments.then.iter().map(|path| outputs::log(path));
     request.then = then.collect::<Result<_, _>>()?;
-    request.support = arguments.robot.standing.support()?;
-    request.snapping = arguments.robot.standing.snapping();
-    let reading = &arguments.how.reading;
-    request.angles = reading.angles();
-    request.prior = reading.prior_or(Prior::OF_DIAGNOSES);
-    request.noise = reading.noise;
-    request.floor = arguments.how.floor;
-    request.motion = reading.motion.into();
-    request.stays = Stays::from(&arguments.stays);
-    request.feet = Feet::from(&arguments.feet);
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
     if let Some(file) = &arguments.servos {
@@ -267,7 +251,7 @@ fn write(
     }
     if let (Some(path), Some(view)) = (&arguments.report, &report.view) {
         let text = page(printed, view, &report.model_file, &command_line());
-        files.add(path, &text.map_err(|error| Error::Report(Box::new(error)))?)?;
+        files.add(path, &text?)?;
     }
     if let (Some(path), Some(recording)) = (&arguments.mcap, &report.recording) {
         files.add_begun(path, recording.begun(path, &mut ())?);

@@ -6,22 +6,21 @@ use std::sync::Arc;
 use clap::{Args, ValueEnum};
 
 use super::defaults::Typed;
-use super::fit_outputs::Outputs;
 use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
-    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, message,
-    outputs, print_json, show, show_beside,
+    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, cad_mass_kg,
+    command_line, message, not_written, notes, outputs, print_json, show, show_beside, units,
 };
 use crate::Error;
-use crate::report;
-use crate::report::fit::{FitReport, Unusable};
-use sesc_identify::feet::Feet;
+use crate::report::fit::{self as report, FitReport, Shown, Unusable, page};
+use crate::report::unusable;
 use sesc_identify::fit::Loss;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{self, Duplicates, Request};
-use sesc_identify::logs::{self, Stays};
+use sesc_identify::logs;
+use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc fit robots/op2/op2.urdf --data log.csv --out model.toml\n  \
@@ -60,7 +59,7 @@ pub(super) struct Arguments {
         long,
         value_name = "DEG",
         allow_negative_numbers = true,
-        value_parser = super::units::range_deg,
+        value_parser = units::range_deg,
         conflicts_with = "partial"
     )]
     range: Option<f64>,
@@ -80,8 +79,25 @@ pub(super) struct Arguments {
     /// Exit with 1 if the held-out error of the fitted parameters exceeds K noise floors
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = super::positive, conflicts_with = "partial")]
     fail_above: Option<f64>,
-    #[command(flatten)]
-    outputs: Outputs,
+    /// URDF to write: masses and CoMs nearest to CAD that give the identified parameters;
+    /// nothing else in the file changes but inertia, scaled with the mass of its link
+    #[arg(long, value_name = "FILE", conflicts_with = "partial")]
+    urdf: Option<PathBuf>,
+    /// What the robot weighs in that URDF, kg; as in CAD unless given
+    #[arg(
+        long,
+        value_name = "KG",
+        requires = "urdf",
+        allow_negative_numbers = true
+    )]
+    total_mass: Option<f64>,
+    /// Fit physical masses only: none negative, CoMs inside the collision geometry (boxes,
+    /// cylinders, spheres) where the URDF gives it, else near the joints of the link
+    #[arg(long, conflicts_with = "partial")]
+    physical: bool,
+    /// Page to write: figures, tables, what cannot be seen
+    #[arg(long, value_name = "FILE", conflicts_with = "partial")]
+    report: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -146,7 +162,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         bar.clear();
         if let Some(broken) = part.unusable() {
             message(&broken.sentence);
-            message(&not_written(path));
+            not_written(path);
             return Ok(Outcome::Failed);
         }
         part.write(path)?;
@@ -161,10 +177,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     let folder = urdf.and_then(|path| path.parent());
     let found = fit::fit(&request, bar)?;
     bar.clear();
-    found
-        .notes
-        .iter()
-        .for_each(|note| message(&format!("note: {note}")));
+    notes(&found.notes);
     let about = About {
         urdf: urdf.map(PathBuf::as_path),
         log: match &arguments.data[..] {
@@ -175,16 +188,21 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     };
     let next_steps = &about.worded(&found.identification.next_steps())[..];
     if !found.identification.is_usable() {
-        let named = arguments.out.iter().chain(arguments.outputs.urdf());
-        named.for_each(|path| message(&not_written(path)));
+        let named = arguments.out.iter().chain(&arguments.urdf);
+        named.for_each(|path| not_written(path));
         let mut files = Together::default();
-        arguments
-            .outputs
-            .write_broken(&found, next_steps, folder, &mut files)?;
+        if let Some(path) = &arguments.report {
+            let drawn = Skeleton::of(found.model(), &found.robot().description, folder);
+            let (found, line) = (&found.identification, command_line());
+            files.add(
+                path,
+                &unusable::page_of_fit(found, next_steps, Some(&drawn), &line)?,
+            )?;
+        }
         files.finish()?;
         match arguments.json {
             true => print_json(&Unusable::new(&found.identification, next_steps))?,
-            false => show(&report::fit::text(&found.identification, next_steps))?,
+            false => show(&report::text(&found.identification, next_steps))?,
         }
         return Ok(Outcome::Failed);
     }
@@ -192,25 +210,28 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     if let Some(path) = &arguments.out {
         files.add(path, &found.model_file.to_toml()?)?;
     }
-    let shown = arguments.outputs.shown(&found, folder);
+    let shown = arguments.report.as_ref();
+    let shown = shown.map(|_| Shown::of(&found, found.residuals.clone(), command_line(), folder));
     let report = FitReport {
         found: &found.identification,
         next_steps,
         corrected: found.corrected.as_ref(),
         shown: shown.as_ref(),
     };
-    arguments.outputs.write(&report, &mut files)?;
+    if let (Some(path), Some(corrected)) = (&arguments.urdf, report.corrected) {
+        files.add(path, &corrected.text)?;
+    }
+    if let Some(path) = &arguments.report {
+        files.add(path, &page(&report)?)?;
+    }
     files.finish()?;
     if arguments.json {
         print_json(&report)?;
     } else {
         let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
-        show_beside(
-            &report::fit::text(&found.identification, next_steps),
-            streamed,
-        )?;
+        show_beside(&report::text(&found.identification, next_steps), streamed)?;
         if let Some(corrected) = &found.corrected {
-            show_beside(&report::fit::corrections(corrected), streamed)?;
+            show_beside(&report::corrections(corrected), streamed)?;
         }
     }
     let (error, floor) = (
@@ -223,10 +244,6 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
 
 fn is_part(path: &Path) -> bool {
     path.extension().is_some_and(|e| e == "part")
-}
-
-fn not_written(path: &Path) -> String {
-    format!("{} is not written: the data cannot be used", path.display())
 }
 
 /// What is asked for.
@@ -263,8 +280,8 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         RobustLoss::Tukey => Loss::Tukey,
     });
     request.motion = arguments.reading.motion.into();
-    request.stays = Stays::from(&arguments.stays);
-    request.feet = Feet::from(&arguments.feet);
+    request.stays = (&arguments.stays).into();
+    request.feet = (&arguments.feet).into();
     request.folds = arguments.folds.and_then(|k| usize::try_from(k).ok());
     request.range = arguments.range.map(f64::to_radians);
     request.unit = arguments.unit.clone();
@@ -272,7 +289,13 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         DuplicateParts::Refuse => Duplicates::Refuse,
         DuplicateParts::Skip => Duplicates::Skip,
     };
-    arguments.outputs.ask(&mut request)?;
+    if let Some(robot) = &request.robot {
+        units::check_mass(arguments.total_mass, cad_mass_kg(robot))?;
+    }
+    request.physical = arguments.physical;
+    request.corrected_urdf = arguments.urdf.is_some();
+    request.total_mass = arguments.total_mass;
+    request.residuals = arguments.report.is_some();
     Ok(request)
 }
 
@@ -282,10 +305,8 @@ fn check_files(arguments: &Arguments) -> Result<(), Error> {
     let files = Files::default()
         .reads_robots(&arguments.inputs)
         .may_read(&arguments.reading.prior)
-        .reads_logs(&arguments.data)
-        .writes(Kind::Model, &arguments.out)
-        .writes(Kind::Part, &arguments.partial);
-    let files = arguments.outputs.claimed(files);
+        .reads_logs(&arguments.data);
+    let files = writes(arguments, files);
     files.prints(arguments.json).check_writable()
 }
 
@@ -296,8 +317,13 @@ fn check_robots_of_parts(arguments: &Arguments, request: &Request) -> Result<(),
         .iter()
         .map(|(_, part)| part.urdf_file.as_str());
     let files = Files::default().keeps(robots, "the robot of a factor file");
-    let files = files
+    writes(arguments, files).check_writable()
+}
+
+fn writes(arguments: &Arguments, files: Files) -> Files {
+    files
         .writes(Kind::Model, &arguments.out)
-        .writes(Kind::Part, &arguments.partial);
-    arguments.outputs.claimed(files).check_writable()
+        .writes(Kind::Part, &arguments.partial)
+        .writes(Kind::Urdf, &arguments.urdf)
+        .writes(Kind::Page, &arguments.report)
 }

@@ -13,7 +13,7 @@ use sesc_identify::next_steps::NextStep;
 
 use super::outputs::{Files, Kind};
 use super::steps::About;
-use super::{Outcome, RobotArguments, message, outputs, print, print_json, steps};
+use super::{Outcome, RobotArguments, message, notes, outputs, print, print_json, steps};
 use crate::Error;
 use crate::report::next_steps::Worded;
 
@@ -165,9 +165,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
         Language::C => sources::c99(&facts, name, &wanted_c(arguments)?)?,
     };
-    for note in &written.notes {
-        message(&format!("note: {note}"));
-    }
+    notes(&written.notes);
     let files: Vec<(PathBuf, String)> = written
         .files
         .into_iter()
@@ -199,10 +197,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         support: model.support().to_string(),
         model: file.map(|file| file.display().to_string()),
     };
-    let about = About {
-        urdf: Some(&arguments.robot.urdf),
-        ..About::default()
-    };
+    let about = About::new(&arguments.robot.urdf);
     answer.next_steps = about.worded([&verify]);
     match arguments.json {
         true => print_json(&answer)?,

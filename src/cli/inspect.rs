@@ -36,14 +36,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let stance = arguments.robot.stance(None)?;
     let model = stance.model()?;
     let inspection = inspect(&stance.robot.description, &model);
-    for note in &inspection.notes {
-        super::message(&format!("note: {note}"));
-    }
+    super::notes(&inspection.notes);
     let support = model.support().to_string();
-    let about = About {
-        urdf: Some(&arguments.robot.urdf),
-        ..About::default()
-    };
+    let about = About::new(&arguments.robot.urdf);
     let next_steps = &about.worded([&NextStep::Plan { support }])[..];
     if arguments.json {
         let found = &inspection;

@@ -7,7 +7,6 @@ mod demo;
 mod diagnose;
 mod effects;
 mod fit;
-mod fit_outputs;
 mod fleet;
 mod generate;
 mod inspect;
@@ -23,10 +22,10 @@ mod terminal;
 mod units;
 mod verify;
 mod width;
-mod words;
 
 use std::ffi::OsString;
 use std::io::Write as _;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
@@ -36,7 +35,6 @@ use arguments::{
 };
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Parser, Subcommand};
-use sesc_model::Model;
 use sesc_model::text::{is_hidden, visible_lines};
 use terminal::Bar;
 
@@ -264,18 +262,19 @@ fn cad_mass_kg(robot: &Robot) -> f64 {
     links.map(|link| link.inertial.mass_kg).sum()
 }
 
-/// Notes about the robot, on stderr.
-fn notes(model: &Model) {
-    for note in &model.tree.notes {
+/// Notes, on stderr.
+fn notes(notes: &[String]) {
+    for note in notes {
         message(&format!("note: {note}"));
     }
 }
 
-/// Effects of a model file that no posture alone shows, on stderr.
-fn left_out(model: &Model) {
-    for note in model.left_out() {
-        message(&format!("note: {note}"));
-    }
+/// Say on stderr that an output is missing.
+fn not_written(path: &Path) {
+    message(&format!(
+        "{} is not written: the data cannot be used",
+        path.display()
+    ));
 }
 
 /// A line on stderr. Names of files may hold what a terminal obeys; it is spelled out.
@@ -328,9 +327,9 @@ struct Answer<'a, T: serde::Serialize> {
     value: &'a T,
 }
 
-/// The keys of `sesc.toml`: each with what its value is, and the commands that take it.
-pub fn robot_keys() -> Vec<(&'static str, &'static str, Vec<String>)> {
-    defaults::keys()
+/// The keys of `sesc.toml`.
+pub fn robot_keys() -> impl Iterator<Item = &'static str> {
+    defaults::KEYS.into_iter().map(|(key, _)| key)
 }
 
 /// See [`Answer`].

@@ -127,10 +127,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .then(|| PostureWriter::create(&arguments.out, dofs, Written::default()))
         .transpose()?;
     let found = plan(&request, &mut Bar::new("planning"))?;
-    let about = About {
-        urdf: Some(&arguments.robot.urdf),
-        ..About::default()
-    };
+    let about = About::new(&arguments.robot.urdf);
     let next_steps = &about.worded(&found.next_steps())[..];
     let out = arguments.out.display();
     let log = match log {
@@ -153,8 +150,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             &out.to_string(),
             &command_line(),
         );
-        let page = page.map_err(|error| Error::Report(Box::new(error)))?;
-        files::write(path, &page)?;
+        files::write(path, &page?)?;
         message(&format!("wrote {}", path.display()));
     }
     match arguments.json {

@@ -128,10 +128,7 @@ fn after(arguments: &Arguments, stance: &Stance) -> Vec<Worded> {
         model: file.map(|file| file.display().to_string()),
         of: Functions::Predicted,
     };
-    let about = About {
-        urdf: Some(&arguments.robot.urdf),
-        ..About::default()
-    };
+    let about = About::new(&arguments.robot.urdf);
     about.worded([&generate])
 }
 

@@ -118,17 +118,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let (log, sidecar) = (arguments.out.display(), sidecar.display());
     message(&format!("wrote {log} and {sidecar}"));
     let about = About {
-        urdf: Some(&arguments.robot.urdf),
         log: Some(&arguments.out),
-        ..About::default()
+        ..About::new(&arguments.robot.urdf)
     };
     // The sidecar names the support link.
     let steps = about.worded([&NextStep::Fit { support: None }]);
-    if !arguments.json {
-        steps::say(&steps);
-    }
-    if arguments.json {
-        print_json(&Written {
+    match arguments.json {
+        false => steps::say(&steps),
+        true => print_json(&Written {
             robot: &tree.robot,
             support,
             postures: request.poses,
@@ -138,7 +135,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             log: log.to_string(),
             sidecar: sidecar.to_string(),
             next_steps: &steps,
-        })?;
+        })?,
     }
     Ok(Outcome::Ok)
 }

@@ -17,7 +17,15 @@ pub(super) struct About<'a> {
     pub support: Option<&'a str>,
 }
 
-impl About<'_> {
+impl<'a> About<'a> {
+    /// About a robot alone.
+    pub(super) fn new(urdf: &'a Path) -> About<'a> {
+        About {
+            urdf: Some(urdf),
+            ..About::default()
+        }
+    }
+
     /// Steps in words, with their commands.
     pub(super) fn worded<'s>(&self, steps: impl IntoIterator<Item = &'s NextStep>) -> Vec<Worded> {
         next_steps::worded(steps, |step| self.command(step))

@@ -15,7 +15,8 @@ use clap::{Args, ColorChoice};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sesc_identify::{Message, Progress, Watch};
 
-use super::{message, words};
+use super::message;
+use crate::words::option;
 
 const BOLD: &str = "\x1b[1m";
 const RED: &str = "\x1b[1;31m";
@@ -187,7 +188,8 @@ impl Watch for Bar {
     }
 
     fn warning(&mut self, warning: &Message) {
-        self.bar.suspend(|| words::warn(warning));
+        let warning = format!("warning: {}", warning.worded(option));
+        self.bar.suspend(|| message(&warning));
     }
 }
 

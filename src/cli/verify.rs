@@ -55,10 +55,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let file = arguments.model.as_ref();
     let file = file.map(|file| file.display().to_string());
     let step = next_steps::of_verification(model.support(), file, found.pass);
-    let about = About {
-        urdf: Some(&arguments.robot.urdf),
-        ..About::default()
-    };
+    let about = About::new(&arguments.robot.urdf);
     let next_steps = &about.worded([&step])[..];
     if arguments.json {
         let found = &found;

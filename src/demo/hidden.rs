@@ -16,8 +16,7 @@ use sesc_reference::World;
 
 use crate::Error;
 use crate::report::HiddenAct;
-use sesc_identify::diagnose::view::DiagnosisView;
-use sesc_identify::diagnose::{self, Diagnosis, Request};
+use sesc_identify::diagnose::{self, Request};
 use sesc_identify::evaluate::{EffectPredictor, Evaluator};
 use sesc_identify::logs::Table;
 use sesc_identify::observations::rms;
@@ -42,32 +41,12 @@ const FLOOR: f64 = 1e-4;
 /// CoP of the seed paper's stable postures, m.
 const BOX: f64 = 0.023;
 
-/// What came out.
-#[derive(Debug, Clone)]
-pub struct Hidden {
-    /// The diagnosis of the first act's robot with dead bands.
-    pub diagnosis: Diagnosis,
-    /// RMS error per axis on postures never seen, against the noise-free truth:
-    /// of CAD's model, m.
-    pub before: f64,
-    /// The same error of the corrected model, m.
-    pub after: f64,
-    /// RMS distance there of the CoM from the virtual robot's own: of CAD's model, m.
-    pub com_before: f64,
-    /// The same distance of the corrected model's, m.
-    pub com_after: f64,
-    /// Lines of Rust of the corrected model.
-    pub lines: usize,
-    /// What its figures show.
-    pub view: DiagnosisView,
-}
-
 /// Hide dead bands in all joints, diagnose them from simulated readings, and judge the
 /// corrected model.
 ///
 /// # Errors
 /// Where the robot cannot be read, diagnosed or generated.
-pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
+pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<HiddenAct, Error> {
     let virtual_robot = sesc_reference::Robot::from_urdf(robot.text())?;
     let rigid = World::new(&virtual_robot, "r_sole")?;
     let loose = rigid.clone().backlash_all(WIDTH_RAD)?;
@@ -105,7 +84,10 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<Hidden, Error> {
         let gaps = found.chunks_exact(3).zip(&com);
         rms(gaps.map(|(found, truth)| (Vector3::from_column_slice(found) - truth).norm()))
     };
-    Ok(Hidden {
+    Ok(HiddenAct {
+        sentence: report.diagnosis.sentence.clone(),
+        postures: POSTURES,
+        judged: JUDGED,
         before: error(&cad),
         after: error(&better),
         com_before: distance(model),
@@ -156,22 +138,5 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
         false => Err(Error::Usage(
             "too few balanced postures for the demo".into(),
         )),
-    }
-}
-
-impl Hidden {
-    /// For the report.
-    pub fn act(&self) -> HiddenAct {
-        HiddenAct {
-            sentence: self.diagnosis.sentence.clone(),
-            postures: POSTURES,
-            judged: JUDGED,
-            before: self.before,
-            after: self.after,
-            com_before: self.com_before,
-            com_after: self.com_after,
-            view: self.view.clone(),
-            diagnosis: self.diagnosis.clone(),
-        }
     }
 }

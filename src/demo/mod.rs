@@ -42,8 +42,6 @@ pub struct Demo {
     pub report: DemoReport,
     /// The first act: a robot that is as its model says.
     pub first: FirstAct,
-    /// The second act.
-    pub hidden: hidden::Hidden,
 }
 
 /// What the first act found, beside what its page shows.
@@ -73,12 +71,8 @@ pub fn run(seed: u64, watch: &mut dyn Watch) -> Result<Demo, Error> {
         || first_act(&robot, &model, seed, watch),
     );
     let ((mut report, first), hidden) = (first?, hidden?);
-    report.hidden = Some(hidden.act());
-    Ok(Demo {
-        report,
-        first,
-        hidden,
-    })
+    report.hidden = Some(hidden);
+    Ok(Demo { report, first })
 }
 
 /// The first act, and the page without the second.

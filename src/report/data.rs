@@ -3,8 +3,9 @@
 
 use minijinja::{Value, context};
 
-use super::figures::range_bar;
+use super::figures::plan::range_bar;
 use super::health;
+use sesc_identify::fit::Visits;
 use sesc_identify::health::Finding;
 use sesc_model::text::listed;
 use sesc_model::tree::Dof;
@@ -14,6 +15,12 @@ const HARDLY: f64 = 0.05;
 const MUCH: f64 = 0.5;
 /// Joints that a sentence names.
 const NAMED: usize = 8;
+
+/// How often postures were reached.
+pub fn visits(found: Option<&Visits>) -> String {
+    let nothing = || "no posture was reached twice".to_string();
+    found.map_or_else(nothing, Visits::sentence)
+}
 
 /// What a card says of data.
 pub struct Data<'a> {

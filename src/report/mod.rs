@@ -92,6 +92,9 @@ pub struct HiddenAct {
     pub com_before: f64,
     /// The same of the corrected model, m.
     pub com_after: f64,
+    /// Lines of Rust of the corrected model.
+    #[serde(skip)]
+    pub lines: usize,
     /// What its figures show.
     #[serde(skip)]
     pub view: DiagnosisView,

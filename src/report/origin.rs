@@ -3,6 +3,9 @@
 
 use minijinja::context;
 use minijinja::value::{Serde, Value};
+use sesc_identify::diagnose::Diagnosis;
+use sesc_identify::fit::Identification;
+use sesc_model::ModelFile;
 
 /// Times (s) from here on are counted from 1970, which logs of a stopwatch never reach; later
 /// ones are no times.
@@ -21,7 +24,30 @@ pub(super) struct Origin<'a> {
     pub command: &'a str,
 }
 
-impl Origin<'_> {
+impl<'a> Origin<'a> {
+    /// Of a fit.
+    pub fn of_fit(found: &'a Identification, command: &'a str) -> Origin<'a> {
+        let times = found.data.iter().filter_map(|log| log.times);
+        let logs = found.data.iter();
+        Origin {
+            robot: [&found.robot, &found.hash],
+            logs: logs.map(|log| (&*log.file, log.rows, &*log.hash)).collect(),
+            times: times.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]),
+            command,
+        }
+    }
+
+    /// Of a diagnosis; `made` says of which robot and data it is.
+    pub fn of_diagnosis(found: &Diagnosis, made: &'a ModelFile, command: &'a str) -> Origin<'a> {
+        let logs = made.data.iter();
+        Origin {
+            robot: [&made.robot, &made.hash],
+            logs: logs.map(|log| (&*log.file, log.rows, &*log.hash)).collect(),
+            times: found.times,
+            command,
+        }
+    }
+
     /// What `origin.html` and `again.html` take.
     pub fn context(&self) -> Value {
         context! {

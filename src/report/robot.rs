@@ -302,8 +302,6 @@ fn inline_json(value: &Json) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sesc_identify::robot::Robot;
-    use sesc_model::Snapping;
 
     /// A page of a long log or of many joints: what its script reads stays small, every posture
     /// keeps its number, and the one that is shown is there.
@@ -334,53 +332,6 @@ mod tests {
         }
         let few = of(20, 100);
         assert_eq!(within(few.clone(), 0, DATA_BYTES), few);
-    }
-
-    /// A chain of so many joints.
-    fn chain(joints: usize) -> Skeleton {
-        let mut text = "<robot name='chain'><link name='link_0'/>".to_string();
-        for k in 1..=joints {
-            let axis = ["1 0 0", "0 1 0"][k % 2];
-            text += &format!(
-                "<link name='link_{k}'><inertial><origin xyz='0.001 0 0.005'/><mass value='0.01'/>\
-                 </inertial></link><joint name='joint_{k}' type='continuous'><parent \
-                 link='link_{}'/><child link='link_{k}'/><origin xyz='0 0 0.01'/><axis \
-                 xyz='{axis}'/></joint>",
-                k - 1
-            );
-        }
-        let robot = Robot::parse(&(text + "</robot>"), "chain.urdf").unwrap();
-        let model = robot.model("link_0", Snapping::default(), None).unwrap();
-        Skeleton::of(&model, &robot.description, None)
-    }
-
-    /// The slider of a robot of hundreds of joints has some of the postures, and the page says so.
-    #[test]
-    fn pages_of_robots_of_hundreds_of_joints_stay_small() {
-        let skeleton = chain(450);
-        let posture = Shown {
-            q: vec![-0.0123; 450],
-            measured: Some([0.012_345, -0.012_345]),
-            ..Shown::default()
-        };
-        let card = Card {
-            skeleton: &skeleton,
-            postures: vec![posture; 60],
-            apart: Vec::new(),
-            beside: None,
-            caption: "A chain.".to_string(),
-            marks: Marks::default(),
-            correction: Correction::default(),
-        };
-        let context = card.context();
-        let said = |key: &str| context.get_attr(key).unwrap().to_string();
-        assert!(said("data").len() < DATA_BYTES, "{}", said("data").len());
-        let data: Json = serde_json::from_str(&said("data")).unwrap();
-        let kept = data["postures"].as_array().unwrap().iter();
-        let kept = kept.filter(|posture| !posture.is_null()).count();
-        assert!((10..60).contains(&kept), "{kept}");
-        let words = format!("A chain. The slider and pointing at dots show {kept} of the 60");
-        assert!(said("caption").starts_with(&words), "{}", said("caption"));
     }
 
     #[test]

@@ -128,6 +128,12 @@ pub fn mm(metres: f64) -> String {
     }
 }
 
+/// Names in a column, and what is said of each: a line each.
+pub fn lines<'n>(facts: impl IntoIterator<Item = (&'n str, String)>) -> String {
+    let line = |(name, text): (&str, String)| format!("{name:<16} {text}\n");
+    facts.into_iter().map(line).collect()
+}
+
 /// Lines of at most a hundred characters, `indent` before all but the first.
 pub fn wrapped(text: &str, indent: &str) -> String {
     wrapped_at(text, indent, 97)

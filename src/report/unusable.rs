@@ -16,20 +16,6 @@ use sesc_identify::health::Finding;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 
-/// What the page is about.
-struct Broken<'a> {
-    robot: &'a str,
-    support: &'a str,
-    postures: u64,
-    /// How many rows there are, and what they are worth.
-    rows: String,
-    health: &'a [Finding],
-    next: &'a [Worded],
-    origin: Origin<'a>,
-    /// The robot, where its URDF is at hand.
-    drawn: Option<&'a Skeleton>,
-}
-
 /// The page of a fit to such data; `drawn` is its robot where the URDF is at hand, `command`
 /// makes the page again.
 ///
@@ -41,26 +27,11 @@ pub fn page_of_fit(
     drawn: Option<&Skeleton>,
     command: &str,
 ) -> Result<String, Error> {
-    let times = found.data.iter().filter_map(|log| log.times);
-    page(&Broken {
-        robot: &found.robot,
-        support: &found.support,
-        postures: found.postures,
-        rows: found.samples.sentence(),
-        health: &found.health,
-        next,
-        origin: Origin {
-            robot: [&found.robot, &found.hash],
-            logs: found
-                .data
-                .iter()
-                .map(|log| (&*log.file, log.rows, &*log.hash))
-                .collect(),
-            times: times.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]),
-            command,
-        },
-        drawn,
-    })
+    let postures = found.postures.to_string();
+    let lines = vec![("rows", found.samples.sentence()), ("postures", postures)];
+    let about = [&*found.robot, &found.support];
+    let origin = Origin::of_fit(found, command);
+    page(about, lines, &found.health, next, origin, drawn)
 }
 
 /// The page of a diagnosis of such data; `made` says of which robot and data it is, `drawn` is
@@ -74,26 +45,12 @@ pub fn page_of_diagnosis(
     drawn: Option<&Skeleton>,
     command: &str,
 ) -> Result<String, Error> {
-    let found = report.found;
-    page(&Broken {
-        robot: &found.robot,
-        support: &found.support,
-        postures: found.postures as u64,
-        rows: found.samples.sentence(),
-        health: &found.health,
-        next: report.next_steps,
-        origin: Origin {
-            robot: [&made.robot, &made.hash],
-            logs: made
-                .data
-                .iter()
-                .map(|log| (&*log.file, log.rows, &*log.hash))
-                .collect(),
-            times: found.times,
-            command,
-        },
-        drawn,
-    })
+    let (found, next) = (report.found, report.next_steps);
+    let postures = found.postures.to_string();
+    let lines = vec![("rows", found.samples.sentence()), ("postures", postures)];
+    let about = [&*found.robot, &found.support];
+    let origin = Origin::of_diagnosis(found, made, command);
+    page(about, lines, &found.health, next, origin, drawn)
 }
 
 /// The robot, with the joints marked that a finding is about.
@@ -115,26 +72,30 @@ fn card(skeleton: &Skeleton, health: &[Finding]) -> Value {
     )
 }
 
-fn page(broken: &Broken<'_>) -> Result<String, Error> {
+fn page(
+    [robot_name, support]: [&str; 2],
+    lines: Vec<(&'static str, String)>,
+    health: &[Finding],
+    next: &[Worded],
+    origin: Origin<'_>,
+    drawn: Option<&Skeleton>,
+) -> Result<String, Error> {
     let data = Data {
-        lines: vec![
-            ("rows", broken.rows.clone()),
-            ("postures", broken.postures.to_string()),
-        ],
+        lines,
         dofs: &[],
         used: &[],
         postures: Vec::new(),
-        health: broken.health,
-        first_posed: broken.drawn.map(|_| 0),
+        health,
+        first_posed: drawn.map(|_| 0),
     };
     let context = context! {
-        robot => broken.drawn.map(|drawn| card(drawn, broken.health)),
-        robot_name => broken.robot,
-        support => broken.support,
-        log => broken.origin.logs.iter().map(|log| log.0).collect::<Vec<&str>>().join(" + "),
+        robot => drawn.map(|drawn| card(drawn, health)),
+        robot_name,
+        support,
+        log => origin.logs.iter().map(|log| log.0).collect::<Vec<&str>>().join(" + "),
         data => data.context(),
-        next => next_steps::context(broken.next),
-        origin => broken.origin.context(),
+        next => next_steps::context(next),
+        origin => origin.context(),
     };
     render("unusable.html", context)
 }

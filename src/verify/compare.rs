@@ -5,7 +5,6 @@ use sesc_model::Function;
 use sesc_reference::Reference;
 
 use super::motion::JointMotion;
-use super::truth::Truth;
 use super::world::{self, Bent};
 
 /// One posture in so many is also differentiated, which costs a few evaluations a joint,
@@ -53,11 +52,7 @@ pub(super) struct Differences {
 
 impl Compared<'_> {
     pub fn differences(&self, block: &Block) -> Differences {
-        let Block {
-            q,
-            postures,
-            differentiate,
-        } = *block;
+        let (q, postures, differentiate) = (&block.q, block.postures, block.differentiate);
         let dof = self.dof;
         let truths: Vec<Truth> = (0..postures)
             .map(|k| {
@@ -107,61 +102,31 @@ impl Compared<'_> {
     }
 }
 
-/// Postures in blocks: first those that are differentiated, then the others.
-pub(super) struct Blocks {
-    dof: usize,
-    differentiated: Vec<f64>,
-    others: Vec<f64>,
-    /// Postures of each; robots without joints have one, of no numbers.
-    counts: [usize; 2],
-}
-
 /// Postures that are compared together.
-pub(super) struct Block<'a> {
-    pub q: &'a [f64],
+pub(super) struct Block {
+    pub q: Vec<f64>,
+    /// Robots without joints have one, of no numbers.
     pub postures: usize,
     pub differentiate: bool,
 }
 
-impl Blocks {
-    /// `count` postures, one in [`DIFFERENTIATED`] of them to be differentiated or, where
-    /// joints are many, one in so many that [`DERIVATIVES`] are taken.
-    pub fn of(postures: &[f64], count: usize, dof: usize) -> Blocks {
-        let one_in = DIFFERENTIATED.max((count * dof).div_ceil(DERIVATIVES));
-        let differentiated = count.div_ceil(one_in);
-        let mut blocks = Blocks {
-            dof,
-            differentiated: Vec::with_capacity(differentiated * dof),
-            others: Vec::with_capacity((count - differentiated) * dof),
-            counts: [differentiated, count - differentiated],
-        };
-        for (k, q) in postures.chunks(dof.max(1)).enumerate() {
-            match k % one_in {
-                0 => blocks.differentiated.extend(q),
-                _ => blocks.others.extend(q),
-            }
+/// `count` postures in blocks: first those that are differentiated, one in [`DIFFERENTIATED`] or,
+/// where joints are many, one in so many that [`DERIVATIVES`] are taken; then the others.
+pub(super) fn blocks(postures: &[f64], count: usize, dof: usize) -> Vec<Block> {
+    let one_in = DIFFERENTIATED.max((count * dof).div_ceil(DERIVATIVES));
+    let mut blocks = Vec::new();
+    for (differentiate, size) in [(true, BLOCK_OF_DERIVATIVES), (false, BLOCK)] {
+        let own = (0..count).filter(|k| k.is_multiple_of(one_in) == differentiate);
+        for own in own.collect::<Vec<usize>>().chunks(size) {
+            let q = own.iter().flat_map(|k| &postures[k * dof..(k + 1) * dof]);
+            blocks.push(Block {
+                q: q.copied().collect(),
+                postures: own.len(),
+                differentiate,
+            });
         }
-        blocks
     }
-
-    pub fn iter(&self) -> impl Iterator<Item = Block<'_>> {
-        let parts = [&self.differentiated, &self.others];
-        let parts = parts.into_iter().zip(self.counts).zip([true, false]);
-        parts.flat_map(move |((q, count), differentiate)| {
-            let size = match differentiate {
-                true => BLOCK_OF_DERIVATIVES,
-                false => BLOCK,
-            };
-            (0..count).step_by(size).map(move |start| {
-                let end = count.min(start + size);
-                Block {
-                    q: &q[start * self.dof..end * self.dof],
-                    postures: end - start,
-                    differentiate,
-                }
-            })
-        })
-    }
+    blocks
 }
 
 /// Whether the function is compared where postures are differentiated alone.
@@ -170,4 +135,74 @@ fn is_derivative(function: Function) -> bool {
         function,
         Function::ComJacobian | Function::ComVelocity | Function::GravityMoments
     )
+}
+
+// What the reference says of one posture, and how far the values of a function are from it.
+
+/// What the reference says of one posture.
+pub(super) struct Truth {
+    pub com: [f64; 3],
+    /// The CoM that regressor rows give: of the robot with effects of the encoders alone.
+    pub rows: [f64; 3],
+    /// The CoP as the sensor reads it.
+    pub cop: [f64; 2],
+    /// The ZMP as joints move, where it is known.
+    pub zmp: Option<[f64; 2]>,
+    /// Row-major Jacobian and gravity moments, where they were taken.
+    pub derivatives: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+impl Truth {
+    pub fn new(
+        reference: &Reference,
+        q: &[f64],
+        joints: &JointMotion,
+        differentiate: bool,
+    ) -> Truth {
+        let com = reference.com(q);
+        let derivatives = differentiate.then(|| {
+            let jacobian = reference.com_jacobian(q).transpose();
+            let moments = -jacobian.column(2);
+            (jacobian.as_slice().to_vec(), moments.as_slice().to_vec())
+        });
+        Truth {
+            com: [com.x, com.y, com.z],
+            rows: [com.x, com.y, com.z],
+            cop: [com.x, com.y],
+            zmp: Some(
+                reference
+                    .zmp(q, &joints.rates, &joints.accelerations)
+                    .into(),
+            ),
+            derivatives,
+        }
+    }
+
+    /// Largest difference between `values` of `function` and the truth, m; of rows by what
+    /// they give times `params`, of a velocity by that of joints that move at `params`.
+    pub fn difference(&self, function: Function, params: &[f64], values: &[f64]) -> f64 {
+        let times = |row: &[f64]| -> f64 { row.iter().zip(params).map(|(a, b)| a * b).sum() };
+        let explained =
+            |rows: &[f64]| -> Vec<f64> { rows.chunks(params.len().max(1)).map(times).collect() };
+        match (function, &self.derivatives) {
+            (Function::Com, _) => largest(values, &self.com),
+            (Function::Cop, _) => largest(values, &self.cop),
+            (Function::Zmp, _) => self.zmp.map_or(0.0, |zmp| largest(values, &zmp)),
+            // Not of a posture: nothing to compare.
+            (Function::CorrectCop, _) => 0.0,
+            (Function::Regressor | Function::RegressorCop | Function::RegressorFull, _) => {
+                largest(&explained(values), &self.rows)
+            }
+            (Function::ComJacobian, Some((jacobian, _))) => largest(values, jacobian),
+            (Function::GravityMoments, Some((_, moments))) => largest(values, moments),
+            (Function::ComVelocity, Some((jacobian, _))) => largest(values, &explained(jacobian)),
+            (Function::ComJacobian | Function::ComVelocity | Function::GravityMoments, None) => 0.0,
+        }
+    }
+}
+
+/// Largest |a − b| over the entries of `a`; NaN if there is one.
+fn largest(a: &[f64], b: &[f64]) -> f64 {
+    let differences = a.iter().zip(b).map(|(x, y)| (x - y).abs());
+    differences.fold(0.0, |most, x| if x.is_nan() || x > most { x } else { most })
 }

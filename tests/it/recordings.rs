@@ -209,11 +209,7 @@ fn a_gap_that_is_bent_wrongly_is_no_noise_without_end() {
         ..Swing::new(0.4, 0.1, 20.0)
     };
     let world = stage.world().joint_offset("r_knee", 3_f64.to_radians());
-    let noise = Noise {
-        kind: Kind::Ar1(0.2),
-        std: [1e-3; 2],
-        visit_std: 0.0,
-    };
+    let noise = Noise::new(Kind::Ar1(0.2), 1e-3);
     let recording = swing.record(&stage, world.unwrap(), noise, 100.0, random);
     let columns = recording.columns(true).into_iter();
     let log = columns.fold(Table::new("recording"), |table, (name, values)| {

@@ -20,6 +20,24 @@ console.log(JSON.stringify(data.postures.map(({ q }) => {
 })));
 "#;
 
+/// Prints the hash of a page's own script, as a policy names it.
+const HASH: &str = r#"
+const script = require('fs').readFileSync(process.argv[1], 'utf8').split('<script>')[1].split('</script>')[0];
+console.log('sha256-' + require('crypto').createHash('sha256').update(script).digest('base64'));
+"#;
+
+/// What a program for node prints.
+fn node(program: &str, arguments: &[&str]) -> String {
+    let node = Command::new("node")
+        .args(["-e", program])
+        .args(arguments)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&node.stderr);
+    assert!(node.status.success(), "{said}");
+    String::from_utf8(node.stdout).unwrap()
+}
+
 fn sesc(arguments: &[&str]) {
     let output = Command::new(env!("CARGO_BIN_EXE_sesc"))
         .args(arguments)
@@ -72,22 +90,18 @@ fn a_script_poses_the_robot_as_the_reference_does() {
             &log,
         ]);
         sesc(&["fit", &urdf, "--data", &log, "--report", &page]);
+        let hash = node(HASH, &[&page]);
         let page = fs::read_to_string(&page).unwrap();
+        // A browser runs a script of the hash that the policy names, and no other.
+        let policy = format!("script-src '{}'", hash.trim());
+        assert!(page.contains(&policy), "SCRIPT_HASH is {hash}");
         let (_, json) = page
             .split_once("<script type=\"application/json\" id=\"robot\">")
             .unwrap();
         let (json, _) = json.split_once("</script>").unwrap();
         fs::write(&data, json).unwrap();
-        let node = Command::new("node")
-            .args(["-e", PLACES, POSE_JS, &data])
-            .output()
-            .unwrap();
-        assert!(
-            node.status.success(),
-            "{}",
-            String::from_utf8_lossy(&node.stderr)
-        );
-        let placed: serde_json::Value = serde_json::from_slice(&node.stdout).unwrap();
+        let placed = node(PLACES, &[POSE_JS, &data]);
+        let placed: serde_json::Value = serde_json::from_str(&placed).unwrap();
         let given: serde_json::Value = serde_json::from_str(json).unwrap();
 
         let text = fs::read_to_string(&urdf).unwrap();

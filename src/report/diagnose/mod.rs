@@ -1,13 +1,12 @@
 //! What a diagnosis found: on the console, and as a page with figures.
 
 mod page;
-mod robot;
 #[cfg(test)]
 mod tests;
 mod text;
 
+pub(super) use page::card;
 pub use page::page;
-pub(super) use robot::card;
 pub use text::text;
 
 use serde::Serialize;

@@ -1,19 +1,17 @@
 //! Pages and console texts of small simulated logs.
 
-use std::fmt::Write as _;
 use std::sync::Arc;
 
 use sesc_model::{DataUsed, Function, Model, ModelFile, Snapping};
 
 use super::{DiagnoseReport, page, text};
-use crate::OP2_URDF;
 use crate::report::next_steps::{Worded, worded};
 use crate::report::tests::still;
 use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{Diagnosis, ExperimentProposal, Member, Verdict};
 use sesc_identify::diagnose::{Request, diagnose};
 use sesc_identify::evaluate::Evaluator;
-use sesc_identify::logs::{LogSource, Sidecar};
+use sesc_identify::logs::{LogSource, Sidecar, Table};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 
@@ -24,59 +22,46 @@ const NOISE: f64 = 2e-4;
 type Off = fn(usize, &[f64]) -> [f64; 2];
 
 /// A log of readings that differ from CAD by `off` and noise.
-fn log(model: &Model, count: usize, timed: bool, off: Off) -> String {
+fn log(model: &Model, count: usize, timed: bool, off: Off) -> Table {
     let dofs = &model.tree.dofs;
     let mut simulator = Simulator::new(dofs, Some(0.6), 3);
     let q = simulator.batch(count);
-    let rows = Evaluator::new(model, Function::RegressorCop).run(&q, count);
-    let (params, p) = (model.cad_params(), model.base.params.len());
-    let mut text = String::from(if timed { "pose,t" } else { "pose" });
-    dofs.iter()
-        .for_each(|dof| text.extend([",", dof.joint.as_str()]));
-    text.push_str(",cop_x,cop_y,cop_x_std,cop_y_std\n");
-    for k in 0..count {
-        let own = &q[k * dofs.len()..(k + 1) * dofs.len()];
-        let extra = off(k, own);
-        let _ = write!(text, "{k}");
-        if timed {
-            let _ = write!(text, ",{}", 0.5 * k as f64);
-        }
-        own.iter().for_each(|q| {
-            let _ = write!(text, ",{q}");
-        });
-        for axis in 0..2 {
-            let row = &rows[(2 * k + axis) * p..(2 * k + axis + 1) * p];
-            let cop: f64 = row.iter().zip(&params).map(|(x, r)| x * r).sum();
-            let _ = write!(text, ",{}", cop + extra[axis] + simulator.gauss(NOISE));
-        }
-        let _ = writeln!(text, ",{NOISE},{NOISE}");
+    let cop = Evaluator::new(model, Function::Cop).run(&q, count);
+    let readings = q.chunks(dofs.len()).zip(cop.chunks(2)).enumerate();
+    let readings = readings.flat_map(|(k, (q, cop))| {
+        let extra = off(k, q);
+        [0, 1].map(|axis| cop[axis] + extra[axis] + simulator.gauss(NOISE))
+    });
+    let readings: Vec<f64> = readings.collect();
+    let column = |values: &[f64], from: usize, step: usize| -> Vec<f64> {
+        values.iter().skip(from).step_by(step).copied().collect()
+    };
+    let mut log = Table::new("log.csv").integers("pose", (0..count as i64).collect::<Vec<_>>());
+    if timed {
+        log = log.numbers("t", (0..count).map(|k| 0.5 * k as f64).collect::<Vec<_>>());
     }
-    text
+    for (j, dof) in dofs.iter().enumerate() {
+        log = log.numbers(&dof.joint, column(&q, j, dofs.len()));
+    }
+    for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
+        log = log.numbers(name, column(&readings, axis, 2));
+        log = log.numbers(&format!("{name}_std"), vec![NOISE; count]);
+    }
+    log
 }
 
-fn diagnosed(
-    urdf: &str,
-    support: &str,
-    prior: &str,
-    (count, timed): (usize, bool),
-    off: Off,
-) -> (Diagnosis, DiagnosisView) {
-    let robot = Robot::parse(urdf, "robot.urdf").unwrap();
-    let model = robot.model(support, Snapping::default(), None).unwrap();
-    let log = LogSource::bytes("log.csv", log(&model, count, timed, off)).with_sidecar(Sidecar {
+fn small((count, timed): (usize, bool), off: Off) -> (Diagnosis, DiagnosisView) {
+    let robot = Robot::parse(TWO_LINK, "robot.urdf").unwrap();
+    let model = robot.model("foot", Snapping::default(), None).unwrap();
+    let log = LogSource::from(log(&model, count, timed, off)).with_sidecar(Sidecar {
         robot: Some("a<b>&c".into()),
         ..Sidecar::default()
     });
     let mut request = Request::new(Arc::new(robot), log);
-    request.support = Some(support.into());
-    request.prior = prior.into();
+    request.support = Some("foot".into());
     request.view = true;
     let report = diagnose(&request, &mut ()).unwrap();
     (report.diagnosis, report.view.unwrap())
-}
-
-fn small(size: (usize, bool), off: Off) -> (Diagnosis, DiagnosisView) {
-    diagnosed(TWO_LINK, "foot", "tight", size, off)
 }
 
 /// The robot and data that a page names.
@@ -294,16 +279,6 @@ fn a_class_of_twenty_is_numbered_and_mapped() {
     assert!(html.contains("19 others that look alike"));
     let said = console(&found);
     assert!(said.contains("cannot tell apart") && said.contains("and 12 more in JSON"));
-}
-
-#[test]
-fn thirty_eight_postures_of_a_humanoid_with_masses_in_doubt() {
-    let off: Off = |_, q| [0.01 + 0.0 * q[0], -0.006];
-    let (found, view) = diagnosed(OP2_URDF, "r_sole", "cad", (38, false), off);
-    sound(&found, &view);
-    assert_eq!(view.by_position.len(), 6);
-    assert_eq!(view.by_moment.len(), 6);
-    assert_eq!(view.postures.len(), 38);
 }
 
 /// Rows of findings are postures of the page behind those of its slider, and every dot of a

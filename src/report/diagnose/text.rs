@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 
 use super::{DiagnoseReport, count, parameters, servo, where_to};
-use crate::report::table::{Table, mm, wrapped};
+use crate::report::table::{Table, lines, mm, wrapped};
 use crate::report::{next_steps, soles};
 use sesc_identify::diagnose::Diagnosis;
+use sesc_model::text::listed;
 
 /// Explanations and poses in a row, at most.
 const LISTED: usize = 8;
@@ -87,72 +88,46 @@ fn class(found: &Diagnosis) -> String {
 }
 
 fn facts(found: &Diagnosis) -> String {
-    let mut out = String::new();
-    let mut fact = |name: &str, text: String| {
-        let _ = writeln!(out, "{name:<16} {text}");
-    };
-    let apart = match found.last.left_out {
+    let last = &found.last;
+    let apart = match last.left_out {
         0 => String::new(),
         n => format!(", {} apart", count(n, "posture")),
     };
-    fact(
-        "left",
-        format!(
-            "{} mm held out (x {}, y {}{apart}), where CAD leaves {} mm; χ² {:.0} where noise \
-             leaves {:.0}",
-            mm(found.last.rmse),
-            mm(found.last.rmse_x),
-            mm(found.last.rmse_y),
-            mm(found.baseline.rmse),
-            found.leftover.chi2,
-            found.leftover.expected
-        ),
+    let [all, x, y, cad] = [last.rmse, last.rmse_x, last.rmse_y, found.baseline.rmse].map(mm);
+    let left = format!(
+        "{all} mm held out (x {x}, y {y}{apart}), where CAD leaves {cad} mm; χ² {:.0} where noise \
+         leaves {:.0}",
+        found.leftover.chi2, found.leftover.expected
     );
-    fact(
-        "noise",
-        format!(
-            "{} mm per posture and axis, {}; {} mm with the floor",
-            mm(found.noise),
-            found.noise_source.phrase(),
-            mm(found.noise_floor)
-        ),
+    let [noise, floor, absorbed] =
+        [found.noise, found.noise_floor, found.absorbed_by_masses].map(mm);
+    let source = found.noise_source.phrase();
+    let noise = format!("{noise} mm per posture and axis, {source}; {floor} mm with the floor");
+    let samples = found.samples.sentence();
+    let mut facts = vec![("left", left), ("noise", noise), ("samples", samples)];
+    let motion = Some(&found.motion.sentence).filter(|motion| !motion.is_empty());
+    facts.extend(motion.map(|motion| ("motion", motion.clone())));
+    facts.extend(
+        found
+            .again
+            .iter()
+            .map(|own| ("reach again", own.sentence.clone())),
     );
-    fact("samples", found.samples.sentence());
-    if !found.motion.sentence.is_empty() {
-        fact("motion", found.motion.sentence.clone());
-    }
-    if let Some(again) = &found.again {
-        fact("reach again", again.sentence.clone());
-    }
-    if let Some(closure) = &found.closure {
-        fact("soles", soles(closure));
-    }
-    if let Some(visits) = &found.visits {
-        fact("visits", visits.sentence());
-    }
-    fact(
-        "masses",
-        format!(
-            "take {} mm of the gap{}; prior {}",
-            mm(found.absorbed_by_masses),
-            if found.steps.is_empty() {
-                ""
-            } else {
-                " beside that"
-            },
-            found.prior
-        ),
-    );
+    facts.extend(found.closure.iter().map(|own| ("soles", soles(own))));
+    facts.extend(found.visits.iter().map(|own| ("visits", own.sentence())));
+    let beside = if found.steps.is_empty() {
+        ""
+    } else {
+        " beside that"
+    };
+    let prior = &found.prior;
+    let masses = format!("take {absorbed} mm of the gap{beside}; prior {prior}");
+    facts.push(("masses", masses));
     if !found.outliers.is_empty() {
-        let poses = found.outliers.iter().take(POSES).map(ToString::to_string);
-        let poses = poses.collect::<Vec<_>>().join(", ");
-        let more = match found.outliers.len().saturating_sub(POSES) {
-            0 => String::new(),
-            n => format!(" and {n} more"),
-        };
-        fact("outliers", format!("poses {poses}{more}"));
+        let poses = listed(&found.outliers, POSES);
+        facts.push(("outliers", format!("poses {poses}")));
     }
-    out
+    lines(facts)
 }
 
 /// What to change for each effect, and how the model file is used.

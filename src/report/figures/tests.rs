@@ -3,7 +3,7 @@
 use super::super::svg::tests::sound;
 use super::super::tests::report;
 use super::super::{CopRow, DemoReport, HeightRow, LengthRow};
-use super::*;
+use super::demo::*;
 
 fn all(report: &DemoReport) -> Vec<String> {
     vec![
@@ -43,11 +43,6 @@ fn dots_stand_for_a_posture_or_have_words() {
     for k in [4, 5] {
         assert_eq!(groups(&figures[k], "data-v"), report.lengths.len(), "{k}");
     }
-}
-
-#[test]
-fn equal_rows_give_equal_bytes() {
-    assert_eq!(all(&report()), all(&report()));
 }
 
 #[test]

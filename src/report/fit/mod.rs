@@ -1,8 +1,6 @@
 //! What a fit found: on the console, as JSON, and as a page with figures.
 
-mod correction;
 mod page;
-mod robot;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -20,9 +18,8 @@ use sesc_identify::skeleton::Skeleton;
 
 use crate::report::next_steps::Worded;
 
-pub use correction::corrections;
 pub use page::page;
-pub use text::text;
+pub use text::{corrections, text};
 
 /// All that `sesc fit` prints, as JSON.
 #[derive(Debug, Clone, Serialize)]

@@ -3,12 +3,16 @@
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
-use super::{FitReport, Shown, robot};
-use crate::report::data::Data;
+use super::{FitReport, Moved, Shown};
+use crate::report::data::{Data, visits};
 use crate::report::figures::fit as figures;
+use crate::report::figures::robot::Marks;
+use crate::report::health::Posed;
 use crate::report::html::render;
 use crate::report::origin::Origin;
+use crate::report::robot::{Card, Correction, Shown as Posture};
 use crate::report::{next_steps, soles};
+use sesc_identify::fit::residuals::Residual;
 
 /// Parameters whose correlations fit on a map.
 const MAPPED: usize = 150;
@@ -28,19 +32,9 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         shifts => report.corrected.map(|corrected| {
             corrected.links.iter().map(|change| change.shift()).collect::<Vec<f64>>()
         }),
-        robot => robot::card(report, shown).map(|card| card.context()),
+        robot => card(report, shown).map(|card| card.context()),
         data => data(report, shown).context(),
-        origin => Origin {
-            robot: [&found.robot, &found.hash],
-            logs: found.data.iter().map(|log| (&*log.file, log.rows, &*log.hash)).collect(),
-            times: found
-                .data
-                .iter()
-                .filter_map(|log| log.times)
-                .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]),
-            command: &shown.command,
-        }
-        .context(),
+        origin => Origin::of_fit(found, &shown.command).context(),
         next => next_steps::context(report.next_steps),
         noise_source => found.noise_source.phrase(),
         soles => found.closure.as_ref().map(soles),
@@ -70,13 +64,7 @@ fn data<'a>(report: &FitReport<'a>, shown: &'a Shown) -> Data<'a> {
         "postures",
         format!("{}, {} readings", found.postures, found.readings),
     ));
-    lines.push((
-        "visits",
-        match &found.visits {
-            Some(visits) => visits.sentence(),
-            None => "no posture was reached twice".to_string(),
-        },
-    ));
+    lines.push(("visits", visits(found.visits.as_ref())));
     Data {
         lines,
         dofs: shown
@@ -88,4 +76,87 @@ fn data<'a>(report: &FitReport<'a>, shown: &'a Shown) -> Data<'a> {
         health: &found.health,
         first_posed: (shown.robot.as_ref()).map(|_| figures::some(&shown.residuals).count()),
     }
+}
+
+// The robot of a fit: which links the data moved.
+
+/// Standard deviations that one parameter in twenty leaves by chance, and that none does.
+const CHANCE: f64 = 2.0;
+const SURE: f64 = 4.0;
+/// Bodies that a caption names.
+const NAMED: usize = 3;
+
+/// The robot with the links shaded that the data moved, where it is at hand.
+fn card<'a>(report: &FitReport<'_>, shown: &'a Shown) -> Option<Card<'a>> {
+    let moved = shown.robot.as_ref()?;
+    let posture = |row: &Residual| Posture {
+        pose: row.pose,
+        q: row.q.clone(),
+        measured: Some(row.measured),
+        predicted: Some([row.cad, row.fitted]),
+        ..Posture::default()
+    };
+    Some(Card {
+        skeleton: &moved.skeleton,
+        postures: figures::some(&shown.residuals).map(posture).collect(),
+        apart: Posed::of(&report.found.health).shown(),
+        beside: Some(figures::sole_beside(&shown.residuals)),
+        caption: caption(moved, report),
+        marks: marks(moved, report),
+        correction: Correction {
+            names: ["CAD", "the fit"],
+            ..Correction::default()
+        },
+    })
+}
+
+fn marks(moved: &Moved, report: &FitReport<'_>) -> Marks {
+    let skeleton = &moved.skeleton;
+    let links = skeleton.capsules.iter().map(|capsule| {
+        let by = (moved.deviations[capsule.body] - CHANCE) / (SURE - CHANCE);
+        (capsule.link.clone(), by)
+    });
+    let arrows = report.corrected.iter().flat_map(|corrected| {
+        corrected.links.iter().filter_map(|change| {
+            let (body, from) = skeleton.in_body(&change.link, change.com[0])?;
+            let (_, to) = skeleton.in_body(&change.link, change.com[1])?;
+            Some((body, [from, to]))
+        })
+    });
+    Marks {
+        moved: links.collect(),
+        arrows: arrows.collect(),
+        ..Marks::default()
+    }
+}
+
+/// Which bodies moved most, by how many of their standard deviations.
+fn caption(moved: &Moved, report: &FitReport<'_>) -> String {
+    let mut order: Vec<(f64, &str)> = (moved.deviations.iter().zip(&report.found.bodies))
+        .map(|(by, body)| (*by, body.body.as_str()))
+        .collect();
+    order.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let named = order.iter().filter(|(by, _)| *by > CHANCE).take(NAMED);
+    let named: Vec<String> = named
+        .map(|(by, body)| format!("`{body}` ({by:.1})"))
+        .collect();
+    let said = match named.is_empty() {
+        true => "No link moved by more than chance.".to_string(),
+        false => format!(
+            "What moved most, in standard deviations: {}.",
+            named.join(", ")
+        ),
+    };
+    let arrows = match report.corrected {
+        Some(_) => {
+            " Orange arrows: how the CoM of links moves in the corrected URDF, all \
+                    enlarged alike."
+        }
+        None => "",
+    };
+    format!(
+        "{said} Blue links: a parameter of their body is more than {SURE:.0} standard deviations \
+         from CAD; grey-blue: more than {CHANCE:.0}, which one parameter in twenty is by chance.\
+         {arrows}"
+    )
 }

@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 
 use crate::report::next_steps::{self, Worded};
 use crate::report::soles;
-use crate::report::table::{Table, chance, wrapped};
+use crate::report::table::{self, Table, chance, lines, wrapped};
 use sesc_identify::fit::Identification;
+use sesc_identify::fit::corrected::Corrected;
 
 /// Fewer degrees of freedom than this are mentioned.
 const FEW: f64 = 50.0;
@@ -107,91 +108,63 @@ fn parameters(found: &Identification) -> Table {
 }
 
 fn facts(found: &Identification) -> String {
-    let mut out = String::new();
-    let mut fact = |name: &str, text: String| {
-        let _ = writeln!(out, "{name:<16} {text}");
+    let condition = found.condition_number;
+    let rank = format!("{} of {} base parameters", found.rank, found.base_params);
+    let noise = match found.noise_axes {
+        [x, y] if (x / y).ln().abs() > 0.05 => format!("{} mm in x, {} mm in y", mm(x), mm(y)),
+        _ => format!("{} mm per axis", mm(found.noise_floor)),
     };
-    fact(
-        "rank",
-        format!(
-            "{} of {} base parameters, condition number {:.0}",
-            found.rank, found.base_params, found.condition_number
-        ),
+    let mut facts = vec![
+        ("rank", format!("{rank}, condition number {condition:.0}")),
+        ("prior", found.prior.clone()),
+        ("noise", format!("{noise}, {}", source(found))),
+        ("samples", found.samples.sentence()),
+    ];
+    let motion = Some(&found.motion.sentence).filter(|motion| !motion.is_empty());
+    facts.extend(motion.map(|motion| ("motion", motion.clone())));
+    facts.extend(
+        found
+            .again
+            .iter()
+            .map(|own| ("reach again", own.sentence.clone())),
     );
-    fact("prior", found.prior.clone());
-    fact(
-        "noise",
-        match found.noise_axes {
-            [x, y] if (x / y).ln().abs() > 0.05 => {
-                format!("{} mm in x, {} mm in y, {}", mm(x), mm(y), source(found))
-            }
-            _ => format!("{} mm per axis, {}", mm(found.noise_floor), source(found)),
-        },
-    );
-    fact("samples", found.samples.sentence());
-    if !found.motion.sentence.is_empty() {
-        fact("motion", found.motion.sentence.clone());
-    }
-    if let Some(again) = &found.again {
-        fact("reach again", again.sentence.clone());
-    }
-    if let Some(closure) = &found.closure {
-        fact("soles", soles(closure));
-    }
-    if let Some(visits) = &found.visits {
-        fact("visits", visits.sentence());
-    }
+    facts.extend(found.closure.iter().map(|own| ("soles", soles(own))));
+    facts.extend(found.visits.iter().map(|own| ("visits", own.sentence())));
     if let Some(test) = found.lack_of_fit {
         let verdict = match test.p_value {
             p if p < 1e-3 => "the model misses something",
             p if p < 0.05 => "perhaps more than noise",
             _ => "noise explains it",
         };
-        fact(
-            "lack of fit",
-            format!(
-                "{:.2} times the noise's mean square ({}): {verdict}",
-                test.ratio,
-                chance(test.p_value)
-            ),
-        );
+        let (ratio, chance) = (test.ratio, chance(test.p_value));
+        let text = format!("{ratio:.2} times the noise's mean square ({chance}): {verdict}");
+        facts.push(("lack of fit", text));
     }
     if found.folds > 0 {
-        fact(
-            "held-out error",
-            format!(
-                "{} ± {} mm RMS per axis, on readings of postures the fit did not see ({} folds); \
-                 CAD alone {} mm",
-                mm(found.held_out_rmse),
-                mm(found.held_out_error),
-                found.folds,
-                mm(found.cad_rmse)
-            ),
+        let text = format!(
+            "{} ± {} mm RMS per axis, on readings of postures the fit did not see ({} folds); CAD \
+             alone {} mm",
+            mm(found.held_out_rmse),
+            mm(found.held_out_error),
+            found.folds,
+            mm(found.cad_rmse)
         );
+        facts.push(("held-out error", text));
     }
-    fact(
-        "expected error",
-        format!(
-            "{} mm where data were taken, {} mm over {} (of the CoP itself, noise apart)",
-            mm(found.expected_error_data),
-            mm(found.expected_error_range),
-            found.range
-        ),
+    let expected = format!(
+        "{} mm where data were taken, {} mm over {} (of the CoP itself, noise apart)",
+        mm(found.expected_error_data),
+        mm(found.expected_error_range),
+        found.range
     );
+    facts.push(("expected error", expected));
     let height = &found.com_height_constant;
-    let deviation = height
-        .std
-        .map_or("from CAD".to_string(), |s| format!("± {} mm", mm(s)));
-    fact(
-        "CoM height",
-        format!(
-            "its constant {} is {} mm {deviation}, told by {}",
-            height.name,
-            mm(height.value),
-            height.source
-        ),
-    );
-    out
+    let (name, value, source) = (&height.name, mm(height.value), height.source);
+    let deviation = height.std.map(|std| format!("± {} mm", mm(std)));
+    let deviation = deviation.unwrap_or("from CAD".to_string());
+    let text = format!("its constant {name} is {value} mm {deviation}, told by {source}");
+    facts.push(("CoM height", text));
+    lines(facts)
 }
 
 /// Where the noise comes from, and how well it is known where that is little.
@@ -205,4 +178,40 @@ fn source(found: &Identification) -> String {
 
 fn mm(x: f64) -> String {
     format!("{:.2}", 1e3 * x)
+}
+
+/// The console's account of a corrected URDF: links that changed, by how much.
+pub fn corrections(corrected: &Corrected) -> String {
+    let mut table = Table::new(&[
+        "corrected link",
+        "CAD, kg",
+        "mass, kg",
+        "change, %",
+        "CoM moved, mm",
+    ]);
+    for change in &corrected.links {
+        let [old, new] = change.mass;
+        let relative = match old > 0.0 {
+            true => format!("{:+.2}", 100.0 * (new / old - 1.0)),
+            false => "new".to_string(),
+        };
+        table.row(&[
+            change.link.clone(),
+            format!("{old:.4}"),
+            format!("{new:.4}"),
+            relative,
+            table::mm(change.shift()),
+        ]);
+    }
+    let mut out = format!("\n{table}");
+    let _ = writeln!(
+        out,
+        "\nThe URDF weighs {:.4} kg; inertia is scaled with the mass of its link: a robot at rest \
+         tells nothing of it.",
+        corrected.total_mass
+    );
+    for bound in &corrected.active_bounds {
+        let _ = writeln!(out, "held by a bound  {bound}");
+    }
+    out
 }

@@ -28,7 +28,7 @@ fn formats_name_every_column_and_key() {
     let columns = sesc_identify::logs::COLUMNS.iter();
     let columns = columns.flat_map(|column| column.names).copied();
     let sidecar = sesc_identify::logs::SIDECAR_KEYS.map(|(key, _)| key);
-    let options = sesc::cli::robot_keys().into_iter().map(|(key, ..)| key);
+    let options = sesc::cli::robot_keys();
     let known = columns
         .filter(|name| *name != "JOINT")
         .chain(sidecar)

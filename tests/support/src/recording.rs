@@ -66,6 +66,17 @@ pub struct Noise {
     pub visit_std: f64,
 }
 
+impl Noise {
+    /// Of both axes alike, in postures that are visited exactly.
+    pub fn new(kind: Kind, std: f64) -> Noise {
+        Noise {
+            kind,
+            std: [std; 2],
+            visit_std: 0.0,
+        }
+    }
+}
+
 /// Rows in time.
 #[derive(Debug, Clone, Default)]
 pub struct Recording {

@@ -9,13 +9,12 @@ use std::f64::consts::TAU;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::Verdict;
-use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
 use sesc_test_support::stage::{Platform, Stage};
 
-use super::{Answer, Asked, Case, Cell, Failure, Plan, diagnosed, fitted, intervals, log};
+use super::{Answer, Asked, Case, Cell, Failure, Plan, diagnosed, fitted, intervals, log, robot};
 
 /// Rows of a log, unless it would be shorter or longer than [`SECONDS`].
 const ROWS: f64 = 600.0;
@@ -84,11 +83,7 @@ impl Drawn {
         Drawn {
             platform,
             moves: (!stands).then_some(swing),
-            noise: Noise {
-                kind,
-                std: [std; 2],
-                visit_std: 0.0,
-            },
+            noise: Noise::new(kind, std),
             hold: if fast {
                 FAST_STAY_S
             } else {
@@ -131,23 +126,14 @@ impl Drawn {
             Some(_) => "moving, all digits",
             None => "standing, stays visited twice",
         };
-        let known = if self.stated {
-            "noise stated"
-        } else {
-            "noise not stated"
-        };
+        let known = ["noise not stated", "noise stated"][usize::from(self.stated)];
         [noise, moves, known].map(str::to_string)
     }
 
     fn record(&mut self, stage: &Stage) -> Recording {
+        let random = &mut self.random;
         match &self.moves {
-            Some(swing) => swing.record(
-                stage,
-                stage.world(),
-                self.noise,
-                self.rate,
-                &mut self.random,
-            ),
+            Some(swing) => swing.record(stage, stage.world(), self.noise, self.rate, random),
             None => {
                 let stays = Motion::Stays {
                     postures: 50,
@@ -155,26 +141,19 @@ impl Drawn {
                     hold: self.hold,
                 };
                 let world = stage.world();
-                Recording::take(
-                    stage,
-                    &world,
-                    stays,
-                    self.noise,
-                    self.rate,
-                    &mut self.random,
-                )
+                Recording::take(stage, &world, stays, self.noise, self.rate, random)
             }
         }
     }
 
     fn ask(&mut self, seed: u64) -> Result<Answer, Failure> {
         let stage = Stage::new(self.platform);
-        let model = Robot::read(&stage.urdf)?.model(stage.support, Snapping::default(), None)?;
-        let recording = self.record(&stage);
+        let (robot, on) = (robot(&stage)?, stage.support);
+        let truth = robot.model(on, Snapping::default(), None)?.cad_params();
+        let log = log(&self.record(&stage), true);
         let noise = self.stated.then_some(self.noise.std[0]);
-        let diagnosis = diagnosed(&stage, log(&recording, true), noise)?;
-        let found = fitted(&stage, log(&recording, true), noise)?;
-        let truth = model.cad_params();
+        let diagnosis = diagnosed(&robot, on, log.clone(), noise)?;
+        let found = fitted(&robot, on, log, noise, "free")?;
         let (hold, all) = intervals(&found, &truth);
         let enough = 2.0 * self.worth() > 3.0 * truth.len() as f64;
         let alarm = diagnosis.verdict != Verdict::None;
@@ -209,12 +188,10 @@ pub(super) fn fast_plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
 fn drawn<'a>(asked: &'a Asked<'_>, fast: bool) -> Plan<'a> {
     let cases = asked.seeds().map(|seed| {
         let groups = Drawn::new(seed, fast).groups();
-        let rows = groups
-            .into_iter()
-            .enumerate()
-            .map(|(k, name)| (k + 1, name));
         Case {
-            rows: std::iter::once((0, "all".to_owned())).chain(rows).collect(),
+            rows: (0..)
+                .zip(std::iter::once("all".to_owned()).chain(groups))
+                .collect(),
             ask: Box::new(move || Drawn::new(seed, fast).ask(seed)),
         }
     });

@@ -20,7 +20,7 @@ use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_model::{Function, Model, ModelFile, Snapping};
 use sesc_test_support::hidden::{Effect, hide_all};
-use sesc_test_support::judge::{Answer as Explained, Labels, truth};
+use sesc_test_support::judge::{Answer as Explained, truth};
 use sesc_test_support::stage::Platform;
 use sesc_test_support::trial::{Choice, Question, Trial};
 
@@ -39,14 +39,8 @@ pub const JUDGED: usize = 200;
 /// What became of one log.
 #[derive(Debug, Clone)]
 pub struct Corrected {
-    /// Seed of the log.
-    pub seed: u64,
-    /// The robot.
-    pub robot: Platform,
-    /// Names of the hidden effects.
-    pub effects: Vec<&'static str>,
-    /// What is hidden, with sizes.
-    pub hidden: String,
+    /// The log: its seed, its robot and what is hidden, with sizes.
+    pub log: String,
     /// What the diagnosis comes to, and its explanation.
     pub said: String,
     /// Whether a named explanation, or the first of a class, is what was hidden.
@@ -96,22 +90,21 @@ pub fn examine(trial: &Trial, folder: &Path) -> Result<Corrected, Failure> {
         let values: Vec<String> = hidden.values.iter().map(|v| format!("{v:.2e}")).collect();
         format!("{}({})", hidden.label(), values.join(" "))
     });
+    let sizes: Vec<String> = sizes.collect();
+    let steps: Vec<&str> = answer.steps.iter().map(String::as_str).collect();
     Ok(Corrected {
-        seed: trial.seed,
-        robot: stage.platform,
-        effects: trial.hidden.iter().map(|h| h.effect.name()).collect(),
-        hidden: sizes.collect::<Vec<_>>().join(" + "),
-        said: format!("{}: {}", answer.verdict, joined(&answer.steps)),
+        log: format!(
+            "seed {} {:?} {}",
+            trial.seed,
+            stage.platform,
+            sizes.join(" + ")
+        ),
+        said: format!("{}: {}", answer.verdict, steps.join(" + ")),
         named: explained && answer.is(&hidden),
         listed: explained && answer.lists(&hidden),
         before_m: error(&by_tape(&cad)),
         after_m: error(&by_tape(&corrected)),
     })
-}
-
-fn joined(labels: &Labels) -> String {
-    let labels: Vec<&str> = labels.iter().map(String::as_str).collect();
-    labels.join(" + ")
 }
 
 /// RMS distance, m.
@@ -174,10 +167,8 @@ fn counted(found: &Corrected) -> Answer {
     let number = |value: f64| if listed { value } else { f64::NAN };
     let small = found.ratio() < GOAL;
     let note = format!(
-        "seed {} {:?} {}: {:.3} -> {:.3} mm, ratio {:.3}; {}",
-        found.seed,
-        found.robot,
-        found.hidden,
+        "{}: {:.3} -> {:.3} mm, ratio {:.3}; {}",
+        found.log,
         1e3 * found.before_m,
         1e3 * found.after_m,
         found.ratio(),

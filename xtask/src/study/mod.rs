@@ -23,12 +23,12 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use clap::Args;
 use sesc_identify::diagnose::{self, Diagnosis};
 use sesc_identify::fit::{self, Identification};
-use sesc_identify::logs::Table;
+use sesc_identify::logs::{LogSource, Table};
 use sesc_identify::robot::Robot;
 use sesc_test_support::recording::Recording;
 use sesc_test_support::stage::Stage;
@@ -244,31 +244,46 @@ fn side_by_side<T: Send>(count: usize, jobs: usize, ask: impl Fn(usize) -> T + S
 }
 
 /// A recording as a log in memory.
-fn log(recording: &Recording, timed: bool) -> Table {
+fn log(recording: &Recording, timed: bool) -> LogSource {
     let columns = recording.columns(timed).into_iter();
-    columns.fold(Table::new("recording"), |table, (name, values)| {
-        table.numbers(&name, values)
-    })
+    let table = Table::new("recording");
+    let table = columns.fold(table, |table, (name, values)| table.numbers(&name, values));
+    table.into()
+}
+
+/// The robot of a stage, from its URDF.
+fn robot(stage: &Stage) -> Result<Arc<Robot>, Failure> {
+    Ok(Arc::new(Robot::read(&stage.urdf)?))
 }
 
 /// What `diagnose --prior tight` says.
-fn diagnosed(stage: &Stage, log: Table, noise: Option<f64>) -> Result<Diagnosis, Failure> {
-    let robot = Robot::read(&stage.urdf)?;
-    let mut request = diagnose::Request::new(robot.into(), log);
-    request.support = Some(stage.support.into());
+fn diagnosed(
+    robot: &Arc<Robot>,
+    support: &str,
+    log: LogSource,
+    noise: Option<f64>,
+) -> Result<Diagnosis, Failure> {
+    let mut request = diagnose::Request::new(Arc::clone(robot), log);
+    request.support = Some(support.into());
     request.noise = noise;
     request.prior = "tight".into();
     Ok(diagnose::diagnose(&request, &mut ())?.diagnosis)
 }
 
-/// What `fit --prior free` says.
-fn fitted(stage: &Stage, log: Table, noise: Option<f64>) -> Result<Identification, Failure> {
+/// What `fit --prior` says.
+fn fitted(
+    robot: &Arc<Robot>,
+    support: &str,
+    log: LogSource,
+    noise: Option<f64>,
+    prior: &str,
+) -> Result<Identification, Failure> {
     let mut request = fit::Request::default();
-    request.robot = Some(Robot::read(&stage.urdf)?.into());
-    request.logs = vec![log.into()];
-    request.support = Some(stage.support.into());
+    request.robot = Some(Arc::clone(robot));
+    request.logs = vec![log];
+    request.support = Some(support.into());
     request.noise = noise;
-    request.prior = "free".into();
+    request.prior = prior.into();
     Ok(fit::fit(&request, &mut ())?.identification)
 }
 

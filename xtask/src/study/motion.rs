@@ -15,7 +15,7 @@ use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Noise};
 use sesc_test_support::stage::{Platform, Stage};
 
-use super::{Answer, Asked, Case, Cell, Failure, OF_95, Plan, diagnosed, log};
+use super::{Answer, Asked, Case, Cell, Failure, OF_95, Plan, diagnosed, log, robot};
 
 /// Recordings are made at this rate, Hz.
 const RATE: f64 = 100.0;
@@ -109,6 +109,7 @@ fn ask(
     seed: u64,
 ) -> Result<Answer, Failure> {
     let stage = Stage::new(Platform::Op2);
+    let robot = robot(&stage)?;
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let hidden = known.map(|(effect, target, values, _)| Hidden {
         effect,
@@ -120,7 +121,10 @@ fn ask(
     let world = hide_all(stage.world(), hidden.as_slice())?;
     let recording = swing.record(&stage, world, noise, RATE, random);
     let stated = stated.then_some(NOISE_M);
-    let all = EVERY.map(|nth| diagnosed(&stage, log(&recording.every(nth), true), stated));
+    let all = EVERY.map(|nth| {
+        let log = log(&recording.every(nth), true);
+        diagnosed(&robot, stage.support, log, stated)
+    });
     let all: Vec<Diagnosis> = all.into_iter().collect::<Result<_, _>>()?;
     let mut cells: Vec<Cell> = all
         .iter()
@@ -155,11 +159,7 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                             tick,
                             ..Swing::new(hertz, amplitude, 20.0)
                         };
-                        let noise = Noise {
-                            kind,
-                            std: [NOISE_M; 2],
-                            visit_std: 0.0,
-                        };
+                        let noise = Noise::new(kind, NOISE_M);
                         number += 1;
                         cases.extend(asked.seeds().map(|seed| Case {
                             rows: vec![(number, name.clone()), (usize::MAX, "all".into())],

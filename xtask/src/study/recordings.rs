@@ -4,12 +4,11 @@
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::Verdict;
-use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
 use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
 use sesc_test_support::stage::{Platform, Stage};
 
-use super::{Answer, Asked, Case, Cell, Failure, Plan, diagnosed, fitted, intervals, log};
+use super::{Answer, Asked, Case, Cell, Failure, Plan, diagnosed, fitted, intervals, log, robot};
 
 /// A kind of log.
 #[derive(Debug, Clone, Copy)]
@@ -86,11 +85,13 @@ impl Kept {
         recording: &Recording,
         diagnose: bool,
     ) -> Result<Said, Failure> {
-        let model = Robot::read(&stage.urdf)?.model(stage.support, Snapping::default(), None)?;
+        let (robot, on) = (robot(stage)?, stage.support);
+        let model = robot.model(on, Snapping::default(), None)?;
         let rms = self.noise.std[0].hypot(self.noise.std[1]) / std::f64::consts::SQRT_2;
         let stated = self.stated.then_some(rms);
-        let found = fitted(stage, log(recording, self.timed), stated)?;
-        let diagnosis = diagnose.then(|| diagnosed(stage, log(recording, self.timed), stated));
+        let log = log(recording, self.timed);
+        let found = fitted(&robot, on, log.clone(), stated, "free")?;
+        let diagnosis = diagnose.then(|| diagnosed(&robot, on, log, stated));
         let diagnosis = diagnosis.transpose()?;
         Ok(Said {
             intervals: intervals(&found, &model.cad_params()),
@@ -105,9 +106,8 @@ impl Kept {
 /// The kinds of log that are counted.
 fn kinds() -> Vec<Kept> {
     let noise = |kind, visit_std| Noise {
-        kind,
-        std: [2e-3; 2],
         visit_std,
+        ..Noise::new(kind, 2e-3)
     };
     let mut all = Vec::new();
     for platform in [Platform::Op2, Platform::Skew] {

@@ -1,4 +1,7 @@
-//! The page of `sesc plan --report`.
+//! A plan: on the console, and as a page with figures.
+
+#[cfg(test)]
+mod tests;
 
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
@@ -9,13 +12,15 @@ use crate::report::html::render;
 use crate::report::next_steps::{self, Worded};
 use crate::report::origin::Origin;
 use crate::report::robot::{Card, Correction, Shown};
-use crate::report::table::mm;
+use crate::report::table::{lines, mm};
 use sesc_identify::plan::{Lesson, Plan};
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::text::shortened;
+use sesc_model::text::{listed, shortened};
 
 /// Postures on the contact sheet, at most.
 const SHEET: usize = 120;
+/// Pairs of links that are named, at most.
+const EXEMPT: usize = 8;
 /// Letters of a parameter under a posture.
 const LETTERS: usize = 17;
 
@@ -95,4 +100,62 @@ pub fn page(
         },
     };
     render("plan.html", context)
+}
+
+// The console's account of a plan.
+
+/// What was drawn, what was chosen, and what it will be good for.
+pub fn text(plan: &Plan, next: &[Worded]) -> String {
+    let (poses, candidates) = (plan.poses, plan.candidates);
+    let about = format!(
+        "{} on {}: {poses} postures of {candidates} candidates",
+        plan.robot, plan.support
+    );
+    let cop = format!(
+        "{}, with {} standard deviations to spare ({} mm each on average)",
+        plan.cop_region,
+        plan.sigmas,
+        mm(plan.draws.cop_std)
+    );
+    let mut facts = vec![("drawn", plan.drawn()), ("CoP", cop)];
+    facts.extend(plan.both_feet.iter().map(|feet| ("soles", feet.sentence())));
+    facts.push(("revisits", plan.revisits.sentence.clone()));
+    facts.push(("ground", plan.clearance.clone()));
+    facts.push(("collisions", plan.collision.clone()));
+    if !plan.collision_exempt.is_empty() {
+        let pairs = plan.collision_exempt.iter().map(|pair| pair.join("–"));
+        let pairs = listed(pairs, EXEMPT);
+        facts.push(("", format!("touching at rest, not watched: {pairs}")));
+    }
+    facts.push(("prior", plan.prior.clone()));
+    if let (Some(error), Some(random)) = (plan.expected_error, plan.expected_error_random) {
+        let less = match 100.0 * (1.0 - error / random) {
+            less if less >= 0.5 => format!("{less:.0} % less"),
+            _ => "here any postures do".to_string(),
+        };
+        let [error, random, noise] = [error, random, plan.noise].map(mm);
+        let text = format!("{error} mm over all candidates, from readings to {noise} mm");
+        facts.push(("expected error", text));
+        facts.push((
+            "",
+            format!("{random} mm with postures chosen at random: {less}"),
+        ));
+    }
+    let (rank, condition) = (plan.rank, plan.condition_number);
+    let conditioning = format!("{rank} directions told, condition number {condition:.0}");
+    facts.push(("conditioning", conditioning));
+    let gain = plan.log_det[plan.log_det.len() - 1] - plan.log_det[0];
+    let choice = format!(
+        "greedy, then {} exchanges: log det + {gain:.2}",
+        plan.exchanges
+    );
+    facts.push(("choice", choice));
+    let [ordered, chosen] = [plan.motion.ordered, plan.motion.as_chosen].map(f64::to_degrees);
+    let motion =
+        format!("{ordered:.0}° in this order, {chosen:.0}° as chosen (largest joint, summed)");
+    facts.push(("motion", motion));
+    facts.extend(plan.notes.iter().map(|note| ("note", note.clone())));
+    let way = "only the postures are checked, not the way from one to the next";
+    facts.push(("note", way.to_string()));
+    format!("{about}\n\n{}{}", lines(facts), next_steps::text(next))
 }

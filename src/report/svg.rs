@@ -6,8 +6,6 @@
 //! What has a coordinate that is no number is left out.
 
 mod axes;
-mod marks;
-mod parts;
 #[cfg(test)]
 pub mod tests;
 
@@ -17,7 +15,6 @@ use serde::Serialize;
 use sesc_model::text::visible_lines;
 
 pub use axes::{Axes, HEADING, same_scale, span};
-pub use marks::{Mark, key};
 
 /// A colour under its name on the page; the colours are few and can be told apart
 /// without telling red from green.
@@ -325,4 +322,198 @@ pub fn escaped(text: &str) -> String {
         }
     }
     out
+}
+
+// Marks that stand for a value, and the key that says what they mean.
+
+/// Something that stands for one value.
+#[derive(Clone, Copy)]
+pub enum Mark {
+    /// A filled dot.
+    Dot(Color),
+    /// A hollow dot.
+    Ring(Color),
+    /// A filled square.
+    Square(Color),
+    /// A hollow square.
+    Box(Color),
+    /// An upright stroke.
+    Stroke(Color),
+    /// A line of this width.
+    Line(Color, f64),
+}
+
+impl Mark {
+    /// Half of its width, pixels.
+    fn half(self) -> f64 {
+        match self {
+            Mark::Line(..) => 9.0,
+            Mark::Stroke(_) => 2.0,
+            _ => 4.5,
+        }
+    }
+}
+
+impl Figure {
+    /// Draw a mark.
+    pub fn mark(&mut self, [x, y]: Place, mark: Mark) {
+        let half = mark.half();
+        let corners = |half: f64| [[x - half, y - half], [x + half, y + half]];
+        match mark {
+            Mark::Dot(color) => self.dot([x, y], 3.25, color),
+            Mark::Ring(color) => self.ring([x, y], color),
+            Mark::Square(color) => self.fill(corners(half), color, 1.0),
+            Mark::Box(color) => {
+                self.fill(corners(half), color, 1.0);
+                self.fill(corners(half - 1.5), PAPER, 1.0);
+            }
+            Mark::Stroke(color) => self.line([[x, y - 6.5], [x, y + 6.5]], color, 2.5),
+            Mark::Line(color, width) => self.line([[x - half, y], [x + half, y]], color, width),
+        }
+    }
+}
+
+/// Marks and what they mean, side by side, ending at `right` pixels and centred at
+/// `middle`.
+pub fn key(figure: &mut Figure, right: f64, middle: f64, items: &[(Mark, &str)]) {
+    const TO_NAME: f64 = 6.0;
+    const TO_NEXT: f64 = 14.0;
+    let mut right = right;
+    for (mark, name) in items.iter().rev() {
+        let left = right - text_width(name);
+        figure.note([left, middle], Anchor::Start, INK, name);
+        let centre = left - TO_NAME - mark.half();
+        figure.mark([centre, middle], *mark);
+        right = centre - mark.half() - TO_NEXT;
+    }
+}
+
+// Parts of a figure of a robot.
+
+impl Figure {
+    /// A figure of a page that has others, from which it takes its colours: without style and
+    /// ground of its own.
+    pub fn plain(size: [f64; 2], label: &str) -> Figure {
+        let [width, height] = size.map(f64::ceil);
+        Figure {
+            size,
+            svg: format!(
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
+                 width=\"{width}\" height=\"{height}\" font-size=\"{}\" role=\"img\" \
+                 aria-label=\"{}\">\n",
+                SMALL.size,
+                escaped(label)
+            ),
+        }
+    }
+
+    /// Elements that belong together; `attributes` are written as they are.
+    pub fn group(&mut self, attributes: &str, draw: impl FnOnce(&mut Figure)) {
+        let _ = writeln!(self.svg, "<g {attributes}>");
+        draw(self);
+        self.svg.push_str("</g>\n");
+    }
+
+    /// What stands for posture `k` of the page: a script finds it by this.
+    pub fn posture(&mut self, k: usize, draw: impl FnOnce(&mut Figure)) {
+        self.group(&format!("data-p=\"{k}\""), draw);
+    }
+
+    /// A mark that stands for no posture: a script tells a pointer these words.
+    pub fn worded(&mut self, words: &str, draw: impl FnOnce(&mut Figure)) {
+        self.group(&format!("data-v=\"{}\"", escaped(words)), draw);
+    }
+
+    /// What a pointer is told of the group that is being drawn.
+    pub fn called(&mut self, name: &str) {
+        let _ = writeln!(self.svg, "<title>{}</title>", escaped(name));
+    }
+
+    /// All points within half a width of a line.
+    pub fn capsule(&mut self, ends: [Place; 2], width: f64, color: Color) {
+        let [[a, b], [c, d]] = ends.map(|[x, y]| [Px(x), Px(y)]);
+        self.element(
+            &ends,
+            format_args!(
+                "<path class=\"{}\" d=\"M{a} {b}L{c} {d}\" stroke=\"currentColor\" \
+                 stroke-width=\"{}\" stroke-linecap=\"round\"/>",
+                color.name,
+                Px(width)
+            ),
+        );
+    }
+
+    /// A dashed line.
+    pub fn dashed(&mut self, ends: [Place; 2], color: Color, width: f64) {
+        let [[a, b], [c, d]] = ends.map(|[x, y]| [Px(x), Px(y)]);
+        self.element(
+            &ends,
+            format_args!(
+                "<path class=\"{}\" d=\"M{a} {b}L{c} {d}\" stroke=\"currentColor\" \
+                 stroke-width=\"{width}\" stroke-dasharray=\"3 3\"/>",
+                color.name
+            ),
+        );
+    }
+
+    /// The sign of a centre of mass: a quartered disc.
+    pub fn centre_of_mass(&mut self, [x, y]: Place) {
+        const R: f64 = 7.0;
+        self.dot([x, y], R + 1.5, PAPER);
+        self.dot([x, y], R, INK);
+        let quarter = |sx: f64, sy: f64| {
+            let [from, to] = [[x + sx * (R - 1.5), y], [x, y + sy * (R - 1.5)]];
+            let r = R - 1.5;
+            format!(
+                "M{} {}L{} {}A{r} {r} 0 0 1 {} {}Z",
+                Px(x),
+                Px(y),
+                Px(from[0]),
+                Px(from[1]),
+                Px(to[0]),
+                Px(to[1])
+            )
+        };
+        let path = quarter(1.0, 1.0) + &quarter(-1.0, -1.0);
+        self.element(
+            &[[x, y]],
+            format_args!(
+                "<path class=\"{}\" d=\"{path}\" fill=\"currentColor\"/>",
+                PAPER.name
+            ),
+        );
+    }
+
+    /// A line with a head where it is long enough for one.
+    pub fn arrow(&mut self, tail: Place, tip: Place, color: Color) {
+        /// Length of the head, and half its width, pixels.
+        const HEAD: [f64; 2] = [5.5, 2.2];
+        self.line([tail, tip], color, 1.25);
+        let [x, y] = [tip[0] - tail[0], tip[1] - tail[1]];
+        let length = x.hypot(y);
+        if length < 1.6 * HEAD[0] {
+            return;
+        }
+        let [x, y] = [x / length, y / length];
+        let [back, side] = HEAD;
+        let corner = |way: f64| {
+            [
+                tip[0] - back * x - way * side * y,
+                tip[1] - back * y + way * side * x,
+            ]
+        };
+        self.polygon(&[tip, corner(1.0), corner(-1.0)], color);
+    }
+
+    /// A text that stays readable on whatever is under it.
+    pub fn haloed(&mut self, at: Place, anchor: Anchor, font: Type, color: Color, text: &str) {
+        let attributes = format!(
+            "class=\"{}\" stroke=\"currentColor\" stroke-width=\"5\" aria-hidden=\"true\"",
+            PAPER.name
+        );
+        self.group(&attributes, |figure| {
+            figure.text(at, anchor, font, PAPER, text);
+        });
+        self.text(at, anchor, font, color, text);
+    }
 }
