@@ -1,10 +1,10 @@
 //! A look at the data before any hypothesis: what no effect should be fitted to.
 //!
 //! ```text
-//! columns    an axis of the CoP that does not move where CAD says it must
+//! columns    an axis of the CoP that does not move where CAD says it must,
+//!            or readings that scatter as CAD says, and go with no posture
 //! frames     CAD on another link, or with another axis up, predicts the readings
 //! axes       CAD predicts the readings of a sensor that is turned about the sole's normal (fits)
-//! order      readings scatter as CAD says, and go with no posture
 //! encoders   an encoder that does not move, and a gap that motion of its joint explains
 //! parked     the same for a stretch of the log
 //! ```
