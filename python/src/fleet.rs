@@ -95,29 +95,19 @@ impl Asked {
 pub struct FleetFound {
     fleet: Fleet,
     summary: Summary,
-    robot: Arc<robot::Robot>,
-    /// Where its meshes may be.
-    folder: Option<PathBuf>,
-    options: Options,
+    asked: Asked,
 }
 
 impl FleetFound {
     fn of(fleet: Fleet, asked: Asked) -> FleetFound {
-        let Asked {
-            robot,
-            folder,
-            options,
-        } = asked;
-        let known = || fleet::population(&fleet.rows, &robot, &options).ok();
+        let known = || fleet::population(&fleet.rows, &asked.robot, &asked.options).ok();
         // Why there is none is said to those who ask for it.
-        let population = options.information.then(known).flatten();
+        let population = asked.options.information.then(known).flatten();
         let summary = summary(&fleet.rows, &fleet.names, population);
         FleetFound {
             fleet,
             summary,
-            robot,
-            folder,
-            options,
+            asked,
         }
     }
 }
@@ -223,8 +213,9 @@ impl FleetFound {
     ) -> PyResult<(String, String, Vec<NamedText>)> {
         detached(py, || {
             let made = "sesc.fleet.run(…)";
-            let (fleet, folder) = (&self.fleet, self.folder.as_deref());
-            let drawn = report::skeleton(fleet, &self.robot, &self.options, folder);
+            let (fleet, asked) = (&self.fleet, &self.asked);
+            let folder = asked.folder.as_deref();
+            let drawn = report::skeleton(fleet, &asked.robot, &asked.options, folder);
             let words = (made, file);
             let robots = robots.unwrap_or(report::ROBOTS);
             let pages = report::pages(fleet, &self.summary, drawn.as_ref(), words, robots);
@@ -238,7 +229,7 @@ impl FleetFound {
         detached(py, || {
             let text = match &self.summary.population {
                 Some(known) => known.to_toml(),
-                None => fleet::population(&self.fleet.rows, &self.robot, &self.options)
+                None => fleet::population(&self.fleet.rows, &self.asked.robot, &self.asked.options)
                     .and_then(|found| found.to_toml()),
             };
             text.map_err(|error| Failure::of(&error, Doing::Fit))

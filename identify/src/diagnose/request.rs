@@ -199,8 +199,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let explain = |data: &Postures, motion: MotionModel, watch: &mut dyn Watch| {
         let (mut data, health) = examined(request, &model, (data, motion));
         let health = health.after(rows.clone());
-        for stuck in &health.stuck {
-            data.put_joint(stuck.joint, &stuck.positions, &health.less_known);
+        if let Some(stuck) = &health.stuck {
+            data.put_joint(stuck.joint, &stuck.positions, &stuck.less_known);
             motion::again(&mut data, &model);
         }
         let about = About {
@@ -329,7 +329,7 @@ fn examined(
         && let Some(moving) = motion::anyway(data, model)
     {
         let health = examine(&moving);
-        if !health.stuck.is_empty() {
+        if health.stuck.is_some() {
             return (moving, health);
         }
     }

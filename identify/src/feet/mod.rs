@@ -9,7 +9,6 @@
 //! pitch (rad) of the other sole. What an encoder is off by shows in them.
 
 mod closure;
-mod contacts;
 mod criteria;
 mod noise;
 mod one_foot;
@@ -20,11 +19,11 @@ mod soles;
 mod tests;
 
 pub(crate) use closure::Closure;
-pub(crate) use contacts::tell_contacts;
 pub(crate) use noise::ROWS;
 pub(crate) use one_foot::of_one_foot;
 pub use other::Feet;
 #[doc(hidden)]
 pub use other::OtherFoot;
 pub(crate) use other::of_many;
+pub(crate) use places::tell_contacts;
 pub use soles::{ClosureFound, Lies, Offset};

@@ -154,21 +154,6 @@ mod tests {
         assert_eq!(with(&|row| row.noise_floor = Some(-1.0)), None);
     }
 
-    #[test]
-    fn a_damaged_entry_is_none() {
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::new(folder.path());
-        store.put(KEY, &row()).unwrap();
-        let path = store.path(KEY);
-        let text = fs::read_to_string(&path).unwrap();
-        fs::write(&path, text.replace("\"r\"", "\"s\"")).unwrap();
-        assert_eq!(store.get(KEY), None);
-        fs::write(&path, &text[..text.len() / 2]).unwrap();
-        assert_eq!(store.get(KEY), None);
-        store.put(KEY, &row()).unwrap();
-        assert_eq!(store.get(KEY), Some(row()));
-    }
-
     /// A link in the place of an entry is not followed, and a folder does not end the run.
     #[cfg(unix)]
     #[test]

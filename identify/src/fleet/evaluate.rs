@@ -153,10 +153,8 @@ impl Evaluation<'_> {
                 return noted(error);
             }
         }
-        match whole.map(|whole| self.fit(support, whole, row, watch)) {
-            Some(Err(error)) => noted(error),
-            Some(Ok(())) | None => Ok(()),
-        }
+        let fitted = whole.map_or(Ok(()), |whole| self.fit(support, whole, row, watch));
+        fitted.or_else(noted)
     }
 
     /// A log and where it stands: as the options say, else its sidecar, else its first row.

@@ -172,20 +172,8 @@ fn iso_week(day: &str) -> Option<String> {
     let number = |from: usize, to: usize| digits[from..to].parse::<usize>().ok();
     let (year, month, day) = (number(0, 4)?, number(4, 6)?, number(6, 8)?);
     let is_leap = year % 4 == 0 && year % 100 != 0 || year % 400 == 0;
-    let months = [
-        31,
-        28 + usize::from(is_leap),
-        31,
-        30,
-        31,
-        30,
-        31,
-        31,
-        30,
-        31,
-        30,
-        31,
-    ];
+    let february = 28 + usize::from(is_leap);
+    let months = [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
     let length = *months.get(month.checked_sub(1)?)?;
     if year == 0 || day == 0 || day > length {
         return None;

@@ -119,15 +119,12 @@ pub(super) fn read_urdf(path: &Path) -> Result<Robot, Error> {
 /// is kept.
 pub(super) fn each_once(logs: &[Log]) -> Vec<Log> {
     let mut logs = logs.to_vec();
-    logs.sort_by(|a, b| {
-        let key = |log: &Log| {
-            (
-                log.hash.clone(),
-                log.sidecar.is_empty(),
-                log.sidecar.clone(),
-            )
-        };
-        key(a).cmp(&key(b))
+    logs.sort_by_cached_key(|log| {
+        (
+            log.hash.clone(),
+            log.sidecar.is_empty(),
+            log.sidecar.clone(),
+        )
     });
     logs.dedup_by(|a, b| a.hash == b.hash);
     logs

@@ -8,6 +8,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sesc_model::effects::Fitted;
 
+use crate::diagnose::words::{NamedValue, named};
 use crate::diagnose::{Diagnosis, Step, Verdict};
 use crate::fit::Identification;
 use crate::health::{Finding, Kind};
@@ -21,6 +22,14 @@ pub struct Size {
     pub value: f64,
     /// Its standard deviation.
     pub std: f64,
+}
+
+impl Size {
+    /// The number and its deviation beside the name of the parameter.
+    pub(super) fn named(self, name: &str) -> String {
+        let Size { value, std } = self;
+        named(&NamedValue { name, value, std })
+    }
 }
 
 /// What a parameter is where there is no effect, if that is not 0.
@@ -266,11 +275,6 @@ impl Row {
         let at = |i: usize, j: usize| self.covariance[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
         let is_whole = n > 0 && self.covariance.len() == n * (n + 1) / 2;
         is_whole.then(|| DMatrix::from_fn(n, n, at))
-    }
-
-    /// Name of the verdict, as tables have it; empty where there is none.
-    pub fn verdict_name(&self) -> &'static str {
-        self.verdict.map_or("", Verdict::name)
     }
 
     /// Say what went wrong, if anything did.

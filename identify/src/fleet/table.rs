@@ -37,30 +37,13 @@ pub const COLUMNS: [&str; 17] = [
 
 /// A row's values in the order of the columns.
 fn cells(row: &Row) -> [Value; COLUMNS.len()] {
-    [
-        row.robot.as_str().into(),
-        row.day.as_str().into(),
-        row.urdf_hash.as_str().into(),
-        row.support.as_str().into(),
-        row.postures.into(),
-        row.independent.into(),
-        row.noise_floor.into(),
-        row.held_out_rmse.into(),
-        row.verdict_name().into(),
-        row.sentence.as_str().into(),
-        json(&row.effects).into(),
-        json(&row.health).into(),
-        row.params.clone().into(),
-        row.std.clone().into(),
-        row.inputs.clone().into(),
-        row.error.clone().into(),
-        row.version.as_str().into(),
-    ]
-}
-
-/// The JSON text of something that always has one.
-fn json(value: &impl serde::Serialize) -> String {
-    serde_json::to_string(value).unwrap_or_default()
+    let mut all = serde_json::to_value(row).unwrap_or_default();
+    let text = |list: serde_json::Result<String>| list.unwrap_or_default().into();
+    COLUMNS.map(|column| match column {
+        "effects" => text(serde_json::to_string(&row.effects)),
+        "health" => text(serde_json::to_string(&row.health)),
+        _ => all[column].take(),
+    })
 }
 
 /// The rows sorted by robot and day, URDF and support; a robot that has several URDFs is told so

@@ -9,6 +9,7 @@
 //! tolerances of CAD.
 
 use sesc_model::Function;
+use sesc_model::tree::Dof;
 
 use super::criteria::{
     ANYWHERE, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, ONE_AS_WELL, QUIETEST, SIMPLE_SHARE, STILL,
@@ -19,25 +20,29 @@ use super::statistics::scatter;
 use super::wirings::Wirings;
 use super::{Finding, Kind, Look, Picture, Row, masses};
 use crate::evaluate::Evaluator;
-use crate::observations::postures::rms;
+use crate::observations::postures::{range, rms};
 
+/// Units in which people read joints, and how many of them are a rad or m.
+pub(super) const UNITS: ((&str, f64), (&str, f64)) =
+    (("°", 180.0 / std::f64::consts::PI), ("mm", 1e3));
 /// Rounds of the search for where the joint is, and its largest step, rad or m.
 const ROUNDS: usize = 8;
 const LARGEST_STEP: f64 = 0.3;
 
-/// A stuck encoder.
-pub(super) struct Stuck {
-    pub finding: Finding,
+/// Where readings have a joint whose encoder does not follow it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stuck {
+    /// Number of the joint.
+    pub joint: usize,
+    /// Posture by posture, rad or m: each is what explains one of its two readings.
+    pub positions: Vec<f64>,
     /// Standard deviation that each reading gains without this encoder, m.
     pub less_known: Vec<f64>,
-    pub joint: usize,
-    /// Where readings have the joint, posture by posture, rad or m.
-    pub positions: Vec<f64>,
 }
 
 /// A joint that does not move in the log though the CoP says that it does. `gap`: χ² a reading of
 /// the view of the log that is nearest to CAD.
-pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<Stuck> {
+pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<(Finding, Stuck)> {
     let n = look.data.len();
     let gap = gap.min(look.chi2());
     if gap < STUCK_LOOKS || n < 3 {
@@ -68,23 +73,24 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<Stuck> {
     Some(Stuck::of(look, best, total))
 }
 
+/// What holds of a joint, of a pair for revolute and prismatic ones.
+pub(super) fn of_joint<T>(dof: &Dof, (revolute, prismatic): (T, T)) -> T {
+    if dof.prismatic { prismatic } else { revolute }
+}
+
 fn is_still(look: &Look, joint: usize) -> bool {
     let column = look.data.q.iter().skip(joint).step_by(look.model.dof());
-    let ends = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = column.fold(ends, |(low, high), x| (x.min(low), x.max(high)));
+    let (low, high) = range(column.copied());
     high - low < STILL
 }
 
 impl Stuck {
     /// The finding where `moved` explains what it leaves of a χ² of `total` a posture.
-    fn of(look: &Look, moved: Moved, total: f64) -> Stuck {
+    fn of(look: &Look, moved: Moved, total: f64) -> (Finding, Stuck) {
         let (model, data) = (look.model, look.data);
         let (n, dof, joint) = (data.len(), model.dof(), moved.joint);
         let dof_of = &model.tree.dofs[joint];
-        let anywhere = match dof_of.prismatic {
-            true => ANYWHERE.1,
-            false => ANYWHERE.0,
-        };
+        let anywhere = of_joint(dof_of, ANYWHERE);
         let position = |k: usize| data.q[k * dof + joint] + moved.far[k];
         let positions: Vec<f64> = (0..n).map(position).collect();
         let mut q = data.q.clone();
@@ -105,19 +111,16 @@ impl Stuck {
                 100.0 * (1.0 - moved.left / total)
             ),
         );
-        let unit = match dof_of.prismatic {
-            true => ("mm", 1e3),
-            false => ("°", 1f64.to_degrees()),
-        };
-        let title = format!("{} as the CoP has it, {}", dof_of.joint, unit.0);
+        let (unit, per_unit) = of_joint(dof_of, UNITS);
+        let title = format!("{} as the CoP has it, {unit}", dof_of.joint);
         let row = |k: usize| Row::among(data, k);
-        let picture = Picture::of(&title, n, row, |k| unit.1 * positions[k], |_| true);
-        Stuck {
-            finding: finding.showing(picture),
-            less_known,
+        let picture = Picture::of(&title, n, row, |k| per_unit * positions[k], |_| true);
+        let stuck = Stuck {
             joint,
             positions,
-        }
+            less_known,
+        };
+        (finding.showing(picture), stuck)
     }
 }
 
@@ -251,17 +254,10 @@ impl Moved {
             let at = data.q[k * model.dof() + self.joint] + far;
             (dof_of.lower - beyond..=dof_of.upper + beyond).contains(&at)
         };
-        let inside = self
-            .far
-            .iter()
-            .enumerate()
-            .filter(|own| within(*own))
-            .count();
-        let least = match dof_of.prismatic {
-            true => LEAST_MOTION.1,
-            false => LEAST_MOTION.0,
-        };
-        scatter(&self.far) > least && inside as f64 >= STUCK_SHARE * self.far.len() as f64
+        let far = self.far.iter().enumerate();
+        let inside = far.filter(|own| within(*own)).count();
+        scatter(&self.far) > of_joint(dof_of, LEAST_MOTION)
+            && inside as f64 >= STUCK_SHARE * self.far.len() as f64
     }
 }
 

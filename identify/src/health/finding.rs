@@ -60,22 +60,12 @@ impl Kind {
 
     /// Whether nothing can be done with such data.
     pub fn makes_unusable(self) -> bool {
-        match self {
-            Kind::CopConstant
-            | Kind::CopAxisDead
-            | Kind::OtherFoot
-            | Kind::FrameTurned
-            | Kind::RowsShuffled => true,
-            Kind::EncoderStuck
-            | Kind::CopFrozen
-            | Kind::CopOutsideSole
-            | Kind::RowsCopied
-            | Kind::ChannelSaturated
-            | Kind::NoiseOverstated
-            | Kind::ContactLost => false,
-        }
+        KINDS[..UNUSABLE].contains(&self)
     }
 }
+
+/// Kinds that make data unusable.
+const UNUSABLE: usize = 5;
 
 /// Every kind, those first that make data unusable.
 pub const KINDS: [Kind; 12] = [

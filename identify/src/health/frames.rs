@@ -31,48 +31,35 @@ pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
         Some(foot) if foot.left < FITS * here && foot.left <= turned => {
             let known = better(wirings.left_on(&foot.model));
             (!known).then(|| {
-                let marks = [&*format!("on {}", foot.link), &*format!("on {support}")];
+                let link = &foot.link;
+                let sentence = format!(
+                    "The readings are {:.0} mm off on `{support}` and {:.1} mm on `{link}`: the \
+                     robot stood on `{link}`; give that support.",
+                    1e3 * here,
+                    1e3 * foot.left
+                );
+                let marks = [&*format!("on {link}"), &*format!("on {support}")];
                 let picture = look.distances(&foot.cop, marks);
-                on_other_foot(support, here, &foot.link, foot.left).showing(picture)
+                Finding::new(Kind::OtherFoot, link, sentence).showing(picture)
             })
         }
         _ if turned < FITS * here => {
             let known = better(wirings.left(axes));
             (!known).then(|| {
+                let sentence = format!(
+                    "The readings are {:.0} mm off in the frame of `{support}` and {:.1} mm where \
+                     another of its axes points up: its z axis is not the normal of the sole; \
+                     give a sole link as support.",
+                    1e3 * here,
+                    1e3 * turned
+                );
                 let marks = ["with another axis up", "in this frame"];
                 let picture = look.distances(&frame.cop, marks);
-                in_turned_frame(support, here, turned).showing(picture)
+                Finding::new(Kind::FrameTurned, support, sentence).showing(picture)
             })
         }
         _ => None,
     }
-}
-
-fn on_other_foot(support: &str, here: f64, link: &str, there: f64) -> Finding {
-    Finding::new(
-        Kind::OtherFoot,
-        link,
-        format!(
-            "The readings are {:.0} mm off on `{support}` and {:.1} mm on `{link}`: the robot \
-             stood on `{link}`; give that support.",
-            1e3 * here,
-            1e3 * there
-        ),
-    )
-}
-
-fn in_turned_frame(support: &str, here: f64, turned: f64) -> Finding {
-    Finding::new(
-        Kind::FrameTurned,
-        support,
-        format!(
-            "The readings are {:.0} mm off in the frame of `{support}` and {:.1} mm where \
-             another of its axes points up: its z axis is not the normal of the sole; give a \
-             sole link as support.",
-            1e3 * here,
-            1e3 * turned
-        ),
-    )
 }
 
 /// Another link that the readings may be of.

@@ -13,8 +13,9 @@ use std::sync::Arc;
 use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
+use super::encoders::{Stuck, of_joint};
 use super::rows::{self, LeftOut, LogRows, standing};
-use super::{Axes, Finding, Health, Views, Whereabouts, examine_views, parked};
+use super::{Axes, Finding, Health, Views, examine_views, parked};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, Screen, Screening};
@@ -64,37 +65,31 @@ pub fn look(
     let noise = rows.noise.unwrap_or(UNKNOWN_NOISE_M);
     let (read, still) = standing::postures(&rows, &chosen, model);
     let views = Views::of(robot, model, &read, still.as_ref());
-    let Health {
-        findings, stuck, ..
-    } = examine_views(robot, model, reading.snapping, &views, Axes::AreOfSupport).after(findings);
+    let found = examine_views(robot, model, reading.snapping, &views, Axes::AreOfSupport);
+    let Health { findings, stuck } = found.after(findings);
     let inner = (!left_out.is_nothing()).then(|| Arc::new(left_out) as Arc<dyn Screen>);
-    let screen: Option<Arc<dyn Screen>> = match stuck.first() {
-        Some(&Whereabouts { joint, .. }) => Some(Arc::new(LessKnown {
+    let screen: Option<Arc<dyn Screen>> = match stuck {
+        Some(Stuck { joint, .. }) => Some(Arc::new(LessKnown {
             inner,
             slopes: Arc::new(Evaluator::new(model, Function::ComJacobian).fastest()),
             joint,
             dof: rows.dof,
-            anywhere: match model.tree.dofs[joint].prismatic {
-                true => ANYWHERE.1,
-                false => ANYWHERE.0,
-            },
+            anywhere: of_joint(&model.tree.dofs[joint], ANYWHERE),
             noise: reading.alone.then_some(noise),
         })),
         None => inner,
     };
     let log = log.clone();
-    let log = match screen {
-        Some(screen) => log.screened(screen),
-        None => log,
-    };
+    let log = screen.map_or(log.clone(), |screen| log.screened(screen));
     Ok((log, findings))
 }
 
-/// What is wrong with rows of a log, and the log without them.
+/// Look at the rows of a log on the model's support: what is wrong with them, and the log
+/// without those that cannot be used. `noise`: of a single reading, m, where the user says.
 ///
 /// # Errors
 /// What is wrong with the log; when `watch` stops it.
-pub(super) fn screened(
+pub fn screen(
     log: &LogSource,
     (robot, model): (&Robot, &Model),
     options: &Options,

@@ -1,10 +1,10 @@
 //! A look at the data before any hypothesis: what no effect should be fitted to.
 //!
 //! ```text
-//! columns    an axis of the CoP that does not move where CAD says it must
+//! columns    an axis of the CoP that does not move where CAD says it must,
+//!            or readings that scatter as CAD says, and go with no posture
 //! frames     CAD on another link, or with another axis up, predicts the readings
 //! axes       CAD predicts the readings of a sensor that is turned about the sole's normal (fits)
-//! order      readings scatter as CAD says, and go with no posture
 //! encoders   an encoder that does not move, and a gap that motion of its joint explains
 //! parked     the same for a stretch of the log
 //! ```
@@ -23,7 +23,6 @@ mod frames;
 mod leftover;
 mod look;
 mod masses;
-mod order;
 mod parked;
 mod picture;
 mod rows;
@@ -38,12 +37,13 @@ use crate::logs::{LogSource, Options};
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
 use crate::watch::Watch;
-use encoders::Stuck;
+#[doc(hidden)]
+pub use encoders::Stuck;
 pub use finding::{Finding, KINDS, Kind};
 #[doc(hidden)]
 pub use leftover::FitResiduals;
 #[doc(hidden)]
-pub use look::{Reading, look};
+pub use look::{Reading, look, screen};
 #[doc(hidden)]
 pub use picture::{Picture, Row};
 use wirings::Wirings;
@@ -54,20 +54,8 @@ use wirings::Wirings;
 pub struct Health {
     /// Each finding; data that cannot be used have one.
     pub findings: Vec<Finding>,
-    /// Standard deviation of each reading beside its noise, m; empty where there is none.
-    pub less_known: Vec<f64>,
-    /// Joints whose positions are not known.
-    pub stuck: Vec<Whereabouts>,
-}
-
-/// Where readings have a joint whose encoder does not follow it.
-#[doc(hidden)]
-#[derive(Debug, Clone, PartialEq)]
-pub struct Whereabouts {
-    /// Number of the joint.
-    pub joint: usize,
-    /// Posture by posture, rad or m: each is what explains one of its two readings.
-    pub positions: Vec<f64>,
+    /// A joint whose encoder does not follow it.
+    pub stuck: Option<Stuck>,
 }
 
 impl Health {
@@ -105,22 +93,6 @@ struct Look<'a> {
     com: Vec<f64>,
     /// Its x and y, m.
     predicted: Vec<f64>,
-}
-
-/// Look at the rows of a log on the model's support: what is wrong with them, and the log
-/// without those that cannot be used. `noise`: of a single reading, m, where the user says.
-///
-/// # Errors
-/// What is wrong with the log; when `watch` stops it.
-#[doc(hidden)]
-pub fn screen(
-    log: &LogSource,
-    (robot, model): (&Robot, &Model),
-    options: &Options,
-    noise: Option<f64>,
-    watch: &mut dyn Watch,
-) -> Result<(LogSource, Vec<Finding>), Error> {
-    look::screened(log, (robot, model), options, noise, watch)
 }
 
 /// What is wrong with a log itself.
@@ -204,6 +176,8 @@ struct Views<'a> {
     nearer: &'a Postures,
     /// The other of these two, where motion is known.
     farther: Option<&'a Postures>,
+    /// Between the nearer readings and CAD, m RMS.
+    gap: f64,
 }
 
 impl<'a> Views<'a> {
@@ -215,14 +189,16 @@ impl<'a> Views<'a> {
         still: Option<&'a Postures>,
     ) -> Views<'a> {
         let gap = |data| Look::of(robot, model, Snapping::default(), data).gap();
-        let (nearer, farther) = match still {
-            Some(still) if gap(still) < gap(read) => (still, Some(read)),
-            still => (read, still),
+        let as_read = gap(read);
+        let (nearer, farther, gap) = match still.map(|still| (still, gap(still))) {
+            Some((still, gap)) if gap < as_read => (still, Some(read), gap),
+            _ => (read, still, as_read),
         };
         Views {
             read,
             nearer,
             farther,
+            gap,
         }
     }
 }
@@ -247,7 +223,7 @@ fn examine_views(
         true => dead(),
         false => elsewhere().or_else(dead),
     };
-    let broken = broken.or_else(|| order::shuffled(&look, &wirings));
+    let broken = broken.or_else(|| columns::shuffled(&look, &wirings));
     // What motion adds by CAD has CAD's axes: readings are looked at as they are.
     let turned = || axes::turned(&of(read), &Wirings::new(model, read));
     let broken = match axes {
@@ -257,22 +233,21 @@ fn examine_views(
     if let Some(finding) = broken {
         return Health::only(finding);
     }
-    match stuck(robot, model, snapping, views) {
-        Some(stuck) => Health {
-            findings: vec![stuck.finding],
-            less_known: stuck.less_known,
-            stuck: vec![Whereabouts {
-                joint: stuck.joint,
-                positions: stuck.positions,
-            }],
-        },
-        None => Health::default(),
+    let (finding, stuck) = stuck(robot, model, snapping, views).unzip();
+    Health {
+        findings: finding.into_iter().collect(),
+        stuck,
     }
 }
 
 /// An encoder that does not move in any posture, though its joint does: in the nearer view, or in
 /// the farther one, which must explain what the nearer one leaves.
-fn stuck(robot: &Robot, model: &Model, snapping: Snapping, views: &Views) -> Option<Stuck> {
+fn stuck(
+    robot: &Robot,
+    model: &Model,
+    snapping: Snapping,
+    views: &Views,
+) -> Option<(Finding, Stuck)> {
     let look = |data| Look::of(robot, model, snapping, data);
     let gap = look(views.nearer).chi2();
     let of = |data| encoders::stuck(&look(data), &Wirings::new(model, data), gap);
@@ -313,22 +288,26 @@ impl<'a> Look<'a> {
         self.of_two(title, [&sound, &found], marks)
     }
 
-    /// Two values of every posture.
-    fn of_two(&self, title: &str, values: [&dyn Fn(usize) -> f64; 2], marks: [&str; 2]) -> Picture {
+    /// Two values of every posture: one that would be in order, and that of the finding.
+    fn of_two(
+        &self,
+        title: &str,
+        [sound, found]: [&dyn Fn(usize) -> f64; 2],
+        marks: [&str; 2],
+    ) -> Picture {
         let row = |k: usize| Row::among(self.data, k);
-        Picture::of_two(title, self.data.len(), row, values, marks)
+        let both = |k: usize| [(sound(k), false), (found(k), true)];
+        Picture {
+            marks: Some(marks.map(str::to_string)),
+            ..Picture::chosen(title, self.data.len(), row, both)
+        }
     }
 
     fn of(robot: &'a Robot, model: &'a Model, snapping: Snapping, data: &'a Postures) -> Look<'a> {
         let com = Evaluator::new(model, Function::Com).run(&data.q, data.len());
         let predicted = com.chunks_exact(3).flat_map(|c| [c[0], c[1]]).collect();
-        let known = |std: &f64| {
-            if std.is_nan() {
-                criteria::UNKNOWN_NOISE_M
-            } else {
-                *std
-            }
-        };
+        let unknown = criteria::UNKNOWN_NOISE_M;
+        let known = |std: &f64| if std.is_nan() { unknown } else { *std };
         Look {
             robot,
             model,

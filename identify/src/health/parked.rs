@@ -12,8 +12,10 @@
 use sesc_model::{Model, Snapping};
 
 use super::criteria::{LEAST_MOTION, PARKED_ROWS, PARKED_SHARE, PARKED_WORSE, STILL};
+use super::encoders::{UNITS, of_joint};
 use super::rows::{LeftOut, LogRows, Parked, standing};
-use super::{Finding, Kind, Look, Picture, Views, stuck};
+use super::{Finding, Kind, Picture, Views, stuck};
+use crate::observations::postures::range;
 use crate::robot::Robot;
 
 /// Rows of a run, and of the others, that are compared, at most.
@@ -25,19 +27,11 @@ pub(super) fn stretch(
     (robot, model): (&Robot, &Model),
     left_out: &mut LeftOut,
 ) -> Option<Finding> {
-    let stays = |k: &usize| left_out.keeps(rows.reading[*k], rows.force(*k));
-    let kept: Vec<usize> = (0..rows.len()).filter(stays).collect();
+    let kept = rows.kept(left_out);
     let least = PARKED_ROWS.max((PARKED_SHARE * kept.len() as f64).ceil() as usize);
     let moves = |joint: usize, among: &mut dyn Iterator<Item = usize>| {
-        let (low, high) = among.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), k| {
-            let x = rows.q(k)[joint];
-            (low.min(x), high.max(x))
-        });
-        let least = match model.tree.dofs[joint].prismatic {
-            true => LEAST_MOTION.1,
-            false => LEAST_MOTION.0,
-        };
-        high - low > least
+        let (low, high) = range(among.map(|k| rows.q(k)[joint]));
+        high - low > of_joint(&model.tree.dofs[joint], LEAST_MOTION)
     };
     for joint in 0..rows.dof {
         let (from, to) = longest(rows, &kept, joint);
@@ -51,19 +45,16 @@ pub(super) fn stretch(
             continue;
         }
         let others: Vec<usize> = others().collect();
-        let gap_of_others = {
-            let (read, still) = standing::postures(rows, &some(&others), model);
-            let views = Views::of(robot, model, &read, still.as_ref());
-            Look::of(robot, model, Snapping::default(), views.nearer).gap()
-        };
+        let (read, still) = standing::postures(rows, &some(&others), model);
+        let gap_of_others = Views::of(robot, model, &read, still.as_ref()).gap;
         let (read, still) = standing::postures(rows, &some(run), model);
         let views = Views::of(robot, model, &read, still.as_ref());
-        let gap = Look::of(robot, model, Snapping::default(), views.nearer).gap();
+        let gap = views.gap;
         if gap < PARKED_WORSE * gap_of_others {
             continue;
         }
         let found = stuck(robot, model, Snapping::default(), &views);
-        if found.is_none_or(|found| found.joint != joint) {
+        if found.is_none_or(|(_, found)| found.joint != joint) {
             continue;
         }
         let at = rows.q(run[0])[joint];
@@ -114,10 +105,7 @@ fn finding(
         1e3 * gap,
         1e3 * of_others
     );
-    let (unit, per_unit) = match dof.prismatic {
-        true => ("mm", 1e3),
-        false => ("°", 1f64.to_degrees()),
-    };
+    let (unit, per_unit) = of_joint(dof, UNITS);
     let title = format!("{} by its encoder, {unit}", dof.joint);
     let position = |k: usize| per_unit * rows.q(k)[joint];
     let row = |k: usize| rows.row(k);

@@ -57,21 +57,6 @@ impl Picture {
         Picture::chosen(title, rows, row, |k| [(value(k), meant(k))])
     }
 
-    /// Two values of each of so many rows: one that would be in order, and that of the finding.
-    pub(super) fn of_two(
-        title: &str,
-        rows: usize,
-        row: impl Fn(usize) -> Row,
-        [sound, found]: [&dyn Fn(usize) -> f64; 2],
-        marks: [&str; 2],
-    ) -> Picture {
-        let both = |k: usize| [(sound(k), false), (found(k), true)];
-        Picture {
-            marks: Some(marks.map(str::to_string)),
-            ..Picture::chosen(title, rows, row, both)
-        }
-    }
-
     /// N values of each of so many rows, and whether the finding is about them; of at most
     /// [`MOST`] / N rows, evenly chosen.
     pub(crate) fn chosen<const N: usize>(

@@ -491,6 +491,12 @@ impl Postures {
     }
 }
 
+/// Least and largest of some values.
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    values.fold(none, |(low, high), x| (low.min(x), high.max(x)))
+}
+
 /// Root of the mean square; zero of nothing.
 pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, n), x| (sum + x * x, n + 1.0));

@@ -14,6 +14,7 @@ use std::path::Path;
 use nalgebra::{Matrix2, Vector2};
 use sesc_model::files;
 
+use crate::observations::postures::range;
 use crate::{Error, Setting, message};
 
 /// A convex region of the sole plane.
@@ -140,10 +141,7 @@ impl Region {
             let std = normal.dot(&(covariance * normal)).max(0.0).sqrt();
             normal.dot(&cop) + self.margin + sigmas * std - distance
         };
-        self.edges
-            .iter()
-            .map(beyond)
-            .fold(f64::NEG_INFINITY, f64::max)
+        range(self.edges.iter().map(beyond)).1
     }
 
     /// The mean of the corners.
@@ -154,13 +152,7 @@ impl Region {
 
     /// Smallest and largest x and y.
     pub fn bounds(&self) -> [(f64, f64); 2] {
-        [0, 1].map(|axis| {
-            let along = self.corners.iter().map(|c| c[axis]);
-            (
-                along.clone().fold(f64::INFINITY, f64::min),
-                along.fold(f64::NEG_INFINITY, f64::max),
-            )
-        })
+        [0, 1].map(|axis| range(self.corners.iter().map(|c| c[axis])))
     }
 
     /// In a few words.
@@ -216,20 +208,14 @@ mod tests {
         assert_eq!(sole.bounds(), [(0.0, 0.1), (0.0, 0.05)]);
         let outside = sole.violation(Vector2::new(0.12, 0.02), &Matrix2::zeros(), 2.0);
         assert!((outside - 0.02).abs() < 1e-15);
-        for bad in [
-            "0,0; 1,0",
-            "0,0; 1,0; 2,0",
-            "0,0; 1,x; 1,1",
-            "0,0; NaN,1; 1,1",
-            "0;1;2",
-        ] {
+        let flat = ["0,0; 1,0", "0,0; 1,0; 2,0"];
+        for bad in ["0,0; 1,x; 1,1", "0,0; NaN,1; 1,1", "0;1;2"]
+            .iter()
+            .chain(&flat)
+        {
             assert!(Region::sole(bad, 0.0).is_err(), "{bad}");
         }
-        assert!(
-            Region::sole("gone.csv", 0.0)
-                .unwrap_err()
-                .to_string()
-                .contains("gone.csv")
-        );
+        let said = Region::sole("gone.csv", 0.0).unwrap_err().to_string();
+        assert!(said.contains("gone.csv"), "{said}");
     }
 }

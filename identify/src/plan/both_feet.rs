@@ -14,6 +14,7 @@ use sesc_model::effects::other_sole_by_joints;
 use sesc_model::tape::{Tape, Values};
 
 use super::balance::Region;
+use super::candidates::{is_stuck, stride};
 use crate::evaluate::FASTEST;
 use crate::feet::{OtherFoot, ROWS};
 use crate::poses::{self, Pose};
@@ -22,8 +23,6 @@ use crate::poses::{self, Pose};
 const ON_FLOOR: f64 = 1e-9;
 /// Steps that put them there.
 const STEPS: usize = 20;
-/// Farthest a joint moves in one step, as a part of its range.
-const STRIDE: f64 = 0.25;
 /// A little damping where no joint moves an equation.
 const DAMPING: f64 = 1e-9;
 /// How far the soles may be from each other, as parts of how far they are at rest.
@@ -71,7 +70,7 @@ impl<'m> BothFeet<'m> {
     }
 
     /// Where its origin is on the floor, m.
-    pub(crate) fn at(&self, q: &[f64]) -> Vector2<f64> {
+    pub fn at(&self, q: &[f64]) -> Vector2<f64> {
         self.sole(q).origin.xy()
     }
 
@@ -143,10 +142,8 @@ impl<'m> BothFeet<'m> {
 
 /// Least motion, in parts of the ranges, that changes the equations of `rows` by `wanted`.
 fn move_by(q: &mut [f64], wanted: &DVector<f64>, rows: &DMatrix<f64>, ranges: &[(f64, f64)]) {
-    let mut weights: Vec<f64> = ranges
-        .iter()
-        .map(|(low, high)| (high - low).powi(2))
-        .collect();
+    let weights = ranges.iter().map(|(low, high)| (high - low).powi(2));
+    let mut weights: Vec<f64> = weights.collect();
     let mut steps = DVector::zeros(q.len());
     // Joints at a limit that would go further stay; the others do their part.
     for _ in 0..2 {
@@ -163,23 +160,11 @@ fn move_by(q: &mut [f64], wanted: &DVector<f64>, rows: &DMatrix<f64>, ranges: &[
             return;
         };
         steps = weighted.tr_mul(&factor.solve(wanted));
-        for (j, &(lower, upper)) in ranges.iter().enumerate() {
-            let stuck = (q[j] <= lower && steps[j] < 0.0) || (q[j] >= upper && steps[j] > 0.0);
-            if stuck {
+        for (j, range) in ranges.iter().enumerate() {
+            if is_stuck(q[j], steps[j], *range) {
                 weights[j] = 0.0;
             }
         }
     }
-    // All steps shrink together, so that the direction stays.
-    let longest = |(step, (lower, upper)): (&f64, &(f64, f64))| match upper > lower {
-        true => step.abs() / (upper - lower),
-        false => 0.0,
-    };
-    let worst = steps.iter().zip(ranges).map(longest).fold(0.0, f64::max);
-    let scale = if worst > STRIDE { STRIDE / worst } else { 1.0 };
-    for ((q, step), &(lower, upper)) in q.iter_mut().zip(&steps).zip(ranges) {
-        if step.is_finite() {
-            *q = (*q + scale * step).clamp(lower, upper);
-        }
-    }
+    stride(q, steps.as_slice(), ranges);
 }

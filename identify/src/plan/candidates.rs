@@ -69,17 +69,52 @@ pub struct Counts {
 }
 
 /// Up to `wanted` postures that respect `scene`, from at most `draws` draws, one after the other,
-/// and what became of the draws; the same seed draws the same. Stops where `progress` says so.
+/// and what became of the draws; the same seed draws the same. Gives up where the first `FUTILE`
+/// bring none, and where `progress` says so.
 pub fn sample(
     scene: &Scene,
     seed: u64,
     wanted: usize,
     draws: usize,
-    progress: impl FnMut(usize) -> ControlFlow<()>,
+    mut progress: impl FnMut(usize) -> ControlFlow<()>,
 ) -> (Vec<f64>, Counts) {
-    let mut sampler = Sampler::new(scene, seed);
-    let q = sampler.sample(wanted, draws, progress);
-    (q, sampler.counts)
+    let model = scene.model;
+    let mut sampler = Sampler {
+        com: Evaluator::new(model, Function::Cop),
+        jacobian: Evaluator::new(model, Function::ComJacobian),
+        regressor: Evaluator::new(model, Function::RegressorCop),
+        rng: ChaCha8Rng::seed_from_u64(seed),
+        counts: Counts {
+            low: vec![0; model.tree.links.len()],
+            ..Counts::default()
+        },
+        scene,
+        model,
+    };
+    let dof = model.dof();
+    let mut found = Vec::new();
+    let futile = |found: &Vec<f64>, drawn: usize| found.is_empty() && drawn >= FUTILE;
+    while !futile(&found, sampler.counts.drawn)
+        && found.len() < wanted * dof
+        && sampler.counts.drawn < draws
+    {
+        let n = BLOCK.min(draws - sampler.counts.drawn);
+        for q in sampler.block(n) {
+            // Counts stop with the last candidate taken.
+            if found.len() == wanted * dof {
+                break;
+            }
+            sampler.counts.drawn += 1;
+            if sampler.stands(&q) {
+                found.extend_from_slice(&q.q);
+            }
+        }
+        if progress(found.len() / dof).is_break() {
+            break;
+        }
+    }
+    sampler.counts.cop_std /= sampler.counts.drawn.max(1) as f64;
+    (found, sampler.counts)
 }
 
 /// Draws candidates until there are enough.
@@ -94,58 +129,7 @@ struct Sampler<'a> {
     counts: Counts,
 }
 
-impl<'a> Sampler<'a> {
-    /// A sampler of postures that respect `scene`; the same seed draws the same.
-    fn new(scene: &'a Scene<'a>, seed: u64) -> Sampler<'a> {
-        let model = scene.model;
-        Sampler {
-            com: Evaluator::new(model, Function::Cop),
-            jacobian: Evaluator::new(model, Function::ComJacobian),
-            regressor: Evaluator::new(model, Function::RegressorCop),
-            rng: ChaCha8Rng::seed_from_u64(seed),
-            counts: Counts {
-                low: vec![0; model.tree.links.len()],
-                ..Counts::default()
-            },
-            scene,
-            model,
-        }
-    }
-
-    /// Up to `wanted` candidates from at most `draws` draws, one after the other;
-    /// gives up where the first `FUTILE` bring none, and where `progress` says so.
-    fn sample(
-        &mut self,
-        wanted: usize,
-        draws: usize,
-        mut progress: impl FnMut(usize) -> ControlFlow<()>,
-    ) -> Vec<f64> {
-        let dof = self.model.dof();
-        let mut found = Vec::new();
-        let futile = |found: &Vec<f64>, drawn: usize| found.is_empty() && drawn >= FUTILE;
-        while !futile(&found, self.counts.drawn)
-            && found.len() < wanted * dof
-            && self.counts.drawn < draws
-        {
-            let n = BLOCK.min(draws - self.counts.drawn);
-            for q in self.block(n) {
-                // Counts stop with the last candidate taken.
-                if found.len() == wanted * dof {
-                    break;
-                }
-                self.counts.drawn += 1;
-                if self.stands(&q) {
-                    found.extend_from_slice(&q.q);
-                }
-            }
-            if progress(found.len() / dof).is_break() {
-                break;
-            }
-        }
-        self.counts.cop_std /= self.counts.drawn.max(1) as f64;
-        found
-    }
-
+impl Sampler<'_> {
     /// Counts a draw; true for a candidate.
     fn stands(&mut self, drawn: &Drawn) -> bool {
         self.counts.cop_std += drawn.std;
@@ -235,10 +219,8 @@ impl<'a> Sampler<'a> {
     /// One Newton step of those not yet at their targets.
     fn step(&self, draws: &mut [Drawn], open: Vec<usize>) -> Vec<usize> {
         let dof = self.model.dof();
-        let q: Vec<f64> = open
-            .iter()
-            .flat_map(|&k| draws[k].q.iter().copied())
-            .collect();
+        let q = open.iter().flat_map(|&k| &draws[k].q);
+        let q: Vec<f64> = q.copied().collect();
         let cop = self.com.run(&q, open.len());
         let jacobian = self.jacobian.run(&q, open.len());
         let mut still = Vec::with_capacity(open.len());
@@ -262,10 +244,8 @@ impl<'a> Sampler<'a> {
 
     /// How far each CoP is out, given what CAD does not know.
     fn judge(&self, draws: &mut [Drawn]) {
-        let q: Vec<f64> = draws
-            .iter()
-            .flat_map(|drawn| drawn.q.iter().copied())
-            .collect();
+        let q = draws.iter().flat_map(|drawn| &drawn.q);
+        let q: Vec<f64> = q.copied().collect();
         let n = draws.len();
         let cop = self.com.run(&q, n);
         let p = self.scene.uncertainty.nrows();
@@ -286,11 +266,9 @@ impl<'a> Sampler<'a> {
                 region.violation(cop, &covariance, self.scene.sigmas)
             });
             // What is not a number does not balance.
-            drawn.violation = if violation <= f64::MAX {
-                violation
-            } else {
-                f64::INFINITY
-            };
+            drawn.violation = Some(violation)
+                .filter(|x| *x <= f64::MAX)
+                .unwrap_or(f64::INFINITY);
             drawn.std = (covariance.trace() / 2.0).sqrt();
         }
     }
@@ -333,27 +311,33 @@ impl Drawn {
             for j in 0..dof {
                 let (lower, upper) = ranges[j];
                 let step = (upper - lower).powi(2) * (x[j] * pull.x + y[j] * pull.y);
-                steps[j] = if free[j] && step.is_finite() {
-                    step
-                } else {
-                    0.0
-                };
+                let moves = free[j] && step.is_finite();
+                steps[j] = if moves { step } else { 0.0 };
             }
             for j in 0..dof {
-                let (lower, upper) = ranges[j];
-                let stuck = (self.q[j] <= lower && steps[j] < 0.0)
-                    || (self.q[j] >= upper && steps[j] > 0.0);
-                free[j] &= !stuck;
+                free[j] &= !is_stuck(self.q[j], steps[j], ranges[j]);
             }
         }
-        // All steps shrink together, so that the direction stays.
-        let longest = |(step, (lower, upper)): (&f64, &(f64, f64))| match upper > lower {
-            true => step.abs() / (upper - lower),
-            false => 0.0,
-        };
-        let worst = steps.iter().zip(ranges).map(longest).fold(0.0, f64::max);
-        let scale = if worst > STRIDE { STRIDE / worst } else { 1.0 };
-        for ((q, step), &(lower, upper)) in self.q.iter_mut().zip(steps).zip(ranges) {
+        stride(&mut self.q, &steps, ranges);
+    }
+}
+
+/// Whether a joint at a limit would go further.
+pub(super) fn is_stuck(q: f64, step: f64, (lower, upper): (f64, f64)) -> bool {
+    (q <= lower && step < 0.0) || (q >= upper && step > 0.0)
+}
+
+/// Move joints by `steps`, which shrink together where one is too long, so that the direction
+/// stays.
+pub(super) fn stride(q: &mut [f64], steps: &[f64], ranges: &[(f64, f64)]) {
+    let longest = |(step, (lower, upper)): (&f64, &(f64, f64))| match upper > lower {
+        true => step.abs() / (upper - lower),
+        false => 0.0,
+    };
+    let worst = steps.iter().zip(ranges).map(longest).fold(0.0, f64::max);
+    let scale = if worst > STRIDE { STRIDE / worst } else { 1.0 };
+    for ((q, step), &(lower, upper)) in q.iter_mut().zip(steps).zip(ranges) {
+        if step.is_finite() {
             *q = (*q + scale * step).clamp(lower, upper);
         }
     }

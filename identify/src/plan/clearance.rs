@@ -61,24 +61,17 @@ impl Clearance {
                 continue;
             }
             let shapes = geometry.shapes.iter().filter(|s| s.link == about.name);
-            let solids: Vec<Kind> = shapes
-                .map(|s| Kind::Solid(place.then(&s.pose), s.solid))
-                .collect();
-            let kinds = match solids.is_empty() {
-                false => {
-                    all.by_shapes += 1;
-                    solids
-                }
-                true => {
-                    all.by_points += 1;
-                    points(model, link, &place)
-                        .into_iter()
-                        .map(Kind::Point)
-                        .collect()
-                }
-            };
+            let solids = shapes.map(|s| Kind::Solid(place.then(&s.pose), s.solid));
+            let mut kinds: Vec<Kind> = solids.collect();
+            let has_shapes = !kinds.is_empty();
+            all.by_shapes += usize::from(has_shapes);
+            all.by_points += usize::from(!has_shapes);
+            if !has_shapes {
+                kinds.extend(points(model, link, &place).into_iter().map(Kind::Point));
+            }
+            let parts = kinds.into_iter();
             all.parts
-                .extend(kinds.into_iter().map(|kind| Part { body, link, kind }));
+                .extend(parts.map(|kind| Part { body, link, kind }));
         }
         all
     }

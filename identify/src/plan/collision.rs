@@ -38,15 +38,10 @@ impl Collisions {
     pub fn new(model: &Model, geometry: &Geometry, rest: &[f64]) -> Collisions {
         let mut solids = Vec::new();
         for shape in &geometry.shapes {
-            let link = model
-                .tree
-                .links
-                .iter()
-                .position(|link| link.name == shape.link);
-            let Some((body, place)) = link.and_then(|link| poses::of_link(model, link)) else {
-                continue;
-            };
-            solids.push(placed(body, place.then(&shape.pose), shape.solid));
+            let link = model.tree.links.iter().position(|l| l.name == shape.link);
+            if let Some((body, place)) = link.and_then(|link| poses::of_link(model, link)) {
+                solids.push(placed(body, place.then(&shape.pose), shape.solid));
+            }
         }
         let parent = |body: usize| model.chain.bodies[body].parent;
         let mut all = Collisions {
@@ -84,10 +79,8 @@ impl Collisions {
         }
         let name = |body: usize| model.chain.bodies[body].name.clone();
         all.watched = watched.len();
-        all.exempt = touching
-            .into_iter()
-            .map(|(a, b)| [name(a), name(b)])
-            .collect();
+        let names = touching.into_iter().map(|(a, b)| [name(a), name(b)]);
+        all.exempt = names.collect();
         all
     }
 
@@ -112,10 +105,8 @@ impl Collisions {
             return None;
         }
         let worlds = self.worlds(bodies);
-        let met = self
-            .pairs
-            .iter()
-            .find(|(a, b)| self.touch(*a, *b, &worlds))?;
+        let mut pairs = self.pairs.iter();
+        let met = pairs.find(|(a, b)| self.touch(*a, *b, &worlds))?;
         Some((self.solids[met.0].body, self.solids[met.1].body))
     }
 

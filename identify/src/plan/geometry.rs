@@ -88,14 +88,11 @@ impl Geometry {
     /// The collision elements of a URDF; `folder` is where its meshes may be.
     pub fn read(description: &Description, folder: Option<&Path>) -> Geometry {
         let mut geometry = Geometry::default();
-        let found = match urdf::collisions(description) {
-            Ok(found) => found,
-            Err(error) => {
-                let note = format!("collision shapes cannot be read: {error}");
-                geometry.notes.push(note);
-                return geometry;
-            }
-        };
+        let found = urdf::collisions(description).unwrap_or_else(|error| {
+            let note = format!("collision shapes cannot be read: {error}");
+            geometry.notes.push(note);
+            Vec::new()
+        });
         // What is wrong, and with which links.
         let mut ignored: BTreeMap<String, Vec<String>> = BTreeMap::new();
         let mut boxed: Vec<String> = Vec::new();
@@ -103,32 +100,26 @@ impl Geometry {
             for collision in collisions {
                 match collision.and_then(|collision| solid(&collision, folder)) {
                     Ok((pose, solid, is_mesh)) => {
-                        geometry.shapes.push(Shape {
-                            link: name.to_string(),
-                            pose,
-                            solid,
-                        });
-                        if is_mesh && !boxed.iter().any(|link| link == name) {
-                            boxed.push(name.to_string());
+                        let link = name.to_string();
+                        if is_mesh {
+                            boxed.push(link.clone());
                         }
+                        geometry.shapes.push(Shape { link, pose, solid });
                     }
                     Err(reason) => ignored.entry(reason).or_default().push(name.to_string()),
                 }
             }
         }
-        if !boxed.is_empty() {
-            let note = format!(
-                "meshes taken as the boxes around them: {}",
-                listed(&boxed, 12)
-            );
-            geometry.notes.push(note);
-        }
-        for (reason, mut links) in ignored {
+        let boxed = ("meshes taken as the boxes around them".to_string(), boxed);
+        let ignored = ignored.into_iter();
+        let ignored =
+            ignored.map(|(why, links)| (format!("collision shape ignored ({why})"), links));
+        for (what, mut links) in [boxed].into_iter().chain(ignored) {
             links.dedup();
-            geometry.notes.push(format!(
-                "collision shape ignored ({reason}): {}",
-                listed(&links, 12)
-            ));
+            if !links.is_empty() {
+                let note = format!("{what}: {}", listed(&links, 12));
+                geometry.notes.push(note);
+            }
         }
         geometry
     }

@@ -4,6 +4,7 @@ use serde::Serialize;
 use sesc_model::Model;
 
 use super::limits::Limits;
+use crate::observations::postures::range;
 
 /// What postures ask of a joint, rad or m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,15 +28,12 @@ pub(super) fn of_all(model: &Model, limits: &Limits, q: &[f64], chosen: &[usize]
     let dof = model.dof();
     let of_joint = |j: usize| {
         let values: Vec<f64> = chosen.iter().map(|k| q[k * dof + j]).collect();
-        let (lower, upper) = limits.ranges[j];
+        let (least, largest) = range(values.iter().copied());
         JointUse {
             joint: model.tree.dofs[j].joint.clone(),
             prismatic: model.tree.dofs[j].prismatic,
-            limits: [lower, upper],
-            used: [
-                values.iter().copied().fold(f64::INFINITY, f64::min),
-                values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            ],
+            limits: limits.ranges[j].into(),
+            used: [least, largest],
             values,
         }
     };

@@ -64,11 +64,8 @@ fn deviations(
 ) -> Vec<Vec<f64>> {
     let mut covariance = prior * prior.transpose();
     let of = |covariance: &DMatrix<f64>| -> Vec<f64> {
-        covariance
-            .diagonal()
-            .iter()
-            .map(|x| x.max(0.0).sqrt())
-            .collect()
+        let variances = covariance.diagonal();
+        variances.iter().map(|x| x.max(0.0).sqrt()).collect()
     };
     let mut all = vec![of(&covariance)];
     for &k in order {

@@ -283,22 +283,21 @@ mod tests {
         ]
     }
 
+    fn parse(text: &str) -> Result<Limits, Error> {
+        Limits::parse(text.as_bytes(), "l.csv", &dofs())
+    }
+
     #[test]
     fn units_are_those_of_the_header() {
         let text = "# a comment\njoint,lower_deg,upper_deg,lower_m,upper_m\nknee,-30,180,,\nlift,,,0.1,0.2\n";
-        let limits = Limits::parse(text.as_bytes(), "l.csv", &dofs()).unwrap();
+        let limits = parse(text).unwrap();
         assert!((limits.ranges[0].0 + 30f64.to_radians()).abs() < 1e-15);
         assert_eq!(limits.ranges[0].1, 2.0);
         assert_eq!(limits.ranges[1], (0.1, 0.2));
         assert_eq!(limits.ranges[2], (-1.0, 1.0));
         assert_eq!(limits.notes.len(), 2, "{:?}", limits.notes);
         let text = "joint,lower_rad,upper_rad\nknee,-0.5,0.5\n";
-        assert_eq!(
-            Limits::parse(text.as_bytes(), "l.csv", &dofs())
-                .unwrap()
-                .ranges[0],
-            (-0.5, 0.5)
-        );
+        assert_eq!(parse(text).unwrap().ranges[0], (-0.5, 0.5));
     }
 
     #[test]
@@ -310,16 +309,8 @@ mod tests {
         );
         let cases = [
             ("kne", (0.0, 1.0), "no joint `kne`"),
-            (
-                "knee",
-                (1.0, -1.0),
-                "joint `knee`: lower 1 is above upper -1",
-            ),
-            (
-                "knee",
-                (f64::NAN, 1.0),
-                "joint `knee`: NaN to 1 is no range",
-            ),
+            ("knee", (1.0, -1.0), "`knee`: lower 1 is above upper -1"),
+            ("knee", (f64::NAN, 1.0), "`knee`: NaN to 1 is no range"),
             ("knee", (3.0, 4.0), "outside the URDF's"),
         ];
         for (joint, range, expected) in cases {
@@ -330,40 +321,26 @@ mod tests {
 
     #[test]
     fn faults_name_file_line_and_joint() {
-        let cases = [
-            (
-                "joint,lower_deg,upper_deg\nkne,0,1\n",
-                "l.csv:2: no joint `kne`",
-            ),
-            (
-                "joint,lower_deg,upper_deg\n#\nknee,2,1\n",
-                "l.csv:3: joint `knee`: lower 2",
-            ),
-            (
-                "joint,lower_deg,upper_deg\nknee,NaN,1\n",
-                "l.csv:2: joint `knee`: `NaN`",
-            ),
-            (
-                "joint,lower_deg,upper_deg\nknee,1\n",
-                "l.csv:2: joint `knee`: ``",
-            ),
-            (
-                "joint,lower_deg,upper_deg\nknee,0,1\nknee,0,1\n",
-                "l.csv:3: joint `knee` already",
-            ),
-            ("joint,lower_deg,upper_deg\nlift,0,1\n", "lower_m,upper_m"),
-            (
-                "joint,lower_deg,upper_deg\nknee,170,175\n",
-                "outside the URDF's",
-            ),
+        let degrees = [
+            ("kne,0,1", "l.csv:2: no joint `kne`"),
+            ("#\nknee,2,1", "l.csv:3: joint `knee`: lower 2"),
+            ("knee,NaN,1", "l.csv:2: joint `knee`: `NaN`"),
+            ("knee,1", "l.csv:2: joint `knee`: ``"),
+            ("knee,0,1\nknee,0,1", "l.csv:3: joint `knee` already"),
+            ("lift,0,1", "lower_m,upper_m"),
+            ("knee,170,175", "outside the URDF's"),
+            ("", "no limits"),
+        ];
+        let line = |(rows, expected): (&str, &'static str)| {
+            (format!("joint,lower_deg,upper_deg\n{rows}\n"), expected)
+        };
+        let other = [
             ("joint,lower,upper\nknee,0,1\n", "the header says the unit"),
-            ("joint,lower_deg,upper_deg\n", "no limits"),
             ("", "l.csv"),
         ];
-        for (text, expected) in cases {
-            let error = Limits::parse(text.as_bytes(), "l.csv", &dofs())
-                .unwrap_err()
-                .to_string();
+        let other = other.map(|(text, expected)| (text.to_string(), expected));
+        for (text, expected) in degrees.map(line).into_iter().chain(other) {
+            let error = parse(&text).unwrap_err().to_string();
             assert!(error.contains(expected), "{text:?}: {error}");
         }
     }

@@ -122,12 +122,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let (rank, condition_number) = conditioning(&regressor, &choice.chosen);
     let told = prior.is_some() || rank >= rows.directions();
     let chosen = ordered(&q, dof, &choice.chosen);
-    // Without a prior the first postures would teach from nothing: from what CAD usually knows.
-    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
-    let known_before = prior.clone().or_else(usual);
-    let lessons = known_before
-        .map(|factor| lessons::lessons(model, &regressor, &factor, noise, &chosen))
-        .unwrap_or_default();
+    let lessons = lessons::lessons(model, &regressor, &scene.uncertainty, noise, &chosen);
     let curve = match told {
         true => efficiency::curve(&rows, &choice, noise, request.seed, prior.is_some()),
         false => Vec::new(),
@@ -150,6 +145,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         ));
     }
     let cop = Evaluator::new(model, Function::Cop).run(&q, count);
+    let cop_of = |&k: &usize| [cop[2 * k], cop[2 * k + 1]];
     Ok(Plan {
         robot: model.tree.robot.clone(),
         hash: model.tree.hash.clone(),
@@ -177,16 +173,10 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         notes,
         corners: request.region.corners.clone(),
         margin: request.region.margin,
-        both_feet: scene.both_feet.as_ref().map(|feet| {
-            let own = chosen.iter().flat_map(|&k| &q[k * dof..(k + 1) * dof]);
-            soles(feet, model, &own.copied().collect::<Vec<f64>>())
-        }),
+        both_feet: both.map(|feet| soles(feet, model, &some(&q, dof, &chosen))),
         revisits: revisits_of(request, &known, &regressor, &chosen),
         joints: joint_use::of_all(model, &request.limits, &q, &chosen),
-        cop: chosen
-            .iter()
-            .map(|&k| [cop[2 * k], cop[2 * k + 1]])
-            .collect(),
+        cop: chosen.iter().map(cop_of).collect(),
         log_det: choice.log_det,
         exchanges: choice.exchanges,
         curve,
@@ -212,6 +202,7 @@ fn scene<'a>(
     let (limits, region) = (&request.limits, &request.region);
     let mut scene = Scene::new(model, geometry, limits, region, request.clearance, other);
     scene.sigmas = request.sigmas;
+    // Without a prior the first postures would teach from nothing: from what CAD usually knows.
     let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
     if let Some(uncertainty) = prior.cloned().or_else(usual) {
         scene.uncertainty = uncertainty;
@@ -269,8 +260,7 @@ fn revisits_of(
     chosen: &[usize],
 ) -> Revisits {
     let count = revisits::count(request, known);
-    let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
-    let spread = spread(&regressor.select_columns(&columns).transpose(), count);
+    let spread = spread(&rows_of(regressor, chosen), count);
     let poses = spread.into_iter().map(|k| k as i64 + 1).collect();
     revisits::said(poses, request, known)
 }
@@ -284,34 +274,33 @@ fn soles(feet: &BothFeet, model: &Model, q: &[f64]) -> TwoFeet {
     }
 }
 
+/// Some of the postures `q`, one after the other.
+fn some(q: &[f64], dof: usize, chosen: &[usize]) -> Vec<f64> {
+    let own = chosen.iter().flat_map(|&k| &q[k * dof..(k + 1) * dof]);
+    own.copied().collect()
+}
+
+/// Rows of the chosen postures, two each, of a regressor's transpose.
+fn rows_of(regressor: &DMatrix<f64>, chosen: &[usize]) -> DMatrix<f64> {
+    let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
+    regressor.select_columns(&columns).transpose()
+}
+
 fn ordered(q: &[f64], dof: usize, chosen: &[usize]) -> Vec<usize> {
-    let own: Vec<f64> = chosen
-        .iter()
-        .flat_map(|&k| q[k * dof..(k + 1) * dof].iter().copied())
-        .collect();
-    order::shorten(&own, dof)
-        .into_iter()
-        .map(|k| chosen[k])
-        .collect()
+    let order = order::shorten(&some(q, dof, chosen), dof);
+    order.into_iter().map(|k| chosen[k]).collect()
 }
 
 /// Rank and condition number of the chosen rows, as a fit will state them.
 fn conditioning(regressor: &DMatrix<f64>, chosen: &[usize]) -> (usize, f64) {
-    let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
-    let rows = regressor.select_columns(&columns).transpose();
+    let rows = rows_of(regressor, chosen);
+    let n = rows.nrows();
     let mut factor = Factor::new(regressor.nrows());
-    factor.push(
-        &rows,
-        &DVector::zeros(columns.len()),
-        &vec![1.0; columns.len()],
-    );
+    factor.push(&rows, &DVector::zeros(n), &vec![1.0; n]);
     let values = singular_values(factor.r());
     let largest = values.max();
-    let seen: Vec<f64> = values
-        .iter()
-        .copied()
-        .filter(|x| *x > UNSEEN * largest)
-        .collect();
+    let seen = values.iter().copied().filter(|x| *x > UNSEEN * largest);
+    let seen: Vec<f64> = seen.collect();
     let smallest = seen.iter().copied().fold(largest, f64::min);
     (seen.len(), largest / smallest)
 }

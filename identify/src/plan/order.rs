@@ -16,15 +16,12 @@ const ROUNDS: usize = 100;
 pub fn shorten(q: &[f64], dof: usize) -> Vec<usize> {
     let n = q.len() / dof.max(1);
     let posture = |k: usize| &q[k * dof..(k + 1) * dof];
-    let still = vec![0.0; dof];
-    let Some(first) = (0..n)
-        .min_by(|&a, &b| distance(posture(a), &still).total_cmp(&distance(posture(b), &still)))
-    else {
+    let from_rest = |k: usize| distance(posture(k), &vec![0.0; dof]);
+    let Some(first) = (0..n).min_by(|&a, &b| from_rest(a).total_cmp(&from_rest(b))) else {
         return Vec::new();
     };
-    let table: Vec<f64> = (0..n * n)
-        .map(|at| distance(posture(at / n), posture(at % n)))
-        .collect();
+    let pairs = (0..n * n).map(|at| (posture(at / n), posture(at % n)));
+    let table: Vec<f64> = pairs.map(|(a, b)| distance(a, b)).collect();
     let between = |a: usize, b: usize| table[a * n + b];
     let mut order = vec![first];
     let mut left: Vec<usize> = (0..n).filter(|&k| k != first).collect();
@@ -65,17 +62,14 @@ fn untangle(order: &mut [usize], between: &impl Fn(usize, usize) -> f64) -> bool
 /// Length of the way through postures in this order.
 pub fn length(q: &[f64], dof: usize, order: &[usize]) -> f64 {
     let posture = |k: usize| &q[k * dof..(k + 1) * dof];
-    order
-        .windows(2)
-        .map(|pair| distance(posture(pair[0]), posture(pair[1])))
-        .sum()
+    let steps = order.windows(2);
+    let length = |pair: &[usize]| distance(posture(pair[0]), posture(pair[1]));
+    steps.map(length).sum()
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
+    let gaps = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    gaps.fold(0.0, f64::max)
 }
 
 #[cfg(test)]

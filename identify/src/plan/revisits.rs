@@ -13,7 +13,7 @@ use sesc_model::Snapping;
 
 use super::request::Request;
 use crate::Error;
-use crate::logs::{LogSource, Options, Readings};
+use crate::logs::{Options, Readings};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, Taking};
 use crate::observations::revisits::COUNT;
@@ -44,13 +44,9 @@ pub(super) struct Known {
 impl Known {
     /// Look at the log of a request, if it has one.
     pub fn of(request: &Request, watch: &mut dyn Watch) -> Result<Known, Error> {
-        match &request.log {
-            Some(log) => Known::of_log(log, request, watch),
-            None => Ok(Known::default()),
-        }
-    }
-
-    fn of_log(log: &LogSource, request: &Request, watch: &mut dyn Watch) -> Result<Known, Error> {
+        let Some(log) = &request.log else {
+            return Ok(Known::default());
+        };
         let (robot, model) = (&request.robot, &request.model);
         let links = robot.description.link_names();
         let taking = Taking {

@@ -36,7 +36,7 @@ impl Region {
         margin: f64,
     ) -> Result<Region, Error> {
         let outline = outline(model, &Geometry::read(description, folder));
-        let region = match Region::hull(outline, 0.0) {
+        Ok(match Region::hull(outline, 0.0) {
             Some(mut sole) => {
                 let sides = sole.bounds().map(|(low, high)| high - low);
                 let narrower = sides[0].min(sides[1]);
@@ -50,8 +50,7 @@ impl Region {
                 square.source = Some("by the inertia of the support, which has no shape");
                 square
             }
-        };
-        Ok(region)
+        })
     }
 }
 
@@ -66,9 +65,7 @@ impl Region {
 /// of its CoM.
 fn of_inertia(model: &Model, description: &Description) -> Option<f64> {
     let on_ground = model.tree.links.iter().enumerate().filter_map(|(k, link)| {
-        let Some((0, place)) = poses::of_link(model, k) else {
-            return None;
-        };
+        let (_, place) = poses::of_link(model, k).filter(|(body, _)| *body == 0)?;
         let own = description.links.iter().find(|own| own.name == link.name)?;
         Some((place, own.inertial))
     });

@@ -1,5 +1,7 @@
 //! A row of the table as pages have it.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use sesc_identify::diagnose::Verdict;
 use sesc_identify::fleet::Row;
@@ -20,14 +22,11 @@ pub(super) struct Line {
 
 /// A row as pages have it.
 pub(super) fn line(row: &Row) -> Line {
-    let effects: Vec<String> = row.effects.iter().map(label).collect();
-    let health: Vec<String> = row
-        .health
-        .iter()
-        .map(|f| format!("{} {}", f.kind.name(), f.target))
-        .collect();
+    let effects = row.effects.iter().map(label);
+    let health = row.health.iter();
+    let health = health.map(|f| format!("{} {}", f.kind.name(), f.target));
     let error = row.error.iter().cloned();
-    let said: Vec<String> = effects.into_iter().chain(health).chain(error).collect();
+    let said: Vec<String> = effects.chain(health).chain(error).collect();
     Line {
         day: row.day.clone(),
         verdict: outcome(row),
@@ -46,6 +45,13 @@ pub(super) fn outcome(row: &Row) -> &'static str {
         None if row.has_result() => "fitted",
         None => "no result",
     }
+}
+
+/// How many rows have each outcome.
+pub(super) fn outcomes<'r>(rows: impl Iterator<Item = &'r Row>) -> BTreeMap<&'static str, usize> {
+    let mut counts = BTreeMap::new();
+    rows.for_each(|row| *counts.entry(outcome(row)).or_default() += 1);
+    counts
 }
 
 /// Whether nothing is missing and the data are sound, as far as it was looked for.

@@ -14,7 +14,7 @@ use sesc_identify::skeleton::Skeleton;
 
 use super::super::html::render;
 use super::super::origin::Origin;
-use super::line::{is_fine, line, outcome};
+use super::line::{is_fine, line, outcomes};
 use super::picture::card;
 use super::robot::robot_page;
 use super::{count, hashes, headline, twice};
@@ -84,23 +84,18 @@ pub fn pages(
     }
     // Whoever is to be looked at has a page in any case.
     let first = summary.look_first.iter().map(String::as_str);
-    let mut shown: Vec<&str> = Vec::new();
-    let mut known = BTreeSet::new();
+    let mut shown: BTreeSet<&str> = BTreeSet::new();
     for name in first.chain(robots.keys().copied()) {
-        if known.insert(name) && shown.len() < most.min(ROBOTS) {
-            shown.push(name);
+        if shown.len() < most.min(ROBOTS) {
+            shown.insert(name);
         }
     }
-    let shown: BTreeSet<&str> = shown.into_iter().collect();
     let link = |name: &str| shown.contains(name).then(|| file_of(name));
     let links: BTreeMap<&str, Option<String>> =
         robots.keys().map(|name| (*name, link(name))).collect();
     let days: BTreeSet<&str> = fleet.rows.iter().map(|row| row.day.as_str()).collect();
-    let days: Vec<&str> = days
-        .iter()
-        .copied()
-        .skip(days.len().saturating_sub(DAYS))
-        .collect();
+    let before = days.len().saturating_sub(DAYS);
+    let days: Vec<&str> = days.into_iter().skip(before).collect();
     let sections = robots.iter().take(ROBOTS).map(|(name, rows)| RobotLine {
         name: name.to_string(),
         days: rows.len(),
@@ -110,11 +105,9 @@ pub fn pages(
     });
     let picture = summary.look_first.iter().filter_map(|robot| {
         let rows = robots.get(robot.as_str())?;
-        let marks = days.iter().map(|day| mark(rows, day));
-        Some(Marks {
-            robot: robot.clone(),
-            marks: marks.collect(),
-        })
+        let robot = robot.clone();
+        let marks = days.iter().map(|day| mark(rows, day)).collect();
+        Some(Marks { robot, marks })
     });
     let reasons = summary.reasons.iter().map(|reason| LookFirst {
         robot: &reason.robot,
@@ -164,13 +157,8 @@ pub fn pages(
 
 /// What the days of a robot came to: `none on 5 days, named on 2`.
 fn verdicts(rows: &[&Row]) -> String {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for row in rows {
-        *counts.entry(outcome(row)).or_default() += 1;
-    }
-    let said = counts
-        .iter()
-        .map(|(verdict, n)| format!("{verdict} on {}", count(*n, "day")));
+    let counts = outcomes(rows.iter().copied()).into_iter();
+    let said = counts.map(|(verdict, n)| format!("{verdict} on {}", count(n, "day")));
     said.collect::<Vec<String>>().join(", ")
 }
 

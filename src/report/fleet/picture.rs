@@ -50,18 +50,11 @@ pub(super) fn card(fleet: &Fleet, summary: &Summary, skeleton: &Skeleton) -> Val
         }
     };
     for group in &summary.shared {
-        let robots = count(group.robots.len(), "robot");
-        point(
-            acts_on_links(&group.effect),
-            &group.target,
-            format!("{} in {robots}", group.effect),
-        );
+        let what = format!("{} in {}", group.effect, count(group.robots.len(), "robot"));
+        point(acts_on_links(&group.effect), &group.target, what);
     }
-    let changes = summary
-        .changes
-        .iter()
-        .filter(|c| c.kind == ChangeKind::Effect);
-    for change in changes {
+    let changes = summary.changes.iter();
+    for change in changes.filter(|change| change.kind == ChangeKind::Effect) {
         if let Some((effect, target)) = change.target.split_once(':') {
             let what = format!("{effect} of {} from {} on", change.robot, change.day);
             point(acts_on_links(effect), target, what);
@@ -71,12 +64,8 @@ pub(super) fn card(fleet: &Fleet, summary: &Summary, skeleton: &Skeleton) -> Val
         let robots = robots.into_iter().collect::<Vec<&str>>().join(", ");
         point(false, joint, format!("encoder stuck in {robots}"));
     }
-    still(
-        skeleton,
-        marks,
-        &said,
-        "No joint and no link is shared, changed or stuck.",
-    )
+    let nothing = "No joint and no link is shared, changed or stuck.";
+    standing(skeleton, marks, &said, nothing, Vec::new())
 }
 
 /// One robot of a fleet: joints and links of its last result, and encoders that are stuck on any
@@ -93,24 +82,16 @@ pub(super) fn of_robot(rows: &[&Row], skeleton: &Skeleton) -> Option<Value> {
             said.push(format!("`{}`", label(effect)));
         }
     }
-    let stuck: BTreeSet<&str> = rows
-        .iter()
-        .flat_map(|row| &row.health)
-        .filter(|finding| finding.kind == Kind::EncoderStuck)
-        .map(|finding| finding.target.as_str())
-        .collect();
+    let findings = rows.iter().flat_map(|row| &row.health);
+    let stuck = findings.filter(|finding| finding.kind == Kind::EncoderStuck);
+    let stuck: BTreeSet<&str> = stuck.map(|finding| finding.target.as_str()).collect();
     for joint in stuck {
         if mark(&mut marks, skeleton, false, joint) {
             said.push(format!("`{joint}` (encoder stuck)"));
         }
     }
     let nothing = "No joint and no link is suspected.";
-    Some(still(skeleton, marks, &said, nothing))
-}
-
-/// The robot with all joints at zero, with what is said of the marks on it.
-fn still(skeleton: &Skeleton, marks: Marks, said: &[String], nothing: &str) -> Value {
-    standing(skeleton, marks, said, nothing, Vec::new())
+    Some(standing(skeleton, marks, &said, nothing, Vec::new()))
 }
 
 /// The robot in one of `postures`, or with all joints at zero where there are none, with what is

@@ -32,16 +32,11 @@ pub(super) fn robot_page(
     (fleet, command): (&str, &str),
 ) -> Result<String, Error> {
     let reason = summary.reasons.iter().find(|reason| reason.robot == name);
-    let shared = summary
-        .shared
-        .iter()
-        .filter(|shared| shared.robots.iter().any(|robot| robot == name));
+    let shared = summary.shared.iter();
+    let shared = shared.filter(|shared| shared.robots.iter().any(|robot| robot == name));
     let shared: Vec<&str> = shared.map(|shared| shared.sentence.as_str()).collect();
-    let changes: Vec<_> = summary
-        .changes
-        .iter()
-        .filter(|change| change.robot == name)
-        .collect();
+    let changes = summary.changes.iter().filter(|c| c.robot == name);
+    let changes: Vec<_> = changes.collect();
     let last = rows.iter().rev().find(|row| row.has_result());
     let context = context! {
         robot => drawn.and_then(|drawn| of_robot(rows, drawn)),

@@ -36,6 +36,13 @@ fn fleet() -> Fleet {
     fleet
 }
 
+/// The pages of a fleet and of so many of its robots, and what the console says.
+fn shown(fleet: &Fleet, drawn: Option<&Skeleton>, file: &str, most: usize) -> (Pages, String) {
+    let summary = summary(&fleet.rows, &Default::default(), None);
+    let pages = pages(fleet, &summary, drawn, ("sesc fleet", file), most);
+    (pages.unwrap(), text(fleet, &summary))
+}
+
 /// File systems have names of 255 bytes at most.
 #[test]
 fn pages_of_robots_with_long_names_have_short_names_of_their_own() {
@@ -44,8 +51,7 @@ fn pages_of_robots_with_long_names_have_short_names_of_their_own() {
     for robot in ["r1".to_string(), format!("{long}1"), format!("{long}2")] {
         fleet.rows.push(row(&robot, "1", ""));
     }
-    let summary = summary(&fleet.rows, &Default::default(), None);
-    let all = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html"), ROBOTS).unwrap();
+    let (all, _) = shown(&fleet, None, "fleet.html", ROBOTS);
     let names: Vec<&str> = all.robots.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names[0], "r1.html");
     assert!(names[1..].iter().all(|name| name.len() < 220), "{names:?}");
@@ -63,22 +69,14 @@ fn pages_of_robots_with_long_names_have_short_names_of_their_own() {
 #[test]
 fn the_page_says_what_robots_share_and_escapes_names() {
     let fleet = fleet();
-    let summary = summary(&fleet.rows, &Default::default(), None);
-    let all = pages(
-        &fleet,
-        &summary,
-        None,
-        ("sesc fleet", "my fleet.html"),
-        ROBOTS,
-    )
-    .unwrap();
+    let (all, text) = shown(&fleet, None, "my fleet.html", ROBOTS);
     let page = all.fleet;
-    for text in [
+    for part in [
         "4 robots share joint_offset:l_&lt;knee&gt;",
         "offset 2.87",
         "1 shared effect, no change",
     ] {
-        assert!(page.contains(text), "{text}\n{page}");
+        assert!(page.contains(part), "{part}\n{page}");
     }
     assert!(!page.contains("<knee>") && !page.contains("r<2>"));
     // Every robot is linked to a page of its own, whatever its name.
@@ -91,17 +89,16 @@ fn the_page_says_what_robots_share_and_escapes_names() {
         );
     }
     let own = &all.robots[3].1;
-    for text in [
+    for part in [
         "<h1>r&lt;2&gt;</h1>",
         "href=\"../my%20fleet.html\"",
         "4 robots share",
         // 0.0501 rad ± 0.001 rad on both days.
         "<td>2.87 ± 0.06</td><td>2.87 ± 0.06</td>",
     ] {
-        assert!(own.contains(text), "{text}\n{own}");
+        assert!(own.contains(part), "{part}\n{own}");
     }
     assert!(!own.contains("<knee>") && !own.contains("r<2>"));
-    let text = text(&fleet, &summary);
     assert!(
         text.contains("4 robots, 8 rows") && text.contains("4 robots share"),
         "{text}"
@@ -125,8 +122,7 @@ fn every_size_is_told_in_the_unit_that_people_read() {
     ];
     let mut fleet = Fleet::default();
     fleet.rows.push(row("r1", "1", &all.join(",")));
-    let summary = summary(&fleet.rows, &Default::default(), None);
-    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html"), ROBOTS).unwrap();
+    let (pages, _) = shown(&fleet, None, "fleet.html", ROBOTS);
     let page = &pages.robots[0].1;
     for text in [
         "mass, g",
@@ -157,9 +153,7 @@ fn the_page_of_a_robot_shows_what_is_suspected_on_it() {
         own.urdf_hash = hash.to_string();
         fleet.rows.push(own);
     }
-    let summary = summary(&fleet.rows, &Default::default(), None);
-    let words = ("sesc fleet", "fleet.html");
-    let all = pages(&fleet, &summary, Some(&drawn), words, ROBOTS).unwrap();
+    let (all, _) = shown(&fleet, Some(&drawn), "fleet.html", ROBOTS);
     let [first, second] = [&all.robots[0].1, &all.robots[1].1];
     assert_eq!(first.matches("<svg ").count(), 2);
     assert!(
@@ -185,9 +179,7 @@ fn rows_that_were_fitted_alone_are_called_so_on_page_and_console() {
         }
         fleet.rows.push(row);
     }
-    let summary = summary(&fleet.rows, &Default::default(), None);
-    let text = text(&fleet, &summary);
-    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html"), ROBOTS).unwrap();
+    let (pages, text) = shown(&fleet, None, "fleet.html", ROBOTS);
     for told in ["fitted", "no result"] {
         assert!(text.contains(told), "{told}\n{text}");
         assert!(pages.fleet.contains(&format!("{told} on 1 day")), "{told}");
@@ -198,8 +190,7 @@ fn rows_that_were_fitted_alone_are_called_so_on_page_and_console() {
 #[test]
 fn robots_without_a_page_of_their_own_have_no_links() {
     let fleet = fleet();
-    let summary = summary(&fleet.rows, &Default::default(), None);
-    let pages = pages(&fleet, &summary, None, ("sesc fleet", "fleet.html"), 2).unwrap();
+    let (pages, _) = shown(&fleet, None, "fleet.html", 2);
     let names: Vec<&str> = pages.robots.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names.len(), 2);
     let mut links: Vec<&str> = pages.fleet.split("href=\"fleet/").skip(1).collect();

@@ -31,9 +31,8 @@ use statrs::distribution::FisherSnedecor;
 
 use super::course::{Course, Step, freedom, steps, tail};
 use super::criteria::changes::{BORNE_OUT, DIFFERENCES, HYPOTHESES, PAIRS, UNSEEN};
-use super::history::{History, Key, Said, absent, label, principal, said};
+use super::history::{History, Key, Said, absent, found, label, principal, said};
 use super::shared::one_in;
-use crate::diagnose::words::{NamedValue, named};
 use crate::fleet::row::{Row, Size, by_number};
 
 /// Median of the square of a standard normal number.
@@ -88,6 +87,41 @@ pub struct Change {
     pub chance: Option<f64>,
 }
 
+impl Change {
+    /// What a row itself states.
+    fn stated(row: &Row, kind: ChangeKind, target: String, what: String) -> Change {
+        Change {
+            robot: row.robot.clone(),
+            day: row.day.clone(),
+            day_interval: None,
+            what,
+            kind,
+            target,
+            parameter: None,
+            before: None,
+            after: None,
+            chance: None,
+        }
+    }
+
+    /// A step of a number, which is `before` it and `after` it.
+    fn stepped(
+        (course, step): (&Course, &Step),
+        (kind, target, parameter): (ChangeKind, String, String),
+        [before, after]: [Option<Size>; 2],
+        what: String,
+    ) -> Change {
+        Change {
+            day_interval: Some(course.days_of(step)),
+            parameter: Some(parameter),
+            before,
+            after,
+            chance: Some(step.chance),
+            ..Change::stated(course.rows[step.days.start], kind, target, what)
+        }
+    }
+}
+
 pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String>>) -> Vec<Change> {
     let robots = histories.len().max(1) as f64;
     let widening = widening(histories);
@@ -101,7 +135,7 @@ pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String
         for stretch in history.stretches() {
             let effects = effects(history, &stretch, &scatter, robots);
             match effects.is_empty() {
-                true => found.extend(parameters(history, &stretch, &widening, names, robots)),
+                true => found.extend(parameters(&stretch, &widening, names, robots)),
                 false => found.extend(effects),
             }
         }
@@ -115,31 +149,18 @@ pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String
 
 /// Where another URDF begins.
 fn urdfs(history: &History) -> Vec<Change> {
-    let known: Vec<&&Row> = history
-        .rows
-        .iter()
-        .filter(|row| !row.urdf_hash.is_empty())
-        .collect();
-    let pairs = known
-        .windows(2)
-        .filter(|pair| pair[0].urdf_hash != pair[1].urdf_hash);
-    let change = |pair: &[&&Row]| Change {
-        robot: history.robot.to_string(),
-        day: pair[1].day.clone(),
-        day_interval: None,
-        what: format!(
-            "Its URDF is another one from this day on ({}, before {}): numbers before and after \
-             are not compared.",
-            pair[1].urdf_hash, pair[0].urdf_hash
-        ),
-        kind: ChangeKind::Urdf,
-        target: pair[1].urdf_hash.clone(),
-        parameter: None,
-        before: None,
-        after: None,
-        chance: None,
+    let known = history.rows.iter().filter(|row| !row.urdf_hash.is_empty());
+    let known: Vec<&&Row> = known.collect();
+    let change = |pair: &[&&Row]| {
+        let [before, after] = [0, 1].map(|k| pair[k].urdf_hash.as_str());
+        let what = format!(
+            "Its URDF is another one from this day on ({after}, before {before}): numbers before \
+             and after are not compared."
+        );
+        let kind = ChangeKind::Urdf;
+        (before != after).then(|| Change::stated(pair[1], kind, after.to_string(), what))
     };
-    pairs.map(change).collect()
+    known.windows(2).filter_map(change).collect()
 }
 
 /// Findings that two days or more have, up to the last, and none before.
@@ -156,17 +177,10 @@ fn findings(history: &History) -> Vec<Change> {
         };
         let first = rows.iter().position(has)?;
         let lasts = rows[first..].iter().all(has) && first > 0 && rows.len() - first > 1;
-        lasts.then(|| Change {
-            robot: history.robot.to_string(),
-            day: rows[first].day.clone(),
-            day_interval: None,
-            what: finding.sentence.clone(),
-            kind: ChangeKind::Health,
-            target: label((finding.kind.name(), &finding.target)),
-            parameter: None,
-            before: None,
-            after: None,
-            chance: None,
+        lasts.then(|| {
+            let target = label((finding.kind.name(), &finding.target));
+            let what = finding.sentence.clone();
+            Change::stated(rows[first], ChangeKind::Health, target, what)
         })
     };
     last.health.iter().filter_map(of).collect()
@@ -179,30 +193,21 @@ fn effects(
     scatter: &dyn Fn() -> f64,
     robots: f64,
 ) -> Vec<Change> {
-    let mut found = Vec::new();
+    let mut all = Vec::new();
     for key in history.keys() {
-        let all = rows.iter().filter_map(|row| match said(row, &key) {
-            Said::Found(found) => Some(found),
-            _ => None,
-        });
-        let Some(parameter) = principal(all) else {
+        let Some(parameter) = principal(rows.iter().filter_map(|row| found(row, &key))) else {
             continue;
         };
         let course = course_of_effect(rows, &key, &parameter);
-        let absent = absent(rows, &key, &parameter);
+        let absent = absent(rows.iter().copied(), &key, &parameter);
+        let name = label((&key.0, &key.1));
         // An effect that no explanation has is not there, whatever it might be.
         let seen = |away: Size| {
             let back = || absent.map_or(away, |absent| absent.back(away));
             (away.value != 0.0).then(back)
         };
-        let say = |size: Option<Size>| match size {
-            None => "not seen".to_string(),
-            Some(size) => named(&NamedValue {
-                name: &parameter,
-                value: size.value,
-                std: size.std,
-            }),
-        };
+        let say =
+            |size: Option<Size>| size.map_or("not seen".to_string(), |size| size.named(&parameter));
         let steps = steps(&course, HYPOTHESES * robots);
         // The days since the step before, and those up to the next one.
         let stretches = |k: usize| {
@@ -216,30 +221,20 @@ fn effects(
                 continue;
             }
             let (day, last) = (step.days.start - 1, step.days.end - 1);
-            let [before, after] = [day, last].map(|at| seen(course.sizes[at]));
-            found.push(Change {
-                robot: history.robot.to_string(),
-                day: course.day(step.days.start).to_string(),
-                day_interval: Some(course.days_of(step)),
-                what: format!(
-                    "{} changes: {} on {}, {} on {}. Chance would make it in {} fleets.",
-                    label((&key.0, &key.1)),
-                    say(before),
-                    course.day(day),
-                    say(after),
-                    course.day(last),
-                    one_in(step.chance)
-                ),
-                kind: ChangeKind::Effect,
-                target: label((&key.0, &key.1)),
-                parameter: Some(parameter.clone()),
-                before,
-                after,
-                chance: Some(step.chance),
-            });
+            let sizes = [day, last].map(|at| seen(course.sizes[at]));
+            let what = format!(
+                "{name} changes: {} on {}, {} on {}. Chance would make it in {} fleets.",
+                say(sizes[0]),
+                course.day(day),
+                say(sizes[1]),
+                course.day(last),
+                one_in(step.chance)
+            );
+            let about = (ChangeKind::Effect, name.clone(), parameter.clone());
+            all.push(Change::stepped((&course, step), about, sizes, what));
         }
     }
-    found
+    all
 }
 
 /// How far a parameter of an effect is, day by day, from what it is without the effect.
@@ -250,50 +245,38 @@ fn course_of_effect<'r>(rows: &[&'r Row], key: &Key, parameter: &str) -> Course<
         Said::Possible => None,
         Said::No => Some(None),
     };
-    let known: Vec<(&Row, Option<Size>)> = rows
-        .iter()
-        .filter_map(|row| Some((*row, of(row)?)))
-        .collect();
-    let mut stds: Vec<f64> = known
-        .iter()
-        .filter_map(|(_, size)| size.map(|s| s.std))
-        .collect();
+    let known = rows.iter().filter_map(|row| Some((*row, of(row)?)));
+    let known: Vec<(&Row, Option<Size>)> = known.collect();
+    let sizes = known.iter().filter_map(|(_, size)| *size);
+    let mut stds: Vec<f64> = sizes.map(|size| size.std).collect();
     stds.sort_by(f64::total_cmp);
     let typical = stds.get(stds.len() / 2).copied().unwrap_or(0.0);
     let unseen = Size {
         value: 0.0,
         std: UNSEEN * typical,
     };
-    let known = known
-        .into_iter()
-        .map(|(row, size)| (row, size.unwrap_or(unseen)));
-    Course::of(known)
+    let known = known.into_iter();
+    Course::of(known.map(|(row, size)| (row, size.unwrap_or(unseen))))
 }
 
 /// When parameters change, the clearest of them named.
 fn parameters(
-    history: &History,
     rows: &[&Row],
     widening: &[f64],
     names: &BTreeMap<String, Vec<String>>,
     robots: f64,
 ) -> Vec<Change> {
     let count = rows.iter().map(|row| row.params.len()).max().unwrap_or(0);
-    let rows: Vec<&Row> = rows
-        .iter()
-        .copied()
-        .filter(|row| row.params.len() == count)
-        .collect();
+    let rows = rows.iter().copied();
+    let rows: Vec<&Row> = rows.filter(|row| row.params.len() == count).collect();
     let Some(first) = rows.first() else {
         return Vec::new();
     };
     let mut changed: Vec<(usize, Course, Vec<Step>)> = Vec::new();
     for k in 0..count {
         let wide = widening.get(k).copied().unwrap_or(1.0);
-        let known = rows
-            .iter()
-            .filter_map(|row| Some((*row, size(row, k, wide)?)));
-        let course = Course::of(known);
+        let known = rows.iter();
+        let course = Course::of(known.filter_map(|row| Some((*row, size(row, k, wide)?))));
         let steps = steps(&course, count as f64 * robots);
         if !steps.is_empty() {
             changed.push((k, course, steps));
@@ -315,31 +298,22 @@ fn parameters(
         return Vec::new();
     };
     let name = names.get(&first.model()).and_then(|names| names.get(k));
-    let name = name.cloned();
-    let name = name.unwrap_or_else(|| format!("parameter {}", k + 1));
+    let name = name.map_or_else(|| format!("parameter {}", k + 1), String::clone);
     let say = |size: Size| format!("{:.3} ± {:.3} mm", 1e3 * size.value, 1e3 * size.std);
     let of = |step: &Step| {
         let (before, last) = (step.days.start - 1, step.days.end - 1);
-        Change {
-            robot: history.robot.to_string(),
-            day: course.day(step.days.start).to_string(),
-            day_interval: Some(course.days_of(step)),
-            what: format!(
-                "{name} changes: {} on {}, {} on {}; no effect is named for it.{others} Chance \
-                 would make it in {} fleets.",
-                say(course.sizes[before]),
-                course.day(before),
-                say(course.sizes[last]),
-                course.day(last),
-                one_in(step.chance)
-            ),
-            kind: ChangeKind::Parameter,
-            target: name.clone(),
-            parameter: Some(name.clone()),
-            before: Some(course.sizes[before]),
-            after: Some(course.sizes[last]),
-            chance: Some(step.chance),
-        }
+        let sizes = [before, last].map(|at| course.sizes[at]);
+        let what = format!(
+            "{name} changes: {} on {}, {} on {}; no effect is named for it.{others} Chance would \
+             make it in {} fleets.",
+            say(sizes[0]),
+            course.day(before),
+            say(sizes[1]),
+            course.day(last),
+            one_in(step.chance)
+        );
+        let about = (ChangeKind::Parameter, name.clone(), name.clone());
+        Change::stepped((&course, step), about, sizes.map(Some), what)
     };
     steps.iter().map(of).collect()
 }
@@ -361,13 +335,11 @@ fn widening(histories: &[History]) -> Vec<f64> {
         }
     }
     let together = widening_of(squares.iter().flatten().copied().collect());
-    let each = squares
-        .into_iter()
-        .map(|own| match own.len() < DIFFERENCES {
-            true => together,
-            false => widening_of(own),
-        });
-    each.collect()
+    let each = |own: Vec<f64>| match own.len() < DIFFERENCES {
+        true => together,
+        false => widening_of(own),
+    };
+    squares.into_iter().map(each).collect()
 }
 
 /// Whether what is fitted without effects differs between the days `before` and those `after`,
@@ -499,11 +471,11 @@ fn mean(rows: &[&Row], of: &[usize]) -> Option<Mean> {
 /// The chance that held-out gaps differ so much where nothing changed.
 fn chance_of_gaps(before: &[&Row], after: &[&Row]) -> f64 {
     let pooled = |rows: &[&Row]| {
-        let known = rows
-            .iter()
-            .filter_map(|row| Some((*row, row.held_out_rmse?)));
         let (mut squares, mut free) = (0.0, 0.0);
-        for (row, rmse) in known {
+        for (row, rmse) in rows
+            .iter()
+            .filter_map(|row| Some((row, row.held_out_rmse?)))
+        {
             let own = freedom(&[row]);
             squares += own * rmse * rmse;
             free += own;
@@ -513,10 +485,10 @@ fn chance_of_gaps(before: &[&Row], after: &[&Row]) -> f64 {
     let (Some((one, free_one)), Some((other, free_other))) = (pooled(before), pooled(after)) else {
         return 1.0;
     };
-    let (larger, smaller) = match one > other {
-        true => ((one, free_one), (other, free_other)),
-        false => ((other, free_other), (one, free_one)),
-    };
+    let (mut larger, mut smaller) = ((other, free_other), (one, free_one));
+    if one > other {
+        (larger, smaller) = (smaller, larger);
+    }
     if smaller.0 <= 0.0 {
         return if larger.0 > 0.0 { 0.0 } else { 1.0 };
     }

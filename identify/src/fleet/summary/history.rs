@@ -20,12 +20,11 @@ pub(super) fn histories(rows: &[Row]) -> Vec<History<'_>> {
     for row in rows {
         robots.entry(&row.robot).or_default().push(row);
     }
-    let mut histories = Vec::with_capacity(robots.len());
-    for (robot, mut rows) in robots {
+    fn history<'r>((robot, mut rows): (&'r str, Vec<&'r Row>)) -> History<'r> {
         rows.sort_by(|a, b| by_number(&a.day, &b.day).then_with(|| a.urdf_hash.cmp(&b.urdf_hash)));
-        histories.push(History { robot, rows });
+        History { robot, rows }
     }
-    histories
+    robots.into_iter().map(history).collect()
 }
 
 /// What a row says of an effect.
@@ -48,13 +47,19 @@ pub(super) fn said<'r>(row: &'r Row, (effect, target): &Key) -> Said<'r> {
         return Said::No;
     }
     let label = label((effect, target));
-    let instead = row
-        .effects
-        .iter()
-        .flat_map(|found| found.instead.iter().flatten());
-    match instead.into_iter().any(|other| *other == label) {
+    let effects = row.effects.iter();
+    let mut instead = effects.flat_map(|found| found.instead.iter().flatten());
+    match instead.any(|other| *other == label) {
         true => Said::Possible,
         false => Said::No,
+    }
+}
+
+/// An effect of a row's explanation, if it is there.
+pub(super) fn found<'r>(row: &'r Row, key: &Key) -> Option<&'r EffectFound> {
+    match said(row, key) {
+        Said::Found(found) => Some(found),
+        Said::Possible | Said::No => None,
     }
 }
 
@@ -98,11 +103,13 @@ impl<'r> History<'r> {
 }
 
 /// What a parameter of an effect is without it, where that is not 0.
-pub(super) fn absent(rows: &[&Row], key: &Key, parameter: &str) -> Option<Absent> {
-    rows.iter().find_map(|row| match said(row, key) {
-        Said::Found(found) => found.absent.get(parameter).copied(),
-        Said::Possible | Said::No => None,
-    })
+pub(super) fn absent<'r>(
+    rows: impl Iterator<Item = &'r Row>,
+    key: &Key,
+    parameter: &str,
+) -> Option<Absent> {
+    let mut known = rows.filter_map(|row| found(row, key));
+    known.find_map(|found| found.absent.get(parameter).copied())
 }
 
 /// The parameter of an effect that is largest beside its deviation.

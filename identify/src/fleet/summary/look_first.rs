@@ -16,7 +16,7 @@ use statrs::distribution::{Binomial, DiscreteCDF as _};
 
 use super::changes::{Change, ChangeKind};
 use super::criteria::{CLEAR, FALSE_FINDING};
-use super::history::{History, Key, Said, label, said};
+use super::history::{History, Key, found, label};
 use super::shared::{Shared, one_in};
 use crate::diagnose::Verdict;
 use crate::fleet::row::Row;
@@ -129,10 +129,8 @@ fn place(reasons: &mut [Reason]) {
 
 fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<Statement> {
     let mut all = data(history);
-    for change in changes
-        .iter()
-        .filter(|change| change.robot == history.robot)
-    {
+    let own = || changes.iter().filter(|c| c.robot == history.robot);
+    for change in own() {
         let weight = match change.kind {
             ChangeKind::Urdf => 1.0,
             // The finding itself is said already.
@@ -140,18 +138,9 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
             ChangeKind::Effect | ChangeKind::Parameter => 4.0,
         };
         let sentence = format!("From {} on: {}", change.day, change.what);
-        all.push(Statement::new(
-            weight,
-            change.chance.unwrap_or(0.0),
-            sentence,
-        ));
+        let chance = change.chance.unwrap_or(0.0);
+        all.push(Statement::new(weight, chance, sentence));
     }
-    let changed = |key: &Key| {
-        let label = label((&key.0, &key.1));
-        changes
-            .iter()
-            .any(|c| c.robot == history.robot && c.target == label)
-    };
     for key in history.keys().into_iter().filter(|key| lasts(history, key)) {
         let group = shared.iter().find(|group| {
             (&group.effect, &group.target) == (&key.0, &key.1)
@@ -160,10 +149,14 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
         let name = label((&key.0, &key.1));
         match group {
             Some(group) => {
-                let sentence = format!("It shares {name} with {}.", others(group));
+                let others = match group.robots.len().saturating_sub(1) {
+                    1 => "1 other".to_string(),
+                    n => format!("{n} others"),
+                };
+                let sentence = format!("It shares {name} with {others}.");
                 all.push(Statement::new(2.0, group.chance, sentence));
             }
-            None if changed(&key) => {}
+            None if own().any(|change| change.target == name) => {}
             None => {
                 let sentence = format!("It has {name}, which no group shares.");
                 all.push(Statement::new(3.0, chance_of(history, &key), sentence));
@@ -179,11 +172,8 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
 /// might have been it.
 fn chance_of(history: &History, key: &Key) -> f64 {
     let rows: Vec<&Row> = history.usable().collect();
-    let evidence = rows.iter().filter_map(|row| match said(row, key) {
-        Said::Found(found) => Some(found.evidence),
-        Said::Possible | Said::No => None,
-    });
-    let most = evidence.fold(0.0, f64::max);
+    let known = rows.iter().filter_map(|row| found(row, key));
+    let most = known.map(|found| found.evidence).fold(0.0, f64::max);
     let odds = (0.5 * most - (rows.len().max(1) as f64).ln()).exp();
     1.0 / (1.0 + odds)
 }
@@ -221,44 +211,34 @@ fn data(history: &History) -> Vec<Statement> {
             }
         }
     }
-    let lasting = seen
-        .into_iter()
-        .filter(|seen| seen.days > 1 || seen.is_urgent);
-    lasting
-        .map(|seen| {
-            let chance = chance_of_days(seen.days, rows.len());
-            Statement::new(seen.weight, chance, seen.sentence.to_string())
-        })
-        .collect()
+    seen.retain(|seen| seen.days > 1 || seen.is_urgent);
+    let statement = |seen: Seen| {
+        let chance = chance_of_days(seen.days, rows.len());
+        Statement::new(seen.weight, chance, seen.sentence.to_string())
+    };
+    seen.into_iter().map(statement).collect()
 }
 
 /// Whether an effect is on two days or more and on most since the first of them, or clear on
 /// the last.
 fn lasts(history: &History, key: &Key) -> bool {
-    let rows: Vec<Said> = history.usable().map(|row| said(row, key)).collect();
-    let is = |said: &Said| matches!(said, Said::Found(_));
-    let Some(first) = rows.iter().position(is) else {
+    let rows: Vec<_> = history.usable().map(|row| found(row, key)).collect();
+    let Some(first) = rows.iter().position(Option::is_some) else {
         return false;
     };
     let since = &rows[first..];
-    let count = since.iter().filter(|said| is(said)).count();
-    let clear = match since.last() {
-        Some(Said::Found(found)) => found
-            .parameters
-            .keys()
-            .filter_map(|name| found.away(name))
-            .any(|size| size.value.abs() > CLEAR * size.std),
-        _ => false,
-    };
+    let count = since.iter().flatten().count();
+    let clear = since[since.len() - 1].is_some_and(|found| {
+        let mut sizes = found.parameters.keys().filter_map(|name| found.away(name));
+        sizes.any(|size| size.value.abs() > CLEAR * size.std)
+    });
     (count > 1 && 2 * count >= since.len()) || clear
 }
 
 fn unexplained(history: &History) -> Option<Statement> {
     let rows: Vec<&Row> = history.usable().collect();
-    let count = rows
-        .iter()
-        .filter(|row| row.verdict == Some(Verdict::Unexplained))
-        .count();
+    let is_open = |row: &&&Row| row.verdict == Some(Verdict::Unexplained);
+    let count = rows.iter().filter(is_open).count();
     let lasts = count > 1 && 2 * count >= rows.len();
     lasts.then(|| {
         let sentence = format!("{count} of {} days are unexplained.", rows.len());
@@ -266,29 +246,14 @@ fn unexplained(history: &History) -> Option<Statement> {
     })
 }
 
-/// The other robots of a group: `1 other`, `7 others`.
-fn others(group: &Shared) -> String {
-    match group.robots.len().saturating_sub(1) {
-        1 => "1 other".to_string(),
-        n => format!("{n} others"),
-    }
-}
-
 fn errors(history: &History) -> Option<Statement> {
-    let failed: Vec<&str> = history
-        .rows
-        .iter()
-        .filter(|row| row.error.is_some())
-        .map(|row| row.day.as_str())
-        .collect();
-    let days: Vec<&str> = failed
-        .iter()
-        .copied()
-        .filter(|day| !day.is_empty())
-        .collect();
+    let failed = history.rows.iter().filter(|row| row.error.is_some());
+    let mut days: Vec<&str> = failed.map(|row| row.day.as_str()).collect();
+    let any = !days.is_empty();
+    days.retain(|day| !day.is_empty());
     let sentence = || match days.is_empty() {
         true => "Logs have errors.".to_string(),
         false => format!("Logs have errors on {}.", days.join(", ")),
     };
-    (!failed.is_empty()).then(|| Statement::new(1.0, 0.0, sentence()))
+    any.then(|| Statement::new(1.0, 0.0, sentence()))
 }

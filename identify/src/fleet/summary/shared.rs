@@ -40,9 +40,10 @@ use statrs::function::gamma::ln_gamma;
 
 use super::criteria::FALSE_ALARM;
 use super::criteria::shared::{ALIKE, LASTING, LEAST_WINDOW};
-use super::history::{History, Key, Said, absent, label, pooled, principal, said};
-use crate::diagnose::words::{NamedValue, named, spoken};
-use crate::fleet::row::{Absent, Size};
+use super::history::{History, Key, Said, absent, found, label, pooled, principal, said};
+use crate::diagnose::words::{NamedValue, spoken};
+use crate::fleet::row::{Absent, Row, Size};
+use crate::observations::postures::range;
 
 /// 95 % of χ² with one degree of freedom.
 const CHI2: f64 = 3.841_458_820_694_124;
@@ -117,10 +118,8 @@ struct Candidate<'r> {
 
 pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
     let keys: BTreeSet<Key> = histories.iter().flat_map(History::keys).collect();
-    let mut open: Vec<Candidate> = keys
-        .into_iter()
-        .filter_map(|key| candidate(histories, key))
-        .collect();
+    let open = keys.into_iter().filter_map(|key| candidate(histories, key));
+    let mut open: Vec<Candidate> = open.collect();
     let looked_at = open.iter().filter(|c| c.members.len() > 1).count().max(1);
     let scale = scales(&open);
     let mut found = Vec::new();
@@ -140,16 +139,13 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
             continue;
         };
         for other in &mut open {
-            let taken = |member: &Member| {
-                let robot = histories
-                    .iter()
-                    .find(|history| history.robot == member.robot);
-                group.robots.iter().any(|name| name == member.robot)
-                    && robot.is_some_and(|robot| never_together(robot, &candidate.key, &other.key))
-            };
-            let kept = other.members.iter().map(|member| !taken(member));
-            let mut kept = kept.collect::<Vec<bool>>().into_iter();
-            other.members.retain(|_| kept.next().unwrap_or(true));
+            let Candidate { key, members, .. } = other;
+            members.retain(|member| {
+                let robot = histories.iter().find(|own| own.robot == member.robot);
+                let apart = |robot| never_together(robot, &candidate.key, key);
+                let is_of_group = group.robots.iter().any(|name| name == member.robot);
+                !(is_of_group && robot.is_some_and(apart))
+            });
         }
         // Robots with another size of the same may be a batch of their own.
         let holds = |member: &Member| group.robots.iter().any(|name| name == member.robot);
@@ -160,31 +156,22 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
         found.push(group);
     }
     found.sort_by(|a, b| {
-        b.robots
-            .len()
-            .cmp(&a.robots.len())
-            .then(a.chance.total_cmp(&b.chance))
+        let size = b.robots.len().cmp(&a.robots.len());
+        size.then(a.chance.total_cmp(&b.chance))
     });
     found
 }
 
 /// Whether no row of a robot is explained by both.
 fn never_together(robot: &History, one: &Key, other: &Key) -> bool {
-    !robot.rows.iter().any(|row| {
-        matches!(said(row, one), Said::Found(_)) && matches!(said(row, other), Said::Found(_))
-    })
+    let both = |row: &&Row| found(row, one).is_some() && found(row, other).is_some();
+    !robot.rows.iter().any(both)
 }
 
 /// Robots whose rows have an effect most of the time.
 fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
-    let found = histories
-        .iter()
-        .flat_map(History::usable)
-        .filter_map(|row| match said(row, &key) {
-            Said::Found(found) => Some(found),
-            Said::Possible | Said::No => None,
-        });
-    let parameter = principal(found)?;
+    let rows = histories.iter().flat_map(History::usable);
+    let parameter = principal(rows.filter_map(|row| found(row, &key)))?;
     let member = |history: &History<'r>| {
         let (mut rows, mut possible, mut sizes) = (0, 0, Vec::new());
         for row in history.usable() {
@@ -206,10 +193,9 @@ fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
         })
     };
     let members: Vec<Member> = histories.iter().filter_map(member).collect();
-    let absent = histories
-        .iter()
-        .find_map(|history| absent(&history.usable().collect::<Vec<_>>(), &key, &parameter));
-    Some(Candidate {
+    let rows = histories.iter().flat_map(History::usable);
+    let absent = absent(rows, &key, &parameter);
+    (!members.is_empty()).then_some(Candidate {
         key,
         parameter,
         absent,
@@ -217,7 +203,6 @@ fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
         groups: 0,
         grouped: 0,
     })
-    .filter(|candidate| !candidate.members.is_empty())
 }
 
 /// For every effect: how far its sizes reach, how many robots have it, at how many targets.
@@ -225,12 +210,8 @@ fn scales(all: &[Candidate]) -> BTreeMap<String, (f64, usize, usize)> {
     let mut scales: BTreeMap<String, (f64, usize, usize)> = BTreeMap::new();
     for candidate in all {
         let (range, robots, targets) = scales.entry(candidate.key.0.clone()).or_default();
-        let largest = candidate
-            .members
-            .iter()
-            .map(|m| m.size.value.abs())
-            .fold(0.0, f64::max);
-        *range = range.max(2.0 * largest);
+        let sizes = candidate.members.iter().map(|m| m.size.value.abs());
+        *range = sizes.fold(*range, |range, size| range.max(2.0 * size));
         *robots += candidate.members.len();
         *targets += 1;
     }
@@ -295,11 +276,7 @@ fn group(
     of_group.sort_by(|a, b| a.robot.cmp(&b.robot));
     let robots: Vec<String> = of_group.iter().map(|member| member.robot.clone()).collect();
     let (effect, target) = candidate.key.clone();
-    let said = named(&NamedValue {
-        name: &candidate.parameter,
-        value: size.value,
-        std: size.std,
-    });
+    let said = size.named(&candidate.parameter);
     let own = own_in_words(&candidate.parameter, own_std, own_std_interval);
     let sentence = format!(
         "{} robots share {}: {said}; {own}. Chance would make such a group in {} fleets.",
@@ -372,25 +349,16 @@ fn interval(values: &[Size], estimate: f64) -> Option<[f64; 2]> {
     if known.len() < 2 {
         return None;
     }
-    let least = known.iter().map(|v| v.std).fold(f64::INFINITY, f64::min);
-    let reach = |of: &dyn Fn(&Size) -> f64, start: f64, pick: fn(f64, f64) -> f64| {
-        known.iter().map(of).fold(start, pick)
-    };
-    let spread = reach(&|v| v.value, f64::NEG_INFINITY, f64::max)
-        - reach(&|v| v.value, f64::INFINITY, f64::min);
-    let most = RANGE.1 * (spread + reach(&|v| v.std, 0.0, f64::max));
+    let (low, high) = range(known.iter().map(|v| v.value));
+    let (least, widest) = range(known.iter().map(|v| v.std));
+    let most = RANGE.1 * (high - low + widest);
     let first = RANGE.0 * least;
     let step = (most / first).ln() / (POINTS as f64 - 1.0);
     let points = (0..POINTS).map(|k| first * (step * k as f64).exp());
-    let points: Vec<(f64, f64)> = std::iter::once(0.0)
-        .chain(points)
-        .map(|tau| (tau, likelihood(&known, tau)))
-        .collect();
-    let (best, top) = points
-        .iter()
-        .enumerate()
-        .map(|(at, (_, l))| (at, *l))
-        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let points = std::iter::once(0.0).chain(points);
+    let points: Vec<(f64, f64)> = points.map(|tau| (tau, likelihood(&known, tau))).collect();
+    let best = (0..points.len()).max_by(|&a, &b| points[a].1.total_cmp(&points[b].1))?;
+    let top = points[best].1;
     let level = top - 0.5 * CHI2;
     let is_in = |l: f64| l >= level;
     // The ends of the interval are between a point that is in it and the next that is not.

@@ -15,12 +15,12 @@ fn a_batch_is_found_with_its_size_and_its_robots_alone() {
     for robot in batch {
         // Each of the batch differs from it by half a milliradian of its own.
         let own = 5e-4 * fleet.normal();
-        fleet.offset(robot, "l_knee", 0.03 + own, 1);
+        fleet.offset(robot, "l_knee", 0.03 + own, 1..);
     }
     // Robots with offsets of their own, of this joint too.
-    fleet.offset(5, "l_knee", -0.05, 1);
-    fleet.offset(9, "r_knee", 0.03, 1);
-    fleet.offset(9, "l_el", 0.08, 1);
+    fleet.offset(5, "l_knee", -0.05, 1..);
+    fleet.offset(9, "r_knee", 0.03, 1..);
+    fleet.offset(9, "l_el", 0.08, 1..);
     let found = fleet.summary();
     assert_eq!(found.shared.len(), 1, "{:?}", found.shared);
     let shared = &found.shared[0];
@@ -79,8 +79,8 @@ fn joined(reason: &Reason) -> String {
 #[test]
 fn what_is_less_sure_counts_for_less_and_may_have_more_places() {
     let mut fleet = Drawn::fleet(6, 2, 5);
-    fleet.offset(1, "l_knee", 0.05, 1);
-    fleet.offset(2, "r_el", 0.03, 1);
+    fleet.offset(1, "l_knee", 0.05, 1..);
+    fleet.offset(2, "r_el", 0.03, 1..);
     for row in &mut fleet.rows {
         for found in &mut row.effects {
             // Twice the logarithm of the odds: 12 to 1 of one of two days.
@@ -116,7 +116,7 @@ fn robots_that_share_nothing_are_no_group() {
                     -1.0
                 };
                 let size = sign * (0.01 + 0.07 * fleet.random.random::<f64>());
-                fleet.offset(robot, &joint, size, 1);
+                fleet.offset(robot, &joint, size, 1..);
             }
         }
         alarms += usize::from(!fleet.summary().shared.is_empty());
@@ -160,13 +160,7 @@ fn a_step_and_a_drift_are_told_with_their_first_day() {
         row.params[5] += 12.0 * STD;
     }
     for (k, day) in (4..=7).enumerate() {
-        let before = fleet.rows.clone();
-        fleet.offset(20, "r_ank_pitch", 8.0 * STD * (k + 1) as f64, day);
-        for (row, old) in fleet.rows.iter_mut().zip(before) {
-            if row.day != day.to_string() {
-                *row = old;
-            }
-        }
+        fleet.offset(20, "r_ank_pitch", 8.0 * STD * (k + 1) as f64, day..=day);
     }
     let changes = fleet.summary().changes;
     let said: Vec<(&str, &str, ChangeKind)> = changes
@@ -212,7 +206,7 @@ fn a_new_urdf_is_a_change_and_its_parameters_are_not_compared() {
 fn the_order_of_rows_says_nothing() {
     let mut fleet = Drawn::fleet(20, 3, 11);
     for robot in [2, 5, 7, 11] {
-        fleet.offset(robot, "l_knee", 0.03, 1);
+        fleet.offset(robot, "l_knee", 0.03, 1..);
     }
     let forward = fleet.summary();
     fleet.rows.reverse();
@@ -225,7 +219,7 @@ fn the_order_of_rows_says_nothing() {
 fn rows_of_a_stuck_encoder_say_nothing_of_effects() {
     let mut fleet = Drawn::fleet(20, 3, 12);
     for robot in [2, 5, 7, 11] {
-        fleet.offset(robot, "l_knee", 0.03, 1);
+        fleet.offset(robot, "l_knee", 0.03, 1..);
     }
     let stuck = |row: &&mut Row| row.robot == "r05";
     for row in fleet.rows.iter_mut().filter(stuck) {
@@ -247,10 +241,10 @@ fn two_batches_of_one_joint_are_two_groups() {
     let mut fleet = Drawn::fleet(40, 3, 13);
     let (one, other) = ([1, 4, 9, 16, 25, 36], [2, 3, 5, 7, 11, 13]);
     for robot in one {
-        fleet.offset(robot, "l_hip_roll", 0.035, 1);
+        fleet.offset(robot, "l_hip_roll", 0.035, 1..);
     }
     for robot in other {
-        fleet.offset(robot, "l_hip_roll", -0.052, 1);
+        fleet.offset(robot, "l_hip_roll", -0.052, 1..);
     }
     let found = fleet.summary();
     let mut groups: Vec<(f64, Vec<String>)> = found
@@ -272,50 +266,40 @@ fn stepped(seed: u64, days: usize, steps: &[(usize, f64)]) -> Vec<(String, Strin
     let mut fleet = Drawn::fleet(20, days, seed);
     for (k, (from, size)) in steps.iter().enumerate() {
         let to = steps.get(k + 1).map_or(days + 1, |next| next.0);
-        if *size == 0.0 {
-            continue;
-        }
-        let before = fleet.rows.clone();
-        fleet.offset(7, "l_knee", *size, *from);
-        for (row, old) in fleet.rows.iter_mut().zip(before) {
-            if !(*from..to).contains(&row.day.parse().unwrap()) {
-                *row = old;
-            }
+        if *size != 0.0 {
+            fleet.offset(7, "l_knee", *size, *from..to);
         }
     }
     let changes = fleet.summary().changes.into_iter();
     changes.map(|change| (change.day, change.what)).collect()
 }
 
+/// A second step beside the first, what came and went, and what came for two days of thirty: what
+/// is between other changes is held against its neighbours alone.
 #[test]
-fn a_second_step_is_told_beside_the_first() {
-    let told = stepped(14, 12, &[(3, 0.035), (10, 0.105)]);
-    let days: Vec<&str> = told.iter().map(|(day, _)| day.as_str()).collect();
-    assert_eq!(days, ["3", "10"], "{told:?}");
-    assert!(
-        told[0].1.contains("not seen on 2") && told[0].1.contains("on 9."),
-        "{told:?}"
-    );
-    assert!(
-        told[1].1.contains("on 9,") && told[1].1.contains("on 12."),
-        "{told:?}"
-    );
-}
-
-#[test]
-fn what_came_and_went_is_two_changes() {
-    let told = stepped(15, 12, &[(3, 0.035), (10, 0.0)]);
-    let days: Vec<&str> = told.iter().map(|(day, _)| day.as_str()).collect();
-    assert_eq!(days, ["3", "10"], "{told:?}");
-    assert!(told[1].1.contains("not seen on 12"), "{told:?}");
-}
-
-/// Two days of thirty: what is between other changes is held against its neighbours alone.
-#[test]
-fn what_came_for_two_days_is_two_changes() {
-    let told = stepped(23, 30, &[(20, 0.018), (22, 0.0)]);
-    let days: Vec<&str> = told.iter().map(|(day, _)| day.as_str()).collect();
-    assert_eq!(days, ["20", "22"], "{told:?}");
+fn two_steps_are_two_changes() {
+    for (seed, days, steps, words) in [
+        (
+            14,
+            12,
+            [(3, 0.035), (10, 0.105)],
+            ["not seen on 2", "on 9.", "on 9,", "on 12."],
+        ),
+        (
+            15,
+            12,
+            [(3, 0.035), (10, 0.0)],
+            ["", "", "", "not seen on 12"],
+        ),
+        (23, 30, [(20, 0.018), (22, 0.0)], [""; 4]),
+    ] {
+        let told = stepped(seed, days, &steps);
+        let found: Vec<&str> = told.iter().map(|(day, _)| day.as_str()).collect();
+        assert_eq!(found, steps.map(|(day, _)| day.to_string()), "{told:?}");
+        for (k, word) in words.iter().enumerate() {
+            assert!(told[k / 2].1.contains(word), "{told:?}");
+        }
+    }
 }
 
 /// A robot that changed once seems to change again no more often than a sound one does.
@@ -331,7 +315,12 @@ fn one_step_is_one_change() {
 fn with_effects_of_their_own(robots: usize) -> Drawn {
     let mut fleet = Drawn::fleet(20, 3, 17);
     for robot in 0..robots {
-        fleet.offset(robot, &format!("j{robot}"), 0.02 + 0.001 * robot as f64, 1);
+        fleet.offset(
+            robot,
+            &format!("j{robot}"),
+            0.02 + 0.001 * robot as f64,
+            1..,
+        );
     }
     fleet
 }
@@ -343,7 +332,7 @@ fn bodies_that_differ_are_told_from_faults_of_a_few() {
     assert_eq!(with_effects_of_their_own(10).summary().bodies, None);
     // A batch of half of the fleet is a batch.
     let mut fleet = Drawn::fleet(20, 3, 18);
-    (0..15).for_each(|robot| fleet.offset(robot, "l_knee", 0.03, 1));
+    (0..15).for_each(|robot| fleet.offset(robot, "l_knee", 0.03, 1..));
     let found = fleet.summary();
     assert_eq!((found.shared.len(), found.bodies), (1, None));
 }
@@ -354,7 +343,7 @@ fn an_effect_that_nothing_bears_out_is_no_change() {
     let bear = |moved: bool, gap: Option<f64>| {
         let mut fleet = Drawn::fleet(12, 6, 19);
         let before = fleet.rows.clone();
-        fleet.offset(3, "l_knee", 0.03, 4);
+        fleet.offset(3, "l_knee", 0.03, 4..);
         for (row, old) in fleet.rows.iter_mut().zip(before) {
             row.held_out_rmse = Some(5e-4);
             if !moved {
@@ -403,7 +392,7 @@ fn what_parameters_tell_together_bears_an_effect_out() {
             row.covariance.extend(vec![0.0; PARAMS + 1]);
         }
         let before = fleet.rows.clone();
-        fleet.offset(3, "l_knee", 0.05, 2);
+        fleet.offset(3, "l_knee", 0.05, 2..);
         for (row, old) in fleet.rows.iter_mut().zip(before) {
             row.params = old.params;
             if !row.effects.is_empty() {
@@ -425,8 +414,8 @@ fn what_parameters_tell_together_bears_an_effect_out() {
 #[test]
 fn robots_that_all_change_are_told() {
     let mut fleet = Drawn::fleet(2, 2, 22);
-    fleet.offset(0, "l_knee", 0.05, 2);
-    fleet.offset(1, "l_knee", 0.05, 2);
+    fleet.offset(0, "l_knee", 0.05, 2..);
+    fleet.offset(1, "l_knee", 0.05, 2..);
     let changes = fleet.summary().changes;
     let told: Vec<&str> = changes
         .iter()
@@ -442,7 +431,7 @@ fn factors_differ_from_one_and_stiffness_from_none() {
         let mut fleet = Drawn::fleet(12, 3, 20);
         let parameter = [(name.to_string(), absent)];
         for (robot, value) in sizes.into_iter().enumerate() {
-            fleet.offset(robot, "l_knee", 0.0, 1);
+            fleet.offset(robot, "l_knee", 0.0, 1..);
             let own = fleet
                 .rows
                 .iter_mut()
@@ -492,7 +481,7 @@ fn changes_say_sizes_and_the_days_on_which_they_may_have_come() {
 fn numbers_of_any_size_make_no_panic() {
     for odd in [1e308, -1e308, f64::NAN, f64::INFINITY] {
         let mut fleet = Drawn::fleet(6, 6, 30);
-        fleet.offset(1, "l_knee", 0.05, 3);
+        fleet.offset(1, "l_knee", 0.05, 3..);
         for row in fleet.rows.iter_mut().filter(|row| row.robot == "r01") {
             row.params[3] = odd;
             row.covariance[5] = odd;

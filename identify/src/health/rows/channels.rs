@@ -5,9 +5,8 @@ use std::collections::HashSet;
 use sesc_model::Model;
 
 use super::LogRows;
-use super::key::key;
+use super::digits::{key, step};
 use super::screen::{End, LeftOut};
-use super::steps::step;
 use crate::health::criteria::{CLIPPED_MORE, CLIPPED_SHARE, COARSE_LEVELS, COARSE_NOISE, FEW_ROWS};
 use crate::health::statistics::scatter;
 use crate::health::{Finding, Kind, Picture};
@@ -20,19 +19,34 @@ pub(super) fn saturated(
     left_out: &mut LeftOut,
 ) -> Vec<Finding> {
     let mut found = Vec::new();
-    let kept: Vec<usize> = (0..rows.len())
-        .filter(|&k| left_out.keeps(rows.reading[k], rows.force(k)))
-        .collect();
-    if rows.cells > 0 {
-        for cell in 0..rows.cells {
-            let loads: Vec<f64> = kept.iter().map(|&k| rows.force(k)[cell]).collect();
-            let clipped = end(rows, &kept, &loads);
-            found.extend(clipped.map(|count| clipped_cell(rows, &kept, cell, &loads, count)));
-        }
-        return found;
+    let kept = rows.kept(left_out);
+    let mut say =
+        |name: &str, sentence: String, shown: (&str, f64), values: &[f64], most: Option<f64>| {
+            let (title, scale) = shown;
+            let row = |k: usize| rows.row(kept[k]);
+            let meant = |k: usize| most.is_none_or(|most| values[k] == most);
+            let picture = Picture::of(title, values.len(), row, |k| scale * values[k], meant);
+            found.push(Finding::new(Kind::ChannelSaturated, name, sentence).showing(picture));
+        };
+    for cell in 0..rows.cells {
+        let loads: Vec<f64> = kept.iter().map(|&k| rows.force(k)[cell]).collect();
+        let Some(count) = end(rows, &kept, &loads) else {
+            continue;
+        };
+        let (name, most) = (format!("fsr_{}", cell + 1), largest(&loads));
+        let sentence = format!(
+            "{name} ends at {most:.1} N, where {count} of {} rows are: the cell is saturated \
+             there. The effect cell_saturation says what is missing; check its range and \
+             amplifier.",
+            loads.len()
+        );
+        let title = format!("Load on {name}, N");
+        say(&name, sentence, (&title, 1.0), &loads, Some(most));
     }
-    for channel in 0..2 {
+    let channels = if rows.cells > 0 { 0 } else { 2 };
+    for channel in 0..channels {
         let name = ["cop_x", "cop_y"][channel];
+        let title = format!("{name}, mm");
         let values: Vec<f64> = kept.iter().map(|&k| rows.reading[k][channel]).collect();
         for upper in [true, false] {
             let sign = if upper { 1.0 } else { -1.0 };
@@ -42,64 +56,28 @@ pub(super) fn saturated(
             };
             let at = sign * largest(&signed);
             left_out.ends.push(End { channel, upper, at });
-            let title = format!("{name}, mm");
-            let value = |k: usize| 1e3 * values[k];
-            let row = |k: usize| rows.row(kept[k]);
-            let picture = Picture::of(&title, values.len(), row, value, |k| values[k] == at);
-            let finding = Finding::new(
-                Kind::ChannelSaturated,
-                name,
-                format!(
-                    "{name} ends at {:.1} mm, where {count} of {} are: the channel is \
-                     saturated there; these rows are left out. Check its range and amplifier.",
-                    1e3 * at,
-                    rows.total()
-                ),
+            let sentence = format!(
+                "{name} ends at {:.1} mm, where {count} of {} are: the channel is saturated \
+                 there; these rows are left out. Check its range and amplifier.",
+                1e3 * at,
+                rows.total()
             );
-            found.push(finding.showing(picture));
+            say(name, sentence, (&title, 1e3), &values, Some(at));
         }
         let left = || rows.left_by_masses(model?, &kept, channel);
         if let Some(step) = coarse_step(&values, rows.noise, left) {
-            left_out.steps[channel] = step / f64::sqrt(12.0);
-            let title = format!("{name}, mm");
-            let (row, value) = (|k: usize| rows.row(kept[k]), |k: usize| 1e3 * values[k]);
-            let picture = Picture::of(&title, values.len(), row, value, |_| true);
-            let finding = Finding::new(
-                Kind::ChannelSaturated,
-                name,
-                format!(
-                    "{name} moves in steps of {:.2} mm: its readings count as known to {:.2} mm. \
-                     Log more digits, or check the sensor's resolution.",
-                    1e3 * step,
-                    1e3 * step / f64::sqrt(12.0)
-                ),
+            let std = step / f64::sqrt(12.0);
+            left_out.steps[channel] = std;
+            let sentence = format!(
+                "{name} moves in steps of {:.2} mm: its readings count as known to {:.2} mm. Log \
+                 more digits, or check the sensor's resolution.",
+                1e3 * step,
+                1e3 * std
             );
-            found.push(finding.showing(picture));
+            say(name, sentence, (&title, 1e3), &values, None);
         }
     }
     found
-}
-
-/// `loads`: of the cell in the `kept` rows, N; `count` of them are the largest.
-fn clipped_cell(
-    rows: &LogRows,
-    kept: &[usize],
-    cell: usize,
-    loads: &[f64],
-    count: usize,
-) -> Finding {
-    let name = format!("fsr_{}", cell + 1);
-    let sentence = format!(
-        "{name} ends at {:.1} N, where {count} of {} rows are: the cell is saturated there. The \
-         effect cell_saturation says what is missing; check its range and amplifier.",
-        largest(loads),
-        loads.len()
-    );
-    let most = largest(loads);
-    let title = format!("Load on {name}, N");
-    let row = |k: usize| rows.row(kept[k]);
-    let picture = Picture::of(&title, loads.len(), row, |k| loads[k], |k| loads[k] == most);
-    Finding::new(Kind::ChannelSaturated, &name, sentence).showing(picture)
 }
 
 fn largest(values: &[f64]) -> f64 {

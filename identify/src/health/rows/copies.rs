@@ -7,9 +7,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::LogRows;
-use super::key::{key, reading_of};
+use super::digits::{key, reading_of, step};
 use super::screen::LeftOut;
-use super::steps::step;
 use crate::Error;
 use crate::health::criteria::{COPIED_SHARE, FEW_ROWS, FINE, HELD_SHARE};
 use crate::health::statistics::scatter;
@@ -20,7 +19,7 @@ pub(super) fn of(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let mut readings: HashSet<u64> = HashSet::new();
     let (mut copied, mut held) = (Vec::new(), 0);
     let mut postures: HashSet<u64> = HashSet::new();
-    for k in (0..rows.len()).filter(|&k| left_out.keeps(rows.reading[k], rows.force(k))) {
+    for k in rows.kept(left_out) {
         let reading = reading_of(rows.reading[k], rows.force(k));
         let (own, alone) = (key(rows.q(k), &reading), key(&[], &reading));
         match known.get(&own) {

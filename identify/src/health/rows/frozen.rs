@@ -8,13 +8,13 @@
 //! if it is several times as long as others are.
 
 use super::LogRows;
-use super::key::{key, reading_of};
+use super::digits::{key, reading_of, step};
 use super::screen::LeftOut;
-use super::steps::step;
 use crate::health::criteria::{
     FEW_ROWS, FROZEN_LONGER, FROZEN_MOVES, FROZEN_MOVES_M, FROZEN_STEPS, MOST_LOST,
 };
 use crate::health::{Finding, Kind, Picture};
+use crate::observations::postures::range;
 
 /// What may freeze: one axis of the CoP, or the cells together.
 struct Channel {
@@ -27,35 +27,12 @@ struct Channel {
     ends: [u64; 2],
 }
 
-/// What is frozen of the readings.
-#[derive(Clone, Copy)]
-enum Part {
-    X,
-    Y,
-    BothAxes,
-    Cells,
-}
-
-impl Part {
-    /// Target of the finding, and what stays.
-    fn words(self) -> (&'static str, &'static str) {
-        match self {
-            Part::X => ("x", "cop_x stays"),
-            Part::Y => ("y", "cop_y stays"),
-            Part::BothAxes => ("-", "CoP stays"),
-            Part::Cells => ("-", "loads of the cells stay"),
-        }
-    }
-}
-
 /// A run of rows: the first, and one past the last.
 type Run = (usize, usize);
 
 pub(super) fn stretches(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let n = rows.len();
-    let kept: Vec<usize> = (0..n)
-        .filter(|&k| left_out.keeps(rows.reading[k], rows.force(k)))
-        .collect();
+    let kept = rows.kept(left_out);
     let mut frozen = vec![[false; 2]; n];
     let mut first: Option<(Run, f64)> = None;
     let mut count = 0;
@@ -76,17 +53,15 @@ pub(super) fn stretches(rows: &LogRows, left_out: &mut LeftOut) -> Option<Findin
     let is_frozen = |k: usize| frozen[k][0] || frozen[k][1];
     let rows_frozen = (0..n).filter(|&k| is_frozen(k)).count();
     let on = |axis: usize| (0..n).filter(|&k| frozen[k][axis]).count();
-    let frozen_part = match (rows.cells > 0, on(0), on(1)) {
-        (true, ..) => Part::Cells,
-        (_, _, 0) => Part::X,
-        (_, 0, _) => Part::Y,
-        _ => Part::BothAxes,
+    // Target of the finding, what stays, and the axis that shows it. A stretch of both axes was
+    // counted on each.
+    let (target, what, axis, stretches) = match (rows.cells > 0, on(0), on(1)) {
+        (true, ..) => ("-", "loads of the cells stay", 0, count),
+        (_, _, 0) => ("x", "cop_x stays", 0, count),
+        (_, 0, _) => ("y", "cop_y stays", 1, count),
+        _ => ("-", "CoP stays", 0, count / 2),
     };
-    let (target, what) = frozen_part.words();
-    let (axis, title) = match frozen_part {
-        Part::Y => (1, "CoP y, mm"),
-        Part::X | Part::BothAxes | Part::Cells => (0, "CoP x, mm"),
-    };
+    let title = ["CoP x, mm", "CoP y, mm"][axis];
     let reading = |k: usize| 1e3 * rows.reading[k][axis];
     let picture = Picture::of(title, n, |k| rows.row(k), reading, is_frozen);
     let share = 100.0 * rows_frozen as f64 / n as f64;
@@ -102,11 +77,6 @@ pub(super) fn stretches(rows: &LogRows, left_out: &mut LeftOut) -> Option<Findin
         let finding = Finding::new(Kind::CopConstant, "-", sentence);
         return Some(finding.showing(picture));
     }
-    // A stretch of both axes was counted on each.
-    let stretches = match frozen_part {
-        Part::BothAxes => count / 2,
-        Part::X | Part::Y | Part::Cells => count,
-    };
     let stretches = match stretches {
         0 | 1 => "one stretch".to_string(),
         several => format!("{several} stretches"),
@@ -136,25 +106,14 @@ fn channels(rows: &LogRows, kept: &[usize]) -> Vec<Channel> {
         }];
     }
     let of = |axis: usize| {
+        let alone = |at: [f64; 2]| [0, 1].map(|k| if k == axis { at[k] } else { 0.0 });
         let values: Vec<f64> = kept.iter().map(|&k| rows.reading[k][axis]).collect();
-        let end = |worse: fn(f64, f64) -> f64, start: f64| {
-            values.iter().copied().fold(start, worse).to_bits()
-        };
+        let (low, high) = range(values.iter().copied());
         Channel {
             least: least.max(FROZEN_STEPS * step(&values).unwrap_or(0.0)),
-            ends: [
-                end(f64::min, f64::INFINITY),
-                end(f64::max, f64::NEG_INFINITY),
-            ],
+            ends: [low.to_bits(), high.to_bits()],
             values: values.iter().map(|x| x.to_bits()).collect(),
-            cad: kept
-                .iter()
-                .map(|&k| {
-                    let mut at = [0.0; 2];
-                    at[axis] = rows.cad[k][axis];
-                    at
-                })
-                .collect(),
+            cad: kept.iter().map(|&k| alone(rows.cad[k])).collect(),
         }
     };
     vec![of(0), of(1)]
@@ -176,14 +135,12 @@ impl Channel {
         };
         let longest = FEW_ROWS.max(FROZEN_LONGER * typical);
         let moved = |run: &Run| {
-            let corner = |axis: usize, worse: fn(f64, f64) -> f64, start: f64| {
-                let own = self.cad[run.0..run.1].iter();
-                own.map(|p| p[axis]).fold(start, worse)
-            };
-            let range = [0, 1].map(|axis| {
-                corner(axis, f64::max, f64::NEG_INFINITY) - corner(axis, f64::min, f64::INFINITY)
+            let own = &self.cad[run.0..run.1];
+            let [x, y] = [0, 1].map(|axis| {
+                let (low, high) = range(own.iter().map(|p| p[axis]));
+                high - low
             });
-            range[0].hypot(range[1])
+            x.hypot(y)
         };
         runs.into_iter()
             .filter(|run| run.1 - run.0 > longest && !self.is_clipped(run, n))

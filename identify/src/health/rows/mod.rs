@@ -17,16 +17,14 @@
 mod channels;
 mod contact;
 mod copies;
+mod digits;
 mod frozen;
-mod key;
 mod noise;
 mod outside;
 mod sample;
 mod screen;
-mod sole;
 mod stamps;
 pub(super) mod standing;
-mod steps;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -58,6 +56,7 @@ const SWING_S: f64 = 0.15;
 const FITTED: usize = 1000;
 
 /// Rows of a log on one support.
+#[derive(Default)]
 pub(super) struct LogRows {
     pub q: Vec<f64>,
     pub dof: usize,
@@ -77,8 +76,8 @@ pub(super) struct LogRows {
     pub t: Vec<f64>,
     /// Noise of a row, m, where it is known: RMS where rows have their own.
     pub noise: Option<f64>,
-    /// Where it is known from.
-    noise_source: NoiseSource,
+    /// Where it is known from, if it is.
+    noise_source: Option<NoiseSource>,
     /// What rows state of it themselves, m; empty where they do not, or the user says it.
     std: Vec<[f64; 2]>,
     /// CoP by CAD, m.
@@ -143,6 +142,12 @@ impl LogRows {
         &self.force[row * self.cells..(row + 1) * self.cells]
     }
 
+    /// Rows that stay by these rules, stopped encoders and copies aside.
+    pub fn kept(&self, rules: &LeftOut) -> Vec<usize> {
+        let stays = |&k: &usize| rules.keeps(self.reading[k], self.force(k));
+        (0..self.len()).filter(stays).collect()
+    }
+
     /// Rows of a log that stand on the model's support.
     ///
     /// # Errors
@@ -160,11 +165,11 @@ impl LogRows {
         let single = (1.0 - averaged).sqrt();
         if let Some(noise) = noise {
             rows.noise = Some(noise * single);
-            rows.noise_source = NoiseSource::Given;
+            rows.noise_source = Some(NoiseSource::Given);
             rows.std = Vec::new();
         }
         copies::check_distinct(&rows, log.name())?;
-        rows.sole = sole::corners(robot, model);
+        rows.sole = outside::corners(robot, model);
         rows.predict(model);
         Ok(rows)
     }
@@ -181,23 +186,9 @@ impl LogRows {
         let log = log.clone().screened(Arc::new(Everything));
         let mut reader = PostureReader::open(&log, dofs, options)?;
         let mut rows = LogRows {
-            q: Vec::new(),
             dof: dofs.len(),
-            reading: Vec::new(),
-            number: Vec::new(),
-            first_line: None,
-            is_part: false,
-            force: Vec::new(),
-            cells: 0,
             places: reader.sidecar.cells.clone().unwrap_or_default(),
-            pose: Vec::new(),
-            t: Vec::new(),
-            noise: None,
-            noise_source: NoiseSource::Unknown,
-            std: Vec::new(),
-            cad: Vec::new(),
-            cad_of_degrees: Vec::new(),
-            sole: None,
+            ..LogRows::default()
         };
         let mut sample = Sample::default();
         while let Some(mut block) = sample.next(&mut reader)? {
@@ -212,9 +203,9 @@ impl LogRows {
         }
         if !rows.std.is_empty() {
             rows.noise = Some(rms(rows.std.iter().flatten().copied()));
-            rows.noise_source = NoiseSource::Stated;
+            rows.noise_source = Some(NoiseSource::Stated);
         }
-        rows.is_part = sample.is_part();
+        rows.is_part = sample.is_part;
         if !rows.is_part {
             rows.number = (1..=rows.len()).collect();
         }

@@ -23,62 +23,44 @@ const ROWS: usize = 10_000;
 /// A finding where the noise is several times what CAD leaves of the rows that are kept.
 pub(super) fn beside_cad(rows: &LogRows, model: &Model, left_out: &LeftOut) -> Option<Finding> {
     rows.noise?;
-    let kept = |k: &usize| left_out.keeps(rows.reading[*k], rows.force(*k));
-    let kept: Vec<usize> = (0..rows.len()).filter(kept).collect();
+    let kept = rows.kept(left_out);
     let stride = kept.len().div_ceil(ROWS).max(1);
     let kept: Vec<usize> = kept.into_iter().step_by(stride).collect();
     let as_read = kept.iter().map(|&k| (k, rows.reading[k])).collect();
-    let as_read = Gaps::of(rows, as_read);
-    let standing = || standing::still(rows, &kept, model).map(|still| Gaps::of(rows, still));
-    as_read.tell().or_else(|| standing()?.tell())
+    tell(rows, as_read).or_else(|| tell(rows, standing::still(rows, &kept, model)?))
 }
 
-/// Rows and what CAD leaves of each.
-struct Gaps<'a> {
-    rows: &'a LogRows,
-    /// m.
-    all: Vec<(usize, [f64; 2])>,
+/// A finding by what CAD leaves of some rows with these readings, m.
+fn tell(rows: &LogRows, mut all: Vec<(usize, [f64; 2])>) -> Option<Finding> {
+    for (k, y) in &mut all {
+        (0..2).for_each(|axis| y[axis] -= rows.cad[*k][axis]);
+    }
+    let count = all.len();
+    let noise = rows.noise?;
+    let axes = [0, 1].map(|axis| {
+        let sigma = |k: usize| rows.std.get(k).map_or(noise, |std| std[axis]);
+        let over = all.iter().map(|(k, gap)| gap[axis] / sigma(*k));
+        DVector::from_iterator(count, over)
+    });
+    let square = axes.iter().map(|e| e.norm_squared()).sum::<f64>() / (2 * count) as f64;
+    let finding = overstated(noise, rows.noise_source?, noise * square.sqrt())?;
+    let samples: f64 = axes.iter().map(|e| samples(rows, &all, e)).sum();
+    is_no_chance(square * samples, samples).then(|| {
+        let title = "What CAD leaves of the CoP, mm";
+        let row = |k: usize| rows.row(all[k].0);
+        let left = |k: usize| all[k].1.map(|gap| (1e3 * gap, true));
+        finding.showing(Picture::chosen(title, count, row, left))
+    })
 }
 
-impl Gaps<'_> {
-    /// What CAD leaves of rows, by their readings.
-    fn of(rows: &LogRows, mut all: Vec<(usize, [f64; 2])>) -> Gaps<'_> {
-        for (k, y) in &mut all {
-            (0..2).for_each(|axis| y[axis] -= rows.cad[*k][axis]);
-        }
-        Gaps { rows, all }
+/// How many independent samples the gaps of one axis in some rows are worth by themselves.
+fn samples(rows: &LogRows, all: &[(usize, [f64; 2])], gaps: &DVector<f64>) -> f64 {
+    let n = gaps.len() as f64;
+    // Without times of all rows nothing tells which follow each other.
+    if rows.t.len() != rows.len() {
+        return n / Correlation::NONE.rows_per_sample;
     }
-
-    fn tell(&self) -> Option<Finding> {
-        let (rows, count) = (self.rows, self.all.len());
-        let noise = rows.noise?;
-        let axes = [0, 1].map(|axis| {
-            let sigma = |k: usize| rows.std.get(k).map_or(noise, |std| std[axis]);
-            let over = self.all.iter().map(|(k, gap)| gap[axis] / sigma(*k));
-            DVector::from_iterator(count, over)
-        });
-        let square = axes.iter().map(|e| e.norm_squared()).sum::<f64>() / (2 * count) as f64;
-        let finding = overstated(noise, rows.noise_source, noise * square.sqrt())?;
-        let samples: f64 = axes.iter().map(|e| self.samples(e)).sum();
-        is_no_chance(square * samples, samples).then(|| {
-            let title = "What CAD leaves of the CoP, mm";
-            let row = |k: usize| rows.row(self.all[k].0);
-            let left = |k: usize| self.all[k].1.map(|gap| (1e3 * gap, true));
-            finding.showing(Picture::chosen(title, count, row, left))
-        })
-    }
-
-    /// How many independent samples the gaps of one axis are worth by themselves.
-    fn samples(&self, gaps: &DVector<f64>) -> f64 {
-        // Without times of all rows nothing tells which follow each other.
-        let correlation = match self.rows.t.len() == self.rows.len() {
-            false => Correlation::NONE,
-            true => {
-                let t: Vec<f64> = self.all.iter().map(|(k, _)| self.rows.t[*k]).collect();
-                let nothing_fitted = DMatrix::zeros(gaps.len(), 0);
-                Correlation::of(&t, gaps, &nothing_fitted)
-            }
-        };
-        gaps.len() as f64 / correlation.rows_per_sample
-    }
+    let t: Vec<f64> = all.iter().map(|(k, _)| rows.t[*k]).collect();
+    let nothing_fitted = DMatrix::zeros(gaps.len(), 0);
+    n / Correlation::of(&t, gaps, &nothing_fitted).rows_per_sample
 }

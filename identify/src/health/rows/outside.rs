@@ -10,6 +10,7 @@
 //! effect and no finding, as is a wiring that brings CAD near those readings.
 
 use sesc_model::Model;
+use sesc_model::urdf::extents;
 
 use super::LogRows;
 use super::screen::LeftOut;
@@ -19,6 +20,8 @@ use crate::health::criteria::{
 use crate::health::statistics::scatter;
 use crate::health::wirings::Wirings;
 use crate::health::{Finding, Kind, Picture};
+use crate::observations::postures::range;
+use crate::robot::Robot;
 
 pub(super) fn sole(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> Option<Finding> {
     let everywhere = rows.cad.iter().chain(&rows.cad_of_degrees);
@@ -66,11 +69,8 @@ fn is_wired_otherwise(rows: &LogRows, model: &Model, which: impl Fn(usize) -> bo
 /// The box around places and the sole, wider by the margin.
 fn rules(places: &[[f64; 2]], sole: Option<[[f64; 2]; 2]>) -> Option<LeftOut> {
     let diameter = |low: [f64; 2], high: [f64; 2]| (high[0] - low[0]).hypot(high[1] - low[1]);
-    let corner = |worse: fn(f64, f64) -> f64, start: f64| {
-        [0, 1].map(|k| places.iter().map(|p| p[k]).fold(start, worse))
-    };
-    let mut low = corner(f64::min, f64::INFINITY);
-    let mut high = corner(f64::max, f64::NEG_INFINITY);
+    let [x, y] = [0, 1].map(|k| range(places.iter().map(|p| p[k])));
+    let (mut low, mut high) = ([x.0, y.0], [x.1, y.1]);
     let size = diameter(low, high);
     let mut least = MARGIN_M;
     if let Some([from, to]) = sole {
@@ -118,4 +118,39 @@ fn elsewhere(rows: &LogRows) -> bool {
         scatter(&column(&rows.reading, k)) > OTHER_UNIT * cad
     };
     !(larger(0) || larger(1))
+}
+
+/// Least and greatest corner of the sole, m, by the collision shapes of all links fixed to the
+/// support, in its frame, seen from above; none where the URDF has no shapes there but meshes.
+pub(super) fn corners(robot: &Robot, model: &Model) -> Option<[[f64; 2]; 2]> {
+    let description = &robot.description;
+    let boxes = extents(description).ok()?;
+    let mut corners: Option<[[f64; 2]; 2]> = None;
+    for (name, extent) in description.link_names().zip(boxes) {
+        let link = model.tree.links.iter().position(|link| link.name == name);
+        let place = link.and_then(|link| model.chain.places[link]);
+        let (Some(extent), Some(place)) = (extent, place) else {
+            continue;
+        };
+        if place.body != 0 {
+            continue;
+        }
+        let (rows, origin) = (place.orientation(), place.origin());
+        for corner in 0..8 {
+            let local = [0, 1, 2].map(|axis| match corner >> axis & 1 {
+                0 => extent.low[axis],
+                _ => extent.high[axis],
+            });
+            let at = [0, 1].map(|axis| {
+                let turned = rows[axis].iter().zip(local).map(|(a, b)| a * b);
+                origin[axis] + turned.sum::<f64>()
+            });
+            let [low, high] = corners.unwrap_or([at, at]);
+            corners = Some([
+                [0, 1].map(|axis| at[axis].min(low[axis])),
+                [0, 1].map(|axis| at[axis].max(high[axis])),
+            ]);
+        }
+    }
+    corners
 }

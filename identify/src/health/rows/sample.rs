@@ -27,7 +27,8 @@ pub(super) struct Sample {
     passed: u64,
     /// Pieces that are to come; none where rows follow each other.
     to_come: Option<u64>,
-    is_part: bool,
+    /// Whether rows may be left that were not looked at.
+    pub is_part: bool,
 }
 
 impl Sample {
@@ -73,11 +74,6 @@ impl Sample {
             self.is_part = true;
         }
         Ok((!block.is_empty()).then_some(block))
-    }
-
-    /// Whether rows may be left that were not looked at.
-    pub fn is_part(&self) -> bool {
-        self.is_part
     }
 
     /// About so many rows are behind the last one, if they are as long as those before; none

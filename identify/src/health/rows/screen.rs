@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::key::{key, reading_of};
+use super::digits::{key, reading_of};
 use crate::health::criteria::STILL;
 use crate::logs::{Screen, Screening};
 

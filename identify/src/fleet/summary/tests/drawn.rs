@@ -1,6 +1,7 @@
 //! Fleets of rows that are drawn, not diagnosed: what is known of them is known exactly.
 
 use std::collections::BTreeMap;
+use std::ops::RangeBounds;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -55,13 +56,13 @@ impl Drawn {
         StandardNormal.sample(&mut self.random)
     }
 
-    /// An offset of a robot's joint on the days from `from` on.
-    pub fn offset(&mut self, robot: usize, joint: &str, size: f64, from: usize) {
+    /// An offset of a robot's joint on some days.
+    pub fn offset(&mut self, robot: usize, joint: &str, size: f64, days: impl RangeBounds<usize>) {
         for k in 0..self.rows.len() {
             let value = size + STD * self.normal();
             let row = &mut self.rows[k];
             let day: usize = row.day.parse().unwrap();
-            if row.robot != format!("r{robot:02}") || day < from {
+            if row.robot != format!("r{robot:02}") || !days.contains(&day) {
                 continue;
             }
             row.verdict = Some(Verdict::Named);

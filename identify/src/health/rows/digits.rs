@@ -1,4 +1,22 @@
-//! Steps that a channel moves in.
+//! Digits of a log: what tells rows apart, and steps that a channel moves in.
+
+use sesc_model::hash::{START, fnv1a};
+
+/// What tells a row: its joints and what was read, to the last bit.
+pub(super) fn key(q: &[f64], reading: &[f64]) -> u64 {
+    let values = q.iter().chain(reading);
+    values.fold(START, |hash, value| {
+        fnv1a(hash, &value.to_bits().to_le_bytes())
+    })
+}
+
+/// What was read: the forces where there are cells, else the CoP.
+pub(super) fn reading_of(cop: [f64; 2], force: &[f64]) -> Vec<f64> {
+    match force {
+        [] => cop.to_vec(),
+        force => force.to_vec(),
+    }
+}
 
 /// The step that all values are multiples of, if there is one.
 pub(super) fn step(values: &[f64]) -> Option<f64> {
