@@ -13,7 +13,7 @@ use sesc_model::effects::Catalog;
 use sesc_model::effects::about::about;
 
 use crate::calls::{Stopped, detached, watched};
-use crate::errors::{Doing, Failure};
+use crate::errors::{Doing, During, Failure};
 use crate::model::{Model, json};
 use crate::robot::Robot;
 use crate::steps;
@@ -32,8 +32,8 @@ pub fn verify_model(
     let (robot, model) = (robot.inner.clone(), model.inner.clone());
     let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
         let samples = samples.unwrap_or_else(|| verify::samples(model.dof()));
-        let found = verify::verify(&robot, &model, samples, seed, watch);
-        let found = found.map_err(|error| Failure::of_command(error, Doing::ModelFile))?;
+        let found =
+            verify::verify(&robot, &model, samples, seed, watch).during(Doing::ModelFile)?;
         let file = model.file.as_ref().map(|_| "model.toml".to_string());
         let step = next_steps::of_verification(model.support(), file, found.pass);
         let printed = json(&WithSteps {
@@ -70,18 +70,19 @@ pub fn compare_models(
             false => steps::text(model),
         };
         let read = |(text, path, _): &Given| {
-            let file = match text {
+            match text {
                 Some(text) => ModelFile::parse(text, &path.display().to_string()),
                 None => ModelFile::read(path),
-            };
-            file.map_err(|error| Failure::of_model(error, Doing::ModelFile))
+            }
+            .during(Doing::ModelFile)
         };
         let (first, second) = (read(&before)?, read(&after)?);
-        let found = compare::compare(&first, &second);
-        let found = found.map_err(|error| Failure::of(&error, Doing::ModelFile))?;
+        let found = compare::compare(&first, &second).during(Doing::ModelFile)?;
         let drawn = robot.map(|robot| {
-            let model = robot.inner.model(&found.support, robot.snapping, None);
-            let model = model.map_err(|error| Failure::of(&error, Doing::Robot))?;
+            let model = robot
+                .inner
+                .model(&found.support, robot.snapping, None)
+                .during(Doing::Robot)?;
             let (description, folder) = (&robot.inner.description, robot.folder.as_deref());
             Ok(Skeleton::of(&model, description, folder))
         });
@@ -95,8 +96,8 @@ pub fn compare_models(
             &steps,
             drawn.as_ref(),
             "sesc.compare(…)",
-        );
-        let page = page.map_err(|error| Failure::internal(error.to_string()))?;
+        )
+        .map_err(Failure::internal)?;
         let printed = json(&WithSteps {
             found: &found,
             next_steps: &steps,
@@ -111,7 +112,6 @@ pub fn compare_models(
 #[pyfunction]
 pub fn effects_about(py: Python<'_>) -> PyResult<String> {
     detached(py, || {
-        let text = serde_json::to_string(&about(&Catalog::standard()));
-        text.map_err(|error| Failure::internal(error.to_string()))
+        serde_json::to_string(&about(&Catalog::standard())).map_err(Failure::internal)
     })
 }

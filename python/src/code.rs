@@ -9,7 +9,7 @@ use sesc_codegen::{Layout, Scalar, Servos};
 use sesc_identify::files;
 
 use crate::calls::{Stopped, detached, watched};
-use crate::errors::{Doing, Failure};
+use crate::errors::{Doing, During, Failure};
 use crate::model::Model;
 use crate::options::taken;
 
@@ -59,7 +59,7 @@ pub fn c_files(
             }
             (Some(file), _) => {
                 let servos = Servos::read(file);
-                Some(Some(servos.map_err(|error| Failure::of_code(&error))?))
+                Some(Some(servos.during(Doing::Code)?))
             }
             (None, ticks) => ticks.map(|wanted| wanted.then(Servos::default)),
         };
@@ -75,7 +75,7 @@ pub fn c_files(
             let facts = Facts::with(&model, &functions);
             sources::c99(&facts, options.name.as_deref(), &wanted)
         });
-        written.map_err(|error| Failure::of_code(&error))
+        written.during(Doing::Code)
     })?;
     detached(py, || write(&folder, sources))
 }
@@ -92,9 +92,9 @@ pub fn rust_files(
     let model = model.inner.clone();
     let (sources, _) = watched(py, None, Stopped::Abandoned, move |_| {
         let functions = sources::functions(functions.as_deref());
-        let written = functions
-            .and_then(|functions| sources::rust(&Facts::with(&model, &functions), name.as_deref()));
-        written.map_err(|error| Failure::of_code(&error))
+        functions
+            .and_then(|functions| sources::rust(&Facts::with(&model, &functions), name.as_deref()))
+            .during(Doing::Code)
     })?;
     detached(py, || write(&folder, sources))
 }
@@ -112,23 +112,18 @@ fn write(folder: &Path, sources: Sources) -> Result<Vec<PathBuf>, Failure> {
         .into_iter()
         .map(|(file, text)| (folder.join(file), text))
         .collect();
-    let written = files::write_all_if_changed(&all);
-    written.map_err(|error| Failure::of_model(error, Doing::Code))?;
+    files::write_all_if_changed(&all).during(Doing::Code)?;
     Ok(all.into_iter().map(|(file, _)| file).collect())
 }
 
 /// Write a text, whole or not at all.
 #[pyfunction]
 pub fn write_text(py: Python<'_>, path: PathBuf, text: &str) -> PyResult<()> {
-    detached(py, || {
-        files::write(&path, text).map_err(|error| Failure::of_model(error, Doing::Code))
-    })
+    detached(py, || files::write(&path, text).during(Doing::Code))
 }
 
 /// Write a part's bytes, whole or not at all.
 #[pyfunction]
 pub fn write_bytes(py: Python<'_>, path: PathBuf, data: &[u8]) -> PyResult<()> {
-    detached(py, || {
-        files::write(&path, data).map_err(|error| Failure::of_model(error, Doing::Code))
-    })
+    detached(py, || files::write(&path, data).during(Doing::Code))
 }

@@ -15,7 +15,7 @@ use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
 
 use crate::calls::{Stopped, detached, watched};
-use crate::errors::{Doing, Failure};
+use crate::errors::{Doing, During, Failure};
 use crate::log::Log;
 use crate::model::json;
 use crate::options::{angles, motion, stays, taken};
@@ -73,17 +73,18 @@ pub fn diagnose_log(
         // Before long work, not behind it. A file that is dropped leaves nothing behind.
         let begun = Recording::check_format(path)
             .and_then(|()| NewFile::create(path).map(drop).map_err(Error::from));
-        begun.map_err(|error| Failure::of(&error, Doing::Fit).raise(py))?;
+        begun
+            .during(Doing::Fit)
+            .map_err(|failure| failure.raise(py))?;
     }
     let recorded = options.mcap.clone();
     let shown = show.as_ref().map(|show| show.clone_ref(py));
     let (mut report, mut warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
         if let Some(file) = &options.servos {
             let servos = sesc::servos::read(file, &request.robot);
-            request.servos = servos.map_err(|error| Failure::of_code(&error))?;
+            request.servos = servos.during(Doing::Code)?;
         }
-        let report = diagnose::diagnose(&request, watch);
-        report.map_err(|error| Failure::of(&error, Doing::Fit))
+        diagnose::diagnose(&request, watch).during(Doing::Fit)
     })?;
     match (recorded, report.recording.take()) {
         (Some(path), _) if report.diagnosis.verdict == Verdict::Unusable => {
@@ -92,10 +93,8 @@ pub fn diagnose_log(
         }
         (Some(path), Some(recording)) => {
             watched(py, shown, Stopped::Awaited, move |watch| {
-                let file = recording.begun(&path, watch);
-                let file = file.map_err(|error| Failure::of(&error, Doing::Fit))?;
-                let done = file.finish();
-                done.map_err(|error| Failure::of_model(error, Doing::Fit))
+                let file = recording.begun(&path, watch).during(Doing::Fit)?;
+                file.finish().during(Doing::Fit)
             })?;
         }
         _ => {}
@@ -139,7 +138,7 @@ impl DiagnosisReport {
                     |step| !matches!(step, NextStep::LookAtPage),
                     |report| page(report, view, &self.report.model_file, ""),
                 )
-                .map_err(|error| Failure::internal(error.to_string())),
+                .map_err(Failure::internal),
             None => Ok(String::new()),
         })
     }
@@ -158,10 +157,7 @@ impl DiagnosisReport {
 
     /// The model file.
     fn model_file(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || {
-            let text = self.report.model_file.to_toml();
-            text.map_err(|error| Failure::of_model(error, Doing::Fit))
-        })
+        detached(py, || self.report.model_file.to_toml().during(Doing::Fit))
     }
 
     /// The tolerances that masses of the corrected URDF move within, and what belongs to the
@@ -209,13 +205,13 @@ pub fn correct_urdf(
 ) -> PyResult<(String, Vec<String>)> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
     let corrected = watched(py, None, Stopped::Abandoned, move |_| {
-        let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Fit);
-        let file = ModelFile::parse(&model_file, "model");
-        let file = file.map_err(|error| Failure::of_model(error, Doing::ModelFile))?;
-        let model = robot.model(&file.support, snapping, None).map_err(failed)?;
+        let file = ModelFile::parse(&model_file, "model").during(Doing::ModelFile)?;
+        let model = robot
+            .model(&file.support, snapping, None)
+            .during(Doing::Fit)?;
         let prior = PriorChoice::from(prior.as_str())
             .of(&model)
-            .map_err(failed)?;
+            .during(Doing::Fit)?;
         let corrected = corrected_urdf::of_model_file(
             &file,
             &robot,
@@ -224,8 +220,8 @@ pub fn correct_urdf(
             snapping,
             &prior,
             total_mass,
-        );
-        let corrected = corrected.map_err(failed)?;
+        )
+        .during(Doing::Fit)?;
         Ok((corrected.text, corrected.left_out))
     });
     Ok(corrected?.0)

@@ -43,6 +43,18 @@ impl Doing {
     }
 }
 
+/// Results of the libraries whose errors become exceptions.
+pub trait During<T> {
+    /// The result of a call that was `doing` something.
+    fn during(self, doing: Doing) -> Result<T, Failure>;
+}
+
+impl<T, E: Into<sesc::Error>> During<T> for Result<T, E> {
+    fn during(self, doing: Doing) -> Result<T, Failure> {
+        self.map_err(|error| Failure::of(error, doing))
+    }
+}
+
 /// An error on its way to Python.
 #[derive(Debug)]
 pub struct Failure(Box<About>);
@@ -60,8 +72,23 @@ struct About {
 }
 
 impl Failure {
-    /// An error of the library while `doing` something.
-    pub fn of(error: &Error, doing: Doing) -> Failure {
+    /// An error while `doing` something.
+    pub fn of(error: impl Into<sesc::Error>, doing: Doing) -> Failure {
+        match error.into() {
+            sesc::Error::Identify(error) => Failure::of_library(&error, doing),
+            sesc::Error::Model(error) => Failure::of_library(&error.into(), doing),
+            sesc::Error::Codegen(error) => Failure::caused(Doing::Code, &error),
+            sesc::Error::Reference(error) => Failure::caused(Doing::Robot, &error),
+            other => Failure::plain(doing, other.to_string()),
+        }
+    }
+
+    /// An error that has no place, with its causes.
+    fn caused(doing: Doing, error: &dyn std::error::Error) -> Failure {
+        Failure::plain(doing, sentence(error.to_string(), error.source()))
+    }
+
+    fn of_library(error: &Error, doing: Doing) -> Failure {
         let class = match (error.kind(), error.model()) {
             (_, Some(model)) => class_of_model(model, doing),
             (ErrorKind::Log, _) if doing != Doing::Part => "LogError",
@@ -82,34 +109,9 @@ impl Failure {
         }))
     }
 
-    /// An error of the model.
-    pub fn of_model(error: ModelError, doing: Doing) -> Failure {
-        Failure::of(&Error::from(error), doing)
-    }
-
-    /// An error of what the command line shares with the package.
-    pub fn of_command(error: sesc::Error, doing: Doing) -> Failure {
-        match error {
-            sesc::Error::Identify(error) => Failure::of(&error, doing),
-            sesc::Error::Model(error) => Failure::of_model(error, doing),
-            sesc::Error::Codegen(error) => Failure::of_code(&error),
-            sesc::Error::Reference(error) => {
-                let cause = std::error::Error::source(&error);
-                Failure::plain(Doing::Robot, sentence(error.to_string(), cause))
-            }
-            other => Failure::plain(doing, sentence(other.to_string(), None)),
-        }
-    }
-
-    /// An error of the generator.
-    pub fn of_code(error: &sesc_codegen::Error) -> Failure {
-        let message = sentence(error.to_string(), std::error::Error::source(error));
-        Failure::plain(Doing::Code, message)
-    }
-
     /// A defect of the package.
-    pub fn internal(message: impl Into<String>) -> Failure {
-        let mut failure = Failure::plain(Doing::Code, message);
+    pub fn internal(message: impl std::fmt::Display) -> Failure {
+        let mut failure = Failure::plain(Doing::Code, message.to_string());
         failure.0.class = "InternalError";
         failure
     }

@@ -11,7 +11,7 @@ use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::{self, Request};
 
 use crate::calls::{Stopped, detached, watched};
-use crate::errors::{Doing, Failure};
+use crate::errors::{Doing, During, Failure};
 use crate::log::Log;
 use crate::model::json;
 use crate::options::{FitOptions, taken};
@@ -52,8 +52,7 @@ pub fn fit_logs(
     let request = options.request(robot.as_deref(), &logs, parts.collect());
     let request = request.map_err(|failure| failure.raise(py))?;
     let (inner, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
-        let report = fit::fit(&request, watch);
-        let report = report.map_err(|error| Failure::of(&error, Doing::Fit))?;
+        let report = fit::fit(&request, watch).during(Doing::Fit)?;
         Ok(Arc::new((request, report)))
     })?;
     Ok(FitReport { inner, warnings })
@@ -127,10 +126,7 @@ impl FitReport {
 
     /// The model file.
     fn model_file(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || {
-            let text = self.report().model_file.to_toml();
-            text.map_err(|error| Failure::of_model(error, Doing::Fit))
-        })
+        detached(py, || self.report().model_file.to_toml().during(Doing::Fit))
     }
 
     /// The corrected URDF, what changed in it as JSON, and the same as a table.
@@ -142,8 +138,7 @@ impl FitReport {
     ) -> PyResult<(String, String, String)> {
         let inner = Arc::clone(&self.inner);
         let corrected = watched(py, None, Stopped::Abandoned, move |_| {
-            let corrected = inner.1.corrected_urdf(total_mass);
-            let corrected = corrected.map_err(|error| Failure::of(&error, Doing::Fit))?;
+            let corrected = inner.1.corrected_urdf(total_mass).during(Doing::Fit)?;
             Ok((
                 corrected.text.clone(),
                 json(&corrected)?,
@@ -165,17 +160,16 @@ impl FitReport {
         let inner = Arc::clone(&self.inner);
         let page = watched(py, show, Stopped::Abandoned, move |watch| {
             let (request, report) = &*inner;
-            let residuals = fit::residuals(request, report, watch);
-            let sample = residuals.map_err(|error| Failure::of(&error, Doing::Fit))?;
+            let sample = fit::residuals(request, report, watch).during(Doing::Fit)?;
             let found = &report.identification;
             let shown = Shown::of(report, sample, command, None);
-            let page = page(&Printed {
+            page(&Printed {
                 found,
                 next_steps: &steps::worded(&found.next_steps(), steps::text),
                 corrected: None,
                 shown: Some(&shown),
-            });
-            page.map_err(|error| Failure::internal(error.to_string()))
+            })
+            .map_err(Failure::internal)
         });
         Ok(page?.0)
     }
@@ -195,18 +189,17 @@ pub fn correct_fit(
 ) -> PyResult<String> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
     let corrected = watched(py, None, Stopped::Abandoned, move |_| {
-        let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Fit);
-        let model = robot.model(&support, snapping, None).map_err(failed)?;
+        let model = robot.model(&support, snapping, None).during(Doing::Fit)?;
         // Where masses are known, a file of tolerances may be gone.
         let prior = match masses {
             Some(_) => Prior::Free,
             None => PriorChoice::from(prior.as_str())
                 .of(&model)
-                .map_err(failed)?,
+                .during(Doing::Fit)?,
         };
         let known = (&params[..], masses.as_deref());
         let corrected = corrected_of(&robot, &model, snapping, known, &prior, total_mass);
-        Ok(corrected.map_err(failed)?.text)
+        Ok(corrected.during(Doing::Fit)?.text)
     });
     Ok(corrected?.0)
 }

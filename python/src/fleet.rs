@@ -15,7 +15,7 @@ use sesc_identify::fleet::{self, Fleet, Group, Input, Options, Request, Row, Sto
 use sesc_identify::robot;
 
 use crate::calls::{Stopped, checked, detached, watched};
-use crate::errors::{Doing, Failure};
+use crate::errors::{Doing, During, Failure};
 use crate::model::json;
 use crate::robot::Robot;
 
@@ -28,7 +28,7 @@ fn parsed<T: DeserializeOwned>(json: &str) -> Result<T, Failure> {
 }
 
 fn text(value: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string(value).map_err(|error| Failure::internal(error.to_string()))
+    serde_json::to_string(value).map_err(Failure::internal)
 }
 
 /// The groups of patterns, folders, lists and manifests, and of a table of paths with what is
@@ -41,11 +41,10 @@ pub fn fleet_groups(
     by: Vec<String>,
 ) -> PyResult<Vec<String>> {
     detached(py, || {
-        let found = fleet::inputs(&data, &by);
-        let mut inputs = found.map_err(|error| Failure::of(&error, Doing::Log))?;
+        let mut inputs = fleet::inputs(&data, &by).during(Doing::Log)?;
         for (path, said) in table {
             let input = Input::new(path, &said, &by);
-            inputs.push(input.map_err(|error| Failure::of(&error, Doing::Fit))?);
+            inputs.push(input.during(Doing::Fit)?);
         }
         fleet::groups(&inputs).iter().map(text).collect()
     })
@@ -67,7 +66,7 @@ pub fn fleet_work(
         let (options, group): (Options, Group) = (parsed(&options)?, parsed(&group)?);
         let store = store.map(Store::new);
         let done = fleet::work(&robot, &options, &group, store.as_ref(), watch);
-        text(&done.map_err(|error| Failure::of(&error, Doing::Fit))?)
+        text(&done.during(Doing::Fit)?)
     })
 }
 
@@ -137,8 +136,7 @@ impl FleetFound {
         };
         let request = request().map_err(|failure| failure.raise(py))?;
         let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
-            let found = fleet::run(&request, watch);
-            let found = found.map_err(|error| Failure::of(&error, Doing::Fit))?;
+            let found = fleet::run(&request, watch).during(Doing::Fit)?;
             Ok(FleetFound::of(found, asked))
         })?;
         Ok(found)
@@ -196,8 +194,7 @@ impl FleetFound {
     /// Write the table, as Parquet or CSV.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         detached(py, || {
-            let written = fleet::write(&path, &self.fleet.rows);
-            written.map_err(|error| Failure::of(&error, Doing::Fit))
+            fleet::write(&path, &self.fleet.rows).during(Doing::Fit)
         })
     }
 
@@ -218,8 +215,8 @@ impl FleetFound {
             let drawn = report::skeleton(fleet, &asked.robot, &asked.options, folder);
             let words = (made, file);
             let robots = robots.unwrap_or(report::ROBOTS);
-            let pages = report::pages(fleet, &self.summary, drawn.as_ref(), words, robots);
-            let pages = pages.map_err(|error| Failure::internal(error.to_string()))?;
+            let pages = report::pages(fleet, &self.summary, drawn.as_ref(), words, robots)
+                .map_err(Failure::internal)?;
             Ok((pages.fleet, pages.folder, pages.robots))
         })
     }
@@ -227,12 +224,12 @@ impl FleetFound {
     /// The file of what is known of the next robot.
     fn population(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
-            let text = match &self.summary.population {
+            match &self.summary.population {
                 Some(known) => known.to_toml(),
                 None => fleet::population(&self.fleet.rows, &self.asked.robot, &self.asked.options)
                     .and_then(|found| found.to_toml()),
-            };
-            text.map_err(|error| Failure::of(&error, Doing::Fit))
+            }
+            .during(Doing::Fit)
         })
     }
 }

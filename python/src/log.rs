@@ -13,7 +13,7 @@ use sesc_identify::simulate;
 
 use crate::arrow::Unusable;
 use crate::calls::{Signals, Stopped, detached, guarded, watched};
-use crate::errors::{Doing, Failure, keyword};
+use crate::errors::{Doing, During, Failure, keyword};
 use crate::robot::Robot;
 
 /// A posture log that can be read as often as needed.
@@ -29,13 +29,12 @@ pub struct Log {
 impl Log {
     /// A log with `settings`, JSON of a sidecar, beside those that it has.
     fn with(source: LogSource, settings: Option<&str>) -> Result<Log, Failure> {
-        let failed = |error: sesc_identify::Error| Failure::of(&error, Doing::Log);
-        let (own, warnings) = source.sidecar().map_err(failed)?;
+        let (own, warnings) = source.sidecar().during(Doing::Log)?;
         let source = match settings {
             None => source,
             Some(settings) => {
                 let source = source.with_sidecar(overlaid(&own, settings)?);
-                source.sidecar().map_err(failed)?;
+                source.sidecar().during(Doing::Log)?;
                 source
             }
         };
@@ -52,15 +51,6 @@ impl Log {
             source,
             warnings: Vec::new(),
             simulated: Some(request),
-        }
-    }
-
-    /// A log of the library.
-    pub fn of(source: LogSource) -> Log {
-        Log {
-            source,
-            warnings: Vec::new(),
-            simulated: None,
         }
     }
 }
@@ -222,11 +212,8 @@ impl Log {
     #[getter]
     fn settings(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
-            let (sidecar, _) = self
-                .source
-                .sidecar()
-                .map_err(|error| Failure::of(&error, Doing::Log))?;
-            serde_json::to_string(&sidecar).map_err(|error| Failure::internal(error.to_string()))
+            let (sidecar, _) = self.source.sidecar().during(Doing::Log)?;
+            serde_json::to_string(&sidecar).map_err(Failure::internal)
         })
     }
 
@@ -248,8 +235,8 @@ impl Log {
         let source = self.source.clone();
         let found = watched(py, show, Stopped::Abandoned, move |watch| {
             let snapping = snapping.unwrap_or_default();
-            let found = health::of_log(&source, robot.as_deref(), snapping, watch);
-            let found = found.map_err(|error| Failure::of(&error, Doing::Log))?;
+            let found =
+                health::of_log(&source, robot.as_deref(), snapping, watch).during(Doing::Log)?;
             let said = found.into_iter();
             Ok(said
                 .map(|f| (f.kind.name(), f.target, f.sentence))
@@ -284,8 +271,7 @@ impl Log {
             return Err(Failure::plain(Doing::Log, message).raise(py));
         };
         let written = watched(py, show, Stopped::Awaited, move |watch| {
-            let written = simulate::write(&request, &path, watch);
-            written.map_err(|error| Failure::of(&error, Doing::Log))
+            simulate::write(&request, &path, watch).during(Doing::Log)
         });
         Ok(written?.0)
     }

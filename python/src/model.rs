@@ -15,7 +15,7 @@ use sesc_model::{self as model, Function, ModelFile};
 use crate::arrays::{Axis, Target, numbers};
 use crate::batch::{Batch, Count};
 use crate::calls::{detached, guarded};
-use crate::errors::{Doing, Failure};
+use crate::errors::{Doing, During, Failure};
 use crate::prepared::{Functions, READING};
 use crate::robot::Robot;
 use crate::steps;
@@ -147,12 +147,13 @@ impl Model {
                 (None, Some(path), _) => Some(ModelFile::read(path)),
                 (None, None, _) => None,
             };
-            let failed = |error| Failure::of_model(error, Doing::ModelFile);
-            let parameters = parameters.transpose().map_err(failed)?;
-            let found = robot.inner.model(support, robot.snapping, None);
-            let found = found.map_err(|error| Failure::of(&error, Doing::Robot))?;
+            let parameters = parameters.transpose().during(Doing::ModelFile)?;
+            let found = robot
+                .inner
+                .model(support, robot.snapping, None)
+                .during(Doing::Robot)?;
             match parameters {
-                Some(parameters) => found.with_file(parameters).map_err(failed),
+                Some(parameters) => found.with_file(parameters).during(Doing::ModelFile),
                 None => Ok(found),
             }
         };
@@ -174,9 +175,9 @@ impl Model {
     /// The text of the model file that it was made with.
     #[getter]
     fn model_file(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        let text = self.inner.file.as_ref().map(ModelFile::to_toml);
-        let text = text.transpose();
-        text.map_err(|error| Failure::of_model(error, Doing::ModelFile).raise(py))
+        let text = self.inner.file.as_ref().map(ModelFile::to_toml).transpose();
+        let text = text.during(Doing::ModelFile);
+        text.map_err(|failure| failure.raise(py))
     }
 
     /// The link on the ground.
@@ -287,8 +288,7 @@ impl Model {
     /// What it says to do next.
     fn next_steps(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
-            let text = serde_json::to_string(&self.next_step());
-            text.map_err(|error| Failure::internal(error.to_string()))
+            serde_json::to_string(&self.next_step()).map_err(Failure::internal)
         })
     }
 
@@ -475,6 +475,5 @@ impl Model {
 
 /// A result as the command line prints it.
 pub fn json(value: &impl Serialize) -> Result<String, Failure> {
-    let text = sesc::cli::json(value);
-    text.map_err(|error| Failure::internal(error.to_string()))
+    sesc::cli::json(value).map_err(Failure::internal)
 }

@@ -6,7 +6,7 @@ use pyo3::types::PyBytes;
 use sesc_identify::fit;
 
 use crate::calls::{Stopped, detached, watched};
-use crate::errors::{Doing, Failure};
+use crate::errors::{Doing, During, Failure};
 use crate::log::Log;
 use crate::options::{FitOptions, taken};
 use crate::robot::Robot;
@@ -34,8 +34,7 @@ impl Part {
         let request = options.request(Some(&robot), &logs, Vec::new());
         let request = request.map_err(|failure| failure.raise(py))?;
         let (inner, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
-            let part = fit::gather(&request, watch);
-            let part = part.map_err(|error| Failure::of(&error, Doing::Fit))?;
+            let part = fit::gather(&request, watch).during(Doing::Fit)?;
             match part.unusable() {
                 Some(broken) => Err(Failure::plain(Doing::Part, broken.sentence.clone())),
                 None => Ok(part),
@@ -47,8 +46,7 @@ impl Part {
     #[staticmethod]
     fn parse(py: Python<'_>, data: Vec<u8>) -> PyResult<Part> {
         let inner = detached(py, || {
-            let part = fit::part::Part::from_bytes(&data, "part");
-            part.map_err(|error| Failure::of(&error, Doing::Part))
+            fit::part::Part::from_bytes(&data, "part").during(Doing::Part)
         })?;
         Ok(Part {
             inner,
@@ -57,10 +55,7 @@ impl Part {
     }
 
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = detached(py, || {
-            let bytes = self.inner.to_bytes();
-            bytes.map_err(|error| Failure::of(&error, Doing::Part))
-        })?;
+        let bytes = detached(py, || self.inner.to_bytes().during(Doing::Part))?;
         Ok(PyBytes::new(py, &bytes))
     }
 
@@ -68,8 +63,9 @@ impl Part {
     fn merged(&self, py: Python<'_>, other: &Part) -> PyResult<Part> {
         let inner = detached(py, || {
             let mut whole = self.inner.clone();
-            let merged = whole.merge(other.inner.clone(), "the other part");
-            merged.map_err(|error| Failure::of(&error, Doing::Part))?;
+            whole
+                .merge(other.inner.clone(), "the other part")
+                .during(Doing::Part)?;
             Ok(whole)
         })?;
         let warnings = self.warnings.iter().chain(&other.warnings);

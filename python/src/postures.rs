@@ -21,7 +21,7 @@ use sesc_identify::skeleton::Skeleton;
 use sesc_identify::stance::Stance;
 
 use crate::calls::{Stopped, Waiting, detached, watched};
-use crate::errors::{Doing, Failure};
+use crate::errors::{Doing, During, Failure};
 use crate::log::Log;
 use crate::model::{Model, json};
 use crate::options::{angles, motion, taken};
@@ -76,7 +76,7 @@ pub fn plan_postures(
     );
     let log = data.map(|log| log.source.clone());
     let plan = watched(py, show, Stopped::Abandoned, move |watch| {
-        let build = |watch: &mut Waiting| {
+        let build = |watch: &mut Waiting| -> Result<_, sesc_identify::Error> {
             let region = match (&options.sole, options.cop_box) {
                 (Some(sole), _) => Region::sole(sole, options.margin)?,
                 (None, Some(half)) => Region::square(half, options.margin)?,
@@ -110,7 +110,7 @@ pub fn plan_postures(
             let skeleton = Skeleton::of(&request.model, description, folder);
             plan::plan(&request, watch).map(|plan| PlanReport { plan, skeleton })
         };
-        build(watch).map_err(|error| Failure::of(&error, Doing::Plan))
+        build(watch).during(Doing::Plan)
     });
     Ok(plan?.0)
 }
@@ -142,8 +142,8 @@ impl PlanReport {
     fn page(&self, py: Python<'_>, file: &str, command: &str) -> PyResult<String> {
         detached(py, || {
             let (plan, next) = (&self.plan, self.next_steps());
-            let page = report::plan::page(plan, &next, &self.skeleton, file, command);
-            page.map_err(|error| Failure::internal(error.to_string()))
+            report::plan::page(plan, &next, &self.skeleton, file, command)
+                .map_err(Failure::internal)
         })
     }
 
@@ -170,24 +170,19 @@ pub fn write_postures(
     let (model, dof) = (model.inner.clone(), q.shape()[1]);
     let q = q.as_array().iter().copied().collect::<Vec<f64>>();
     detached(py, || {
-        let write = || {
+        let write = || -> Result<_, sesc_identify::Error> {
             let mut log = PostureWriter::create(&path, &model.tree.dofs, Written::default())?;
-            for (pose, q) in (first..).zip(q.chunks_exact(dof.max(1))) {
+            let all: Vec<_> = (first..).zip(q.chunks_exact(dof.max(1))).collect();
+            let again = again.iter().filter_map(|pose| {
+                let place = usize::try_from(pose - first).ok()?;
+                all.get(place)
+            });
+            for &(pose, q) in all.iter().chain(again) {
                 log.row(&Row {
                     pose,
                     q,
                     ..Row::default()
                 })?;
-            }
-            for pose in again {
-                let place = usize::try_from(pose - first).unwrap_or(usize::MAX);
-                if let Some(q) = q.chunks_exact(dof.max(1)).nth(place) {
-                    log.row(&Row {
-                        pose,
-                        q,
-                        ..Row::default()
-                    })?;
-                }
             }
             log.finish(&Sidecar {
                 robot: Some(model.tree.robot.clone()),
@@ -199,7 +194,7 @@ pub fn write_postures(
             })?;
             Ok(Sidecar::path(&path))
         };
-        write().map_err(|error| Failure::of(&error, Doing::Plan))
+        write().during(Doing::Plan)
     })
 }
 
@@ -241,7 +236,7 @@ pub fn simulate_log(
     } = options;
     let model = model.inner.clone();
     let log = watched(py, show, Stopped::Abandoned, move |watch| {
-        let build = |watch: &mut Waiting| {
+        let build = |watch: &mut Waiting| -> Result<_, sesc_identify::Error> {
             let model = hide((*model).clone(), &hidden)?;
             let mut request = simulate::Request::new(model, poses);
             request.postures = postures;
@@ -253,7 +248,7 @@ pub fn simulate_log(
             let log = simulate(&request, watch)?;
             Ok(Log::simulated(log, request))
         };
-        build(watch).map_err(|error| Failure::of(&error, Doing::Log))
+        build(watch).during(Doing::Log)
     });
     Ok(log?.0)
 }
@@ -284,7 +279,7 @@ pub fn predict_log<'py>(
     request.angles = degrees.map(angles);
     request.motion = motion(moves);
     let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
-        predict(&request, watch).map_err(|error| Failure::of(&error, Doing::Log))
+        predict(&request, watch).during(Doing::Log)
     })?;
     let n = found.pose.len();
     let com = PyArray1::from_slice(py, found.com_m.as_flattened()).reshape([n, 3])?;

@@ -8,7 +8,7 @@ use sesc_identify::robot;
 use sesc_model::Snapping;
 
 use crate::calls::detached;
-use crate::errors::{Doing, Failure};
+use crate::errors::{Doing, During};
 
 /// A robot, and how right angles of its URDF are read.
 #[pyclass(frozen, subclass, module = "sesc._sesc")]
@@ -45,9 +45,7 @@ impl Robot {
                 read.map(|read| (read.robot, read.expanded))
             }
         };
-        let (inner, expanded) = detached(py, || {
-            read().map_err(|error| Failure::of(&error, Doing::Robot))
-        })?;
+        let (inner, expanded) = detached(py, || read().during(Doing::Robot))?;
         let snapping = match snap {
             true => Snapping::default(),
             false => Snapping::Off,

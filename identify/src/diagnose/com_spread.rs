@@ -14,10 +14,10 @@ use crate::evaluate::Evaluator;
 /// State for every member of the class how far its CoM is from the first one's, m RMS over
 /// the postures of the log; unknown where an effect is no part of model files.
 pub(super) fn state(problem: &Problem, found: &mut Explained) {
-    let first = coms(problem, &found.best, &found.diagnosis.log);
+    let first = coms(problem, &found.best);
     let others = found.class.iter().filter(|fit| !fit.terms.is_empty());
     let apart = others.map(|fit| {
-        let other = coms(problem, fit, &found.diagnosis.log);
+        let other = coms(problem, fit);
         first.as_ref().zip(other).map(|(a, b)| distance(a, &b))
     });
     let apart: Vec<Option<f64>> = apart.collect();
@@ -42,9 +42,9 @@ pub(super) fn sentence(found: &Explained) -> Option<String> {
 }
 
 /// CoM (x, y, z) of every posture under an explanation, m.
-fn coms(problem: &Problem, fit: &Fit, log: &str) -> Option<Vec<f64>> {
-    let file = model_file(problem, fit, log);
-    let model = problem.model.clone().with_file(file).ok()?;
+fn coms(problem: &Problem, fit: &Fit) -> Option<Vec<f64>> {
+    let model = problem.model.clone();
+    let model = model.with_file(model_file(problem, fit)).ok()?;
     let n = problem.data.len();
     Some(Evaluator::new(&model, Function::Com).run(&problem.data.q, n))
 }

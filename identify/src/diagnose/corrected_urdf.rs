@@ -62,7 +62,7 @@ pub(crate) fn of(
     prior: &Prior,
     total_mass: Option<f64>,
 ) -> Result<CorrectedUrdf, Error> {
-    let file = model_file(problem, &found.best, &found.diagnosis.log);
+    let file = model_file(problem, &found.best);
     let wide = Prior::Cad(Tolerances::usual());
     let prior = match found.best.frees_masses() {
         true => &wide,
@@ -127,16 +127,14 @@ pub fn of_model_file(
         let effect = catalog.named(&record.effect);
         match effect.and_then(|effect| effect.urdf_edit(&record.target, &value)) {
             Some(UrdfEdit::Joint(shift)) => shifts.push(shift),
-            Some(UrdfEdit::Mass(load)) if load.mass_kg > 0.0 => loads.push(Load {
-                mass_kg: scale * load.mass_kg,
-                ..load
-            }),
             Some(UrdfEdit::Mass(load)) => {
                 let load = Load {
                     mass_kg: scale * load.mass_kg,
                     ..load
                 };
-                if let Err(why) = take_out(&mut text, name, &load)? {
+                if load.mass_kg > 0.0 {
+                    loads.push(load);
+                } else if let Err(why) = take_out(&mut text, name, &load)? {
                     left_out.push(stays(record, &why));
                 }
             }

@@ -13,7 +13,7 @@ use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
 use super::search::Search;
 use super::settled_masses;
-use super::statements::{blind_spots, labels, last, members, outliers, rest, told};
+use super::statements::{blind_spots, last, members, outliers, rest, told};
 use super::words::{self, capital};
 use crate::Error;
 use crate::observations::noise::NoiseSource;
@@ -46,7 +46,7 @@ pub fn find<'m>(
     if nothing.score() < ranked[0].score() + criteria::OVER_NOTHING {
         ranked = vec![nothing];
     }
-    let best = ranked[0].clone();
+    let mut best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
     let mut class = class(&best, ranked);
     let problem = search.problem();
@@ -90,7 +90,6 @@ pub fn find<'m>(
     let expected = Misfit::of(problem, &null);
     let raw = raw_misfit(problem);
     let members = members(problem, &class);
-    let (mut best, mut class) = (best, class);
     if let Some((own, settled)) = settled_masses::settle(problem, &best, further) {
         drop(search);
         *whole_problem = own;
@@ -145,7 +144,7 @@ pub fn find<'m>(
         baseline_chi2: raw.chi2,
         steps,
         last: last(held.last().unwrap_or(&start)),
-        indistinguishable: labels(problem, &class),
+        indistinguishable: members.iter().map(|one| one.effects.clone()).collect(),
         class: members,
         absorbed_by_masses: absorbed(problem, &best),
         unexplained,

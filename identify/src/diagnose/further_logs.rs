@@ -24,7 +24,7 @@ use super::experiment::{self, CarriedExplanation};
 use super::hypothesis::Term;
 use super::nuisance::Nuisance;
 use super::problem::{ALL, Fit, Problem, State, backlash_sides};
-use crate::lsq::damped::{self, Expansion};
+use crate::lsq::damped;
 
 /// A log of an experiment, on the support that it was taken on.
 #[derive(Clone)]
@@ -82,8 +82,8 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
     let before = own(fit.unknowns.clone());
     // Of the first log alone: what is no square, and stays.
     let rest = fit.objective - before.value;
-    let start = Joint::new(before, &logs);
-    let at = damped::minimise(start, &scales, |unknowns| Joint::new(own(unknowns), &logs));
+    let start = joint(before, &logs);
+    let at = damped::minimise(start, &scales, |unknowns| joint(own(unknowns), &logs));
     let n = first.data.len() as f64;
     let all = n + further
         .iter()
@@ -91,15 +91,22 @@ pub fn together(first: &Problem, fit: Fit, further: &[FurtherLog]) -> Fit {
         .sum::<f64>();
     let own_masses = masses.as_ref().unwrap_or(first.masses(&fit.terms));
     Fit {
-        covariance: covariance_of(first, &at.first, &logs, &root, own_masses, &scales),
+        covariance: covariance_of(
+            first,
+            (&at, &at.normal.0),
+            &logs,
+            &root,
+            own_masses,
+            &scales,
+        ),
         objective: at.value + rest,
         penalty: fit.penalty + scales.len() as f64 * (all / n).ln(),
-        unknowns: at.first.unknowns,
-        predicted: Arc::new(at.first.predicted),
-        residual: Arc::new(at.first.residual),
-        slopes: Arc::new(at.first.slopes),
-        closed: at.first.closed,
-        at_bound: at.first.at_bound,
+        unknowns: at.unknowns,
+        predicted: Arc::new(at.predicted),
+        residual: Arc::new(at.residual),
+        slopes: Arc::new(at.slopes),
+        closed: at.closed,
+        at_bound: at.at_bound,
         ..fit
     }
 }
@@ -115,25 +122,27 @@ pub(super) fn covariance(
 ) -> DMatrix<f64> {
     let logs: Vec<Log> = further.iter().map(|f| Log::new(first, fit, f)).collect();
     let scales = first.scales(&fit.terms);
-    covariance_of(first, state, &logs, root, masses, &scales)
+    let mut normal = state.normal.clone();
+    for log in &logs {
+        log.add(&log.state(&state.unknowns), &mut normal);
+    }
+    covariance_of(first, (state, &normal.0), &logs, root, masses, &scales)
 }
 
+/// The same where the `normal` matrix of all logs is known.
 fn covariance_of(
     first: &Problem,
-    state: &State,
+    (state, normal): (&State, &DMatrix<f64>),
     logs: &[Log],
     root: &Option<Vec<f64>>,
     masses: &Nuisance,
     scales: &[f64],
 ) -> DMatrix<f64> {
-    let (mut normal, mut gradient) = state.normal.clone();
     let mut spread = first.lasting_spread(state, root, masses);
     for log in logs {
-        let own = log.state(&state.unknowns);
-        log.add(&own, &mut normal, &mut gradient);
-        log.add_spread(&own, scales.len(), &mut spread);
+        log.add_spread(&log.state(&state.unknowns), scales.len(), &mut spread);
     }
-    let as_white = damped::covariance(&normal, scales);
+    let as_white = damped::covariance(normal, scales);
     match spread {
         Some(spread) => &as_white + &as_white * spread * &as_white,
         None => as_white,
@@ -210,7 +219,7 @@ impl<'f, 'm> Log<'f, 'm> {
     }
 
     /// Add what this log at `state` says of the unknowns of all.
-    fn add(&self, state: &State, normal: &mut DMatrix<f64>, gradient: &mut DVector<f64>) {
+    fn add(&self, state: &State, (normal, gradient): &mut (DMatrix<f64>, DVector<f64>)) {
         for (a, &(to_a, sign_a)) in self.carried.columns.iter().enumerate() {
             gradient[to_a] += sign_a * state.normal.1[a];
             for (b, &(to_b, sign_b)) in self.carried.columns.iter().enumerate() {
@@ -235,46 +244,12 @@ impl<'f, 'm> Log<'f, 'm> {
     }
 }
 
-/// All logs at the same unknowns.
-struct Joint {
-    first: State,
-    value: f64,
-    normal: DMatrix<f64>,
-    gradient: DVector<f64>,
-}
-
-impl Joint {
-    fn new(first: State, logs: &[Log]) -> Joint {
-        let (mut normal, mut gradient) = first.normal.clone();
-        let mut value = first.value;
-        for log in logs {
-            let state = log.state(&first.unknowns);
-            value += state.value + log.penalty;
-            log.add(&state, &mut normal, &mut gradient);
-        }
-        Joint {
-            first,
-            value,
-            normal,
-            gradient,
-        }
+/// All logs at the unknowns of the `first`: their value and slopes, and what the first predicts.
+fn joint(mut first: State, logs: &[Log]) -> State {
+    for log in logs {
+        let state = log.state(&first.unknowns);
+        first.value += state.value + log.penalty;
+        log.add(&state, &mut first.normal);
     }
-}
-
-impl Expansion for Joint {
-    fn unknowns(&self) -> &[f64] {
-        &self.first.unknowns
-    }
-
-    fn value(&self) -> f64 {
-        self.value
-    }
-
-    fn normal(&self) -> &DMatrix<f64> {
-        &self.normal
-    }
-
-    fn gradient(&self) -> &DVector<f64> {
-        &self.gradient
-    }
+    first
 }

@@ -29,7 +29,6 @@ mod nuisance;
 mod outliers;
 mod own_sides;
 mod problem;
-mod proposal;
 mod recording;
 pub mod remedy;
 mod report;

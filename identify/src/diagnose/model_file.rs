@@ -1,17 +1,17 @@
-//! The corrected model as a file: parameters, effects, what they were found in.
+//! The corrected model as a file: parameters and effects.
 
 use std::collections::BTreeMap;
 
 use sesc_model::effects::Stage;
-use sesc_model::{DataUsed, EffectRecord, ModelFile, Quantity};
+use sesc_model::{EffectRecord, ModelFile, Quantity};
 
 use super::problem::{Fit, Problem};
 use super::{exact, words};
 use crate::lsq::information::{Beyond, information};
 
 /// Parameters as the masses' prior and the data have them, and every effect of
-/// the explanation `best` of the log named `log` that a model can hold.
-pub fn model_file(problem: &Problem, best: &Fit, log: &str) -> ModelFile {
+/// the explanation `best` that a model can hold; the logs are added by the caller.
+pub fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
     let model = problem.context.robot;
     let masses = problem.masses(&best.terms);
     let identified = best.frees_masses();
@@ -38,14 +38,6 @@ pub fn model_file(problem: &Problem, best: &Fit, log: &str) -> ModelFile {
     let mut file = ModelFile::from_values(model, &values, Some(&std), source);
     file.inform(information(&rows, factor, beyond));
     file.noise_floor = Some(problem.data.noise_floor);
-    if let Some(summary) = &problem.data.summary {
-        file.data.push(DataUsed {
-            file: log.to_string(),
-            hash: summary.hash.clone(),
-            rows: summary.rows,
-            times: summary.times,
-        });
-    }
     let quantities = words::values(problem, best);
     for (term, values) in best.terms.iter().zip(&quantities) {
         let Some(instance) = term.effect() else {

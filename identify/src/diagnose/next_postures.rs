@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use sesc_model::effects::{Carry, EffectContext, Experiment, PostureContext};
+use sesc_model::effects::{Carry, Experiment, PostureContext};
 use sesc_model::tree::is_support;
 use sesc_model::{Model, Snapping};
 
@@ -21,6 +21,7 @@ use crate::plan::scene::Scene;
 use crate::robot::Robot;
 
 /// Experiments, the best first, and the postures of the best.
+#[derive(Default)]
 pub struct Next {
     pub proposals: Vec<ExperimentProposal>,
     /// What the best is.
@@ -43,21 +44,14 @@ pub fn next(
     snapping: Snapping,
     folder: Option<&Path>,
 ) -> Next {
-    let mut next = Next {
-        proposals: Vec::new(),
-        experiment: None,
-        postures: None,
-    };
     let truth = &found.best;
     let others: Vec<&Fit> = found.class.iter().skip(1).collect();
     if others.is_empty() {
-        return next;
+        return Next::default();
     }
     let mut ranked: Vec<Ranked> = Vec::new();
-    let support = problem.context.robot.tree.links[problem.context.robot.tree.support]
-        .name
-        .clone();
     let model = problem.model;
+    let support = model.support().to_string();
     let fresh = candidates(problem, model, robot, folder);
     let mut all = vec![
         Experiment::Untouched,
@@ -105,10 +99,10 @@ pub fn next(
     if let Some(other) = other_foot(robot, &support, snapping) {
         let there = problem.on(&other);
         if let Some(q) = candidates(problem, &other, robot, folder) {
-            // The other problem borrows the other model, so it is ranked in here.
-            let there = &there;
-            let found = with_other(problem, there, &other, q, truth, &others);
-            ranked.push(found);
+            let foot = Experiment::OtherFoot;
+            ranked.push(with_postures(
+                foot, problem, &there, &other, q, truth, &others,
+            ));
         }
     }
     ranked.sort_by(|a, b| {
@@ -122,10 +116,11 @@ pub fn next(
         let (a, b) = (&a.proposal, &b.proposal);
         b.splits.cmp(&a.splits).then(least(b).total_cmp(&least(a)))
     });
-    next.experiment = ranked.first().map(|best| best.experiment);
-    next.postures = ranked.first().map(|best| best.postures.clone());
-    next.proposals = ranked.into_iter().map(|ranked| ranked.proposal).collect();
-    next
+    Next {
+        experiment: ranked.first().map(|best| best.experiment),
+        postures: ranked.first().map(|best| best.postures.clone()),
+        proposals: ranked.into_iter().map(|ranked| ranked.proposal).collect(),
+    }
 }
 
 fn makes_sense(experiment: Experiment, problem: &Problem, found: &Explained) -> bool {
@@ -184,25 +179,6 @@ struct Ranked {
     postures: OnFoot,
 }
 
-fn with_other(
-    problem: &Problem,
-    there: &Problem,
-    other: &Model,
-    q: Vec<f64>,
-    truth: &Fit,
-    others: &[&Fit],
-) -> Ranked {
-    with_postures(
-        Experiment::OtherFoot,
-        problem,
-        there,
-        other,
-        q,
-        truth,
-        others,
-    )
-}
-
 /// Chooses the postures that tell most among many candidates, in an order that moves little.
 fn with_postures(
     experiment: Experiment,
@@ -241,7 +217,7 @@ fn with_postures(
         .collect();
     trial.postures = take(&chosen);
     let (separations, _) = trial.separations(truth, others);
-    let support = model.tree.links[model.tree.support].name.clone();
+    let support = model.support().to_string();
     Ranked {
         proposal: proposal(trial.experiment, &support, separations),
         postures: OnFoot {
@@ -354,17 +330,4 @@ pub fn why(next: &Next, found: &Explained) -> String {
         text.push_str(&format!(" Next best: {}.", more.join("; ")));
     }
     text
-}
-
-impl<'m> Problem<'m> {
-    /// The same beliefs about the robot on another support, without any data: only
-    /// to evaluate explanations there.
-    pub fn on<'o>(&self, model: &'o Model) -> Problem<'o>
-    where
-        'm: 'o,
-    {
-        let (cells, times) = (&self.data.cells, self.data.motion.is_some());
-        let context = EffectContext::new(model, cells, times, self.context.catalog.clone());
-        self.elsewhere(model, context)
-    }
 }

@@ -210,34 +210,26 @@ impl<'m> Problem<'m> {
         })
     }
 
-    /// This problem's log, for a robot that stands elsewhere: nothing can be fitted
-    /// there, explanations can be evaluated.
-    pub(super) fn elsewhere<'o>(
-        &self,
-        model: &'o Model,
-        context: EffectContext<'o>,
-    ) -> Problem<'o> {
+    /// The same beliefs about the robot on another support: nothing can be fitted there,
+    /// explanations can be evaluated.
+    pub fn on<'o>(&self, model: &'o Model) -> Problem<'o>
+    where
+        'm: 'o,
+    {
+        let (cells, times) = (&self.data.cells, self.data.motion.is_some());
         Problem {
             cad: model.cad_params(),
             params: model.cad_params(),
             offset: None,
             widened: [1.0; 2],
             lasting: [None; 2],
+            context: EffectContext::new(model, cells, times, self.context.catalog.clone()),
             model,
-            kinds: self.kinds,
-            context,
-            data: self.data.clone(),
-            weight: self.weight.clone(),
-            nuisance: self.nuisance.clone(),
-            wide: self.wide.clone(),
-            prior: self.prior.clone(),
-            beyond_prior: self.beyond_prior,
-            wide_prior: self.wide_prior.clone(),
-            rows: self.rows.clone(),
             motion_rows: None,
             closure: None,
             tapes: Arc::default(),
             target_weights: HashMap::new(),
+            ..self.clone()
         }
     }
 

@@ -363,8 +363,7 @@ fn check_noise(request: &Request) -> Result<(), Error> {
 
 /// How a log on the model's support is read.
 fn options(request: &Request, model: &Model) -> Options {
-    let support = &model.tree.links[model.tree.support];
-    reading(request, Some(support.name.clone()))
+    reading(request, Some(model.support().to_string()))
 }
 
 /// How a log is read whose rows stand on `support` where they do not say.
@@ -446,7 +445,7 @@ fn with_data(
     found: &Explained,
     further: &[FurtherLog],
 ) -> ModelFile {
-    let mut file = model_file(problem, &found.best, &found.diagnosis.log);
+    let mut file = model_file(problem, &found.best);
     let first = [(&request.log, problem)].into_iter();
     let logs = first.chain(request.then.iter().zip(further.iter().map(|f| &f.problem)));
     file.data = logs

@@ -22,14 +22,6 @@ use crate::watch::Watch;
 /// Rounds in which the number of independent readings and the explanation settle.
 const ROUNDS: usize = 3;
 
-/// How the noise of one log counts.
-#[derive(Clone, Copy)]
-struct Counting {
-    /// How many times as large as it was taken for the noise of each axis is.
-    times: [f64; 2],
-    correlation: [Correlation; 2],
-}
-
 /// The best explanation of a log and further ones, with noise counted for as long as it lasts in
 /// each; with the correlation of what is left, log by log.
 pub(super) fn explained<'m>(
@@ -71,9 +63,14 @@ pub(super) fn explained<'m>(
             *times = noise_factors(problem, *times, correlation);
         }
         let mut all = times.iter().zip(&correlation);
-        let mut counted = |log: &Problem<'m>| match all.next() {
-            Some((&times, &correlation)) => Counting { times, correlation }.of(log),
-            None => log.clone(),
+        let mut counted = |log: &Problem<'m>| {
+            let mut log = log.clone();
+            // Where rows are independent, a log stays as it is.
+            if let Some((times, correlation)) = all.next().filter(|(_, own)| counts(own)) {
+                log.scale_noise(*times);
+                log.correlate_noise(correlation);
+            }
+            log
         };
         problem = counted(&first);
         logs = further
@@ -98,18 +95,6 @@ pub(super) fn explained<'m>(
         correlation = again;
     }
     Ok((problem, found, correlation))
-}
-
-impl Counting {
-    /// A log whose noise counts like this; as it is where its rows are independent.
-    fn of<'m>(self, log: &Problem<'m>) -> Problem<'m> {
-        let mut log = log.clone();
-        if counts(&self.correlation) {
-            log.scale_noise(self.times);
-            log.correlate_noise(&self.correlation);
-        }
-        log
-    }
 }
 
 /// Correlation of what is left on each axis, of the first log and of further ones.

@@ -85,21 +85,6 @@ pub(super) fn last(held: &HeldOut) -> Last {
     }
 }
 
-/// Names of the effects of each explanation of a class.
-pub(super) fn labels(problem: &Problem, class: &[Fit]) -> Vec<Vec<String>> {
-    let of = |fit: &Fit| {
-        fit.terms
-            .iter()
-            .map(|i| i.label(&problem.context))
-            .collect()
-    };
-    class
-        .iter()
-        .filter(|f| !f.terms.is_empty())
-        .map(of)
-        .collect()
-}
-
 /// The explanations of a class, as they are listed.
 pub(super) fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
     let first = class.first().map_or(0.0, Fit::score);

@@ -7,7 +7,7 @@ use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, effect_terms, sorted};
 use super::problem::{Fit, Problem};
-use super::proposal::Proposal;
+use super::search::Proposal;
 use crate::lsq::factor_normal;
 use crate::threads::each_long;
 
