@@ -4,7 +4,7 @@
 use std::fs;
 
 use serde_json::Value;
-use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc, stdout, write};
 
 #[test]
 fn bad_logs_are_refused_by_line_and_column() {
@@ -76,14 +76,10 @@ fn bad_logs_are_refused_by_line_and_column() {
         &["binary.csv"],
     );
     refused(
-        &sesc(&[
-            "predict",
-            &op2(),
-            "--support",
-            "r_sole",
-            "--data",
-            "gone.csv",
-        ]),
+        &sesc(&in_words(
+            "predict @ --support r_sole --data gone.csv",
+            &[&op2()],
+        )),
         &["gone.csv"],
     );
     let log = write(
@@ -104,16 +100,10 @@ fn bad_robots_and_usage_exit_with_two_and_write_nothing() {
     let out = folder.path().join("out").display().to_string();
     let bad = format!("{ROOT}/tests/bad_urdf/everything_at_once.urdf");
     let generate = |urdf: &str, support: &str, name: &str| {
-        sesc(&[
-            "generate",
-            urdf,
-            "--support",
-            support,
-            "--name",
-            name,
-            "--out",
-            &out,
-        ])
+        sesc(&in_words(
+            "generate @ --support @ --name @ --out @",
+            &[urdf, support, name, &out],
+        ))
     };
     refused(
         &generate(&bad, "base", "x"),
@@ -138,16 +128,10 @@ fn bad_robots_and_usage_exit_with_two_and_write_nothing() {
         &["--samples"],
     );
     refused(
-        &sesc(&[
-            "generate",
-            &op2(),
-            "--support",
-            "r_sole",
-            "--lang",
-            "ada",
-            "--out",
-            &out,
-        ]),
+        &sesc(&in_words(
+            "generate @ --support r_sole --lang ada --out @",
+            &[&op2(), &out],
+        )),
         &["ada", "rust"],
     );
     let log = folder.path().join("log.csv");
@@ -186,18 +170,10 @@ fn factor_files_refuse_what_they_have_settled() {
         at("a.part"),
     );
     let fit = |words: &[&str]| sesc(&[&["fit"], words].concat());
-    stdout(&sesc(&[
-        "simulate",
-        &urdf,
-        "--support",
-        "foot",
-        "--poses",
-        "40",
-        "--noise",
-        "0.001",
-        "--out",
-        &log,
-    ]));
+    stdout(&sesc(&in_words(
+        "simulate @ --support foot --poses 40 --noise 0.001 --out @",
+        &[&urdf, &log],
+    )));
     let gather = [&urdf, "--data", &log, "--folds", "4", "--partial", &part];
     stdout(&fit(&gather));
     refused(
@@ -221,20 +197,10 @@ fn factor_files_refuse_what_they_have_settled() {
     assert_eq!(folds(&[&part, "--folds", "4", "--json"]), Some(4));
     // A log that is added is dealt as the parts are.
     let more = at("more.csv");
-    stdout(&sesc(&[
-        "simulate",
-        &urdf,
-        "--support",
-        "foot",
-        "--poses",
-        "40",
-        "--noise",
-        "0.001",
-        "--seed",
-        "2",
-        "--out",
-        &more,
-    ]));
+    stdout(&sesc(&in_words(
+        "simulate @ --support foot --poses 40 --noise 0.001 --seed 2 --out @",
+        &[&urdf, &more],
+    )));
     assert_eq!(folds(&[&part, "--data", &more, "--json"]), Some(4));
     // Gathering settles nothing about these.
     for word in ["--noise", "--range"] {
@@ -255,16 +221,10 @@ fn outputs_replace_neither_links_nor_folders() {
     std::os::unix::fs::symlink(&target, &link).unwrap();
     let simulate = |out: &str| {
         let urdf = op2();
-        sesc(&[
-            "simulate",
-            &urdf,
-            "--support",
-            "r_sole",
-            "--poses",
-            "2",
-            "--out",
-            out,
-        ])
+        sesc(&in_words(
+            "simulate @ --support r_sole --poses 2 --out @",
+            &[&urdf, out],
+        ))
     };
     assert!(simulate(&link.display().to_string()).status.success());
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());

@@ -12,7 +12,7 @@ use sesc_identify::simulate::Simulator;
 use sesc_model::effects::Catalog;
 use sesc_model::{EffectRecord, ModelFile, Quantity, Snapping};
 use sesc_reference::{Place, Reference, World};
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
+use sesc_test_support::command::{folder, in_words, op2, refused, sesc, stdout};
 
 const LIFT_BASE: &str = include_str!("../../robots/lift_base/lift_base.urdf");
 /// Both sides sum the same masses in another order, m.
@@ -260,34 +260,14 @@ fn the_command_writes_it_and_says_what_is_left_out() {
         ),
     ];
     fs::write(&truth, toml::to_string(&file).unwrap()).unwrap();
-    stdout(&sesc(&[
-        "simulate",
-        arm,
-        "--support",
-        &support,
-        "--poses",
-        "80",
-        "--noise",
-        "0.0005",
-        "--seed",
-        "3",
-        "--model",
-        &truth,
-        "--out",
-        &log,
-    ]));
-    let diagnosis = sesc(&[
-        "diagnose",
-        arm,
-        "--support",
-        &support,
-        "--data",
-        &log,
-        "--prior",
-        "tight",
-        "--urdf",
-        &urdf,
-    ]);
+    stdout(&sesc(&in_words(
+        "simulate @ --support @ --poses 80 --noise 0.0005 --seed 3 --model @ --out @",
+        &[arm, &support, &truth, &log],
+    )));
+    let diagnosis = sesc(&in_words(
+        "diagnose @ --support @ --data @ --prior tight --urdf @",
+        &[arm, &support, &log, &urdf],
+    ));
     let said = String::from_utf8_lossy(&diagnosis.stderr);
     stdout(&diagnosis);
     assert!(
@@ -322,35 +302,17 @@ fn the_command_says_what_to_change() {
     let sensor = [("offset_x_m", 0.02), ("offset_y_m", -0.01)];
     file.effects = vec![offset(&joint, 0.05), effect("sensor_offset", "-", &sensor)];
     fs::write(&truth, toml::to_string(&file).unwrap()).unwrap();
-    let simulate = [
-        "simulate",
-        arm,
-        "--support",
-        &support,
-        "--poses",
-        "80",
-        "--noise",
-        "0.0005",
-        "--seed",
-        "3",
-        "--model",
-        &truth,
-        "--out",
-        &log,
-    ];
+    let simulate = in_words(
+        "simulate @ --support @ --poses 80 --noise 0.0005 --seed 3 --model @ --out @",
+        &[arm, &support, &truth, &log],
+    );
     stdout(&sesc(&simulate));
     let diagnose = |more: &[&str]| {
-        let all = [
-            "diagnose",
-            arm,
-            "--support",
-            &support,
-            "--data",
-            &log,
-            "--out",
-            &model_file,
-        ];
-        stdout(&sesc(&[&all, more].concat()))
+        let all = in_words(
+            "diagnose @ --support @ --data @ --out @",
+            &[arm, &support, &log, &model_file],
+        );
+        stdout(&sesc(&[&all[..], more].concat()))
     };
     // Ticks fall as the angle rises, 1024 a turn: 0.05 rad are 8.1 ticks.
     let servos = format!("[joints.{joint}]\nzero = 500\nsign = -1\nresolution = 1024\n");
@@ -399,20 +361,10 @@ fn the_command_says_what_to_change() {
     assert!(left_out.starts_with("sensor_offset stays in the model file: a URDF describes no"));
     // The C call is one that the command generates.
     let out = folder.path().join("c").display().to_string();
-    let generate = [
-        "generate",
-        arm,
-        "--support",
-        &support,
-        "--lang",
-        "c",
-        "--name",
-        "arm",
-        "--model",
-        &model_file,
-        "--out",
-        &out,
-    ];
+    let generate = in_words(
+        "generate @ --support @ --lang c --name arm --model @ --out @",
+        &[arm, &support, &model_file, &out],
+    );
     stdout(&sesc(&generate));
     let header = fs::read_to_string(folder.path().join("c/arm.h")).unwrap();
     let call = json["use"]["c"].as_str().unwrap().replace("NAME", "arm");

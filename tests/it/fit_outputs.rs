@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
+use sesc_test_support::command::{folder, in_words, op2, refused, sesc, stdout};
 
 /// A log of the OP2 as CAD has it, read with `noise` m; its path.
 fn log(folder: &std::path::Path, poses: &str, noise: &str) -> String {
@@ -21,22 +21,10 @@ fn a_corrected_robot_and_a_page_are_written() {
     let data = log(folder.path(), "120", "0.0005");
     let [urdf, page] = ["corrected.urdf", "report.html"]
         .map(|name| folder.path().join(name).display().to_string());
-    let fit = sesc(&[
-        "fit",
-        &op2(),
-        "--data",
-        &data,
-        "--support",
-        "r_sole",
-        "--urdf",
-        &urdf,
-        "--total-mass",
-        "3.1",
-        "--physical",
-        "--report",
-        &page,
-        "--json",
-    ]);
+    let fit = sesc(&in_words(
+        "fit @ --data @ --support r_sole --urdf @ --total-mass 3.1 --physical --report @ --json",
+        &[&op2(), &data, &urdf, &page],
+    ));
     let json: serde_json::Value = serde_json::from_str(&stdout(&fit)).unwrap();
     assert_eq!(json["residuals"].as_array().unwrap().len(), 120);
     assert_eq!(json["active_bounds"].as_array().unwrap().len(), 0);

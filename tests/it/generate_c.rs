@@ -6,22 +6,16 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use sesc_model::Function;
-use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc, stdout, write};
 
 /// `sesc generate` of the OP2 in C with more arguments.
 fn generate(out: &Path, more: &[&str]) -> Output {
     let (urdf, out) = (op2(), out.display().to_string());
-    let usual = [
-        "generate",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--lang",
-        "c",
-        "--out",
-        &out,
-    ];
-    sesc(&[&usual, more].concat())
+    let usual = in_words(
+        "generate @ --support r_sole --lang c --out @",
+        &[&urdf, &out],
+    );
+    sesc(&[&usual[..], more].concat())
 }
 
 fn files(folder: &Path) -> Vec<String> {
@@ -178,16 +172,10 @@ fn bad_usage_is_refused_and_nothing_is_written() {
     }
     let urdf = op2();
     let directory = out.display().to_string();
-    let rust = [
-        "generate",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--scalar",
-        "fixed32",
-        "--out",
-        &directory,
-    ];
+    let rust = in_words(
+        "generate @ --support r_sole --scalar fixed32 --out @",
+        &[&urdf, &directory],
+    );
     refused(&sesc(&rust), &["--lang c"]);
     let both = ["--ticks", "false", "--servos", "servos.toml"];
     refused(&generate(&out, &both), &["--servos", "--ticks false"]);
@@ -229,18 +217,10 @@ fn ranges_that_32_bits_do_not_hold_are_named_with_the_robots_size() {
     let out = folder.path().join("out");
     let run = |urdf: &str, scalar: &str| {
         let out = out.display().to_string();
-        sesc(&[
-            "generate",
-            urdf,
-            "--support",
-            "base",
-            "--lang",
-            "c",
-            "--scalar",
-            scalar,
-            "--out",
-            &out,
-        ])
+        sesc(&in_words(
+            "generate @ --support base --lang c --scalar @ --out @",
+            &[urdf, scalar, &out],
+        ))
     };
     let prismatic = write(folder.path(), "prismatic.urdf", robot("prismatic", "1e7"));
     refused(
@@ -328,16 +308,10 @@ fn servo_files_with_faults_are_refused() {
     let urdf = format!("{ROOT}/robots/lift_base/lift_base.urdf");
     let lift = |servos: &[&str]| {
         let out = out.display().to_string();
-        let usual = [
-            "generate",
-            &urdf,
-            "--support",
-            "base_link",
-            "--lang",
-            "c",
-            "--scalar",
-            "f32",
-        ];
+        let usual = in_words(
+            "generate @ --support base_link --lang c --scalar f32",
+            &[&urdf],
+        );
         sesc(&[&usual[..], &["--name", "lift", "--out", &out], servos].concat())
     };
     let zero = write(
@@ -385,16 +359,10 @@ fn lanes_are_for_c_in_floats_and_4_8_or_16() {
     let fixed = generate(&out, &["--lanes", "8", "--scalar", "fixed32"]);
     refused(&fixed, &["--lanes is for f64 and f32"]);
     let (urdf, to) = (op2(), out.display().to_string());
-    let rust = [
-        "generate",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--lanes",
-        "8",
-        "--out",
-        &to,
-    ];
+    let rust = in_words(
+        "generate @ --support r_sole --lanes 8 --out @",
+        &[&urdf, &to],
+    );
     refused(&sesc(&rust), &["--lanes is for C; add --lang c"]);
     assert!(!out.exists());
     stdout(&generate(&out, &["--lanes", "8", "--name", "op2"]));

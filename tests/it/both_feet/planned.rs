@@ -6,7 +6,7 @@ use sesc_identify::plan;
 use sesc_identify::plan::balance::Region;
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
+use sesc_test_support::command::{folder, in_words, op2, refused, sesc, stdout};
 use sesc_test_support::feet::TwoFeet;
 use sesc_test_support::stage::{Platform, Stage};
 
@@ -74,19 +74,10 @@ fn commands_take_both_feet_and_say_what_the_soles_say() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).display().to_string();
     let [poses, log, page] = ["poses.csv", "log.csv", "page.html"].map(at);
-    let planned = sesc(&[
-        "plan",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--both-feet",
-        "--poses",
-        "30",
-        "--candidates",
-        "60",
-        "--out",
-        &poses,
-    ]);
+    let planned = sesc(&in_words(
+        "plan @ --support r_sole --both-feet --poses 30 --candidates 60 --out @",
+        &[&op2(), &poses],
+    ));
     let said = stdout(&planned);
     assert!(
         said.contains("soles            both soles on the floor, `l_sole` the other"),

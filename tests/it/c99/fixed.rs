@@ -160,7 +160,10 @@ fn extremes() -> Vec<Chain> {
 #[test]
 fn robots_at_the_ends_of_what_32_bits_hold() {
     let folder = folder("extremes");
-    let outcomes = parallel(extremes(), |chain| {
+    let mut chains = extremes();
+    // One compiler has more joints below.
+    chains.retain(|chain| COMPILERS.len() > 1 || chain.joints < 100);
+    let outcomes = parallel(chains, |chain| {
         let text = chain.text();
         let mut case = Case::of_text(&text, "l0", chain.name);
         // Strokes of 1e-9 to 1e4 m a tick: about 1e5 ticks from end to end.

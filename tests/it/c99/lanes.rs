@@ -273,7 +273,11 @@ pub fn sum(folder: &Path, case: &Case, scalar: Scalar, command: &[&str], run: &[
 #[test]
 fn every_lane_has_the_bits_of_one_posture_and_nothing_else_is_touched() {
     let folder = folder("lanes");
-    let cases = cases();
+    let mut cases = cases();
+    // One compiler has the robot with joints of every type, and effects.
+    let alike = ["arm6", "quadruped"];
+    let is_alike = |case: &Case| alike.iter().any(|name| case.name.starts_with(name));
+    cases.retain(|case| COMPILERS.len() > 1 || !is_alike(case));
     let mut jobs = Vec::new();
     for case in &cases {
         for scalar in [Scalar::F64, Scalar::F32] {

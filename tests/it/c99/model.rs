@@ -35,7 +35,8 @@ fn baked_functions_are_the_others_with_the_models_parameters() {
         }
     }
     parallel(jobs, |(robot, support, scalar)| {
-        let case = baked(robot, support, |k, x| x * 1.1 + 0.001 * (k % 3) as f64);
+        let mut case = baked(robot, support, |k, x| x * 1.1 + 0.001 * (k % 3) as f64);
+        case.functions = vec![Function::Com, Function::Cop];
         let compiled = Compiled::build(&folder, &case, scalar, COMPILERS[0], &["-O1"], |source| {
             source
         });

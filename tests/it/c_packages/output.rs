@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 use super::user::*;
-use sesc_test_support::command::{ROOT, folder, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, in_words, refused, sesc, stdout, write};
 
 /// Robots are named by people: every format quotes the name in its own way.
 #[test]
@@ -73,20 +73,10 @@ fn packages_appear_whole_or_not_at_all() {
     let out = folder.path().display().to_string();
     let two_link = format!("{ROOT}/robots/two_link/two_link.urdf");
     let run = || {
-        sesc(&[
-            "generate",
-            &two_link,
-            "--support",
-            "foot",
-            "--lang",
-            "c",
-            "--layout",
-            "arduino",
-            "--name",
-            "legs",
-            "--out",
-            &out,
-        ])
+        sesc(&in_words(
+            "generate @ --support foot --lang c --layout arduino --name legs --out @",
+            &[&two_link, &out],
+        ))
     };
     for blocked in ["examples", "src/legs.c/inside"] {
         let path = folder.path().join(blocked);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::user::*;
-use sesc_test_support::command::{ROOT, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, in_words, op2, refused, sesc, stdout, write};
 
 /// Headers of `generated/c`, by name.
 fn shipped() -> Vec<String> {
@@ -141,16 +141,10 @@ fn names_too_long_for_files_are_refused() {
     let urdf = write(&folder, "robot.urdf", renamed);
     let out = folder.join("out").display().to_string();
     for lang in ["rust", "c"] {
-        let usual = [
-            "generate",
-            &urdf,
-            "--support",
-            "r_sole",
-            "--lang",
-            lang,
-            "--out",
-            &out,
-        ];
+        let usual = in_words(
+            "generate @ --support r_sole --lang @ --out @",
+            &[&urdf, lang, &out],
+        );
         // Robot, `_` and support are 102 characters.
         let name = format!("{robot}_r_sole");
         refused(

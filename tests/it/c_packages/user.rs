@@ -7,7 +7,7 @@ use std::process::Command;
 
 use sesc_reference::{Reference, Robot};
 
-use sesc_test_support::command::{op2, sesc, stdout};
+use sesc_test_support::command::{in_words, op2, sesc, stdout};
 
 pub const NAME: &str = "op2_r_sole";
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -50,16 +50,10 @@ pub fn fresh(name: &str) -> PathBuf {
 
 pub fn generate(out: &Path, urdf: &str, support: &str, more: &[&str]) -> Vec<PathBuf> {
     let out = out.display().to_string();
-    let usual = [
-        "generate",
-        urdf,
-        "--support",
-        support,
-        "--lang",
-        "c",
-        "--out",
-        &out,
-    ];
+    let usual = in_words(
+        "generate @ --support @ --lang c --out @",
+        &[urdf, support, &out],
+    );
     stdout(&sesc(&[&usual[..], more].concat()))
         .lines()
         .map(PathBuf::from)

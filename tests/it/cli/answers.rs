@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::Value;
-use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc, stdout, write};
 
 #[test]
 fn effects_are_listed_and_explained() {
@@ -244,15 +244,10 @@ fn a_diagnosis_is_judged_by_the_uncorrected_model() {
     let simulate = ["simulate", &op2(), "--support", "r_sole", "--poses", "120"];
     let knee = ["--hide", "joint_offset:r_knee=3deg", "--noise", "0.0005"];
     stdout(&sesc(&[&simulate[..], &knee, &["--out", &log]].concat()));
-    let judged = sesc(&[
-        "diagnose",
-        &op2(),
-        "--data",
-        &log,
-        "--fail-above",
-        "1.5",
-        "--json",
-    ]);
+    let judged = sesc(&in_words(
+        "diagnose @ --data @ --fail-above 1.5 --json",
+        &[&op2(), &log],
+    ));
     assert_eq!(judged.status.code(), Some(1));
     let said = String::from_utf8(judged.stderr).unwrap();
     assert!(
@@ -332,14 +327,7 @@ fn a_robot_with_four_feet_is_told_on_which_it_can_stand() {
     }
     let folder = folder();
     let log = folder.path().join("log.csv").display().to_string();
-    let stand = [
-        "simulate",
-        &urdf,
-        "--support",
-        "lf_foot",
-        "--noise",
-        "0.001",
-    ];
+    let stand = in_words("simulate @ --support lf_foot --noise 0.001", &[&urdf]);
     stdout(&sesc(
         &[&stand[..], &["--poses", "3", "--out", &log]].concat(),
     ));

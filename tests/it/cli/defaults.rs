@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{folder, in_words, op2, refused, sesc, stdout, write};
 
 /// The OP2 in a folder with this `sesc.toml`; the URDF's path.
 fn robot(folder: &Path, defaults: &str) -> String {
@@ -150,16 +150,7 @@ fn options_of_the_file_give_way_to_those_that_contradict_them() {
     let folder = folder();
     let urdf = robot(folder.path(), "support = \"r_sole\"\ncop_box = 0.02\n");
     let out = folder.path().join("poses.csv").display().to_string();
-    let plan = [
-        "plan",
-        &urdf,
-        "--poses",
-        "3",
-        "--candidates",
-        "50",
-        "--out",
-        &out,
-    ];
+    let plan = in_words("plan @ --poses 3 --candidates 50 --out @", &[&urdf, &out]);
     let sole = ["--sole", "0.03,0.02;-0.03,0.02;-0.03,-0.02;0.03,-0.02"];
     let said = stdout(&sesc(&[&plan[..], &sole].concat()));
     assert!(said.contains("a sole of 4 corners"), "{said}");

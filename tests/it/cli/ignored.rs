@@ -1,6 +1,6 @@
 //! Options that nothing would come of are errors that name them and the remedy.
 
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
+use sesc_test_support::command::{folder, in_words, op2, refused, sesc, stdout};
 
 #[test]
 fn options_of_logs_are_refused_beside_two_model_files() {
@@ -68,14 +68,10 @@ fn options_of_parts_are_refused_without_parts_and_those_of_logs_without_logs() {
     stdout(&sesc(
         &[&fit[..], &["--unit", "r07", "--partial", &part]].concat(),
     ));
-    stdout(&sesc(&[
-        "fit",
-        &part,
-        "--unit",
-        "r07",
-        "--duplicates",
-        "skip",
-    ]));
+    stdout(&sesc(&in_words(
+        "fit @ --unit r07 --duplicates skip",
+        &[&part],
+    )));
     for option in ["--both-feet", "--other-foot=top"] {
         let name = option.split('=').next().unwrap();
         refused(&sesc(&["fit", &part, option]), &[name, "--data"]);

@@ -3,23 +3,17 @@
 
 use std::fs;
 
-use sesc_test_support::command::{ROOT, folder, op2, program, refused, sesc, stdout};
+use sesc_test_support::command::{ROOT, folder, in_words, op2, program, refused, sesc, stdout};
 
 #[test]
 fn millimetres_for_metres_are_refused_with_what_was_meant() {
     let folder = folder();
     let out = folder.path().join("log.csv").display().to_string();
     let urdf = op2();
-    let start = [
-        "simulate",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--poses",
-        "3",
-        "--out",
-        &out,
-    ];
+    let start = in_words(
+        "simulate @ --support r_sole --poses 3 --out @",
+        &[&urdf, &out],
+    );
     let noisy = |noise: &str| sesc(&[&start[..], &["--noise", noise]].concat());
     refused(&noisy("5"), &["--noise", "0.005 for 5 mm"]);
     refused(&noisy("0.5"), &["0.0005 for 0.5 mm"]);
@@ -34,16 +28,7 @@ fn millimetres_for_metres_are_refused_with_what_was_meant() {
         let output = sesc(&[command, &urdf, "--data", &out, option, "2"]);
         refused(&output, &[option, "0.002 for 2 mm"]);
     }
-    let plan = [
-        "plan",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--poses",
-        "3",
-        "--out",
-        &out,
-    ];
+    let plan = in_words("plan @ --support r_sole --poses 3 --out @", &[&urdf, &out]);
     let boxed = sesc(&[&plan[..], &["--cop-box", "23"]].concat());
     refused(&boxed, &["--cop-box", "0.023 for 23 mm"]);
 }
@@ -67,16 +52,7 @@ fn other_units_are_refused_with_what_was_meant_too() {
         &simulated(&["--motion", "off"]),
         &["--motion off", "--rate HZ"],
     );
-    let plan = [
-        "plan",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--poses",
-        "3",
-        "--out",
-        &out,
-    ];
+    let plan = in_words("plan @ --support r_sole --poses 3 --out @", &[&urdf, &out]);
     let far = sesc(&[&plan[..], &["--margin", "2"]].concat());
     refused(&far, &["--margin", "0.002 for 2 mm"]);
     let boxed = sesc(&[&plan[..], &["--cop-box", "9"]].concat());
@@ -95,16 +71,10 @@ fn names_of_links_effects_and_targets_are_guessed() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).display().to_string();
     let (urdf, log) = (op2(), at("log.csv"));
-    let simulate = [
-        "simulate",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--poses",
-        "40",
-        "--out",
-        &log,
-    ];
+    let simulate = in_words(
+        "simulate @ --support r_sole --poses 40 --out @",
+        &[&urdf, &log],
+    );
     let hidden = |what: &str| sesc(&[&simulate[..], &["--hide", what]].concat());
     refused(
         &hidden("joint_ofset:r_knee=1deg"),
@@ -191,16 +161,10 @@ fn posture_logs_have_known_endings() {
     let folder = folder();
     let out = folder.path().join("log.txt").display().to_string();
     let urdf = op2();
-    let output = sesc(&[
-        "simulate",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--poses",
-        "3",
-        "--out",
-        &out,
-    ]);
+    let output = sesc(&in_words(
+        "simulate @ --support r_sole --poses 3 --out @",
+        &[&urdf, &out],
+    ));
     refused(&output, &["log.txt", ".csv, .csv.gz or .parquet"]);
 }
 
@@ -209,16 +173,10 @@ fn rust_takes_no_scalar() {
     let folder = folder();
     let out = folder.path().display().to_string();
     let urdf = op2();
-    let start = [
-        "generate",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--out",
-        &out,
-        "--lang",
-        "rust",
-    ];
+    let start = in_words(
+        "generate @ --support r_sole --out @ --lang rust",
+        &[&urdf, &out],
+    );
     refused(
         &sesc(&[&start[..], &["--scalar", "f32"]].concat()),
         &["--scalar", "--lang c"],
@@ -390,14 +348,10 @@ fn verdicts_and_warnings_stand_out_where_asked_and_programs_read_plain_text() {
         let text = stdout(&sesc(&words));
         assert!(text.starts_with(from) && !text.contains('\x1b'));
     }
-    let wrong = sesc(&[
-        "inspect",
-        &urdf,
-        "--support",
-        "nowhere",
-        "--color",
-        "always",
-    ]);
+    let wrong = sesc(&in_words(
+        "inspect @ --support nowhere --color always",
+        &[&urdf],
+    ));
     assert!(String::from_utf8_lossy(&wrong.stderr).starts_with("\x1b[1;31merror:\x1b[0m "));
 }
 
@@ -406,16 +360,10 @@ fn quiet_commands_say_warnings_and_errors_alone() {
     let folder = folder();
     let out = folder.path().join("log.csv").display().to_string();
     let urdf = op2();
-    let simulate = [
-        "simulate",
-        &urdf,
-        "--support",
-        "r_sole",
-        "--poses",
-        "3",
-        "--out",
-        &out,
-    ];
+    let simulate = in_words(
+        "simulate @ --support r_sole --poses 3 --out @",
+        &[&urdf, &out],
+    );
     assert!(!sesc(&simulate).stderr.is_empty());
     let quiet = sesc(&[&simulate[..], &["--quiet"]].concat());
     assert!(quiet.status.success() && quiet.stderr.is_empty());

@@ -18,7 +18,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use serde_json::Value;
-use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc, stdout, write};
 
 #[test]
 fn inspect_reports_what_the_contract_says() {
@@ -42,29 +42,20 @@ fn inspect_reports_what_the_contract_says() {
     }));
     // The elbows are written as 1.57079633.
     assert_eq!(json["snaps"].as_array().unwrap().len(), 2);
-    let literal = sesc(&[
-        "inspect",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--json",
-        "--no-snap",
-    ]);
+    let literal = sesc(&in_words(
+        "inspect @ --support r_sole --json --no-snap",
+        &[&op2()],
+    ));
     let json: Value = serde_json::from_str(&stdout(&literal)).unwrap();
     assert_eq!(json["snaps"], serde_json::json!([]));
 }
 
 #[test]
 fn verify_reports_errors_and_bounds() {
-    let output = sesc(&[
-        "verify",
-        &op2(),
-        "--support",
-        "l_sole",
-        "--samples",
-        "200",
-        "--json",
-    ]);
+    let output = sesc(&in_words(
+        "verify @ --support l_sole --samples 200 --json",
+        &[&op2()],
+    ));
     let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
     assert_eq!(json["pass"], true);
     assert!(json["samples"].as_u64().unwrap() >= 200);
@@ -90,16 +81,10 @@ fn generate_writes_once_and_leaves_the_same_bytes_alone() {
     let folder = folder();
     let out = folder.path().join("new/src").display().to_string();
     let run = || {
-        sesc(&[
-            "generate",
-            &op2(),
-            "--support",
-            "r_sole",
-            "--name",
-            "op2_r_sole",
-            "--out",
-            &out,
-        ])
+        sesc(&in_words(
+            "generate @ --support r_sole --name op2_r_sole --out @",
+            &[&op2(), &out],
+        ))
     };
     let path = PathBuf::from(stdout(&run()).trim());
     let text = fs::read_to_string(&path).unwrap();

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc, stdout, write};
 
 fn urdf() -> String {
     format!("{ROOT}/robots/two_link/two_link.urdf")
@@ -56,18 +56,10 @@ fn model_files_are_read_checked_and_baked_in() {
     let identified = com_x(&[&base[..], &["--model", &good]].concat());
     assert!((identified - cad - 0.5).abs() < 1e-15);
     let out = folder.path().display().to_string();
-    stdout(&sesc(&[
-        "generate",
-        &urdf,
-        "--support",
-        "foot",
-        "--model",
-        &good,
-        "--name",
-        "m",
-        "--out",
-        &out,
-    ]));
+    stdout(&sesc(&in_words(
+        "generate @ --support foot --model @ --name m --out @",
+        &[&urdf, &good, &out],
+    )));
     assert!(
         fs::read_to_string(folder.path().join("m.rs"))
             .unwrap()
@@ -165,16 +157,10 @@ fn a_model_file_says_what_stands_on_the_ground() {
         &["model.toml", "`foot`", "`shank`"],
     );
     refused(
-        &sesc(&[
-            "simulate",
-            &op2(),
-            "--poses",
-            "5",
-            "--model",
-            &model,
-            "--out",
-            &log,
-        ]),
+        &sesc(&in_words(
+            "simulate @ --poses 5 --model @ --out @",
+            &[&op2(), &model, &log],
+        )),
         &["model.toml", "hash"],
     );
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use sesc_test_support::command::{ROOT, folder, op2, refused, sesc};
+use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc};
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
@@ -72,15 +72,7 @@ fn a_file_that_cannot_be_written_is_the_one_named() {
     let folder = folder();
     let out = folder.path().join("gone/log.csv");
     let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
-    let simulate = [
-        "simulate",
-        &urdf,
-        "--support",
-        "foot",
-        "--poses",
-        "5",
-        "--out",
-    ];
+    let simulate = in_words("simulate @ --support foot --poses 5 --out", &[&urdf]);
     let output = sesc(&[&simulate[..], &[out.to_str().unwrap()]].concat());
     refused(&output, &["cannot write", "gone/log.csv", "No such file"]);
     assert!(!message(&output, folder.path()).contains(".tmp"));

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use sesc_test_support::command::{op2, refused, sesc};
+use sesc_test_support::command::{in_words, op2, refused, sesc};
 
 use super::asking::*;
 
@@ -117,15 +117,7 @@ mod with_the_format {
         assert!(last > 300.0, "{last}");
         let fit = |data: &str| -> serde_json::Value {
             let urdf = op2();
-            let robot = [
-                "fit",
-                &urdf,
-                "--support",
-                "r_sole",
-                "--noise",
-                "0.0005",
-                "--json",
-            ];
+            let robot = in_words("fit @ --support r_sole --noise 0.0005 --json", &[&urdf]);
             let said = stdout(&sesc(&[&robot[..], &["--data", data]].concat()));
             serde_json::from_str(&said).unwrap()
         };

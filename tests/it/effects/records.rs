@@ -8,7 +8,7 @@ use sesc_model::{EffectRecord, ModelFile, Quantity};
 use super::correction::{file, with};
 use super::hidden::Hidden;
 use super::robots::{Stand, urdf};
-use sesc_test_support::command::{folder, refused, sesc, stdout, write};
+use sesc_test_support::command::{folder, in_words, refused, sesc, stdout, write};
 
 fn near(a: &[f64], b: &[f64]) -> bool {
     let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * (1.0 + a.abs().max(b.abs()));
@@ -243,21 +243,10 @@ fn what_fixed_point_cannot_have_is_refused_by_name() {
         let text = toml::to_string(&file(&stand, hidden)).unwrap();
         let model = write(folder.path(), "model.toml", text);
         let (urdf, out_text) = (urdf(stand.name), out.display().to_string());
-        let output = sesc(&[
-            "generate",
-            &urdf,
-            "--no-snap",
-            "--lang",
-            "c",
-            "--scalar",
-            "fixed32",
-            "--model",
-            &model,
-            "--name",
-            "m",
-            "--out",
-            &out_text,
-        ]);
+        let output = sesc(&in_words(
+            "generate @ --no-snap --lang c --scalar fixed32 --model @ --name m --out @",
+            &[&urdf, &model, &out_text],
+        ));
         let divides = effect.stage() == Stage::Cells;
         match divides {
             true => {

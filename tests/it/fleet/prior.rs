@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
+use sesc_test_support::command::{folder, in_words, op2, refused, sesc, stdout};
 use sesc_test_support::fleet::Fleet;
 
 /// Robots of the fleet, and those that come after it.
@@ -49,19 +49,10 @@ fn the_next_robot_is_known_better_by_the_fleet_and_as_well_as_is_said() {
     std::fs::write(at("fleet.txt"), list).unwrap();
     let urdf = op2();
     let (list, out, prior) = (at("fleet.txt"), at("fleet.csv"), at("population.toml"));
-    let words = [
-        "fleet",
-        &urdf,
-        "--data",
-        &list,
-        "--only",
-        "parameters",
-        "--out",
-        &out,
-        "--prior-out",
-        &prior,
-        "--json",
-    ];
+    let words = in_words(
+        "fleet @ --data @ --only parameters --out @ --prior-out @ --json",
+        &[&urdf, &list, &out, &prior],
+    );
     let json: Value = serde_json::from_str(&stdout(&sesc(&words))).unwrap();
     // The file and the JSON have the same numbers.
     let file: toml::Table = std::fs::read_to_string(&prior).unwrap().parse().unwrap();
@@ -148,22 +139,10 @@ fn few_robots_make_no_prior_and_no_table() {
         }
         let (urdf, logs, out, prior) = (op2(), at("logs"), at("fleet.csv"), at("population.toml"));
         let (store, page) = (at("store"), at("fleet.html"));
-        let command = [
-            "fleet",
-            &urdf,
-            "--data",
-            &logs,
-            "--only",
-            "parameters",
-            "--store",
-            &store,
-            "--out",
-            &out,
-            "--report",
-            &page,
-            "--prior-out",
-            &prior,
-        ];
+        let command = in_words(
+            "fleet @ --data @ --only parameters --store @ --out @ --report @ --prior-out @",
+            &[&urdf, &logs, &store, &out, &page, &prior],
+        );
         refused(&sesc(&command), &[words, "needs 5"]);
         assert!(
             [&out, &prior, &page]

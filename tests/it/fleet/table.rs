@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
+use sesc_test_support::command::{folder, in_words, op2, refused, sesc, stdout};
 use sesc_test_support::fleet::Fleet;
 
 /// `sesc fleet` on `data` in `folder`, with further options; its JSON.
@@ -306,16 +306,10 @@ fn logs_stand_where_their_sidecar_or_their_column_says() {
     let mut lines = vec!["path,robot,day".to_string()];
     for (foot, seed) in [("r_sole", "1"), ("l_sole", "2")] {
         let log = at(folder, &format!("{foot}.csv"));
-        let words = [
-            "simulate",
-            &urdf,
-            "--support",
-            foot,
-            "--poses",
-            "60",
-            "--seed",
-            seed,
-        ];
+        let words = in_words(
+            "simulate @ --support @ --poses 60 --seed @",
+            &[&urdf, foot, seed],
+        );
         stdout(&sesc(
             &[&words[..], &["--noise", "1e-4", "--out", &log]].concat(),
         ));

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use sesc_test_support::command::{folder, refused, sesc, stdout, write};
+use sesc_test_support::command::{folder, in_words, refused, sesc, stdout, write};
 
 /// Names of links, joints and robots; none has what a URDF is refused for.
 fn names() -> Vec<String> {
@@ -198,15 +198,10 @@ fn code_of_hostile_names_compiles_without_a_warning() {
             robot(name, &joints),
         );
         let module = format!("robot_{k}");
-        let generate = [
-            "generate",
-            &urdf,
-            "--support",
-            name,
-            "--name",
-            &module,
-            "--out",
-        ];
+        let generate = in_words(
+            "generate @ --support @ --name @ --out",
+            &[&urdf, name, &module],
+        );
         // A name that begins with a dash is an option unless it is joined.
         let support = format!("--support={name}");
         let generate = [
@@ -303,16 +298,10 @@ fn documents_of_hostile_names_stay_documents() {
     for (k, joints) in joints.chunks(24).enumerate() {
         let urdf = write(folder.path(), "r.urdf", robot(name, joints));
         let log = at(&format!("log{k}.csv"));
-        let simulate = [
-            "simulate",
-            &urdf,
-            "--support",
-            name,
-            "--poses",
-            "80",
-            "--noise",
-            "0.0005",
-        ];
+        let simulate = in_words(
+            "simulate @ --support @ --poses 80 --noise 0.0005",
+            &[&urdf, name],
+        );
         let written = sesc(&[&simulate[..], &["--range", "20", "--out", &log]].concat());
         stdout(&written);
         let (model, page, part) = (at("model.toml"), at("page.html"), at("corrected.urdf"));
@@ -389,16 +378,7 @@ fn terminals_are_told_nothing_by_files() {
         .join(format!("{title}log.csv"))
         .display()
         .to_string();
-    let simulate = [
-        "simulate",
-        &urdf,
-        "--support",
-        "r",
-        "--poses",
-        "30",
-        "--out",
-        &log,
-    ];
+    let simulate = in_words("simulate @ --support r --poses 30 --out @", &[&urdf, &log]);
     let escaped = title.escape_default().to_string();
     let sidecar = format!("{log}.toml");
     let outputs = [

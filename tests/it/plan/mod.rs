@@ -18,7 +18,7 @@ use sesc_identify::plan::{Plan, Request, plan};
 use sesc_identify::robot::Robot;
 use sesc_model::{Model, Snapping};
 use sesc_reference::Reference;
-use sesc_test_support::command::{ROOT, folder, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc, stdout, write};
 
 use efficiency::true_robot;
 
@@ -177,23 +177,10 @@ fn robots_of_one_joint_and_of_hundreds_are_planned() {
     for joints in [1, 2, 120] {
         let urdf = write(folder.path(), "column.urdf", column(joints));
         let out = folder.path().join("poses.csv").display().to_string();
-        let output = sesc(&[
-            "plan",
-            &urdf,
-            "--support",
-            "foot",
-            "--poses",
-            "5",
-            "--candidates",
-            "40",
-            "--cop-box",
-            "0.15",
-            "--prior",
-            "tight",
-            "--out",
-            &out,
-            "--json",
-        ]);
+        let output = sesc(&in_words(
+            "plan @ --support foot --poses 5 --candidates 40 --cop-box 0.15 --prior tight --out @ --json",
+            &[&urdf, &out],
+        ));
         let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
         assert_eq!(json["candidates"], 40, "{json}");
     }
@@ -349,16 +336,10 @@ fn bad_input_is_refused_with_a_remedy() {
         .to_string();
     let op2 = op2();
     refused(
-        &sesc(&[
-            "plan",
-            &op2,
-            "--support",
-            "r_sole",
-            "--poses",
-            "5",
-            "--out",
-            &nowhere,
-        ]),
+        &sesc(&in_words(
+            "plan @ --support r_sole --poses 5 --out @",
+            &[&op2, &nowhere],
+        )),
         &["cannot write"],
     );
     assert!(!Path::new(&out).exists());

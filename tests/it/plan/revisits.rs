@@ -3,7 +3,7 @@
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use sesc_test_support::command::{folder, op2, sesc, stdout};
+use sesc_test_support::command::{folder, in_words, op2, sesc, stdout};
 
 /// Without a log that has visits five postures are to come back at the end; a log whose visits
 /// differ by 2 mm says what a posture is known to, and nothing needs to be asked for.
@@ -14,16 +14,10 @@ fn a_plan_asks_for_revisits_until_a_log_knows_what_they_differ_by() {
     let [out, data, second] = ["poses.csv", "log.csv", "second.csv"].map(at);
     let op2 = op2();
     let plan = |out: &str, more: &[&str]| -> serde_json::Value {
-        let words = [
-            "plan",
-            &op2,
-            "--support",
-            "r_sole",
-            "--poses",
-            "12",
-            "--candidates",
-            "100",
-        ];
+        let words = in_words(
+            "plan @ --support r_sole --poses 12 --candidates 100",
+            &[&op2],
+        );
         let all = [&words[..], &["--json", "--out", out], more].concat();
         serde_json::from_str(&stdout(&sesc(&all))).unwrap()
     };

@@ -20,6 +20,16 @@ pub fn sesc(arguments: &[&str]) -> Output {
     Command::new(program()).args(arguments).output().unwrap()
 }
 
+/// A command line in words; each `@` is the next of `values`, which may hold spaces.
+pub fn in_words<'a>(line: &'a str, values: &[&'a str]) -> Vec<&'a str> {
+    let mut values = values.iter();
+    let words = line.split(' ').map(|word| match word {
+        "@" => values.next().expect("a value for each @"),
+        _ => word,
+    });
+    words.collect()
+}
+
 /// The path of the OP2's URDF.
 pub fn op2() -> String {
     format!("{ROOT}/robots/op2/op2.urdf")
