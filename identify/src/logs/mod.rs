@@ -24,8 +24,6 @@ mod guard;
 mod input;
 #[cfg(feature = "mcap")]
 mod mcap;
-#[cfg(test)]
-mod mutations;
 pub(crate) mod names;
 mod options;
 #[cfg(feature = "parquet")]

@@ -34,10 +34,6 @@ mod text;
 mod values;
 
 #[cfg(test)]
-mod bad_files;
-#[cfg(test)]
-mod fuzz;
-#[cfg(test)]
 mod tests;
 
 use std::io::Read as _;

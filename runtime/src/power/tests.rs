@@ -5,7 +5,7 @@ use std::println;
 use std::vec::Vec;
 
 use super::*;
-use crate::trig::exact::{Exact, Random, error_ulp_f32};
+use crate::trig::tests::{Exact, Random, error_ulp_f32};
 
 /// The documented error for every base and exponent.
 const LIMIT_ULP: f64 = 0.7;

@@ -87,7 +87,7 @@ mod tests {
     use std::vec::Vec;
 
     use super::*;
-    use crate::trig::exact::Random;
+    use crate::trig::tests::Random;
 
     #[test]
     fn every_set_has_the_bits_of_plain_sums() {

@@ -367,7 +367,7 @@ mod tests {
     use std::vec::Vec;
 
     use super::*;
-    use crate::trig::exact::Random;
+    use crate::trig::tests::Random;
 
     /// Products of columns are what reflections leave alone.
     #[test]

@@ -5,7 +5,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::model::Sesc;
-use crate::trig::exact::{Exact, Random};
+use crate::trig::tests::{Exact, Random};
 use crate::{Lanes, pack, trig, unpack};
 use bench::Bench;
 

@@ -134,7 +134,7 @@ fn polynomial(c: &[f64; 6], z: f64, z2: f64) -> f64 {
 mod tests {
     use std::println;
 
-    use super::super::exact::{Exact, Random};
+    use super::super::tests::{Exact, Random};
     use super::*;
     use core::f64::consts::{PI, TAU};
 

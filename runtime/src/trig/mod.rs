@@ -33,9 +33,9 @@
 //! which is how Rust programs run.
 
 mod double;
-#[cfg(test)]
-pub(crate) mod exact;
 mod single;
+#[cfg(test)]
+pub(crate) mod tests;
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) use double::{COS, MAGIC, SIN};

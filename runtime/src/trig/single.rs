@@ -122,8 +122,8 @@ fn polynomial(c: &[f32; 3], z: f32, z2: f32) -> f32 {
 mod tests {
     use std::println;
 
-    use super::super::exact::{Random, error_ulp_f32};
     use super::super::sin_cos;
+    use super::super::tests::{Random, error_ulp_f32};
     use super::*;
 
     /// The documented error for any angle of the domain.

@@ -47,7 +47,7 @@ pub(super) fn of(
         return None;
     }
     let (positions, sines) = (find(Given::Positions)?, find(Given::SinesCosines)?);
-    let shared = Shared::new(&positions.program, &sines.program)?;
+    let shared = Shared::new(routine.function, &positions.program, &sines.program)?;
     let spell = |program: &Program, id: Id| value(program, id, scalar, calls);
     let turned = shared.angles.iter().map(|angle| {
         let Some(pair) = angle.turned else {

@@ -37,7 +37,7 @@ impl<'r> Core<'r> {
         dof: usize,
     ) -> Option<Core<'r>> {
         Some(Core {
-            shared: Shared::new(&positions.program, &sines.program)?,
+            shared: Shared::new(positions.function, &positions.program, &sines.program)?,
             function: positions.function,
             programs: [&positions.program, &sines.program],
             unit,

@@ -2,6 +2,7 @@
 
 mod faults;
 mod memory;
+mod mutations;
 mod skips;
 
 use std::fs;

@@ -6,8 +6,8 @@ use std::path::Path;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-use super::tests::{dofs, gzip};
-use super::*;
+use super::super::*;
+use super::{dofs, gzip};
 
 const TIMES: usize = 20_000;
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::*;
+use super::super::*;
 
 const BAD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/bad_urdf");
 

@@ -1,7 +1,7 @@
 //! No input may panic, overflow the stack or take long: random damage to a
 //! description that uses everything the reader knows.
 
-use super::*;
+use super::super::*;
 
 const GOOD: &str = r#"<?xml version="1.0" encoding="utf-8"?>
 <!DOCTYPE robot>

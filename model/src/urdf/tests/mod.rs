@@ -1,5 +1,8 @@
 //! What must load, what must be refused, and in which words.
 
+mod bad_files;
+mod fuzz;
+
 use std::path::Path;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
