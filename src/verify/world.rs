@@ -17,8 +17,7 @@ use sesc_model::effects::{Catalog, EffectContext, Instance, Stage, Target};
 use sesc_model::{Function, Model};
 use sesc_reference::{ErrorKind, GRAVITY, Place, Reference, World};
 
-use super::compare::Truth;
-use super::motion::JointMotion;
+use super::motion::{JointMotion, Truth};
 use crate::Error;
 use sesc_identify::robot::Robot;
 

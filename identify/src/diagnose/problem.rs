@@ -73,6 +73,14 @@ pub struct Problem<'m> {
     kinds: usize,
 }
 
+/// A hypothesis to be fitted.
+pub struct Proposal {
+    pub terms: Vec<Term>,
+    /// Score to first order.
+    pub predicted_score: f64,
+    pub parent: Option<Fit>,
+}
+
 /// A hypothesis, fitted.
 #[derive(Debug, Clone)]
 pub struct Fit {

@@ -13,19 +13,11 @@ use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, sorted};
 use super::outliers::Outliers;
-use super::problem::{ALL, Fit, Problem};
+use super::problem::{ALL, Fit, Problem, Proposal};
 use super::wiring;
 use crate::Error;
 use crate::threads::{each_long, processors};
 use crate::watch::{Watch, tell};
-
-/// A hypothesis to be fitted.
-pub struct Proposal {
-    pub terms: Vec<Term>,
-    /// Score to first order.
-    pub predicted_score: f64,
-    pub parent: Option<Fit>,
-}
 
 /// How many extensions of a hypothesis are fitted.
 #[derive(Clone, Copy)]

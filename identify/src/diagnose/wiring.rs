@@ -6,8 +6,7 @@ use nalgebra::DVector;
 use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, effect_terms, sorted};
-use super::problem::{Fit, Problem};
-use super::search::Proposal;
+use super::problem::{Fit, Problem, Proposal};
 use crate::lsq::factor_normal;
 use crate::threads::each_long;
 

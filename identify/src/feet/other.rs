@@ -1,15 +1,11 @@
 //! Which link is the other sole.
 
-use std::sync::Arc;
-
+use sesc_model::Model;
 use sesc_model::text::listed;
 use sesc_model::tree::{is_sole, like_sole, on_many_feet, sole_parts, support_rank};
 use sesc_model::urdf::suggestion;
-use sesc_model::{Model, Snapping};
 
-use super::places::Places;
-use crate::logs::{Sidecar, Soles};
-use crate::robot::Robot;
+use crate::logs::Sidecar;
 use crate::{Error, Setting, message};
 
 /// Links named in a message.
@@ -45,12 +41,6 @@ impl OtherFoot {
 }
 
 impl Feet {
-    /// Where soles are, for recordings of both contacts; none where the caller says that one foot
-    /// stands.
-    pub(crate) fn soles(&self, robot: &Arc<Robot>, snapping: Snapping) -> Option<Arc<dyn Soles>> {
-        (self.both != Some(false)).then(|| Places::of(robot, snapping))
-    }
-
     /// The other sole, where a log on the model's support is of both feet: the caller's, else
     /// the sidecar's, else the link that is called as the support is on the other side, else
     /// the only other sole. Where the support is the sole of a link, so is the other, at the same
@@ -211,6 +201,10 @@ fn mirror(one: &str, other: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use sesc_model::Snapping;
+
+    use crate::robot::Robot;
+
     use super::*;
 
     /// Feet of these names on a pelvis, each by a hinge.

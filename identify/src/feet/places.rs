@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use sesc_model::effects::PostureContext;
 use sesc_model::{Model, Snapping};
 
-use super::other::OtherFoot;
+use super::other::{Feet, OtherFoot};
 use crate::logs::Soles;
 use crate::observations::postures::Postures;
 use crate::poses;
@@ -26,6 +26,14 @@ pub(crate) struct Places {
     snapping: Snapping,
     /// The robot on each link that was asked about; none on what is no support.
     on: Mutex<HashMap<String, Option<Arc<Model>>>>,
+}
+
+impl Feet {
+    /// Where soles are, for recordings of both contacts; none where the caller says that one foot
+    /// stands.
+    pub(crate) fn soles(&self, robot: &Arc<Robot>, snapping: Snapping) -> Option<Arc<dyn Soles>> {
+        (self.both != Some(false)).then(|| Places::of(robot, snapping))
+    }
 }
 
 impl Places {

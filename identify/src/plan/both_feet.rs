@@ -14,7 +14,7 @@ use sesc_model::effects::other_sole_by_joints;
 use sesc_model::tape::{Tape, Values};
 
 use super::balance::Region;
-use super::candidates::{is_stuck, stride};
+use super::limits::{is_stuck, stride};
 use crate::evaluate::FASTEST;
 use crate::feet::{OtherFoot, ROWS};
 use crate::poses::{self, Pose};

@@ -21,6 +21,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use sesc_model::{Function, Model};
 
+use super::limits::{is_stuck, stride};
 use super::scene::Scene;
 use crate::evaluate::Evaluator;
 use crate::poses::{self, Pose};
@@ -34,8 +35,6 @@ const STEPS: usize = 10;
 const TARGETS: usize = 3;
 /// Close enough to the target, m.
 const NEAR: f64 = 1e-5;
-/// Farthest a joint moves in one step, as a part of its range.
-const STRIDE: f64 = 0.25;
 /// Draws reach at least so far from rest, as a part of the limits.
 const LEAST_SPREAD: f64 = 0.2;
 
@@ -319,26 +318,5 @@ impl Drawn {
             }
         }
         stride(&mut self.q, &steps, ranges);
-    }
-}
-
-/// Whether a joint at a limit would go further.
-pub(super) fn is_stuck(q: f64, step: f64, (lower, upper): (f64, f64)) -> bool {
-    (q <= lower && step < 0.0) || (q >= upper && step > 0.0)
-}
-
-/// Move joints by `steps`, which shrink together where one is too long, so that the direction
-/// stays.
-pub(super) fn stride(q: &mut [f64], steps: &[f64], ranges: &[(f64, f64)]) {
-    let longest = |(step, (lower, upper)): (&f64, &(f64, f64))| match upper > lower {
-        true => step.abs() / (upper - lower),
-        false => 0.0,
-    };
-    let worst = steps.iter().zip(ranges).map(longest).fold(0.0, f64::max);
-    let scale = if worst > STRIDE { STRIDE / worst } else { 1.0 };
-    for ((q, step), &(lower, upper)) in q.iter_mut().zip(steps).zip(ranges) {
-        if step.is_finite() {
-            *q = (*q + scale * step).clamp(lower, upper);
-        }
     }
 }

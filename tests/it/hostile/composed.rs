@@ -115,6 +115,7 @@ fn quiet(output: &Output) {
 }
 
 #[test]
+#[ignore = "slow: `.ci/all slow` runs it"]
 #[cfg(target_os = "linux")]
 fn code_of_composed_names_compiles_or_they_are_refused() {
     let folder = folder();
