@@ -132,7 +132,12 @@ impl Sidecar {
     /// Where sidecars of `log` are looked for: the older name is `log.toml` for `log.csv`,
     /// `log.csv.gz` and `log.parquet` alike.
     pub fn paths(log: &Path) -> [PathBuf; 2] {
-        [Sidecar::path(log), Sidecar::older_path(log)]
+        let packed = log.extension().is_some_and(|end| end == "gz");
+        let older = match log.file_stem() {
+            Some(stem) if packed => log.with_file_name(stem).with_extension("toml"),
+            _ => log.with_extension("toml"),
+        };
+        [Sidecar::path(log), older]
     }
 
     /// The sidecar that `log` has, and where it would be if it has none.
@@ -141,14 +146,6 @@ impl Sidecar {
         match !path.exists() && older.exists() {
             true => older,
             false => path,
-        }
-    }
-
-    fn older_path(log: &Path) -> PathBuf {
-        let packed = log.extension().is_some_and(|end| end == "gz");
-        match log.file_stem() {
-            Some(stem) if packed => log.with_file_name(stem).with_extension("toml"),
-            _ => log.with_extension("toml"),
         }
     }
 
