@@ -325,12 +325,7 @@ mod tests {
             "pose,com_x,com_y,com_z,cop_x,cop_y\n7,0.1,-0.2,0.3,0.00000000000000001,0.5\n";
         assert_eq!(text, expected);
         let wrong = PredictionWriter::create(&folder.path().join("a.txt"));
-        assert!(
-            wrong
-                .err()
-                .unwrap()
-                .to_string()
-                .contains(".csv, .csv.gz or .parquet")
-        );
+        let said = wrong.err().unwrap().to_string();
+        assert!(said.contains(".csv, .csv.gz or .parquet"), "{said}");
     }
 }
