@@ -152,12 +152,13 @@ pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Erro
              different robots"
         ));
     }
-    let joint = Joint::of(before, after);
+    let (parameters, squares) = masses(before, after);
+    let chance = chance(&squares);
     let effects = effects(before, after);
     let values_changed = effects
         .iter()
         .any(|e| matches!(e.change, Change::Appeared | Change::Gone | Change::Changed));
-    let masses_changed = joint.chance.is_some_and(|chance| chance < CHANCE);
+    let masses_changed = chance.is_some_and(|chance| chance < CHANCE);
     let hashes = |file: &ModelFile| -> BTreeSet<String> {
         file.data.iter().map(|data| data.hash.clone()).collect()
     };
@@ -168,10 +169,10 @@ pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Erro
         noise_floor: [before.noise_floor, after.noise_floor],
         same_data: !before.data.is_empty() && hashes(before) == hashes(after),
         effects,
-        parameters: joint.differences,
-        directions: joint.directions,
-        chi2: joint.chi2,
-        chance: joint.chance,
+        parameters,
+        directions: squares.len(),
+        chi2: squares.iter().sum(),
+        chance,
         changed: values_changed || masses_changed,
         sentence: String::new(),
     };
@@ -179,55 +180,40 @@ pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Erro
     Ok(comparison)
 }
 
-/// The base parameters of two files.
-struct Joint {
-    differences: Vec<Difference>,
-    directions: usize,
-    chi2: f64,
-    chance: Option<f64>,
-}
-
-impl Joint {
-    fn of(before: &ModelFile, after: &ModelFile) -> Joint {
-        let n = before.parameters.len();
-        let of = |name: &str| after.parameters.iter().position(|p| p.name == name);
-        // Place of every parameter of the first file in the second.
-        let places: Vec<usize> = before
-            .parameters
-            .iter()
-            .filter_map(|p| of(&p.name))
-            .collect();
-        let (a, b) = (covariance(before), covariance(after));
-        let known: Vec<usize> = (0..n)
-            .filter(|&k| a[(k, k)].is_finite() && b[(places[k], places[k])].is_finite())
-            .collect();
-        let gap = |k: usize| after.parameters[places[k]].value - before.parameters[k].value;
-        let differences = (0..n)
-            .map(|k| {
-                let variance = a[(k, k)] + b[(places[k], places[k])];
-                let std = Some(variance.sqrt()).filter(|std| std.is_finite());
-                Difference {
-                    name: before.parameters[k].name.clone(),
-                    before: Some(before.parameters[k].value),
-                    after: Some(after.parameters[places[k]].value),
-                    std,
-                    deviations: std.map(|std| deviations(gap(k), std)),
-                }
-            })
-            .collect();
-        let covariance = DMatrix::from_fn(known.len(), known.len(), |i, k| {
-            let (i, k) = (known[i], known[k]);
-            a[(i, k)] + b[(places[i], places[k])]
-        });
-        let gap = DVector::from_iterator(known.len(), known.iter().map(|&k| gap(k)));
-        let squares = squares(covariance, &gap);
-        Joint {
-            differences,
-            directions: squares.len(),
-            chi2: squares.iter().sum(),
-            chance: chance(&squares),
-        }
-    }
+/// The base parameters of two files, and z² along the directions that both determine.
+fn masses(before: &ModelFile, after: &ModelFile) -> (Vec<Difference>, Vec<f64>) {
+    let n = before.parameters.len();
+    let of = |name: &str| after.parameters.iter().position(|p| p.name == name);
+    // Place of every parameter of the first file in the second.
+    let places: Vec<usize> = before
+        .parameters
+        .iter()
+        .filter_map(|p| of(&p.name))
+        .collect();
+    let (a, b) = (covariance(before), covariance(after));
+    let known: Vec<usize> = (0..n)
+        .filter(|&k| a[(k, k)].is_finite() && b[(places[k], places[k])].is_finite())
+        .collect();
+    let gap = |k: usize| after.parameters[places[k]].value - before.parameters[k].value;
+    let differences = (0..n)
+        .map(|k| {
+            let variance = a[(k, k)] + b[(places[k], places[k])];
+            let std = Some(variance.sqrt()).filter(|std| std.is_finite());
+            Difference {
+                name: before.parameters[k].name.clone(),
+                before: Some(before.parameters[k].value),
+                after: Some(after.parameters[places[k]].value),
+                std,
+                deviations: std.map(|std| deviations(gap(k), std)),
+            }
+        })
+        .collect();
+    let covariance = DMatrix::from_fn(known.len(), known.len(), |i, k| {
+        let (i, k) = (known[i], known[k]);
+        a[(i, k)] + b[(places[i], places[k])]
+    });
+    let gap = DVector::from_iterator(known.len(), known.iter().map(|&k| gap(k)));
+    (differences, squares(covariance, &gap))
 }
 
 /// |gap| in deviations; a gap of nothing is none, whatever its deviation.

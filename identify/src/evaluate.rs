@@ -330,12 +330,14 @@ impl MotionPredictor {
         (rates, accelerations): (&[f64], &[f64]),
     ) -> Vec<[f64; 2]> {
         let mut zmp = vec![0.0; 2 * n];
-        let [q, rates, accelerations] = [q, rates, accelerations].map(Values::PerPosture);
-        let arguments = [q, rates, accelerations, Values::Shared(&self.params)];
+        let [positions, rates, accelerations] = [q, rates, accelerations].map(Values::PerPosture);
+        let arguments = [
+            positions,
+            rates,
+            accelerations,
+            Values::Shared(&self.params),
+        ];
         self.zmp.run(&arguments, n, &mut zmp, PORTABLE);
-        let Values::PerPosture(q) = q else {
-            unreachable!("set above")
-        };
         let com = self.com.run(q, n);
         let pairs = zmp.chunks_exact(2).zip(com.chunks_exact(3));
         let of = |(zmp, com): (&[f64], &[f64])| {
@@ -349,14 +351,7 @@ impl MotionPredictor {
     pub fn readings(&self, q: &[f64], n: usize, motion: (&[f64], &[f64])) -> Vec<f64> {
         let shifts = self.shifts(q, n, motion);
         match &self.cop {
-            Some(predictor) => {
-                let tell = |k: usize, layout: PostureContext, context: &mut [f64]| {
-                    for axis in 0..2 {
-                        context[layout.shift(axis)] = shifts[k][axis];
-                    }
-                };
-                predictor.moving(q, n, None, tell).1
-            }
+            Some(predictor) => predictor.moving(q, n, None, &shifts).1,
             None => {
                 let com = self.com.run(q, n);
                 let pairs = com.chunks_exact(3).zip(&shifts);
@@ -394,26 +389,27 @@ impl EffectPredictor {
         postures: usize,
         gravity: Option<&[[f64; 3]]>,
     ) -> (Vec<f64>, Vec<f64>) {
-        self.moving(q, postures, gravity, |_, _, _| {})
+        self.moving(q, postures, gravity, &[])
     }
 
     /// CoM (x, y, z) and reading (x, y) of `postures` postures, m, with gravity per posture and
-    /// `tell`, which writes what motion adds into the context of a posture.
+    /// what motion adds to the CoP; none of it where joints stand.
     pub fn moving(
         &self,
         q: &[f64],
         postures: usize,
         gravity: Option<&[[f64; 3]]>,
-        tell: impl Fn(usize, PostureContext, &mut [f64]),
+        shifts: &[[f64; 2]],
     ) -> (Vec<f64>, Vec<f64>) {
         let mut context = vec![0.0; postures * self.layout.len()];
-        for (k, g) in gravity.into_iter().flatten().enumerate() {
-            for axis in 0..2 {
-                context[k * self.layout.len() + self.layout.tilt(axis)] = -g[axis] / g[2];
+        let width = self.layout.len();
+        for axis in 0..2 {
+            for (k, g) in gravity.into_iter().flatten().enumerate() {
+                context[k * width + self.layout.tilt(axis)] = -g[axis] / g[2];
             }
-        }
-        for (k, context) in context.chunks_exact_mut(self.layout.len()).enumerate() {
-            tell(k, self.layout, context);
+            for (k, shift) in shifts.iter().enumerate() {
+                context[k * width + self.layout.shift(axis)] = shift[axis];
+            }
         }
         let arguments = [
             Values::PerPosture(q),

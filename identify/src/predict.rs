@@ -13,7 +13,6 @@ mod soles;
 use std::collections::HashMap;
 
 use serde::Serialize;
-use sesc_model::effects::PostureContext;
 use sesc_model::{Function, Model};
 
 use crate::Error;
@@ -246,12 +245,7 @@ impl Predictor {
             };
             let com = match &on_link.effects {
                 Some(effects) => {
-                    let tell = |k: usize, layout: PostureContext, context: &mut [f64]| {
-                        for axis in 0..2 {
-                            context[layout.shift(axis)] = shifts[k][axis];
-                        }
-                    };
-                    let (com, cop) = effects.moving(q, n, gravity, tell);
+                    let (com, cop) = effects.moving(q, n, gravity, &shifts);
                     found
                         .cop_m
                         .extend(cop.chunks_exact(2).map(|c| [c[0], c[1]]));

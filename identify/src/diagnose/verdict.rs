@@ -21,7 +21,7 @@ pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
     if d.samples.independent < d.samples.rows {
         said.push(format!("The log has {}.", d.samples.sentence()));
     }
-    if d.motion.matters() {
+    if d.motion.used {
         said.push(d.motion.sentence.clone());
     }
     said.extend(d.health.iter().map(|finding| finding.sentence.clone()));

@@ -51,8 +51,8 @@ pub(super) struct Assembler {
     any_unit: bool,
     /// 1/√readings of a row, once the first rows were seen.
     shrink: f64,
-    /// Rows without load on the cells are no fault.
-    no_load: bool,
+    /// Rows without load on the cells are no fault; their reading is zero.
+    pub no_load: bool,
     next_pose: i64,
 }
 
@@ -137,11 +137,6 @@ impl Assembler {
             return Err(assembler.fault(None, message));
         }
         Ok(assembler)
-    }
-
-    /// Whether rows without load on the cells are taken, with a reading of zero.
-    pub fn allow_no_load(&mut self, allow: bool) {
-        self.no_load = allow;
     }
 
     /// A fault of the log, at a row of it.

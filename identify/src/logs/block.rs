@@ -54,26 +54,15 @@ impl Block {
         keep_some(&mut self.line, 1, keep);
         keep_some(&mut self.pose, 1, keep);
         keep_some(&mut self.q, width, keep);
-        let Block {
-            t,
-            support,
-            reading,
-            std,
-            cells,
-            gravity,
-            other,
-            ..
-        } = self;
-        t.iter_mut().for_each(|t| keep_some(t, 1, keep));
-        support.iter_mut().for_each(|all| keep_some(all, 1, keep));
-        reading.iter_mut().for_each(|all| keep_some(all, 1, keep));
-        std.iter_mut().for_each(|all| keep_some(all, 1, keep));
-        gravity.iter_mut().for_each(|all| keep_some(all, 1, keep));
-        other.iter_mut().for_each(|all| keep_some(all, 1, keep));
-        if let Some(cells) = cells {
+        keep_known(&mut self.t, 1, keep);
+        keep_known(&mut self.support, 1, keep);
+        keep_known(&mut self.reading, 1, keep);
+        keep_known(&mut self.std, 1, keep);
+        keep_known(&mut self.gravity, 1, keep);
+        keep_known(&mut self.other, 1, keep);
+        if let Some(cells) = &mut self.cells {
             keep_some(&mut cells.force, cells.count, keep);
-            let std = cells.std.iter_mut();
-            std.for_each(|all| keep_some(all, cells.count, keep));
+            keep_known(&mut cells.std, cells.count, keep);
         }
     }
 
@@ -83,28 +72,16 @@ impl Block {
             *self = other;
             return;
         }
-        let Block {
-            line,
-            pose,
-            t,
-            support,
-            q,
-            reading,
-            std,
-            cells,
-            gravity,
-            other: contacts,
-        } = other;
-        self.line.extend(line);
-        self.pose.extend(pose);
-        self.q.extend(q);
-        join(&mut self.t, t);
-        join(&mut self.support, support);
-        join(&mut self.reading, reading);
-        join(&mut self.std, std);
-        join(&mut self.gravity, gravity);
-        join(&mut self.other, contacts);
-        if let (Some(own), Some(cells)) = (&mut self.cells, cells) {
+        self.line.extend(other.line);
+        self.pose.extend(other.pose);
+        self.q.extend(other.q);
+        join(&mut self.t, other.t);
+        join(&mut self.support, other.support);
+        join(&mut self.reading, other.reading);
+        join(&mut self.std, other.std);
+        join(&mut self.gravity, other.gravity);
+        join(&mut self.other, other.other);
+        if let (Some(own), Some(cells)) = (&mut self.cells, other.cells) {
             own.force.extend(cells.force);
             join(&mut own.std, cells.std);
         }
@@ -150,6 +127,13 @@ fn join<T>(own: &mut Option<Vec<T>>, other: Option<Vec<T>>) {
 
 fn first<T>(all: &mut Option<Vec<T>>, count: usize) -> Option<Vec<T>> {
     Some(all.as_mut()?.drain(..count).collect())
+}
+
+/// The same of a column that not every log has.
+fn keep_known<T>(values: &mut Option<Vec<T>>, width: usize, keep: &[bool]) {
+    if let Some(values) = values {
+        keep_some(values, width, keep);
+    }
 }
 
 /// Rows of `width` entries each for which `keep` says so.

@@ -37,8 +37,6 @@ pub(super) struct CsvSource {
     batch: Batch,
     header: Vec<String>,
     meter: Arc<Meter>,
-    /// Bytes handed to the parser since the last row.
-    since_row: Arc<AtomicU64>,
     passing: Arc<Passing>,
     links: Interner,
     /// Line of the last row.
@@ -64,17 +62,19 @@ impl CsvSource {
             .read_to_end(&mut head)
             .map_err(|error| bad(None, unreadable(&error)))?;
         let delimiter = delimiter(&head).map_err(|message| bad(None, message))?;
-        let since_row = Arc::new(AtomicU64::new(0));
         let passing = Arc::new(Passing::default());
-        let input: Box<dyn Read + Send> = Box::new(RowInput::new(
-            Cursor::new(head).chain(input),
-            since_row.clone(),
-            passing.clone(),
-        ));
+        let input = RowInput {
+            input: Cursor::new(head).chain(input),
+            passing: passing.clone(),
+            rest: Cursor::default(),
+            held: false,
+            last: 0,
+            ended: false,
+        };
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(delimiter)
             .flexible(true)
-            .from_reader(input);
+            .from_reader(Box::new(input) as Box<dyn Read + Send>);
         let header: Vec<String> = match reader.headers() {
             Ok(header) => header.iter().map(name).collect(),
             Err(error) => return Err(bad(Some(1), fault(&error))),
@@ -85,7 +85,7 @@ impl CsvSource {
                 "no header row; a log starts with the names of its columns".into(),
             ));
         }
-        since_row.store(0, Ordering::Relaxed);
+        passing.since_row.store(0, Ordering::Relaxed);
         Ok(CsvSource {
             file: file.to_string(),
             reader,
@@ -93,7 +93,6 @@ impl CsvSource {
             batch: Batch::default(),
             header,
             meter,
-            since_row,
             passing,
             links: Interner::default(),
             line: 1,
@@ -105,7 +104,7 @@ impl CsvSource {
     fn next(&mut self) -> Result<bool, Error> {
         loop {
             let more = self.reader.read_byte_record(&mut self.record);
-            self.since_row.store(0, Ordering::Relaxed);
+            self.passing.since_row.store(0, Ordering::Relaxed);
             match more {
                 Ok(true) => {}
                 Ok(false) => return Ok(false),
@@ -178,7 +177,7 @@ impl RowSource for CsvSource {
     }
 
     // By the length of the rows so far; the row in which these bytes end is passed over, too.
-    fn skip(&mut self, _: &Columns, rows: u64) -> Result<bool, Error> {
+    fn skip(&mut self, _: &Columns, rows: u64) -> Result<(), Error> {
         let at = self.reader.position();
         let length = at.byte() as f64 / at.line().max(1) as f64;
         let bytes = (length * rows as f64) as u64;
@@ -187,7 +186,7 @@ impl RowSource for CsvSource {
             // The hash of a log of which rows are passed over is not used.
             self.meter.forget_hash();
         }
-        Ok(true)
+        Ok(())
     }
 
     fn progress(&self) -> (u64, Option<u64>) {
@@ -269,9 +268,11 @@ const LONGEST_ROW: u64 = 4 << 20;
 /// Bytes that are taken at once where rows are passed over.
 const PASSED_AT_ONCE: usize = 256 << 10;
 
-/// Rows that are passed over.
+/// Rows on their way to the parser, and rows that are passed over.
 #[derive(Debug, Default)]
 struct Passing {
+    /// Bytes handed to the parser since the last row.
+    pub since_row: AtomicU64,
     /// Bytes that are to be, and the rest of the row that these end in.
     pub bytes: AtomicU64,
     /// Lines that were.
@@ -282,7 +283,6 @@ struct Passing {
 /// endless, since an open quote could swallow the whole file.
 struct RowInput<R> {
     input: R,
-    since_row: Arc<AtomicU64>,
     passing: Arc<Passing>,
     /// Bytes that were taken from the input and not yet given out.
     rest: Cursor<Vec<u8>>,
@@ -293,18 +293,6 @@ struct RowInput<R> {
 }
 
 impl<R: Read> RowInput<R> {
-    pub fn new(input: R, since_row: Arc<AtomicU64>, passing: Arc<Passing>) -> RowInput<R> {
-        RowInput {
-            input,
-            since_row,
-            passing,
-            rest: Cursor::default(),
-            held: false,
-            last: 0,
-            ended: false,
-        }
-    }
-
     fn take(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         match self.rest.read(buffer)? {
             0 => self.input.read(buffer),
@@ -382,7 +370,7 @@ impl<R: Read> RowInput<R> {
 
 impl<R: Read> Read for RowInput<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.since_row.load(Ordering::Relaxed) > LONGEST_ROW {
+        if self.passing.since_row.load(Ordering::Relaxed) > LONGEST_ROW {
             return Err(io::Error::other(format!(
                 "a row of more than {} MiB; is a quote left open, or is this no log?",
                 LONGEST_ROW >> 20
@@ -408,7 +396,8 @@ impl<R: Read> Read for RowInput<R> {
             };
             if kept > 0 {
                 self.last = buffer[kept - 1];
-                self.since_row.fetch_add(kept as u64, Ordering::Relaxed);
+                let handed = &self.passing.since_row;
+                handed.fetch_add(kept as u64, Ordering::Relaxed);
                 return Ok(kept);
             }
         }

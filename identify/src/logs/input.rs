@@ -3,7 +3,7 @@
 use std::fmt;
 use std::fs::File;
 use std::hash::Hasher as _;
-use std::io::{self, Cursor, Read, Seek, SeekFrom};
+use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -108,7 +108,8 @@ impl LogSource {
         name: impl Into<String>,
         open: impl Fn() -> io::Result<R> + Send + Sync + 'static,
     ) -> LogSource {
-        LogSource::at(name.into(), Place::Stream(Opener::new(open)))
+        let open = move || -> io::Result<Box<dyn Read + Send>> { Ok(Box::new(open()?)) };
+        LogSource::at(name.into(), Place::Stream(Opener(Arc::new(open))))
     }
 
     fn at(name: String, place: Place) -> LogSource {
@@ -269,7 +270,7 @@ impl Bytes {
         match place {
             Place::File(path) => Ok(Bytes::File(File::open(path)?)),
             Place::Bytes(bytes) => Ok(Bytes::Memory(Cursor::new(bytes.clone()))),
-            Place::Stream(opener) => Ok(Bytes::Stream(opener.open()?)),
+            Place::Stream(Opener(open)) => Ok(Bytes::Stream(open()?)),
             Place::Table(_) => Err(io::ErrorKind::Unsupported.into()),
         }
     }
@@ -283,16 +284,6 @@ impl Bytes {
             }
             Bytes::Memory(bytes) => u64::try_from(bytes.get_ref().as_ref().len()).ok(),
             Bytes::Stream(_) => None,
-        }
-    }
-}
-
-impl Seek for Bytes {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        match self {
-            Bytes::File(file) => file.seek(to),
-            Bytes::Memory(bytes) => bytes.seek(to),
-            Bytes::Stream(_) => Err(io::ErrorKind::NotSeekable.into()),
         }
     }
 }
@@ -387,19 +378,6 @@ type Open = dyn Fn() -> io::Result<Box<dyn Read + Send>> + Send + Sync;
 /// Starts a stream from its first byte, as often as asked.
 #[derive(Clone)]
 pub(super) struct Opener(Arc<Open>);
-
-impl Opener {
-    pub fn new<R: Read + Send + 'static>(
-        open: impl Fn() -> io::Result<R> + Send + Sync + 'static,
-    ) -> Opener {
-        let boxed = move || -> io::Result<Box<dyn Read + Send>> { Ok(Box::new(open()?)) };
-        Opener(Arc::new(boxed))
-    }
-
-    pub fn open(&self) -> io::Result<Box<dyn Read + Send>> {
-        (self.0)()
-    }
-}
 
 impl fmt::Debug for Opener {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {

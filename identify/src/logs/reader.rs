@@ -18,8 +18,7 @@ use super::settle::Settling;
 use super::sidecar::{Angles, Sidecar};
 use super::source::{Raw, RowSource};
 use super::suspect::Suspicions;
-use super::table::Shared;
-use super::table::TableSource;
+use super::table::{Shared, TableSource};
 use crate::{Error, Message};
 
 /// Rows taken from the file at once, and looked at before the first is given out.
@@ -106,7 +105,7 @@ impl PostureReader {
         }
         let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
         let mut assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
-        assembler.allow_no_load(log.screen.is_some());
+        assembler.no_load = log.screen.is_some();
         let soles = options.soles.clone().zip(source.both());
         let standing = soles.map(|(soles, links)| Standing { soles, links });
         if let Some(Standing { links, .. }) = &standing {
@@ -167,10 +166,7 @@ impl PostureReader {
 
     fn next_block(&mut self, count: usize) -> Result<Block, Error> {
         loop {
-            let mut block = match self.settling {
-                Some(_) => self.settled(count)?,
-                None => self.rows(count)?,
-            };
+            let mut block = self.settled(count)?;
             let ended = block.is_empty();
             for pose in &block.pose {
                 if self.last_pose != Some(*pose) {
@@ -188,22 +184,29 @@ impl PostureReader {
         }
     }
 
-    /// The next rows of which it is known whether they are of one stay.
+    /// The next rows, where stays count those of which it is known whether they are of one.
     fn settled(&mut self, count: usize) -> Result<Block, Error> {
-        let count = count.max(1);
         loop {
             let Some(settling) = &mut self.settling else {
                 return self.rows(count);
             };
-            let at_end = settling.is_at_end();
+            let count = count.max(1);
+            let at_end = settling.ended;
             if at_end || settling.decided() >= count {
                 let block = settling.take(count);
                 if !block.is_empty() {
                     return Ok(block);
                 }
                 if at_end && settling.decided() == 0 {
-                    return match settling.stays() {
-                        0 => self.no_stay(block),
+                    // Of a log of which stays alone were asked for, and which has none.
+                    return match (settling.stays, self.stays) {
+                        (0, Stays::Alone(duration)) => {
+                            let stillness = StillnessLimits {
+                                duration,
+                                ..StillnessLimits::default()
+                            };
+                            Err(Error::log(&self.file, None, stillness.nothing()))
+                        }
                         _ => Ok(block),
                     };
                 }
@@ -219,7 +222,7 @@ impl PostureReader {
     }
 
     /// Pass over about `rows` rows without a look at them, and take `then` at once from there on;
-    /// false where the format cannot, and nothing is passed over then. What is said of the whole
+    /// false at the end of the log. What is said of the whole
     /// log afterwards does not know of these rows.
     ///
     /// # Errors
@@ -227,9 +230,10 @@ impl PostureReader {
     pub(crate) fn skip(&mut self, rows: u64, then: usize) -> Result<bool, Error> {
         let waiting = self.raw.line.len() - self.given;
         let beyond = rows.saturating_sub(waiting as u64);
-        if self.ended || !self.source.skip(&self.columns, beyond)? {
+        if self.ended {
             return Ok(false);
         }
+        self.source.skip(&self.columns, beyond)?;
         self.given = self.raw.line.len();
         self.chunk = then.max(1);
         Ok(true)
@@ -238,21 +242,6 @@ impl PostureReader {
     /// Rows that were taken from the file so far, those that were passed over not among them.
     pub(crate) fn taken(&self) -> u64 {
         self.rows + (self.raw.line.len() - self.given) as u64
-    }
-
-    /// At the end of a log of which stays alone were asked for, and which has none.
-    fn no_stay(&self, block: Block) -> Result<Block, Error> {
-        match self.stays {
-            Stays::Alone(duration) => {
-                let message = StillnessLimits {
-                    duration,
-                    ..StillnessLimits::default()
-                }
-                .nothing();
-                Err(Error::log(&self.file, None, message))
-            }
-            _ => Ok(block),
-        }
     }
 
     /// What the first row of a log that is read no further stands on; without a column of its
@@ -387,7 +376,7 @@ fn open_source(
     if head.starts_with(b"\x89MCAP") {
         return open_mcap(place, file, dofs, options, sidecar);
     }
-    if let Some(message) = damaged_from_the_start(Path::new(file), &head) {
+    if let Some(message) = damaged_from_the_start(file, &head) {
         return Err(Error::log(file.to_string(), None, message));
     }
     Ok(Box::new(CsvSource::open(file, head, input)?))
@@ -396,27 +385,22 @@ fn open_source(
 /// What is said before a complaint about columns of a file that its name promises to be of
 /// another format than text.
 fn misnamed(log: &LogSource, source: &dyn RowSource) -> &'static str {
-    let file = Path::new(log.name());
-    let end = file
-        .extension()
-        .and_then(|end| end.to_str())
-        .unwrap_or_default();
-    match (
-        &log.place,
-        source.is_text(),
-        end.to_ascii_lowercase().as_str(),
-    ) {
-        (Place::Table(_), ..) | (_, false, _) => "",
-        (_, _, "parquet") => "not a Parquet file but text, which is read as CSV: ",
-        (_, _, "mcap") => "not an MCAP recording but text, which is read as CSV: ",
+    match ending(log.name()).as_deref().filter(|_| source.is_text()) {
+        Some("parquet") => "not a Parquet file but text, which is read as CSV: ",
+        Some("mcap") => "not an MCAP recording but text, which is read as CSV: ",
         _ => "",
     }
 }
 
+/// What the name of a file ends in, in small letters.
+fn ending(file: &str) -> Option<String> {
+    let end = Path::new(file).extension()?.to_str()?;
+    Some(end.to_ascii_lowercase())
+}
+
 /// What is wrong with a file that by its name is no CSV, and by its first bytes no text.
-fn damaged_from_the_start(path: &Path, head: &[u8]) -> Option<String> {
-    let end = path.extension()?.to_str()?.to_ascii_lowercase();
-    let format = match end.as_str() {
+fn damaged_from_the_start(file: &str, head: &[u8]) -> Option<String> {
+    let format = match ending(file)?.as_str() {
         "parquet" => "a Parquet file",
         "mcap" => "an MCAP recording",
         "gz" if !head.starts_with(b"\x1f\x8b") => "packed with gzip",

@@ -33,8 +33,10 @@ pub(super) struct Settling {
     next: usize,
     /// The stay of the last posture that was found, and the `pose` of its rows.
     last: Option<(i64, i64)>,
-    stays: usize,
-    ended: bool,
+    /// Stays so far.
+    pub stays: usize,
+    /// Whether the log has ended.
+    pub ended: bool,
 }
 
 impl Settling {
@@ -90,11 +92,6 @@ impl Settling {
         self.ended = true;
     }
 
-    /// Whether the log has ended.
-    pub fn is_at_end(&self) -> bool {
-        self.ended
-    }
-
     /// Rows whose posture is known.
     pub fn decided(&self) -> usize {
         let open = self.cutter.first().filter(|_| !self.ended);
@@ -111,11 +108,6 @@ impl Settling {
             block.retain(&held);
         }
         block
-    }
-
-    /// Stays so far.
-    pub fn stays(&self) -> usize {
-        self.stays
     }
 
     fn keep(&mut self, posture: Option<Posture<usize>>) {

@@ -41,11 +41,8 @@ pub(super) trait RowSource: Send {
     /// Append up to `count` rows to `raw`; fewer only at the end of the file.
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error>;
 
-    /// Pass over about `rows` rows without a look at them; false where the format cannot, and the
-    /// next rows are the next ones then.
-    fn skip(&mut self, _columns: &Columns, _rows: u64) -> Result<bool, Error> {
-        Ok(false)
-    }
+    /// Pass over about `rows` rows without a look at them.
+    fn skip(&mut self, columns: &Columns, rows: u64) -> Result<(), Error>;
 
     /// Whether rows are of stretches in which the robot held still already.
     fn knows_stays(&self) -> bool {

@@ -203,22 +203,10 @@ mod tests {
 
     #[test]
     fn a_stop_between_two_motions_is_a_posture() {
-        let found = postures(
-            |t| {
-                if t < 1.0 {
-                    t
-                } else if t < 2.0 {
-                    1.0
-                } else {
-                    t - 1.0
-                }
-            },
-            0.0,
-        );
+        // At 1 rad from 1 s to 2 s.
+        let found = postures(|t| t.min(1.0) + (t - 2.0).max(0.0), 0.0);
         assert_eq!(found.len(), 1, "{found:?}");
-        let [posture] = &found[..] else {
-            unreachable!()
-        };
+        let posture = &found[0];
         assert!((posture.q[0] - 1.0).abs() < 1e-3);
         assert!((posture.t - 1.0).abs() < 0.02);
         assert!(posture.readings.len() >= 98 && posture.readings.len() <= 102);
@@ -228,24 +216,13 @@ mod tests {
     #[test]
     fn encoder_ticks_are_still_and_creeping_is_not() {
         let tick = 0.0015;
-        let ticking = postures(
-            |t| {
-                if (t * 50.0).rem_euclid(2.0) < 1.0 {
-                    0.0
-                } else {
-                    tick
-                }
-            },
-            0.0,
-        );
+        let odd = |t: f64| f64::from(u8::from((t * 50.0).rem_euclid(2.0) >= 1.0));
+        let ticking = postures(|t| tick * odd(t), 0.0);
         assert_eq!(ticking.len(), 1);
         assert!((ticking[0].q[0] - tick / 2.0).abs() < 1e-4);
         assert_eq!(postures(|t| 0.1 * t, 0.0), []);
-        assert_eq!(
-            postures(|t| 0.01 * t, 0.0).len(),
-            1,
-            "slower than the threshold"
-        );
+        let slow = postures(|t| 0.01 * t, 0.0);
+        assert_eq!(slow.len(), 1, "slower than the threshold");
         assert_eq!(postures(|_| 0.0, 0.03), [], "the message says it moves");
     }
 

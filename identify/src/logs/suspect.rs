@@ -15,7 +15,7 @@ use crate::{Message, Setting, message};
 /// Statistics of a log, and what was said about it.
 pub(super) struct Suspicions {
     file: String,
-    joints: Vec<Joint>,
+    joints: Vec<Dof>,
     seen: Seen,
     /// From rad back to the unit of the file.
     per_rad: f64,
@@ -27,13 +27,6 @@ pub(super) struct Suspicions {
     backwards: Option<u64>,
     stamps: Stamps,
     said: [bool; 7],
-}
-
-struct Joint {
-    name: String,
-    revolute: bool,
-    /// Whether its limits mean something.
-    limited: bool,
 }
 
 /// What the columns of all joints show: a row is taken note of by a few operations on whole
@@ -111,15 +104,10 @@ impl Seen {
 impl Suspicions {
     pub fn new(file: &str, dofs: &[Dof], angles: Angles) -> Suspicions {
         let degrees = angles == Angles::Deg;
-        let joint = |dof: &Dof| Joint {
-            name: dof.joint.clone(),
-            revolute: !dof.prismatic,
-            limited: !dof.continuous,
-        };
         Suspicions {
             file: file.to_string(),
             seen: Seen::new(dofs),
-            joints: dofs.iter().map(joint).collect(),
+            joints: dofs.to_vec(),
             per_rad: if degrees {
                 180.0 / std::f64::consts::PI
             } else {
@@ -178,7 +166,7 @@ impl Suspicions {
     }
 
     fn revolute(&self) -> impl Iterator<Item = usize> {
-        (0..self.joints.len()).filter(|&k| self.joints[k].revolute)
+        (0..self.joints.len()).filter(|&k| !self.joints[k].prismatic)
     }
 
     /// Largest angle of a revolute joint, rad.
@@ -224,8 +212,8 @@ impl Suspicions {
     fn swapped(&self) -> Option<String> {
         let (joints, seen) = (&self.joints, &self.seen);
         let could_be = |column: usize, joint: usize| {
-            let alike = joints[column].revolute == joints[joint].revolute;
-            alike && joints[joint].limited && seen.fits(column, joint)
+            let alike = joints[column].prismatic == joints[joint].prismatic;
+            alike && !joints[joint].continuous && seen.fits(column, joint)
         };
         let strays = (0..joints.len()).filter(|&stray| seen.strays(stray));
         let pairs = strays.filter_map(|stray| {
@@ -233,13 +221,11 @@ impl Suspicions {
                 |&other: &usize| other != stray && could_be(stray, other) && could_be(other, stray);
             let mut partners = (0..joints.len()).filter(exchanged);
             let first = partners.next()?;
-            let mut said = format!(
-                "column `{}` is beyond its joint's limits",
-                joints[stray].name
-            );
+            let own = &joints[stray].joint;
+            let mut said = format!("column `{own}` is beyond its joint's limits");
             // One candidate is a finding, several are a guess.
             if partners.next().is_none() {
-                let fits = &joints[first].name;
+                let fits = &joints[first].joint;
                 said += &format!(", but fits `{fits}`, and the other way round");
             }
             Some(said)

@@ -255,10 +255,10 @@ impl RowSource for TableSource {
         Ok(())
     }
 
-    fn skip(&mut self, _: &Columns, rows: u64) -> Result<bool, Error> {
+    fn skip(&mut self, _: &Columns, rows: u64) -> Result<(), Error> {
         let rows = usize::try_from(rows).unwrap_or(usize::MAX);
         self.done = self.done.saturating_add(rows).min(self.rows);
-        Ok(true)
+        Ok(())
     }
 
     fn progress(&self) -> (u64, Option<u64>) {

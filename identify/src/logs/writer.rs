@@ -60,7 +60,8 @@ impl PostureWriter {
     ) -> Result<PostureWriter, Error> {
         check_joints(dofs).map_err(Error::request)?;
         let path = Path::new(name);
-        let sink = Sink::stream(path, Box::new(to), &header(dofs, columns))?;
+        let mut sink = Sink::Stream(Box::new(to));
+        sink.begin(path, &header(dofs, columns))?;
         Ok(PostureWriter::into_sink(path, columns, sink))
     }
 
@@ -75,7 +76,14 @@ impl PostureWriter {
 
     /// Append a row.
     pub fn row(&mut self, row: &Row) -> Result<(), Error> {
-        self.sink.row(&self.path, row, self.columns, &mut self.text)
+        #[cfg(feature = "parquet")]
+        if let Sink::Parquet(sink) = &mut self.sink {
+            return sink.row(row, self.columns);
+        }
+        self.text.clear();
+        let failed = |source| files::failed(&self.path, source);
+        line(&mut self.text, row, self.columns).map_err(failed)?;
+        Ok(self.sink.write(&self.text).map_err(failed)?)
     }
 
     /// Complete the log and write its sidecar, whose path is given back; a log on a stream has
@@ -143,37 +151,12 @@ impl Sink {
         Ok(sink)
     }
 
-    /// Start a table as CSV on a stream; `name` stands for it in messages.
-    fn stream(name: &Path, to: Box<dyn Write + Send>, header: &[String]) -> Result<Sink, Error> {
-        let mut sink = Sink::Stream(to);
-        sink.begin(name, header)?;
-        Ok(sink)
-    }
-
     /// Write the names of the columns.
     fn begin(&mut self, path: &Path, header: &[String]) -> Result<(), Error> {
         let names: Vec<String> = header.iter().map(|name| quoted(name)).collect();
         let text = names.join(",") + "\n";
         let written = self.write(text.as_bytes());
         Ok(written.map_err(|source| files::failed(path, source))?)
-    }
-
-    /// Append a row; `text` is room for it.
-    fn row(
-        &mut self,
-        path: &Path,
-        row: &Row,
-        columns: Written,
-        text: &mut Vec<u8>,
-    ) -> Result<(), Error> {
-        #[cfg(feature = "parquet")]
-        if let Sink::Parquet(sink) = self {
-            return sink.row(row, columns);
-        }
-        text.clear();
-        let failed = |source| files::failed(path, source);
-        line(text, row, columns).map_err(failed)?;
-        Ok(self.write(text).map_err(failed)?)
     }
 
     /// Write what is left; a file is yet to be moved to its place.
@@ -342,12 +325,7 @@ mod tests {
             "pose,com_x,com_y,com_z,cop_x,cop_y\n7,0.1,-0.2,0.3,0.00000000000000001,0.5\n";
         assert_eq!(text, expected);
         let wrong = PredictionWriter::create(&folder.path().join("a.txt"));
-        assert!(
-            wrong
-                .err()
-                .unwrap()
-                .to_string()
-                .contains(".csv, .csv.gz or .parquet")
-        );
+        let said = wrong.err().unwrap().to_string();
+        assert!(said.contains(".csv, .csv.gz or .parquet"), "{said}");
     }
 }

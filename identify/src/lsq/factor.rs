@@ -19,7 +19,10 @@ use sesc_runtime::{F64x8, Simd};
 use crate::observations::row_matrix::RowMatrix;
 
 /// What is left of `rows` rows: everything that least squares needs of them.
-#[derive(Debug, Clone, PartialEq)]
+///
+/// Files have its numbers apart: serialised, it is as many zeros.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Packed", into = "Packed")]
 pub struct Factor {
     /// Upper triangle of order p + 1; the last column belongs to the readings.
     triangle: DMatrix<f64>,
@@ -237,51 +240,30 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// A factor without its numbers, or with those of its upper triangle, row by row.
+/// A factor without its numbers.
 #[derive(Serialize, Deserialize)]
 struct Packed {
     /// Parameters.
     params: usize,
     /// Rows that were rotated in.
     rows: u64,
-    /// The upper triangle, row by row, in files of formats that had it here.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    triangle: Option<Vec<f64>>,
 }
 
-impl Serialize for Factor {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+impl From<Factor> for Packed {
+    fn from(factor: Factor) -> Packed {
         Packed {
-            params: self.params(),
-            rows: self.rows,
-            triangle: None,
+            params: factor.params(),
+            rows: factor.rows,
         }
-        .serialize(serializer)
     }
 }
 
-impl<'de> Deserialize<'de> for Factor {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Factor, D::Error> {
-        let packed = Packed::deserialize(deserializer)?;
-        if let Some(triangle) = &packed.triangle
-            && Factor::numbers_of(packed.params) != Some(triangle.len())
-        {
-            return Err(serde::de::Error::custom(format!(
-                "a triangle of {} numbers for {} parameters",
-                triangle.len(),
-                packed.params
-            )));
+impl From<Packed> for Factor {
+    fn from(packed: Packed) -> Factor {
+        Factor {
+            rows: packed.rows,
+            ..Factor::new(packed.params)
         }
-        let triangle = packed.triangle.unwrap_or_default();
-        if triangle.iter().any(|x| !x.is_finite()) {
-            return Err(serde::de::Error::custom(
-                "a triangle with entries not finite",
-            ));
-        }
-        let mut factor = Factor::new(packed.params);
-        factor.rows = packed.rows;
-        factor.fill(triangle);
-        Ok(factor)
     }
 }
 
@@ -363,11 +345,7 @@ mod tests {
         let mut back: Factor = serde_json::from_str(&text).unwrap();
         back.fill(merged.numbers());
         assert_eq!(back, merged_triangle(&merged));
-        let all: Vec<f64> = merged.numbers().collect();
-        assert_eq!(Some(all.len()), Factor::numbers_of(4));
-        let older = format!("{{\"params\":4,\"rows\":60,\"triangle\":{all:?}}}");
-        let back: Factor = serde_json::from_str(&older).unwrap();
-        assert_eq!(back, merged_triangle(&merged));
+        assert_eq!(Some(merged.numbers().count()), Factor::numbers_of(4));
     }
 
     /// In two rows of sixty columns all but two columns are rounding, of rounding, of rounding.

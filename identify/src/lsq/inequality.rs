@@ -62,13 +62,11 @@ impl Linear {
     }
 
     fn stacked(&self, more: &Linear, chosen: &[usize]) -> Linear {
-        let (n, columns) = (self.right.len(), self.matrix.ncols());
+        let n = self.right.len();
         let mut all = Linear {
-            matrix: DMatrix::zeros(n + chosen.len(), columns),
-            right: DVector::zeros(n + chosen.len()),
+            matrix: self.matrix.clone().insert_rows(n, chosen.len(), 0.0),
+            right: self.right.clone().insert_rows(n, chosen.len(), 0.0),
         };
-        all.matrix.rows_mut(0, n).copy_from(&self.matrix);
-        all.right.rows_mut(0, n).copy_from(&self.right);
         for (to, &from) in chosen.iter().enumerate() {
             all.matrix.set_row(n + to, &more.matrix.row(from));
             all.right[n + to] = more.right[from];
@@ -138,9 +136,7 @@ impl ConstrainedProblem {
             _ => Ok(Answer { v: near, active }),
         }
     }
-}
 
-impl ConstrainedProblem {
     /// The active inequality that holds `v` on the wrong side most, if any: a
     /// multiplier below zero in ∇ + Eᵀ λ + Gᵀ μ = 0.
     fn pulling(&self, v: &DVector<f64>, face: &Linear, equations: usize) -> Option<usize> {

@@ -218,11 +218,6 @@ impl MotionUse {
         )
     }
 
-    /// Whether it changes what is found.
-    pub fn matters(&self) -> bool {
-        self.used
-    }
-
     /// Add what was found of another log.
     pub fn merge(&mut self, other: &MotionUse) {
         let weight =

@@ -260,10 +260,7 @@ impl Postures {
                 q: q.to_vec(),
                 sum: [y[0], y[1]],
                 variance: [1.0; 2],
-                t: 0.0,
-                tilt: [0.0; 2],
-                other: [0.0; 3],
-                moving: Motions::default(),
+                ..Posture::default()
             };
             gathering.push(row, DOWN, [1.0; 2]);
         }

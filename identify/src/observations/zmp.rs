@@ -48,7 +48,7 @@ pub struct Zmp {
 }
 
 /// What motion does to some rows.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Moved {
     /// `∂p/∂r`, 2 per posture.
     pub rows: RowMatrix,
@@ -86,22 +86,13 @@ impl Moved {
             }
         }
     }
-}
 
-impl Moved {
+    /// No posture yet, of which there will be `n`.
     fn with_room(n: usize, params: usize) -> Moved {
-        Moved {
-            rows: RowMatrix {
-                entries: Vec::with_capacity(2 * n * params),
-                columns: params,
-            },
-            shift: Vec::with_capacity(n),
-            lift: Vec::with_capacity(n),
-            correction: Vec::with_capacity(n),
-            std: Vec::with_capacity(n),
-            slopes: Vec::new(),
-            in_time: Vec::new(),
-        }
+        let mut moved = Moved::default();
+        moved.rows.columns = params;
+        moved.rows.entries.reserve(2 * n * params);
+        moved
     }
 
     /// Rows of x and y of a posture, by its `smooth` motion, and what is taken from its readings,
@@ -195,11 +186,7 @@ impl Zmp {
     }
 
     /// Evaluate postures with their velocities and accelerations.
-    fn run(&self, q: &[f64], rates: &[f64], gains: &[f64]) -> Vec<f64> {
-        self.run_on(&self.tape, [q, rates, gains])
-    }
-
-    fn run_on(&self, tape: &Tape, motion: [&[f64]; 3]) -> Vec<f64> {
+    fn run(&self, tape: &Tape, motion: [&[f64]; 3]) -> Vec<f64> {
         let n = motion[0].len() / self.dof.max(1);
         let mut out = vec![0.0; n * tape.outputs()];
         let arguments = motion.map(Values::PerPosture);
@@ -229,7 +216,7 @@ impl Zmp {
         (rates, gains): (&[f64], &[f64]),
         tilts: &[[f64; 2]],
     ) -> Vec<[f64; 2]> {
-        let out = self.run(q, rates, gains);
+        let out = self.run(&self.tape, [q, rates, gains]);
         let all = out.chunks_exact(self.tape.outputs()).zip(tilts);
         all.map(|(out, tilt)| self.parts(out, params).shift(*tilt))
             .collect()
@@ -277,14 +264,14 @@ impl Zmp {
         let (n, p) = (tilts.len(), self.params.len());
         let own = rows.start * self.dof..rows.end * self.dof;
         let (rates, gains) = (&motion.rates[own.clone()], &motion.gains[own.clone()]);
-        let read = self.run_on(&self.by_cad, [q, rates, gains]);
+        let read = self.run(&self.by_cad, [q, rates, gains]);
         // Where nothing smooth is known, rows have the noise of the readings' motion.
         let of_rows = match &motion.smooth {
             Some(smooth) => {
-                let [q, rates, gains] = [&smooth.q, &smooth.rates, &smooth.gains];
-                self.run(&q[own.clone()], &rates[own.clone()], &gains[own.clone()])
+                let smooth = [&smooth.q, &smooth.rates, &smooth.gains];
+                self.run(&self.tape, smooth.map(|all| &all[own.clone()]))
             }
-            None => self.run(q, rates, gains),
+            None => self.run(&self.tape, [q, rates, gains]),
         };
         let mut moved = Moved::with_room(n, p);
         let (read, _) = read.as_chunks::<8>();
@@ -402,7 +389,7 @@ impl Zmp {
             }
         }
         let still = vec![0.0; gains.len()];
-        let out = self.run_on(&self.by_cad, [&postures, &still, &gains]);
+        let out = self.run(&self.by_cad, [&postures, &still, &gains]);
         let (parts, _) = out.as_chunks::<8>();
         let mut levers = vec![Lever::default(); dof];
         for own in parts.chunks_exact(each) {

@@ -91,9 +91,7 @@ impl Pair {
             links: [own.link.clone(), other.link.clone()],
         }))
     }
-}
 
-impl Pair {
     /// The same where `options` ask for it and say how the two stand to each other.
     pub fn asked<R: Read>(
         records: Records<R>,

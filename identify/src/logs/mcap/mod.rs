@@ -224,7 +224,14 @@ impl McapSource {
                 }
                 match &self.topic {
                     Some(topic) if *topic == channel.topic => {}
-                    Some(topic) if !self.chosen => return Err(several(topic, &channel.topic)),
+                    Some(topic) if !self.chosen => {
+                        return Err(format!(
+                            "the CoP is on `{}` and on `{}`; choose one by `topic = \"…\"` in the \
+                             sidecar",
+                            short(topic),
+                            short(&channel.topic)
+                        ));
+                    }
                     _ => return Ok(()),
                 }
                 check_encoding(&channel).map_err(at)?;
@@ -427,13 +434,13 @@ impl RowSource for McapSource {
     }
 
     // Every message is read, since the next row needs the joints of those before it.
-    fn skip(&mut self, _: &Columns, rows: u64) -> Result<bool, Error> {
+    fn skip(&mut self, _: &Columns, rows: u64) -> Result<(), Error> {
         for _ in 0..rows {
             if self.next_row()?.is_none() {
                 break;
             }
         }
-        Ok(true)
+        Ok(())
     }
 
     fn knows_stays(&self) -> bool {
@@ -466,14 +473,6 @@ fn check_encoding(channel: &Channel) -> Result<(), String> {
             short(other)
         )),
     }
-}
-
-fn several(one: &str, other: &str) -> String {
-    format!(
-        "the CoP is on `{}` and on `{}`; choose one by `topic = \"…\"` in the sidecar",
-        short(one),
-        short(other)
-    )
 }
 
 /// CoP of a wrench in the support frame; nothing if nothing stands on it.

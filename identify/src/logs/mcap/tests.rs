@@ -1,9 +1,11 @@
-//! Recordings put together byte by byte, as the standard says.
+//! Recordings whose records are put together byte by byte, as the standard says; the bytes of
+//! messages are held against it where they are read and written.
 
 mod moving;
 mod written;
 
 use super::super::tests::{dofs, log, read_file};
+use super::write::{Cdr, joint_state};
 use super::*;
 
 /// A record: opcode, length, content.
@@ -83,54 +85,21 @@ fn chunk(records: &[u8], compression: &str) -> Vec<u8> {
     record(0x06, &content.concat())
 }
 
-/// Little-endian CDR, aligned from after its first four bytes.
-#[derive(Default)]
-struct Body(Vec<u8>);
-
-impl Body {
-    fn word(mut self, x: u32) -> Body {
-        self.0.resize(self.0.len().next_multiple_of(4), 0);
-        self.0.extend(x.to_le_bytes());
-        self
-    }
-
-    fn text(self, text: &str) -> Body {
-        let mut body = self.word(text.len() as u32 + 1);
-        body.0.extend(text.bytes().chain([0]));
-        body
-    }
-
-    fn double(mut self, x: f64) -> Body {
-        self.0.resize(self.0.len().next_multiple_of(8), 0);
-        self.0.extend(x.to_le_bytes());
-        self
-    }
-
-    fn doubles(self, all: &[f64]) -> Body {
-        let body = self.word(all.len() as u32);
-        all.iter().fold(body, |body, x| body.double(*x))
-    }
-
-    fn header(t: f64, frame: &str) -> Body {
-        let nanoseconds = (t.fract() * 1e9).round() as u32;
-        Body::default().word(t as u32).word(nanoseconds).text(frame)
-    }
-
-    fn done(self) -> Vec<u8> {
-        [&[0, 1, 0, 0][..], &self.0].concat()
-    }
+/// Nanoseconds of a time, s.
+fn stamp(t: f64) -> u64 {
+    (t * 1e9).round() as u64
 }
 
 fn state(t: f64, names: &[&str], q: &[f64]) -> Vec<u8> {
-    let body = Body::header(t, "").word(names.len() as u32);
-    let body = names.iter().fold(body, |body, name| body.text(name));
-    body.doubles(q).doubles(&[]).doubles(&[]).done()
+    let names: Vec<String> = names.iter().map(|name| name.to_string()).collect();
+    joint_state(stamp(t), &names, q)
 }
 
 fn wrench(t: f64, force: [f64; 3], torque: [f64; 3]) -> Vec<u8> {
-    let body = Body::header(t, "sole");
+    let mut cdr = Cdr::stamped(stamp(t), "sole");
     let all = force.into_iter().chain(torque);
-    all.fold(body, Body::double).done()
+    all.for_each(|x| cdr.f64(x));
+    cdr.bytes()
 }
 
 /// Two postures of half a second, a motion between them, a foot in the air.
@@ -312,10 +281,6 @@ fn faults_say_what_to_do() {
     let mut damaged = recording("");
     let at = damaged.len() / 2;
     damaged[at] ^= 1;
-    assert!(
-        read(&damaged, "")
-            .unwrap_err()
-            .to_string()
-            .contains("damaged")
-    );
+    let said = read(&damaged, "").unwrap_err().to_string();
+    assert!(said.contains("damaged"), "{said}");
 }

@@ -145,11 +145,11 @@ pub(super) fn written<W: Write>(
 }
 
 /// A message being put together, without the name of the encoding.
-struct Cdr(Vec<u8>);
+pub(super) struct Cdr(Vec<u8>);
 
 impl Cdr {
     /// A message that begins with a header: `stamp` is in ns.
-    fn stamped(stamp: u64, frame: &str) -> Cdr {
+    pub fn stamped(stamp: u64, frame: &str) -> Cdr {
         let mut cdr = Cdr(Vec::new());
         // A stamp is below 2^31 s.
         cdr.u32((stamp / 1_000_000_000) as u32);
@@ -167,7 +167,7 @@ impl Cdr {
         self.0.extend(x.to_le_bytes());
     }
 
-    fn f64(&mut self, x: f64) {
+    pub fn f64(&mut self, x: f64) {
         self.align(8);
         self.0.extend(x.to_le_bytes());
     }
@@ -178,13 +178,13 @@ impl Cdr {
         self.0.extend(text.bytes().chain([0]));
     }
 
-    fn bytes(self) -> Vec<u8> {
+    pub fn bytes(self) -> Vec<u8> {
         [&[0, 1, 0, 0][..], &self.0].concat()
     }
 }
 
 /// A `sensor_msgs/msg/JointState` of positions `q`, rad or m, alone; `stamp` is in ns.
-fn joint_state(stamp: u64, names: &[String], q: &[f64]) -> Vec<u8> {
+pub(super) fn joint_state(stamp: u64, names: &[String], q: &[f64]) -> Vec<u8> {
     let mut cdr = Cdr::stamped(stamp, "");
     cdr.u32(names.len() as u32);
     names.iter().for_each(|name| cdr.text(name));
@@ -197,7 +197,7 @@ fn joint_state(stamp: u64, names: &[String], q: &[f64]) -> Vec<u8> {
 }
 
 /// A point or a vector (m) of the plane z = 0 in a frame; `stamp` is in ns.
-fn in_plane(stamp: u64, frame: &str, xy: [f64; 2]) -> Vec<u8> {
+pub(super) fn in_plane(stamp: u64, frame: &str, xy: [f64; 2]) -> Vec<u8> {
     let mut cdr = Cdr::stamped(stamp, frame);
     let [x, y] = xy;
     [x, y, 0.0].into_iter().for_each(|x| cdr.f64(x));
@@ -206,7 +206,7 @@ fn in_plane(stamp: u64, frame: &str, xy: [f64; 2]) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cdr::{self, JointState};
+    use super::super::cdr;
     use super::*;
 
     /// Bytes written out by hand from the standard: `f` takes two, and the doubles begin two
@@ -224,16 +224,5 @@ mod tests {
         let (header, at) = cdr::point(&bytes).unwrap();
         assert_eq!((header.stamp, &*header.frame), (Some(7.5), "f"));
         assert_eq!(at, [0.25, -2.0, 0.0]);
-    }
-
-    #[test]
-    fn joint_states_are_read_as_they_were_written() {
-        let names = ["hip", "knee_left"].map(str::to_string);
-        for q in [[0.1, -0.2], [f64::MIN_POSITIVE, 1e300]] {
-            let state = JointState::decode(&joint_state(1, &names, &q)).unwrap();
-            assert_eq!(state.header.stamp, Some(1e-9));
-            assert_eq!(state.name, names);
-            assert_eq!((state.position, state.velocity), (q.to_vec(), vec![]));
-        }
     }
 }

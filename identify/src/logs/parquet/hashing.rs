@@ -4,8 +4,7 @@
 use std::hash::Hasher as _;
 use std::io::{self, Read as _};
 use std::panic;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Weak};
 use std::thread::{Builder, JoinHandle};
 
 use twox_hash::XxHash64;
@@ -18,14 +17,15 @@ const PIECE: usize = 1 << 18;
 /// A hash under way; it is given up with this.
 pub(super) struct Hashing {
     thread: JoinHandle<io::Result<u64>>,
-    wanted: Wanted,
+    /// The thread goes on as long as this is there.
+    wanted: Arc<()>,
 }
 
 impl Hashing {
     /// Begin; none where no thread starts.
     pub fn begin(place: &Place) -> Option<Hashing> {
-        let wanted = Wanted(Arc::new(AtomicBool::new(true)));
-        let (place, still) = (place.clone(), Arc::clone(&wanted.0));
+        let wanted = Arc::new(());
+        let (place, still) = (place.clone(), Arc::downgrade(&wanted));
         let work = move || while_wanted(&place, &still);
         let thread = Builder::new().name("hash".into()).spawn(work).ok()?;
         Some(Hashing { thread, wanted })
@@ -43,28 +43,20 @@ impl Hashing {
     }
 }
 
-/// Whether somebody waits for the hash.
-struct Wanted(Arc<AtomicBool>);
-
-impl Drop for Wanted {
-    fn drop(&mut self) {
-        self.0.store(false, Ordering::Relaxed);
-    }
-}
-
 /// The hash, here and now.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub(super) fn of(place: &Place) -> io::Result<u64> {
-    while_wanted(place, &AtomicBool::new(true))
+    let wanted = Arc::new(());
+    while_wanted(place, &Arc::downgrade(&wanted))
 }
 
-fn while_wanted(place: &Place, wanted: &AtomicBool) -> io::Result<u64> {
+fn while_wanted(place: &Place, wanted: &Weak<()>) -> io::Result<u64> {
     let mut file = Bytes::open(place)?;
     let mut buffer = vec![0; PIECE];
     let mut hash = XxHash64::with_seed(0);
-    while wanted.load(Ordering::Relaxed) {
+    while wanted.strong_count() > 0 {
         match file.read(&mut buffer)? {
             0 => break,
             n => hash.write(&buffer[..n]),

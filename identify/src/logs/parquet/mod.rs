@@ -161,15 +161,13 @@ impl ParquetSource {
         for (k, reader) in open.iter_mut().enumerate() {
             if k < width {
                 let place = raw.numbers[start..].iter_mut().skip(k).step_by(width);
-                let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
-                self.complete(values.len(), n)?;
+                let values = self.numbers(reader, n)?;
                 let factor = unit(&self.column(columns.numbers[k])).unwrap_or(1.0);
                 place
                     .zip(values)
                     .for_each(|(to, value)| *to = value * factor);
             } else if k == width && columns.pose.is_some() {
-                let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
-                self.complete(values.len(), n)?;
+                let values = self.numbers(reader, n)?;
                 for (at, value) in values.iter().enumerate() {
                     raw.pose.push(whole(*value).map_err(|message| {
                         Error::log(self.file.clone(), Some(self.done + 1 + at as u64), message)
@@ -231,6 +229,13 @@ impl ParquetSource {
         Ok(())
     }
 
+    /// `n` values of a column of numbers.
+    fn numbers(&self, reader: &mut ColumnReader, n: usize) -> Result<Vec<f64>, Error> {
+        let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
+        self.complete(values.len(), n)?;
+        Ok(values)
+    }
+
     fn broken(&self, error: &ParquetError) -> Error {
         damaged(&self.file, Some(self.done + 1), error)
     }
@@ -280,7 +285,7 @@ impl RowSource for ParquetSource {
         Ok(())
     }
 
-    fn skip(&mut self, columns: &Columns, rows: u64) -> Result<bool, Error> {
+    fn skip(&mut self, columns: &Columns, rows: u64) -> Result<(), Error> {
         self.passed = true;
         let mut rows = rows;
         while rows >= self.left {
@@ -288,11 +293,10 @@ impl RowSource for ParquetSource {
             self.done += self.left;
             self.left = 0;
             if !self.next_group(columns)? {
-                return Ok(true);
+                return Ok(());
             }
         }
-        self.pass(rows)?;
-        Ok(true)
+        self.pass(rows)
     }
 
     fn progress(&self) -> (u64, Option<u64>) {

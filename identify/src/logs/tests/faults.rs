@@ -87,24 +87,61 @@ fn the_first_fault_of_many_rows_is_told() {
     }
 }
 
+/// What is said of a file with one joint.
+fn said(name: &str, bytes: &[u8]) -> String {
+    let (_folder, path) = log(name, bytes, "");
+    let read = read_file(&path, &dofs(&["hip"]), &Options::default());
+    read.unwrap_err().to_string()
+}
+
+/// Bytes of no table, files that are cut off anywhere, and text under the name of another format,
+/// which is read as CSV and is odd where its columns are wrong.
 #[test]
-fn what_is_no_table_is_told_by_its_bytes() {
-    for (bytes, word) in [
-        (&b"\xff\xfeh\0i\0p\0"[..], "UTF-16"),
-        (b"PK\x03\x04...", "export it as CSV"),
-        (b"\x7fELF\x02\x01\x01\0\0\0", "not text"),
-        (b"hip,\xe9\n0,0\n", "UTF-8"),
-        (b"\x1f\x8b\x08", "cut off"),
-        (b"\x1f\x8b\xff\xff\xff\xff\xff\xff\xff\xff\xff", "gzip"),
-    ] {
-        let (_folder, path) = log("log.csv", bytes, "");
-        let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
-        assert!(error.to_string().contains(word), "{error}");
-    }
+fn what_is_no_log_is_told_by_its_bytes() {
+    let mut cases: Vec<(&str, &[u8], &[&str])> = vec![
+        ("log.csv", b"\xff\xfeh\0i\0p\0", &["UTF-16"]),
+        ("log.csv", b"PK\x03\x04...", &["export it as CSV"]),
+        ("log.csv", b"\x7fELF\x02\x01\x01\0\0\0", &["not text"]),
+        ("log.csv", b"hip,\xe9\n0,0\n", &["UTF-8"]),
+        ("log.csv", b"\x1f\x8b\x08", &["cut off"]),
+        (
+            "log.csv",
+            b"\x1f\x8b\xff\xff\xff\xff\xff\xff\xff\xff\xff",
+            &["gzip"],
+        ),
+        (
+            "log.parquet",
+            b"this is\nno log\n",
+            &["not a Parquet file but text"],
+        ),
+        (
+            "log.MCAP",
+            b"this is\nno log\n",
+            &["not an MCAP recording but text"],
+        ),
+    ];
     let packed = gzip(b"hip\n0.5\n");
-    let (_folder, path) = log("log.csv.gz", &packed[..packed.len() - 6], "");
-    let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
-    assert!(error.to_string().contains("cut off"), "{error}");
+    cases.push(("log.csv.gz", &packed[..packed.len() - 6], &["cut off"]));
+    if cfg!(feature = "parquet") {
+        let words = &["log.parquet", "cut off", "copy it again"];
+        cases.push(("log.parquet", b"PAR1\x15\x04\x15", words));
+    }
+    if cfg!(feature = "mcap") {
+        for bytes in [
+            &b"\x89MCAP0\r\n"[..],
+            b"\x89MCAP0\r\n\x01\x40\0\0\0\0\0\0\0abc",
+            b"\x89MCAP",
+        ] {
+            cases.push(("log.mcap", bytes, &["log.mcap", "cut off", "mcap recover"]));
+        }
+    }
+    for (name, bytes, words) in cases {
+        let message = said(name, bytes);
+        for word in words {
+            assert!(message.contains(word), "{word}: {message}");
+        }
+    }
+    assert!(!said("log.csv", b"this is\nno log\n").contains("but text"));
 }
 
 /// Bytes of no format under the names of some, and text under a name that is not its own.
@@ -116,53 +153,20 @@ fn damaged_files_are_told_by_their_names() {
         ("log.mcap", "an MCAP recording"),
         ("log.csv.gz", "packed with gzip"),
     ] {
-        let said = |bytes: &[u8]| {
-            let (_folder, path) = log(name, bytes, "");
-            let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
-            error.to_string()
-        };
         for bytes in [&noise, &noise[..3], b"\x7fELF\x02\x01\0\0\0\0"] {
-            let message = said(bytes);
+            let message = said(name, bytes);
             for word in [name, format, "copy it again, or rename it"] {
                 assert!(message.contains(word), "{word}: {message}");
             }
         }
-        assert!(said(b"").contains("empty; copy it again"));
+        assert!(said(name, b"").contains("empty; copy it again"));
         let (_folder, path) = log(name, b"hip\n0.5\n", "");
         assert!(read_file(&path, &dofs(&["hip"]), &Options::default()).is_ok());
     }
 }
 
-/// Cut anywhere, a file of each format names itself and what helps.
-#[test]
-fn files_that_are_cut_off_say_so() {
-    for (bytes, name, remedy) in [
-        (&b"PAR1\x15\x04\x15"[..], "log.parquet", "copy it again"),
-        (b"\x89MCAP0\r\n", "log.mcap", "mcap recover"),
-        (
-            b"\x89MCAP0\r\n\x01\x40\0\0\0\0\0\0\0abc",
-            "log.mcap",
-            "mcap recover",
-        ),
-        (b"\x89MCAP", "log.mcap", "mcap recover"),
-    ] {
-        if !cfg!(feature = "parquet") && name.ends_with("parquet")
-            || !cfg!(feature = "mcap") && name.ends_with("mcap")
-        {
-            continue;
-        }
-        let (_folder, path) = log(name, bytes, "");
-        let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
-        let message = error.to_string();
-        for word in [name, "cut off", remedy] {
-            assert!(message.contains(word), "{word}: {message}");
-        }
-    }
-}
-
 #[test]
 fn absurd_sizes_end_in_words() {
-    let joints = dofs(&["hip"]);
     let wide = "x,".repeat(100_000) + "hip\n";
     let long = format!("hip\n{}\n", "1".repeat(9 << 20));
     let quote = format!("hip\n\"{}\n", "1\n".repeat(5 << 20));
@@ -173,27 +177,8 @@ fn absurd_sizes_end_in_words() {
         (quote, "a row of more than"),
         (many, "30001 columns"),
     ] {
-        let (_folder, path) = log("log.csv", text.as_bytes(), "");
-        let error = read_file(&path, &joints, &Options::default()).unwrap_err();
-        let message = error.to_string();
+        let message = said("log.csv", text.as_bytes());
         assert!(word.split('|').any(|w| message.contains(w)), "{message}");
         assert!(message.len() < 500, "{}", message.len());
     }
-}
-
-/// Text is read as CSV under any name; where its columns are wrong, the name is what is odd.
-#[test]
-fn text_under_the_name_of_another_format_is_said_to_be_text() {
-    for (name, promised) in [
-        ("log.parquet", "not a Parquet file but text"),
-        ("log.MCAP", "not an MCAP recording but text"),
-    ] {
-        let (_folder, path) = log(name, b"this is\nno log\n", "");
-        let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
-        let message = error.to_string();
-        assert!(message.contains(promised), "{message}");
-    }
-    let (_folder, path) = log("log.csv", b"this is\nno log\n", "");
-    let error = read_file(&path, &dofs(&["hip"]), &Options::default()).unwrap_err();
-    assert!(!error.to_string().contains("but text"), "{error}");
 }

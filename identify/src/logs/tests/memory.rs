@@ -126,6 +126,8 @@ fn a_table_is_known_by_its_columns() {
 
 #[test]
 fn faulty_tables_are_refused_by_column() {
+    let hip = || Table::new("run").numbers("hip", vec![0.0]);
+    let both = || hip().numbers("knee", vec![0.0]);
     let cases = [
         (
             Table::new("run")
@@ -134,9 +136,7 @@ fn faulty_tables_are_refused_by_column() {
             "run: column `knee` has 3 rows, `hip` has 2",
         ),
         (
-            Table::new("run")
-                .numbers("hip", vec![0.0])
-                .texts("knee", vec![Arc::from("x")]),
+            hip().texts("knee", vec![Arc::from("x")]),
             "run: column `knee` holds no numbers",
         ),
         (
@@ -147,28 +147,17 @@ fn faulty_tables_are_refused_by_column() {
             "run: column `knee` holds dates; cast them to numbers",
         ),
         (
-            Table::new("run")
-                .numbers("hip", vec![0.0])
-                .numbers("knee", vec![0.0])
-                .numbers("support", vec![0.0]),
+            both().numbers("support", vec![0.0]),
             "run: column `support` holds no text",
         ),
         (
-            Table::new("run")
-                .numbers("hip", vec![0.0])
-                .numbers("knee", vec![f64::NAN]),
+            hip().numbers("knee", vec![f64::NAN]),
             "run:1: column `knee`: NaN is not finite",
         ),
-        (
-            Table::new("run").numbers("hip", vec![0.0]),
-            "run:1: no column for joint `knee`",
-        ),
+        (hip(), "run:1: no column for joint `knee`"),
         (Table::new("run"), "run:1: no column for joint"),
         (
-            Table::new("run")
-                .numbers("hip", vec![0.0])
-                .numbers("knee", vec![0.0])
-                .numbers("pose", vec![0.5]),
+            both().numbers("pose", vec![0.5]),
             "run:1: column `pose`: 0.5 is no whole number",
         ),
     ];

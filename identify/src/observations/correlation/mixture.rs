@@ -60,28 +60,25 @@ impl Filter {
 }
 
 /// Rows of one axis, one a column, the reading last.
-struct AxisRows<'a> {
-    z: DMatrix<f64>,
-    t: &'a [f64],
-    joined: &'a [bool],
+pub(super) struct AxisRows<'a> {
+    pub z: DMatrix<f64>,
+    pub t: &'a [f64],
+    /// Whether each row follows the one before within a stretch.
+    pub joined: &'a [bool],
 }
 
 impl AxisRows<'_> {
-    /// Correlation of the lasting parts of row k and the one before.
-    fn rho(&self, k: usize, tau: f64) -> f64 {
-        match self.joined[k] && tau > 0.0 {
-            true => (-(self.t[k] - self.t[k - 1]) / tau).exp(),
-            false => 0.0,
-        }
-    }
-
     /// Innovations, and the sum of the logarithms of their variances.
-    fn whitened(&self, tau: f64, share: f64) -> (DMatrix<f64>, f64) {
+    pub fn whitened(&self, tau: f64, share: f64) -> (DMatrix<f64>, f64) {
         let mut z = self.z.clone();
         let mut filter = Filter::new(z.nrows(), share);
         let mut log_det = 0.0;
         for (k, mut row) in z.column_iter_mut().enumerate() {
-            let rho = self.rho(k, tau);
+            // Correlation of the lasting parts of this row and the one before.
+            let rho = match self.joined[k] && tau > 0.0 {
+                true => (-(self.t[k] - self.t[k - 1]) / tau).exp(),
+                false => 0.0,
+            };
             log_det += filter.whiten(rho, share, row.as_mut_slice()).ln();
         }
         (z, log_det)

@@ -237,19 +237,13 @@ impl Scale {
             }
         }
         let left = &of_y - &of_x * &found.params;
-        let mut filter = mixture::Filter::new(1, 1.0);
-        let innovations: Vec<f64> = (0..n)
-            .map(|k| {
-                let rho = match found.tau > 0.0 && joined[k] {
-                    true => (-(middle[k] - middle[k - 1]) / found.tau).exp(),
-                    false => 0.0,
-                };
-                let mut row = [left[k]];
-                filter.whiten(rho, 1.0, &mut row);
-                row[0]
-            })
-            .collect();
-        let mut consistent = is_white(&innovations, columns.taken);
+        let alone = mixture::AxisRows {
+            z: DMatrix::from_row_slice(1, n, left.as_slice()),
+            t: &middle,
+            joined: &joined,
+        };
+        let (innovations, _) = alone.whitened(found.tau, 1.0);
+        let mut consistent = is_white(innovations.as_slice(), columns.taken);
         let mut share = 1.0;
         if found.gain > SIGNIFICANT && n <= FILTERED {
             let known = (held, deviation);
@@ -274,7 +268,9 @@ impl Scale {
         };
         let row = found.variance + within;
         let left = found.variance / row;
-        let step = middle_step(&middle, &joined);
+        // The ordinary distance of neighbouring windows, s.
+        let steps = restricted::steps(&middle, &joined);
+        let step = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
         let correlated = match cut.rows {
             1 => found.gain > SIGNIFICANT,
             _ => found.gain > OF_WINDOWS,
@@ -381,16 +377,6 @@ fn within(left: &DVector<f64>, windows: &[Range<usize>]) -> f64 {
         rows += own.len();
     }
     sum / rows as f64
-}
-
-/// The ordinary distance of neighbouring windows, s.
-fn middle_step(middle: &[f64], joined: &[bool]) -> f64 {
-    let mut steps: Vec<f64> = (1..middle.len())
-        .filter(|&k| joined[k])
-        .map(|k| middle[k] - middle[k - 1])
-        .collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ use super::criteria::accelerations::{
 use std::ops::Range;
 
 use super::correlation;
-use crate::logs::Block;
+use crate::logs::{Block, keep_some};
 use crate::threads::by_parts;
 use local::{Local, PositionNoise};
 use polynomials::{HIGH, Polynomials};
@@ -79,11 +79,8 @@ struct Survey {
     /// Time from one window to the next that is looked at, s.
     stride: f64,
     /// Sums of q̈_4², of (q̈_4 − q̈_3)², of s² w_4² and of s² w_3².
-    gains: f64,
-    apart: f64,
-    of_high: f64,
-    of_low: f64,
-    /// The first two and the last two of each joint.
+    sums: [f64; 4],
+    /// The same of each joint.
     joints: Vec<[f64; 4]>,
 }
 
@@ -145,7 +142,7 @@ impl Plan {
         let mut seconds = f64::NAN;
         for half in windows::halves(step_s) {
             let survey = Survey::of(t, q, dof, step_s, half);
-            if step_s > LONGEST_S * 1.02 && OF_HIGH * survey.bent().1 > BENT {
+            if step_s > LONGEST_S * 1.02 && OF_HIGH * bent(survey.sums).1 > BENT {
                 break;
             }
             if best.is_some() && survey.seconds() < COVERED * seconds {
@@ -154,7 +151,7 @@ impl Plan {
             if best.is_none() {
                 seconds = survey.seconds();
             }
-            for (terms, error) in [(HIGH, survey.error_of_high()), (LOW, survey.error_of_low())] {
+            for (terms, error) in survey.errors() {
                 if best.as_ref().is_none_or(|(least, _)| error < *least) {
                     let plan = Plan {
                         step_s,
@@ -182,7 +179,8 @@ impl Plan {
         rows: Range<usize>,
         wanted: Wanted,
     ) -> Option<Motion> {
-        if is_still(q, dof) || rows.is_empty() {
+        let is_still = q.chunks_exact(dof).all(|row| *row == q[..dof]);
+        if is_still || rows.is_empty() {
             return None;
         }
         let reach = match wanted.changes() {
@@ -321,19 +319,13 @@ impl Survey {
                 sums.zip(own).for_each(|(sum, own)| *sum += own);
             }
         }
-        let sum = |k: usize| survey.joints.iter().map(|own| own[k]).sum();
-        [survey.gains, survey.apart, survey.of_high, survey.of_low] = [0, 1, 2, 3].map(sum);
+        survey.sums = [0, 1, 2, 3].map(|k| survey.joints.iter().map(|own| own[k]).sum());
         survey
     }
 
     /// Time that windows are whole for, times joints, s.
     fn seconds(&self) -> f64 {
         self.count * self.stride
-    }
-
-    /// Σ q̈² of what moves, and β².
-    fn bent(&self) -> (f64, f64) {
-        bent([self.gains, self.apart, self.of_high, self.of_low])
     }
 
     /// What accelerations of each joint are to be multiplied by. Those by order 3 are taken where
@@ -349,15 +341,13 @@ impl Survey {
         self.joints.iter().map(of).collect()
     }
 
-    fn error_of_low(&self) -> f64 {
-        let (moves, square) = self.bent();
-        (self.of_low + COHERENT * COHERENT * square * moves) / self.count.max(1.0)
-    }
-
-    fn error_of_high(&self) -> f64 {
-        let (moves, square) = self.bent();
-        let bent = COHERENT * OF_HIGH * square;
-        (self.of_high + bent * bent * moves) / self.count.max(1.0)
+    /// E² of both orders.
+    fn errors(&self) -> [(usize, f64); 2] {
+        let [.., of_high, of_low] = self.sums;
+        let (moves, square) = bent(self.sums);
+        let (bent, count) = (COHERENT * OF_HIGH * square, self.count.max(1.0));
+        let low = (of_low + COHERENT * COHERENT * square * moves) / count;
+        [(HIGH, (of_high + bent * bent * moves) / count), (LOW, low)]
     }
 }
 
@@ -367,27 +357,21 @@ impl Motion {
         if self.known.iter().all(|known| *known) {
             return 0;
         }
-        let keep = self.known.clone();
+        let (keep, dof) = (self.known.clone(), self.dof());
         block.retain(&keep);
-        self.retain(&keep);
+        for all in self.columns() {
+            keep_some(all, dof, &keep);
+        }
+        for all in self.smooth.iter_mut().flat_map(Smooth::columns) {
+            keep_some(all, dof, &keep);
+        }
+        self.known.retain(|known| *known);
         (keep.len() - block.len()) as u64
     }
 
-    fn retain(&mut self, keep: &[bool]) {
-        let dof = self.dof();
-        for all in self.all_columns() {
-            let mut at = 0;
-            all.retain(|_| {
-                at += 1;
-                keep[(at - 1) / dof]
-            });
-        }
-        self.known.retain(|known| *known);
-    }
-
-    /// Keep some rows in line.
+    /// Keep some rows in line, before what is smooth is known.
     fn narrow(&mut self, rows: Range<usize>, dof: usize) {
-        for all in self.all_columns() {
+        for all in self.columns() {
             all.truncate(rows.end * dof);
             all.drain(..rows.start * dof);
         }
@@ -399,14 +383,10 @@ impl Motion {
     pub fn extend(&mut self, other: Option<Motion>, rows: usize, dof: usize) {
         self.smooth = None;
         match other {
-            Some(other) => {
-                self.rates.extend(other.rates);
-                self.gains.extend(other.gains);
-                self.gains_std.extend(other.gains_std);
-                self.positions_std.extend(other.positions_std);
-                self.with_positions.extend(other.with_positions);
-                self.jerks.extend(other.jerks);
-                self.snaps.extend(other.snaps);
+            Some(mut other) => {
+                for (own, more) in self.columns().into_iter().zip(other.columns()) {
+                    own.append(more);
+                }
                 self.known.extend(other.known);
             }
             None => {
@@ -420,39 +400,15 @@ impl Motion {
 
     /// What is known of each row and joint.
     pub fn columns(&mut self) -> [&mut Vec<f64>; 7] {
-        self.own_and_smooth().0
-    }
-
-    /// The same with what is smooth.
-    fn all_columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        let (own, smooth) = self.own_and_smooth();
-        let smooth = smooth.iter_mut().flat_map(Smooth::columns);
-        own.into_iter().chain(smooth)
-    }
-
-    /// Columns of the motion itself, and the smooth one.
-    fn own_and_smooth(&mut self) -> ([&mut Vec<f64>; 7], &mut Option<Smooth>) {
-        let Motion {
-            rates,
-            gains,
-            gains_std,
-            positions_std,
-            with_positions,
-            jerks,
-            snaps,
-            known: _,
-            smooth,
-        } = self;
-        let own = [
-            rates,
-            gains,
-            gains_std,
-            positions_std,
-            with_positions,
-            jerks,
-            snaps,
-        ];
-        (own, smooth)
+        [
+            &mut self.rates,
+            &mut self.gains,
+            &mut self.gains_std,
+            &mut self.positions_std,
+            &mut self.with_positions,
+            &mut self.jerks,
+            &mut self.snaps,
+        ]
     }
 
     fn dof(&self) -> usize {
@@ -465,9 +421,4 @@ fn bent([gains, apart, of_high, of_low]: [f64; 4]) -> (f64, f64) {
     let moves = (gains - of_high).max(0.0);
     let bent = (apart - (of_high - of_low)).max(0.0);
     (moves, if moves > 0.0 { bent / moves } else { 0.0 })
-}
-
-/// Whether all rows are the same.
-fn is_still(q: &[f64], dof: usize) -> bool {
-    q.chunks_exact(dof).all(|row| *row == q[..dof])
 }

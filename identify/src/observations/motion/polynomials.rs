@@ -89,18 +89,14 @@ impl Polynomials {
         })
     }
 
-    pub fn coefficient(&self, power: usize, joint: usize) -> f64 {
-        self.coefficients[power * self.left.len() + joint]
-    }
-
     /// Acceleration at the node.
     pub fn gain(&self, joint: usize) -> f64 {
-        2.0 * self.coefficient(2, joint) / (self.half * self.half)
+        2.0 * self.power(2)[joint] / (self.half * self.half)
     }
 
     /// Position `after` seconds from the node, less the node's own.
     pub fn position(&self, joint: usize, after: f64) -> f64 {
-        let (s, c) = (after / self.half, |power| self.coefficient(power, joint));
+        let (s, c) = (after / self.half, |power| self.power(power)[joint]);
         c(0) + s * (c(1) + s * (c(2) + s * (c(3) + s * c(4))))
     }
 

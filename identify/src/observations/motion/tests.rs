@@ -26,6 +26,20 @@ fn noise(count: usize, std: f64) -> Vec<f64> {
     (0..count).map(|_| draw()).collect()
 }
 
+/// How a log is differentiated, and its motion.
+fn planned(t: &[f64], q: &[f64], dof: usize, wanted: Wanted) -> (Plan, Motion) {
+    let plan = Plan::of(t, q, dof).unwrap();
+    let motion = plan.motion((t, q, dof), 0..t.len(), wanted).unwrap();
+    (plan, motion)
+}
+
+/// What an encoder of 4096 ticks a turn reads, and one tick, rad.
+const TICK: f64 = std::f64::consts::TAU / 4096.0;
+
+fn ticks(q: &[f64]) -> Vec<f64> {
+    q.iter().map(|q| (q / TICK).round() * TICK).collect()
+}
+
 fn rms(x: &[f64]) -> f64 {
     (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt()
 }
@@ -44,8 +58,7 @@ fn a_swing_is_differentiated_on_jittering_stamps() {
         (1.0, 0.04, 0.02),
     ] {
         let (t, q) = swing(step, 200.0 * step + 4.0 / hertz, hertz);
-        let plan = Plan::of(&t, &q, 1).unwrap();
-        let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
+        let (_, motion) = planned(&t, &q, 1, Wanted::All);
         let known = motion.known.iter().filter(|known| **known).count();
         assert!(known as f64 > 0.85 * t.len() as f64, "{known} of {step}");
         let w = std::f64::consts::TAU * hertz;
@@ -82,8 +95,7 @@ fn edges_have_no_window_unless_the_robot_stands() {
         .enumerate()
         .map(|(k, t)| if k < 100 { (3.0 * t).sin() } else { 0.1 })
         .collect();
-    let plan = Plan::of(&t, &q, 1).unwrap();
-    let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
+    let (plan, motion) = planned(&t, &q, 1, Wanted::All);
     for (row, known) in motion.known.iter().enumerate() {
         let whole = row >= 100 || row.min(99 - row) >= 9;
         assert_eq!(*known, whole, "row {row}");
@@ -122,7 +134,6 @@ fn deviations_are_those_of_the_noise() {
 /// Encoders that write ticks bend no acceleration: what is left is noise that averages out.
 #[test]
 fn ticks_leave_accelerations_as_large_as_they_are() {
-    let tick = std::f64::consts::TAU / 4096.0;
     for (step, hertz) in [
         (0.01, 0.7),
         (0.02, 0.7),
@@ -131,9 +142,8 @@ fn ticks_leave_accelerations_as_large_as_they_are() {
         (0.01, 0.2),
     ] {
         let (t, q) = swing(step, 120.0, hertz);
-        let q: Vec<f64> = q.iter().map(|q| (q / tick).round() * tick).collect();
-        let plan = Plan::of(&t, &q, 1).unwrap();
-        let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
+        let q = ticks(&q);
+        let (_, motion) = planned(&t, &q, 1, Wanted::All);
         let w = std::f64::consts::TAU * hertz;
         let (mut product, mut square) = (0.0, 0.0);
         for (k, t) in t.iter().enumerate().filter(|(k, _)| motion.known[*k]) {
@@ -151,16 +161,14 @@ fn ticks_leave_accelerations_as_large_as_they_are() {
 #[test]
 fn what_windows_bend_is_taken_back() {
     let (step, hertz) = (0.2, [0.4, 0.13]);
-    for tick in [1e-9, std::f64::consts::TAU / 4096.0] {
+    for tick in [1e-9, TICK] {
         let swings = hertz.map(|hertz| swing(step, 120.0, hertz));
         let t = &swings[0].0;
         let read = |q: &f64| (q / tick).round() * tick;
         let q: Vec<f64> = (0..t.len())
             .flat_map(|k| [0, 1].map(|joint| read(&swings[joint].1[k])))
             .collect();
-        let plan = Plan::of(t, &q, 2).unwrap();
-        let motion = plan.motion((t, &q, 2), 0..t.len(), Wanted::Alone);
-        let motion = motion.unwrap();
+        let (plan, motion) = planned(t, &q, 2, Wanted::Alone);
         for (joint, hertz) in hertz.into_iter().enumerate() {
             let w = std::f64::consts::TAU * hertz;
             let (mut product, mut square, mut bent) = (0.0, 0.0, 0.0);
@@ -186,15 +194,12 @@ fn what_windows_bend_is_taken_back() {
 /// or white, dense or not.
 #[test]
 fn positions_are_known_as_well_as_encoders_read_them() {
-    let tick = std::f64::consts::TAU / 4096.0;
     for (step, hertz) in [(0.001, 0.7), (0.005, 0.3), (0.02, 0.3), (0.1, 0.15)] {
         let (t, truth) = swing(step, 60.0, hertz);
         let white = truth.iter().zip(noise(t.len(), 1e-3));
         let white: Vec<f64> = white.map(|(q, e)| q + e).collect();
-        let ticks: Vec<f64> = truth.iter().map(|q| (q / tick).round() * tick).collect();
-        for (q, expected) in [(white, 1e-3), (ticks, tick / 12_f64.sqrt())] {
-            let plan = Plan::of(&t, &q, 1).unwrap();
-            let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
+        for (q, expected) in [(white, 1e-3), (ticks(&truth), TICK / 12_f64.sqrt())] {
+            let (_, motion) = planned(&t, &q, 1, Wanted::All);
             let ratio = rms(&motion.positions_std) / expected;
             assert!((0.9..1.15).contains(&ratio), "{step} s: {ratio}");
         }
@@ -210,8 +215,7 @@ fn accelerations_change_as_those_of_a_swing_do() {
     for (step, within) in [(0.01, 0.03), (0.02, 0.03), (0.05, 0.03), (0.16, 0.0)] {
         let (mut t, q) = swing(step, 600.0 * step, if within > 0.0 { hertz } else { 0.1 });
         t.iter_mut().skip(400).for_each(|t| *t += 100.0 / hertz);
-        let plan = Plan::of(&t, &q, 1).unwrap();
-        let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
+        let (plan, motion) = planned(&t, &q, 1, Wanted::All);
         let mut told = 0;
         for (k, t) in t.iter().enumerate() {
             let (jerk, snap) = (motion.jerks[k], motion.snaps[k]);
@@ -247,17 +251,13 @@ fn accelerations_change_as_those_of_a_swing_do() {
 /// smooth there has as little of the ticks as elsewhere.
 #[test]
 fn rows_at_the_ends_are_smooth_too() {
-    let tick = std::f64::consts::TAU / 4096.0;
     for (step, hertz) in [(0.001, 0.125), (0.005, 0.3), (0.02, 0.2)] {
         let seconds = 30.0;
         let (mut t, truth) = swing(step, seconds, hertz);
         let half = t.len() / 2;
         t.iter_mut().skip(half).for_each(|t| *t += 2.0 / hertz);
-        let q: Vec<f64> = truth.iter().map(|q| (q / tick).round() * tick).collect();
-        let plan = Plan::of(&t, &q, 1).unwrap();
-        let motion = plan
-            .motion((&t, &q, 1), 0..t.len(), Wanted::Smooth)
-            .unwrap();
+        let q = ticks(&truth);
+        let (plan, motion) = planned(&t, &q, 1, Wanted::Smooth);
         let smooth = motion.smooth.unwrap();
         let beside = (1.1 * plan.half / step) as usize;
         let from_end = |k: usize| k.min(t.len() - 1 - k).min(k.abs_diff(half));

@@ -9,7 +9,7 @@ use super::super::stays::Stays;
 pub const MOST: usize = 2000;
 
 /// One posture while its rows are gathered.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct Posture {
     pub(super) pose: i64,
     pub(super) rows: f64,
@@ -89,6 +89,7 @@ impl Posture {
 /// Postures of a log of any length in bounded memory: every `stride`-th is kept,
 /// and `stride` doubles whenever they are too many. An even choice keeps the
 /// order, the times and the range.
+#[derive(Default)]
 pub(super) struct Gathering {
     /// Postures number 0, `stride`, 2 `stride`, ….
     pub(super) kept: Vec<Posture>,
@@ -111,20 +112,14 @@ pub(super) struct Gathering {
 impl Gathering {
     pub(super) fn new(any_unit: bool) -> Gathering {
         Gathering {
-            kept: Vec::new(),
             stride: 1,
             known: match any_unit {
                 true => Grouping::of_any_unit(),
                 false => Grouping::default(),
             },
-            repeats: Repeats::default(),
-            stays: Stays::default(),
-            seen: 0,
-            current: None,
-            first: None,
             rising: true,
-            end: (0, 0.0),
             span: (f64::INFINITY, f64::NEG_INFINITY),
+            ..Gathering::default()
         }
     }
 
@@ -162,16 +157,12 @@ impl Gathering {
         if self.seen.is_multiple_of(self.stride) {
             self.kept.push(posture);
             if self.kept.len() > 2 * MOST {
-                self.thin();
+                self.stride *= 2;
+                let kept = std::mem::take(&mut self.kept);
+                self.kept = kept.into_iter().step_by(2).collect();
             }
         }
         self.seen += 1;
-    }
-
-    pub(super) fn thin(&mut self) {
-        self.stride *= 2;
-        let kept = std::mem::take(&mut self.kept);
-        self.kept = kept.into_iter().step_by(2).collect();
     }
 }
 

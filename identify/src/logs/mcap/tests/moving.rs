@@ -6,6 +6,7 @@ use std::sync::Arc;
 use sesc_model::Snapping;
 use sesc_reference::{Robot as Twin, Track, World};
 
+use super::super::write::in_plane;
 use super::*;
 use crate::diagnose::{Verdict, diagnose};
 use crate::fit::{self, fit};
@@ -42,15 +43,29 @@ fn moments(step: f64) -> Vec<f64> {
         .collect()
 }
 
+/// Uniform, of deviation NOISE.
+fn noise() -> impl FnMut() -> f64 {
+    let mut state = 1_u64;
+    move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * NOISE * 12_f64.sqrt()
+    }
+}
+
+/// What announces joint states on topics from 10 on, and points on 20.
+fn head(topics: &[&str]) -> Vec<u8> {
+    let mut head = [schema(1, STATE), schema(2, POINT)].concat();
+    for (topic, id) in topics.iter().zip(10..) {
+        head.extend(channel(id, 1, topic, "cdr"));
+    }
+    head.extend(channel(20, 2, "/cop", "cdr"));
+    head
+}
+
 /// Joint states, hip and knee from topics of their own, and readings that the twin gives.
 fn recorded() -> Vec<u8> {
-    let head = [
-        schema(1, STATE),
-        schema(2, POINT),
-        channel(10, 1, "/hip/joint_states", "cdr"),
-        channel(11, 1, "/knee/joint_states", "cdr"),
-        channel(20, 2, "/cop", "cdr"),
-    ];
     let mut messages: Vec<(f64, Vec<u8>)> = Vec::new();
     for t in moments(STATES_S) {
         // Each driver has stamps of its own.
@@ -66,23 +81,15 @@ fn recorded() -> Vec<u8> {
         .unwrap()
         .unsettled()
         .readings(&track);
-    let mut state = 1_u64;
-    // Uniform, of deviation NOISE.
-    let mut noise = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * NOISE * 12_f64.sqrt()
-    };
+    let mut noise = noise();
     for (t, reading) in times.iter().zip(readings) {
-        let point = [reading.cop[0] + noise(), reading.cop[1] + noise(), 0.0];
-        let body = Body::header(*t, "sole");
-        let data = point.into_iter().fold(body, Body::double).done();
+        let data = in_plane(stamp(*t), "sole", reading.cop.map(|x| x + noise()));
         messages.push((*t, message(20, *t, &data)));
     }
     messages.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let all = messages.into_iter().flat_map(|(_, message)| message);
-    file(&head.concat().into_iter().chain(all).collect::<Vec<u8>>())
+    let mut all = head(&["/hip/joint_states", "/knee/joint_states"]);
+    all.extend(messages.into_iter().flat_map(|(_, message)| message));
+    file(&all)
 }
 
 fn read_by(path: &Path, stays: Stays) -> Result<(crate::logs::Block, Vec<Message>), Error> {
@@ -99,13 +106,11 @@ fn where_nothing_is_held_every_reading_is_a_row_at_its_own_joints() {
     let (_folder, path) = log("walk.mcap", &recorded(), "");
     for stays in [Stays::Pooled, Stays::Moving, Stays::Apart] {
         let (block, warnings) = read_by(&path, stays).unwrap();
-        let said = warnings.iter().map(|warning| warning.to_string());
-        let said: Vec<String> = said.collect();
-        let asked = stays == Stays::Moving;
-        let told = said.iter().any(|said| said.contains("still nowhere"));
-        assert_eq!(told, !asked, "{said:?}");
+        let said = format!("{warnings:?}");
+        let told = said.contains("still nowhere");
+        assert_eq!(told, stays != Stays::Moving, "{said}");
         // The first one has no message of the knee before it.
-        assert_eq!(block.len(), moments(READINGS_S).len() - 1, "{said:?}");
+        assert_eq!(block.len(), moments(READINGS_S).len() - 1, "{said}");
         for (k, t) in block.t.as_ref().unwrap().iter().enumerate() {
             for (q, truth) in block.q[2 * k..2 * k + 2].iter().zip(swing(*t)) {
                 // 3/128 (ω Δt)⁴ within, (ω Δt)³/16 where one message lies beyond; stamps in ns.
@@ -136,9 +141,7 @@ fn a_recording_with_stays_is_read_by_them_unless_all_rows_are_asked_for() {
         all.len(),
         stays.len()
     );
-    let mut poses = all.pose.clone();
-    poses.dedup();
-    assert_eq!(poses.len(), all.len());
+    assert!(all.pose.windows(2).all(|pair| pair[0] != pair[1]));
 }
 
 /// Masses of CAD come back from a recording that moves, and nothing is missing in it.
@@ -192,30 +195,13 @@ fn an_encoder_that_stops_late_in_a_long_recording_is_found() {
         [0.35 * (1.1 * t).sin(), 0.5 * (0.9 * t + 1.0).sin()]
     };
     let world = World::new(&Twin::from_urdf(SKEW).unwrap(), "sole").unwrap();
-    let mut state_of_noise = 1_u64;
-    let mut noise = || {
-        state_of_noise = state_of_noise
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        ((state_of_noise >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * NOISE * 12_f64.sqrt()
-    };
-    let mut records = [
-        schema(1, STATE),
-        schema(2, POINT),
-        channel(10, 1, "/joint_states", "cdr"),
-        channel(20, 2, "/cop", "cdr"),
-    ]
-    .concat();
+    let (mut noise, mut records) = (noise(), head(&["/joint_states"]));
     for k in 0..ROWS {
         let (t, q) = (at(k), posture(k));
         let read = [q[0], posture(k.min(STOPS))[1]];
         records.extend(message(10, t, &state(t, &["hip", "knee"], &read)));
-        let cop = world.cop(&q);
-        let point = [cop[0] + noise(), cop[1] + noise(), 0.0];
-        let data = point
-            .into_iter()
-            .fold(Body::header(t, "sole"), Body::double);
-        records.extend(message(20, t, &data.done()));
+        let data = in_plane(stamp(t), "sole", world.cop(&q).map(|x| x + noise()));
+        records.extend(message(20, t, &data));
     }
     let robot = Arc::new(Robot::parse(SKEW, "skew.urdf").unwrap());
     let log = crate::logs::LogSource::bytes("long.mcap", file(&records));
