@@ -282,31 +282,6 @@ fn the_demo_keeps_samples() {
     assert_eq!(std::fs::read(&urdf).unwrap(), b"<robot/>");
 }
 
-/// What is hidden in a simulated robot is what its diagnosis names.
-#[test]
-fn effects_are_hidden_in_simulated_robots() {
-    let folder = folder();
-    let log = folder.path().join("log.csv").display().to_string();
-    let of = |hidden: &str| {
-        let (robot, on) = (op2(), ["--support", "r_sole", "--poses", "120"]);
-        let rest = ["--range", "40", "--noise", "0.0005", "--out", &log];
-        sesc(&[&["simulate", &robot][..], &on, &rest, &["--hide", hidden]].concat())
-    };
-    stdout(&of("joint_sign:l_knee"));
-    let found = sesc(&["diagnose", &op2(), "--data", &log, "--json"]);
-    let found: Value = serde_json::from_str(&stdout(&found)).unwrap();
-    assert_eq!(found["verdict"], "named", "{}", found["sentence"]);
-    assert_eq!(
-        found["indistinguishable"],
-        serde_json::json!([["joint_sign:l_knee"]])
-    );
-    refused(&of("joint_offset:l_knee=3mm"), &["units deg", "offset_rad"]);
-    refused(
-        &of("joint_ofset:l_knee=3deg"),
-        &["joint_ofset", "known are"],
-    );
-}
-
 /// Before any log is taken, it is said which logs a robot with four feet can be used with.
 #[test]
 fn a_robot_with_four_feet_is_told_on_which_it_can_stand() {
