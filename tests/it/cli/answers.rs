@@ -78,16 +78,9 @@ fn commands_that_write_say_what_as_json() {
         json
     };
     let log = at("log.csv");
-    let simulate = [
-        "simulate",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--poses",
-        "5",
-        "--json",
-    ];
-    let found = json(&[&simulate[..], &["--seed", "3", "--out", &log]].concat());
+    let urdf = op2();
+    let simulate = "simulate @ --support r_sole --poses 5 --json --seed 3 --out @";
+    let found = json(&in_words(simulate, &[&urdf, &log]));
     assert_eq!(found["log"], log);
     assert_eq!(found["sidecar"], format!("{log}.toml"));
     assert_eq!((&found["postures"], &found["seed"]), (&5.into(), &3.into()));
@@ -95,17 +88,9 @@ fn commands_that_write_say_what_as_json() {
         (&found["robot"], &found["support"]),
         (&"op2".into(), &"r_sole".into())
     );
-    let generate = [
-        "generate",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--name",
-        "m",
-        "--json",
-    ];
+    let generate = "generate @ --support r_sole --name m --json --out @";
     for changed in [true, false] {
-        let found = json(&[&generate[..], &["--out", &at("")]].concat());
+        let found = json(&in_words(generate, &[&urdf, &at("")]));
         assert_eq!(found["files"][0]["changed"], changed);
         assert!(
             found["files"][0]["file"]
@@ -133,15 +118,8 @@ fn errors_are_json_where_json_is_asked_for() {
     };
     let folder = folder();
     let log = write(folder.path(), "log.csv", "pose,cop_x,cop_y\n0,1,2\n");
-    let found = error(&[
-        "fit",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--data",
-        &log,
-        "--json",
-    ]);
+    let fit = "fit @ --support r_sole --data @ --json";
+    let found = error(&in_words(fit, &[&op2(), &log]));
     assert_eq!(
         (&found["kind"], &found["file"]),
         (&"log".into(), &log.into())

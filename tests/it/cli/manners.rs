@@ -334,17 +334,8 @@ fn tables_of_a_robot_fit_a_wide_terminal_and_long_ones_are_asked_for() {
     // One rounding, up, as in the headers of generated files.
     let folder = folder();
     let out = folder.path().display().to_string();
-    let generate = [
-        "generate",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--lang",
-        "c",
-        "--name",
-        "op2",
-    ];
-    stdout(&sesc(&[&generate[..], &["--out", &out]].concat()));
+    let generate = "generate @ --support r_sole --lang c --name op2 --out @";
+    stdout(&sesc(&in_words(generate, &[&op2(), &out])));
     let header = std::fs::read_to_string(folder.path().join("op2.h")).unwrap();
     let snap = |text: &str| {
         let (_, rest) = text.split_once("by at most ").unwrap();

@@ -7,7 +7,7 @@ use std::process::Output;
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use sesc_test_support::command::{folder, sesc, stdout, write};
+use sesc_test_support::command::{folder, in_words, sesc, stdout, write};
 
 use super::names::{check, robot, run};
 
@@ -190,27 +190,14 @@ fn pages_of_composed_names_stay_pages() {
         let commands: [&[&str]; 4] = [
             &["fit", &urdf, "--data", &log],
             &["diagnose", &urdf, "--data", &log],
-            &[
-                "plan",
-                &urdf,
-                &support,
-                "--poses",
-                "8",
-                "--cop-box",
-                "0.023",
-                "--out",
-                &poses,
-            ],
-            &[
-                "fleet",
-                &urdf,
-                "--data",
-                &data,
-                "--by",
-                "robot,day",
-                "--out",
-                &table,
-            ],
+            &in_words(
+                "plan @ @ --poses 8 --cop-box 0.023 --out @",
+                &[&urdf, &support, &poses],
+            ),
+            &in_words(
+                "fleet @ --data @ --by robot,day --out @",
+                &[&urdf, &data, &table],
+            ),
         ];
         for (command, scripts) in commands.iter().zip(&mut scripts) {
             let page = at(&format!("{}.html", command[0]));
