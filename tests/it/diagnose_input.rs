@@ -109,7 +109,7 @@ fn logs_that_are_none_are_refused_by_place_and_remedy() {
     let case = Case::new();
     let good = log(&world(), 1.0);
     let cut = &good[..good.len() - 40];
-    let cases: [(&str, &[u8], &[&str]); 14] = [
+    let cases: [(&str, &[u8], &[&str]); 16] = [
         ("empty.csv", b"", &["empty.csv", "header"]),
         (
             "header.csv",
@@ -136,6 +136,16 @@ fn logs_that_are_none_are_refused_by_place_and_remedy() {
             "unknown.csv",
             b"pose,hip,kne,cop_x,cop_y\n1,0,0,0,0\n",
             &["unknown.csv:1", "`knee`", "kne"],
+        ),
+        (
+            "twice.csv",
+            b"pose,hip,hip,knee,cop_x,cop_y\n",
+            &["twice.csv:1", "`hip`", "twice"],
+        ),
+        (
+            "poses.csv",
+            b"pose,hip,knee,cop_x,cop_y\n1.5,0,0,0,0\n",
+            &["poses.csv:2", "whole number"],
         ),
         (
             "jointless.csv",

@@ -62,26 +62,6 @@ fn every_scalar_becomes_a_header_and_a_source() {
     assert!(String::from_utf8_lossy(&again.stderr).contains("op2_r_sole.h is up to date"));
 }
 
-#[test]
-fn the_checked_in_c_is_what_the_command_writes() {
-    let folder = folder();
-    for (scalar, name) in [("f32", "op2_r_sole"), ("fixed32", "op2_r_sole_fixed")] {
-        let mut arguments = vec!["--scalar", scalar, "--name", name];
-        if scalar == "f32" {
-            arguments.push("--estimator");
-        }
-        stdout(&generate(folder.path(), &arguments));
-        for extension in ["h", "c"] {
-            let file = format!("{name}.{extension}");
-            let checked_in = fs::read(format!("{ROOT}/generated/c/{file}")).unwrap();
-            assert!(
-                fs::read(folder.path().join(&file)).unwrap() == checked_in,
-                "{file}"
-            );
-        }
-    }
-}
-
 /// Only what is asked for, and `com`: every such package compiles without a warning and passes
 /// its self-test.
 #[test]
@@ -128,20 +108,6 @@ fn functions_that_are_not_asked_for_are_left_out() {
     refused(&["--functions", "com,zpm"], &known);
     let rows = ["the estimator calls regressor_cop", "name it"];
     refused(&["--functions", "com", "--estimator"], &rows);
-}
-
-#[test]
-fn help_shows_how_c_is_made() {
-    let text = stdout(&sesc(&["generate", "--help"]));
-    for words in [
-        "--lang c --scalar f32",
-        "fixed32",
-        "--servos",
-        "--ticks",
-        "--functions com,com_jacobian",
-    ] {
-        assert!(text.contains(words), "`{words}` is not in: {text}");
-    }
 }
 
 #[test]

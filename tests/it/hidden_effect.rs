@@ -223,24 +223,6 @@ fn a_refit_finds_what_is_hidden_from_nothing() {
 }
 
 #[test]
-fn sizes_are_spread_from_visible_to_large() {
-    let mut shown: Vec<f64> = (0..40)
-        .map(|seed| Trial::draw(Question::Library(1), &only(Effect::SensorOffset), seed).chi2)
-        .collect();
-    shown.sort_by(f64::total_cmp);
-    assert!(
-        shown[0] > 0.9 * VISIBLE && shown[8] < 10.0 * VISIBLE,
-        "{shown:?}"
-    );
-    assert!(shown[32] > 30.0 * VISIBLE, "{shown:?}");
-    // The same seed draws the same trial.
-    let again = Trial::draw(Question::Library(1), &only(Effect::SensorOffset), 7);
-    let once = Trial::draw(Question::Library(1), &only(Effect::SensorOffset), 7);
-    assert_eq!(again.hidden, once.hidden);
-    assert_eq!(again.log.cop, once.log.cop);
-}
-
-#[test]
 fn goals_are_counted() {
     let outcome = |name: bool, held_out: f64| Outcome {
         question: Question::Library(1),

@@ -214,40 +214,6 @@ fn single_precision_is_far_below_the_noise() {
 }
 
 #[test]
-fn merging_is_feeding_in_sequence() {
-    let data = data(600, 6);
-    let mut all = Estimator::with_prior(&CAD_PARAMS, &[0.02; N]).unwrap();
-    let (mut first, mut second) = (all.clone(), Estimator::with_nominal(&CAD_PARAMS).unwrap());
-    feed(&mut all, &data);
-    feed(&mut first, &data[..500]);
-    feed(&mut second, &data[500..]);
-    first.merge(&second).unwrap();
-    agree(
-        &first.params(),
-        &DVector::from_row_slice(&all.params()),
-        1e-12,
-    );
-    assert_eq!(first.degrees_of_freedom(), all.degrees_of_freedom());
-    let ratio = first.residual_sum_of_squares() / all.residual_sum_of_squares();
-    assert!((ratio - 1.0).abs() < 1e-9);
-}
-
-#[test]
-fn the_order_of_postures_does_not_matter() {
-    let mut data = data(1000, 7);
-    let mut forth = Estimator::new();
-    feed(&mut forth, &data);
-    data.reverse();
-    let mut back = Estimator::new();
-    feed(&mut back, &data);
-    agree(
-        &back.params(),
-        &DVector::from_row_slice(&forth.params()),
-        1e-12,
-    );
-}
-
-#[test]
 fn forgetting_is_the_batch_fit_weighed_by_age() {
     let (data, lambda) = (data(1000, 8), 0.995_f64);
     let mut estimator = Estimator::new().forgetting(lambda).unwrap();

@@ -74,7 +74,7 @@ fn compiled_c_has_the_bits_of_rust_and_stays_within_its_bounds() {
             let level = LEVELS[build / COMPILERS.len()];
             let compiled = match scalar {
                 Scalar::Fixed32 => trapping(&folder, case),
-                _ => Compiled::build(&folder, case, scalar, compiler, &[level], |source| source),
+                _ => Compiled::plain(&folder, case, scalar, compiler, level),
             };
             if scalar != Scalar::Fixed32 {
                 let drawn = draw(case, POSTURES, 5, &*compiled.hold());

@@ -84,9 +84,7 @@ fn the_op2s_com_is_proven_to_three_micrometres_and_measured_to_half_of_one() {
         (&case, Scalar::Fixed32, "-O0"),
     ];
     parallel(jobs, |(case, scalar, level)| {
-        let compiled = Compiled::build(&folder, case, scalar, COMPILERS[0], &[level], |source| {
-            source
-        });
+        let compiled = Compiled::plain(&folder, case, scalar, COMPILERS[0], level);
         let drawn = draw(case, MANY, 23, &*compiled.hold());
         let rows = check(case, &compiled, &entries, &drawn);
         assert_eq!(rows.len(), 3, "com, com_sc, com_ticks");

@@ -103,6 +103,17 @@ pub struct Compiled {
 }
 
 impl Compiled {
+    /// Compile the functions of `case`.
+    pub fn plain(
+        folder: &Path,
+        case: &Case,
+        scalar: Scalar,
+        compiler: &str,
+        level: &str,
+    ) -> Compiled {
+        Compiled::build(folder, case, scalar, compiler, &[level], |source| source)
+    }
+
     /// Compile the functions of `case`, as `change` leaves their source.
     pub fn build(
         folder: &Path,

@@ -220,10 +220,7 @@ fn in_floats(folder: &Path, case: &Case, scalar: Scalar) {
     match c::package(&Facts::of(&case.model), &case.name, &options) {
         Err(error) => assert!(error.to_string().contains("1024 rad"), "{error}"),
         Ok(_) => {
-            let compiled =
-                Compiled::build(folder, case, scalar, COMPILERS[0], &["-O0"], |source| {
-                    source
-                });
+            let compiled = Compiled::plain(folder, case, scalar, COMPILERS[0], "-O0");
             let entries = case.entries(Scalar::Fixed32);
             let entries: Vec<&Entry> = entries.iter().collect();
             let drawn = draw(case, 60, 53, &*compiled.hold());

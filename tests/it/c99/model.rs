@@ -37,9 +37,7 @@ fn baked_functions_are_the_others_with_the_models_parameters() {
     parallel(jobs, |(robot, support, scalar)| {
         let mut case = baked(robot, support, |k, x| x * 1.1 + 0.001 * (k % 3) as f64);
         case.functions = vec![Function::Com, Function::Cop];
-        let compiled = Compiled::build(&folder, &case, scalar, COMPILERS[0], &["-O1"], |source| {
-            source
-        });
+        let compiled = Compiled::plain(&folder, &case, scalar, COMPILERS[0], "-O1");
         let entries = case.entries(scalar);
         let entries: Vec<&Entry> = entries.iter().filter(|entry| entry.baked).collect();
         // A prismatic and a revolute joint that follow one joint leave no functions of sines.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use sesc_codegen::emit::c::Scalar;
@@ -19,51 +19,6 @@ fn too_long(text: &str) -> Vec<&str> {
     let long = text.lines().filter(|line| line.len() > COLUMNS);
     let breaks = |line: &&str| line.trim_start().contains(' ') && !line.contains('"');
     long.filter(breaks).collect()
-}
-
-#[test]
-fn shipped_and_golden_c_has_lines_of_at_most_100_columns() {
-    let root = Path::new(ROOT);
-    let mut folders = entries(&root.join("codegen/tests/golden"));
-    folders.push(root.join("generated/c"));
-    let files = folders.iter().flat_map(|folder| entries(folder));
-    let is_c = |path: &PathBuf| path.extension().is_some_and(|e| e == "c" || e == "h");
-    let files: Vec<PathBuf> = files.filter(is_c).collect();
-    assert!(files.len() >= 12, "{files:?}");
-    for file in files {
-        let text = fs::read_to_string(&file).unwrap();
-        let long: Vec<&str> = text.lines().filter(|line| line.len() > COLUMNS).collect();
-        assert!(long.is_empty(), "{}: {long:?}", file.display());
-    }
-}
-
-fn entries(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).unwrap();
-    entries.map(|entry| entry.unwrap().path()).collect()
-}
-
-/// `1073741824` says less than `shift_up(…, 30u)`.
-#[test]
-fn powers_of_two_have_a_named_helper() {
-    for (case, scalar) in jobs(&cases()) {
-        let source = case.package(scalar).source;
-        let functions = source.find("\nvoid ").unwrap_or(0);
-        // A long line may break inside of the parentheses.
-        for constant in source[functions..].split("INT64_C(").skip(1) {
-            let digits = constant.split(')').next().unwrap().trim();
-            // The bits of a float.
-            if digits.starts_with("0x") {
-                continue;
-            }
-            let value = digits.replace("- ", "-").parse::<i64>();
-            let value = value.unwrap_or_else(|_| panic!("{}: {digits:?}", case.name));
-            assert!(
-                value.unsigned_abs().count_ones() != 1,
-                "{}: {digits}",
-                case.name
-            );
-        }
-    }
 }
 
 /// Identifiers of C text.

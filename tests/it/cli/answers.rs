@@ -78,16 +78,9 @@ fn commands_that_write_say_what_as_json() {
         json
     };
     let log = at("log.csv");
-    let simulate = [
-        "simulate",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--poses",
-        "5",
-        "--json",
-    ];
-    let found = json(&[&simulate[..], &["--seed", "3", "--out", &log]].concat());
+    let urdf = op2();
+    let simulate = "simulate @ --support r_sole --poses 5 --json --seed 3 --out @";
+    let found = json(&in_words(simulate, &[&urdf, &log]));
     assert_eq!(found["log"], log);
     assert_eq!(found["sidecar"], format!("{log}.toml"));
     assert_eq!((&found["postures"], &found["seed"]), (&5.into(), &3.into()));
@@ -95,17 +88,9 @@ fn commands_that_write_say_what_as_json() {
         (&found["robot"], &found["support"]),
         (&"op2".into(), &"r_sole".into())
     );
-    let generate = [
-        "generate",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--name",
-        "m",
-        "--json",
-    ];
+    let generate = "generate @ --support r_sole --name m --json --out @";
     for changed in [true, false] {
-        let found = json(&[&generate[..], &["--out", &at("")]].concat());
+        let found = json(&in_words(generate, &[&urdf, &at("")]));
         assert_eq!(found["files"][0]["changed"], changed);
         assert!(
             found["files"][0]["file"]
@@ -133,15 +118,8 @@ fn errors_are_json_where_json_is_asked_for() {
     };
     let folder = folder();
     let log = write(folder.path(), "log.csv", "pose,cop_x,cop_y\n0,1,2\n");
-    let found = error(&[
-        "fit",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--data",
-        &log,
-        "--json",
-    ]);
+    let fit = "fit @ --support r_sole --data @ --json";
+    let found = error(&in_words(fit, &[&op2(), &log]));
     assert_eq!(
         (&found["kind"], &found["file"]),
         (&"log".into(), &log.into())
@@ -280,31 +258,6 @@ fn the_demo_keeps_samples() {
     std::fs::write(&urdf, "<robot/>").unwrap();
     refused(&demo(), &["op2.urdf", "--keep another folder"]);
     assert_eq!(std::fs::read(&urdf).unwrap(), b"<robot/>");
-}
-
-/// What is hidden in a simulated robot is what its diagnosis names.
-#[test]
-fn effects_are_hidden_in_simulated_robots() {
-    let folder = folder();
-    let log = folder.path().join("log.csv").display().to_string();
-    let of = |hidden: &str| {
-        let (robot, on) = (op2(), ["--support", "r_sole", "--poses", "120"]);
-        let rest = ["--range", "40", "--noise", "0.0005", "--out", &log];
-        sesc(&[&["simulate", &robot][..], &on, &rest, &["--hide", hidden]].concat())
-    };
-    stdout(&of("joint_sign:l_knee"));
-    let found = sesc(&["diagnose", &op2(), "--data", &log, "--json"]);
-    let found: Value = serde_json::from_str(&stdout(&found)).unwrap();
-    assert_eq!(found["verdict"], "named", "{}", found["sentence"]);
-    assert_eq!(
-        found["indistinguishable"],
-        serde_json::json!([["joint_sign:l_knee"]])
-    );
-    refused(&of("joint_offset:l_knee=3mm"), &["units deg", "offset_rad"]);
-    refused(
-        &of("joint_ofset:l_knee=3deg"),
-        &["joint_ofset", "known are"],
-    );
 }
 
 /// Before any log is taken, it is said which logs a robot with four feet can be used with.

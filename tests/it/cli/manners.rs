@@ -3,66 +3,45 @@
 
 use std::fs;
 
-use sesc_test_support::command::{ROOT, folder, in_words, op2, program, refused, sesc, stdout};
+use sesc_test_support::command::{folder, in_words, op2, program, refused, sesc, stdout};
 
 #[test]
-fn millimetres_for_metres_are_refused_with_what_was_meant() {
+fn other_units_are_refused_with_what_was_meant() {
     let folder = folder();
     let out = folder.path().join("log.csv").display().to_string();
     let urdf = op2();
-    let start = in_words(
-        "simulate @ --support r_sole --poses 3 --out @",
-        &[&urdf, &out],
-    );
-    let noisy = |noise: &str| sesc(&[&start[..], &["--noise", noise]].concat());
-    refused(&noisy("5"), &["--noise", "0.005 for 5 mm"]);
-    refused(&noisy("0.5"), &["0.0005 for 0.5 mm"]);
-    assert!(!folder.path().join("log.csv").exists());
-    stdout(&noisy("0.0005"));
-    for option in [
-        ["fit", "--noise"],
-        ["diagnose", "--noise"],
-        ["diagnose", "--floor"],
+    let simulate = "simulate @ --support r_sole --poses 40 --out @";
+    let plan = "plan @ --support r_sole --poses 3 --out @";
+    let said =
+        |line: &str, more: &[&str]| sesc(&[&in_words(line, &[&urdf, &out])[..], more].concat());
+    for (line, option, value, meant) in [
+        (simulate, "--noise", "5", "0.005 for 5 mm"),
+        (simulate, "--noise", "0.5", "0.0005 for 0.5 mm"),
+        (simulate, "--range", "3000", "171.8873 for 3000 mrad"),
+        (
+            simulate,
+            "--rate",
+            "1000000",
+            "1000 for a row every 1000000 ns",
+        ),
+        (simulate, "--motion", "off", "--rate HZ"),
+        (plan, "--cop-box", "23", "0.023 for 23 mm"),
+        (plan, "--cop-box", "9", "0.009 for 9 mm"),
+        (plan, "--margin", "2", "0.002 for 2 mm"),
     ] {
-        let [command, option] = option;
-        let output = sesc(&[command, &urdf, "--data", &out, option, "2"]);
-        refused(&output, &[option, "0.002 for 2 mm"]);
+        refused(&said(line, &[option, value]), &[option, meant]);
+        assert!(!folder.path().join("log.csv").exists());
     }
-    let plan = in_words("plan @ --support r_sole --poses 3 --out @", &[&urdf, &out]);
-    let boxed = sesc(&[&plan[..], &["--cop-box", "23"]].concat());
-    refused(&boxed, &["--cop-box", "0.023 for 23 mm"]);
-}
-
-#[test]
-fn other_units_are_refused_with_what_was_meant_too() {
-    let folder = folder();
-    let out = folder.path().join("log.csv").display().to_string();
-    let urdf = op2();
-    let simulate = ["simulate", &urdf, "--support", "r_sole", "--poses", "40"];
-    let simulated = |more: &[&str]| sesc(&[&simulate[..], &["--out", &out], more].concat());
-    refused(
-        &simulated(&["--range", "3000"]),
-        &["--range", "171.8873 for 3000 mrad"],
-    );
-    refused(
-        &simulated(&["--rate", "1000000"]),
-        &["--rate", "1000 for a row every 1000000 ns"],
-    );
-    refused(
-        &simulated(&["--motion", "off"]),
-        &["--motion off", "--rate HZ"],
-    );
-    let plan = in_words("plan @ --support r_sole --poses 3 --out @", &[&urdf, &out]);
-    let far = sesc(&[&plan[..], &["--margin", "2"]].concat());
-    refused(&far, &["--margin", "0.002 for 2 mm"]);
-    let boxed = sesc(&[&plan[..], &["--cop-box", "9"]].concat());
-    refused(&boxed, &["--cop-box", "0.009 for 9 mm"]);
-    stdout(&simulated(&["--noise", "0.0005"]));
+    stdout(&said(simulate, &["--noise", "0.0005"]));
     let corrected = folder.path().join("c.urdf").display().to_string();
-    for command in ["fit", "diagnose"] {
+    for (line, option) in [
+        ("fit @ --data @", "--noise"),
+        ("diagnose @ --data @", "--noise"),
+        ("diagnose @ --data @", "--floor"),
+    ] {
+        refused(&said(line, &[option, "2"]), &[option, "0.002 for 2 mm"]);
         let heavy = ["--urdf", &corrected, "--total-mass", "2930"];
-        let output = sesc(&[&[command, &urdf, "--data", &out][..], &heavy].concat());
-        refused(&output, &["--total-mass", "2.93 for 2930 g"]);
+        refused(&said(line, &heavy), &["--total-mass", "2.93 for 2930 g"]);
     }
 }
 
@@ -79,6 +58,10 @@ fn names_of_links_effects_and_targets_are_guessed() {
     refused(
         &hidden("joint_ofset:r_knee=1deg"),
         &["did you mean `joint_offset`?"],
+    );
+    refused(
+        &hidden("joint_offset:r_knee=3mm"),
+        &["units deg", "offset_rad"],
     );
     refused(
         &hidden("joint_offset:r_kne=1deg"),
@@ -132,30 +115,6 @@ fn unknown_options_have_no_remedy_that_is_none() {
     assert!(!String::from_utf8_lossy(&output.stderr).contains("-- --fast"));
 }
 
-/// In the order of work, in help and in the book alike.
-#[test]
-fn commands_stand_in_the_order_of_work() {
-    let help = stdout(&sesc(&["--help"]));
-    let page = fs::read_to_string(format!("{ROOT}/docs/commands.md")).unwrap();
-    let order = [
-        "demo", "inspect", "plan", "simulate", "fit", "diagnose", "effects", "compare", "predict",
-        "generate", "verify", "fleet",
-    ];
-    let at = |text: &str, mark: &dyn Fn(&str) -> String| -> Vec<usize> {
-        let places = order.iter().map(|command| text.find(&mark(command)));
-        places.map(Option::unwrap).collect()
-    };
-    let in_help = at(&help, &|command| format!("\n  {command} "));
-    let in_page = at(&page, &|command| format!("\n| `sesc {command}"));
-    assert!(in_help.is_sorted() && in_page.is_sorted(), "{help}");
-}
-
-#[test]
-fn misspelt_links_are_guessed_and_soles_come_first() {
-    let output = sesc(&["inspect", &op2(), "--support", "r_soel"]);
-    refused(&output, &["has l_sole, r_sole,", "did you mean `r_sole`?"]);
-}
-
 #[test]
 fn posture_logs_have_known_endings() {
     let folder = folder();
@@ -166,22 +125,6 @@ fn posture_logs_have_known_endings() {
         &[&urdf, &out],
     ));
     refused(&output, &["log.txt", ".csv, .csv.gz or .parquet"]);
-}
-
-#[test]
-fn rust_takes_no_scalar() {
-    let folder = folder();
-    let out = folder.path().display().to_string();
-    let urdf = op2();
-    let start = in_words(
-        "generate @ --support r_sole --out @ --lang rust",
-        &[&urdf, &out],
-    );
-    refused(
-        &sesc(&[&start[..], &["--scalar", "f32"]].concat()),
-        &["--scalar", "--lang c"],
-    );
-    stdout(&sesc(&[&start[..], &["--scalar", "f64"]].concat()));
 }
 
 #[test]
@@ -391,17 +334,8 @@ fn tables_of_a_robot_fit_a_wide_terminal_and_long_ones_are_asked_for() {
     // One rounding, up, as in the headers of generated files.
     let folder = folder();
     let out = folder.path().display().to_string();
-    let generate = [
-        "generate",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--lang",
-        "c",
-        "--name",
-        "op2",
-    ];
-    stdout(&sesc(&[&generate[..], &["--out", &out]].concat()));
+    let generate = "generate @ --support r_sole --lang c --name op2 --out @";
+    stdout(&sesc(&in_words(generate, &[&op2(), &out])));
     let header = std::fs::read_to_string(folder.path().join("op2.h")).unwrap();
     let snap = |text: &str| {
         let (_, rest) = text.split_once("by at most ").unwrap();

@@ -107,18 +107,9 @@ fn generate_writes_once_and_leaves_the_same_bytes_alone() {
 fn predict_reads_back_what_simulate_wrote() {
     let folder = folder();
     let log = folder.path().join("log.csv").display().to_string();
-    let simulate = [
-        "simulate",
-        &op2(),
-        "--support",
-        "r_sole",
-        "--poses",
-        "50",
-        "--range",
-        "30",
-        "--out",
-        &log,
-    ];
+    let urdf = op2();
+    let simulate = "simulate @ --support r_sole --poses 50 --range 30 --out @";
+    let simulate = in_words(simulate, &[&urdf, &log]);
     stdout(&sesc(&simulate));
     let first = fs::read_to_string(&log).unwrap();
     stdout(&sesc(&simulate));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::Value;
-use sesc_test_support::command::{folder, op2, sesc, stdout};
+use sesc_test_support::command::{folder, in_words, op2, sesc, stdout};
 
 /// What a command says for people, and for programs.
 fn both(line: &[&str]) -> (String, Value) {
@@ -31,42 +31,22 @@ fn every_command_says_what_to_do_next() {
     let [monday, friday] = logs(folder.path());
     let (urdf, page, table) = (op2(), at("demo.html"), at("table.csv"));
     let predicted = at("predicted.csv");
-    let on = ["--support", "r_sole"];
-    let with = |words: &[&'static str]| -> Vec<String> {
-        words.iter().map(|word| word.to_string()).collect()
-    };
-    let lines: [(Vec<String>, Vec<&str>); 8] = [
-        (with(&["demo", "--out"]), vec![&page]),
-        (with(&["inspect"]), vec![&urdf, on[0], on[1]]),
-        (
-            with(&["verify"]),
-            vec![&urdf, on[0], on[1], "--samples", "20"],
+    let out = folder.path().display().to_string();
+    for line in [
+        in_words("demo --out @", &[&page]),
+        in_words("inspect @ --support r_sole", &[&urdf]),
+        in_words("verify @ --support r_sole --samples 20", &[&urdf]),
+        in_words(
+            "simulate @ --support r_sole --poses 5 --out @",
+            &[&urdf, &table],
         ),
-        (
-            with(&["simulate"]),
-            vec![&urdf, on[0], on[1], "--poses", "5", "--out", &table],
-        ),
-        (
-            with(&["generate"]),
-            vec![
-                &urdf,
-                on[0],
-                on[1],
-                "--out",
-                folder.path().to_str().unwrap(),
-            ],
-        ),
-        (
-            with(&["predict"]),
-            vec![&urdf, "--data", &monday, "--out", &predicted],
-        ),
-        (with(&["compare"]), vec![&monday, &friday, "--urdf", &urdf]),
+        in_words("generate @ --support r_sole --out @", &[&urdf, &out]),
+        in_words("predict @ --data @ --out @", &[&urdf, &monday, &predicted]),
+        in_words("compare @ @ --urdf @", &[&monday, &friday, &urdf]),
         // Nothing is missing from this log.
-        (with(&["diagnose"]), vec![&urdf, "--data", &monday]),
-    ];
-    for (command, rest) in &lines {
-        let line: Vec<&str> = command.iter().map(String::as_str).collect();
-        let (text, json) = both(&[&line[..], rest].concat());
+        in_words("diagnose @ --data @", &[&urdf, &monday]),
+    ] {
+        let (text, json) = both(&line);
         let steps = json["next_steps"].as_array().unwrap();
         assert!(!steps.is_empty(), "{line:?}");
         for step in steps {

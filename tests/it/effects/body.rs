@@ -8,9 +8,10 @@ use std::collections::BTreeMap;
 
 use sesc_identify::evaluate::Evaluator;
 use sesc_model::effects::Catalog;
-use sesc_model::{Function, Given, Model, ModelFile};
+use sesc_model::{Function, Given};
 use sesc_reference::{GRAVITY, World};
 
+use super::correction::with;
 use super::hidden::{Hidden, hide};
 use super::robots::Stand;
 
@@ -19,16 +20,6 @@ const EXACT: f64 = 4e-12;
 /// Joints are moved by this for differences, rad or m.
 const STEP: f64 = 1e-4;
 const POSTURES: usize = 6;
-
-/// The model of a stand with hidden effects, from the records of a model file.
-pub fn with_effects(stand: &Stand, hidden: &[Hidden]) -> Model {
-    let context = stand.context();
-    let cad = stand.model.cad_params();
-    let mut file = ModelFile::from_values(&stand.model, &cad, None, "cad");
-    file.cells = stand.cells.clone();
-    file.effects = hidden.iter().map(|h| h.record(&context)).collect();
-    stand.model.clone().with_file(file).unwrap()
-}
 
 /// What the virtual robot does when its encoders read q.
 struct Truth {
@@ -86,7 +77,7 @@ fn shown(errors: &[f64; 3]) -> String {
 
 /// How far the functions of the model are from the bent robot: CoM, Jacobian, moments, m.
 fn compare(stand: &Stand, hidden: &[Hidden], given: Given) -> Option<[f64; 3]> {
-    let model = with_effects(stand, hidden);
+    let model = with(stand, hidden);
     let world = hidden
         .iter()
         .fold(stand.world(), |world, hidden| hide(world, stand, hidden));
@@ -269,7 +260,7 @@ fn effects_of_ground_and_sensor_leave_the_body_alone() {
         named("cell_gain", "fsr_2", &[0.7]),
         named("units", "millimetres", &[]),
     ];
-    let model = with_effects(&stand, &hidden);
+    let model = with(&stand, &hidden);
     let q = stand.postures(4, 0.5, 5).concat();
     for function in [
         Function::Com,
@@ -310,7 +301,7 @@ fn regressor_rows_take_the_kinematic_effects() {
     let mut all = kinematic.to_vec();
     all.push(named("payload", "body_link", &[0.5, 0.0, 0.0, 0.1]));
     all.push(named("joint_compliance", "all", &[200.0]));
-    let model = with_effects(&stand, &all);
+    let model = with(&stand, &all);
     let r = model.cad_params();
     for q in stand.postures(POSTURES, 0.5, 9) {
         let com = world.com(&q);

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use sesc_identify::diagnose::{FLOOR_M, Report, Request, Verdict, diagnose};
+use sesc_identify::diagnose::{Diagnosis, FLOOR_M, Report, Request, Verdict, diagnose};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::health::{self, Health};
 use sesc_identify::logs::{LogSource, Sidecar, Table};
@@ -122,15 +122,16 @@ impl Log {
     }
 }
 
+/// Kinds of findings and what each is of.
+pub fn kinds(found: &Diagnosis) -> Vec<(&str, &str)> {
+    let health = found.health.iter();
+    health.map(|h| (h.kind.name(), &*h.target)).collect()
+}
+
 pub fn finds(log: &Log, support: &str, kind: &str, target: &str, usable: bool) {
     let found = log.diagnose(support).diagnosis;
-    let kinds: Vec<(&str, &str)> = found
-        .health
-        .iter()
-        .map(|h| (h.kind.name(), &*h.target))
-        .collect();
-    println!("{kinds:?}: {}", found.sentence);
-    assert_eq!(kinds, [(kind, target)]);
+    println!("{:?}: {}", kinds(&found), found.sentence);
+    assert_eq!(kinds(&found), [(kind, target)]);
     assert_eq!(found.verdict == Verdict::Unusable, !usable);
     assert!(usable || found.steps.is_empty() && found.indistinguishable.is_empty());
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use sesc_test_support::command::{ROOT, folder, op2, program, sesc, stdout, write};
+use sesc_test_support::command::{ROOT, folder, in_words, op2, program, sesc, stdout, write};
 
 /// What a command takes whatever it reads, bytes: the program itself, robot, threads.
 const BASE: u64 = 120 << 20;
@@ -57,6 +57,8 @@ fn sizes(count: usize, of: impl Fn(usize) -> String) -> [String; 2] {
 /// TOML takes most of what is read: a list of four bytes becomes 500 of memory.
 const TOML: u64 = 150;
 
+const GENERATE: &str = "generate @ --support foot --out @ --model @";
+
 #[test]
 fn toml_takes_memory_in_proportion_to_the_file() {
     let folder = folder();
@@ -69,30 +71,13 @@ fn toml_takes_memory_in_proportion_to_the_file() {
         let array = |n: usize| format!("x = [{}]", piece.repeat(n));
         let model = |text: &str| {
             let model = write(folder.path(), "model.toml", text);
-            peak(&[
-                "generate",
-                &urdf,
-                "--support",
-                "foot",
-                "--out",
-                &out,
-                "--model",
-                &model,
-            ])
+            peak(&in_words(GENERATE, &[&urdf, &out, &model]))
         };
         in_proportion("model file", TOML, sizes(count / 4, array), model);
         let prior = |text: &str| {
             let prior = write(folder.path(), "prior.toml", text);
-            peak(&[
-                "fit",
-                &urdf,
-                "--support",
-                "foot",
-                "--data",
-                &log,
-                "--prior",
-                &prior,
-            ])
+            let fit = "fit @ --support foot --data @ --prior @";
+            peak(&in_words(fit, &[&urdf, &log, &prior]))
         };
         in_proportion("prior", TOML, sizes(count / 4, array), prior);
         let sidecar = |text: &str| {
@@ -106,16 +91,7 @@ fn toml_takes_memory_in_proportion_to_the_file() {
     // Beyond the marks of any file, and beyond its bytes: nothing is parsed.
     for text in ["1,".repeat(8 << 20), "#".repeat(40 << 20)] {
         let model = write(folder.path(), "model.toml", &text);
-        let most = peak(&[
-            "generate",
-            &urdf,
-            "--support",
-            "foot",
-            "--out",
-            &out,
-            "--model",
-            &model,
-        ]);
+        let most = peak(&in_words(GENERATE, &[&urdf, &out, &model]));
         assert!(most <= BASE, "{} MB", most >> 20);
     }
 }
@@ -289,15 +265,7 @@ fn fixed_links_take_memory_in_proportion_to_the_file_in_every_command() {
             &["inspect"][..],
             &["generate", "--lang", "c", "--out", &at("c")],
             &["verify", "--samples", "5"],
-            &[
-                "plan",
-                "--poses",
-                "6",
-                "--cop-box",
-                "0.05",
-                "--out",
-                &at("poses.csv"),
-            ],
+            &in_words("plan --poses 6 --cop-box 0.05 --out @", &[&at("poses.csv")])[..],
             &["simulate", "--poses", "6", "--out", &at("new.csv")],
             &["predict", "--data", &log],
             &["fit", "--data", &log],

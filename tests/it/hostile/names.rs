@@ -174,6 +174,21 @@ pub(super) fn run(program: &str, arguments: &[&str], folder: &Path) {
     assert!(output.status.success(), "{program} {arguments:?}:\n{said}");
 }
 
+/// Checks the crate `name` of the modules in `src`.
+pub(super) fn check(folder: &Path, name: &str, library: String) {
+    fs::write(folder.join("src/lib.rs"), library).unwrap();
+    let root = env!("CARGO_MANIFEST_DIR");
+    let manifest = format!(
+        "[workspace]\n[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \
+         \"2024\"\n[dependencies]\nsesc-runtime = {{ path = \"{root}/runtime\" }}\n"
+    );
+    fs::write(folder.join("Cargo.toml"), manifest).unwrap();
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hostile-target");
+    let target = target.display().to_string();
+    let check = ["check", "--offline", "--quiet", "--target-dir", &target];
+    run(env!("CARGO"), &check, folder);
+}
+
 /// Everything that goes into code, for a robot of each name, and for one of all of them.
 #[test]
 #[cfg(target_os = "linux")]
@@ -198,20 +213,9 @@ fn code_of_hostile_names_compiles_without_a_warning() {
             robot(name, &joints),
         );
         let module = format!("robot_{k}");
-        let generate = in_words(
-            "generate @ --support @ --name @ --out",
-            &[&urdf, name, &module],
-        );
         // A name that begins with a dash is an option unless it is joined.
         let support = format!("--support={name}");
-        let generate = [
-            generate[0],
-            generate[1],
-            &support,
-            generate[4],
-            generate[5],
-            generate[6],
-        ];
+        let generate = ["generate", &urdf, &support, "--name", &module, "--out"];
         let at = |name: &str| folder.path().join(name).display().to_string();
         stdout(&sesc(&[&generate[..], &[&at("src")]].concat()));
         let _ = writeln!(library, "pub mod {module};");
@@ -239,21 +243,7 @@ fn code_of_hostile_names_compiles_without_a_warning() {
         let bidi = ["-Wbidi-chars=any", "-fsyntax-only", include, file];
         run("cc", &[&flags[..], &bidi].concat(), folder.path());
     }
-    fs::write(folder.path().join("src/lib.rs"), library).unwrap();
-    let root = env!("CARGO_MANIFEST_DIR");
-    let manifest = format!(
-        "[workspace]\n[package]\nname = \"hostile-names\"\nversion = \"0.1.0\"\nedition = \
-         \"2024\"\n[dependencies]\nsesc-runtime = {{ path = \"{root}/runtime\" }}\n"
-    );
-    fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hostile-target");
-    let check = ["check", "--offline", "--quiet", "--target-dir"];
-    let target = target.display().to_string();
-    run(
-        env!("CARGO"),
-        &[&check[..], &[&target]].concat(),
-        folder.path(),
-    );
+    check(folder.path(), "hostile-names", library);
 }
 
 /// Characters that turn text, and controls, are no part of a name.
@@ -261,7 +251,7 @@ fn code_of_hostile_names_compiles_without_a_warning() {
 fn names_that_turn_text_are_refused() {
     let folder = folder();
     for c in [
-        '\u{202e}', '\u{2066}', '\u{200f}', '\u{61c}', '\u{2028}', '\u{9b}', '\u{7f}',
+        '\u{202e}', '\u{2066}', '\u{2028}', '\u{9b}', '\u{7f}', '\u{85}', '\u{200f}', '\u{61c}',
     ] {
         let urdf = write(
             folder.path(),

@@ -64,43 +64,8 @@ fn a_value_beyond_every_sensor_is_refused_with_line_and_column() {
         let text = changed(&lines, column, value, false);
         let log = write(folder.path(), "log.csv", text);
         let out = folder.path().join("m.toml").display().to_string();
-        for options in [
-            &["fit", &op2(), "--data", &log, "--out", &out][..],
-            &[
-                "fit",
-                &op2(),
-                "--data",
-                &log,
-                "--out",
-                &out,
-                "--robust",
-                "tukey",
-            ],
-            &[
-                "fit",
-                &op2(),
-                "--data",
-                &log,
-                "--out",
-                &out,
-                "--prior",
-                "free",
-                "--physical",
-            ],
-            &["diagnose", &op2(), "--data", &log, "--out", &out],
-            &[
-                "diagnose",
-                &op2(),
-                "--data",
-                &log,
-                "--out",
-                &out,
-                "--prior",
-                "free",
-            ],
-        ] {
-            let support = ["--support", "r_sole"];
-            let output = soon(&[options, &support].concat());
+        for way in WAYS {
+            let output = evaluated(&[way, &["--out", &out]].concat(), &log);
             refused(&output, &["log.csv:18", &format!("`{column}`"), word]);
             let message = String::from_utf8_lossy(&output.stderr);
             assert!(message.len() < 400, "{message}");

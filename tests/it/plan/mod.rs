@@ -115,23 +115,10 @@ fn the_same_seed_gives_the_same_file_and_another_does_not() {
     let folder = folder();
     let run = |name: &str, seed: &str| {
         let out = folder.path().join(name);
-        let output = sesc(&[
-            "plan",
-            &op2(),
-            "--support",
-            "r_sole",
-            "--poses",
-            "10",
-            "--candidates",
-            "200",
-            "--limits",
-            &paper_limits(),
-            "--seed",
-            seed,
-            "--json",
-            "--out",
-            out.to_str().unwrap(),
-        ]);
+        let output = sesc(&in_words(
+            "plan @ --support r_sole --poses 10 --candidates 200 --limits @ --seed @ --json --out @",
+            &[&op2(), &paper_limits(), seed, out.to_str().unwrap()],
+        ));
         (stdout(&output), std::fs::read_to_string(out).unwrap())
     };
     let first = run("a.csv", "3");

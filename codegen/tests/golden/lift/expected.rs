@@ -4,35 +4,18 @@
 // support frame  base
 // parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
 // snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
+// without        com_velocity, gravity_moments, regressor, regressor_cop, regressor_full, cop, zmp: not asked
+//                for
 //
 // function                 mul     add   sin_cos   proven |rounding error|
 // com                       16      15         2   2.5e-15 (f64)  1.6e-7 m (f32)
 // com_jacobian              32      24         2   2.3e-15 (f64)  1.2e-7 m/rad (f32)
-// com_velocity              25      16         2   3.1e-15 (f64)  2.2e-7 m/s (f32)
-// gravity_moments           18      12         2   2.0e-15 (f64)  9.5e-8 m (f32)
-// regressor                 23      15         2   4.6e-14 (f64)  1.8e-6 (f32)
-// regressor_cop             16      10         2   4.6e-14 (f64)  1.8e-6 (f32)
-// regressor_full            38      30         2   4.6e-14 (f64)  1.8e-6 (f32)
-// cop                       13      12         2   2.3e-15 (f64)  1.3e-7 m (f32)
-// zmp                      132     102         2   9.4e-14 (f64)  7.8e-7 m (f32)  and 1 quotient
 // com_sc                    24      19         0   3.3e-15 (f64)  1.9e-7 m (f32)
 // com_jacobian_sc           40      28         0   3.6e-15 (f64)  1.5e-7 m/rad (f32)
-// com_velocity_sc           33      20         0   4.2e-15 (f64)  2.6e-7 m/s (f32)
-// gravity_moments_sc        26      16         0   3.1e-15 (f64)  1.3e-7 m (f32)
-// regressor_sc              31      19         0   7.8e-14 (f64)  2.6e-6 (f32)
-// regressor_cop_sc          24      14         0   7.6e-14 (f64)  2.6e-6 (f32)
-// regressor_full_sc         46      34         0   8.2e-14 (f64)  2.7e-6 (f32)
-// cop_sc                    21      16         0   3.0e-15 (f64)  1.5e-7 m (f32)
-// zmp_sc                   140     106         0   1.2e-13 (f64)  1.1e-6 m (f32)  and 1 quotient
 // com_jacobian_along        33      21         0   4.9e-15 (f64)  2.4e-7 m/rad (f32)
-// regressor_along           24      14         0   9.7e-14 (f64)  4.2e-6 (f32)
-// regressor_full_along      31      19         0   1.1e-13 (f64)  4.3e-6 (f32)
 // Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
 // parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
 // against exact evaluation with the same parameters.
-// That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
-// accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
-// weight.
 //
 // method         statically equivalent serial chain (SESC); equations as numbered in
 //                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA)
@@ -140,55 +123,6 @@ pub fn com_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 3
     Lift::com_jacobian(q, r)
 }
 
-/// Velocity of the centre of mass, m/s: J(q) q̇ without forming J.
-#[allow(dead_code)]
-#[inline]
-pub fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-    Lift::com_velocity(q, qd, r)
-}
-
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-#[allow(dead_code)]
-#[inline]
-pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-    Lift::gravity_moments(q, r)
-}
-
-/// Rows of the base regressor: CoM = rows · r.
-#[allow(dead_code)]
-#[inline]
-pub fn regressor<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-    Lift::regressor(q)
-}
-
-/// The x and y rows of the base regressor: CoP = rows · r.
-#[allow(dead_code)]
-#[inline]
-pub fn regressor_cop<T: Real>(q: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-    Lift::regressor_cop(q)
-}
-
-/// Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.
-#[allow(dead_code)]
-#[inline]
-pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-    Lift::regressor_full(q)
-}
-
-/// Centre of pressure that a static posture shows on a level sole, m.
-#[allow(dead_code)]
-#[inline]
-pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    Lift::cop(q, r)
-}
-
-/// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
-#[allow(dead_code)]
-#[inline]
-pub fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    Lift::zmp(q, qd, qdd, r)
-}
-
 /// Centre of mass in the support frame, m: r_0 + Σ B_i(q) r_i, Eq. (4).
 ///
 /// From sines and cosines; a prismatic joint passes its position in `sin`.
@@ -211,84 +145,6 @@ pub fn com_jacobian_sc<T: Real>(
     Lift::com_jacobian_sc(sin, cos, r)
 }
 
-/// Velocity of the centre of mass, m/s: J(q) q̇ without forming J.
-///
-/// From sines and cosines; a prismatic joint passes its position in `sin`.
-#[allow(dead_code)]
-#[inline]
-pub fn com_velocity_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    qd: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-) -> [T; 3] {
-    Lift::com_velocity_sc(sin, cos, qd, r)
-}
-
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
-///
-/// From sines and cosines; a prismatic joint passes its position in `sin`.
-#[allow(dead_code)]
-#[inline]
-pub fn gravity_moments_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-) -> [T; DOF] {
-    Lift::gravity_moments_sc(sin, cos, r)
-}
-
-/// Rows of the base regressor: CoM = rows · r.
-///
-/// From sines and cosines; a prismatic joint passes its position in `sin`.
-#[allow(dead_code)]
-#[inline]
-pub fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-    Lift::regressor_sc(sin, cos)
-}
-
-/// The x and y rows of the base regressor: CoP = rows · r.
-///
-/// From sines and cosines; a prismatic joint passes its position in `sin`.
-#[allow(dead_code)]
-#[inline]
-pub fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-    Lift::regressor_cop_sc(sin, cos)
-}
-
-/// Rows [B_0 B_1 …] of the full regressor, Eq. (5), in link frames.
-///
-/// From sines and cosines; a prismatic joint passes its position in `sin`.
-#[allow(dead_code)]
-#[inline]
-pub fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-    Lift::regressor_full_sc(sin, cos)
-}
-
-/// Centre of pressure that a static posture shows on a level sole, m.
-///
-/// From sines and cosines; a prismatic joint passes its position in `sin`.
-#[allow(dead_code)]
-#[inline]
-pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-    Lift::cop_sc(sin, cos, r)
-}
-
-/// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
-///
-/// From sines and cosines; a prismatic joint passes its position in `sin`.
-#[allow(dead_code)]
-#[inline]
-pub fn zmp_sc<T: Real>(
-    sin: &[T; DOF],
-    cos: &[T; DOF],
-    qd: &[T; DOF],
-    qdd: &[T; DOF],
-    r: &[T; BASE_PARAMS],
-) -> [T; 2] {
-    Lift::zmp_sc(sin, cos, qd, qdd, r)
-}
-
 #[allow(dead_code, non_snake_case, clippy::all)]
 impl v1::Robot for Lift {
     type Dof = v1::Const<DOF>;
@@ -303,13 +159,32 @@ impl v1::Robot for Lift {
 
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        Lift::com_core(
-            &v1::Positions::new(
-                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
-            ),
-            q,
-            r,
-        )
+        // thumb
+        let e1 = q[1] - T::from_f64(0.5636476090008061);
+        let (s_thumb, c_thumb) = e1.sin_cos();
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
+        let e2 = q[1] - T::from_f64(0.4636476090008061);
+        let (s_wrist, c_wrist) = e2.sin_cos();
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e3 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        // lift
+        let e4 = t_wrist_x.mul_plus(T::from_f64(0.5), -e3);
+        let e4 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e4);
+        let w_wrist_x = (-e4).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        let w_wrist_z = e4
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * t_thumb_y),
+            );
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] - e4.mul_plus(T::from_f64(1.3333333333333333), e3);
+        let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
+        [v_base_x, v_base_y, v_base_z]
     }
 
     #[inline(always)]
@@ -326,98 +201,42 @@ impl v1::Robot for Lift {
             jacobian,
         );
     }
-
-    #[inline(always)]
-    fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        Lift::com_velocity_core(
-            &v1::Positions::new(
-                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
-            ),
-            qd,
-            r,
-        )
-    }
-
-    #[inline(always)]
-    fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-        Lift::gravity_moments_core(
-            &v1::Positions::new(
-                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
-            ),
-            r,
-        )
-    }
-
-    #[inline(always)]
-    fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        Lift::regressor_core(
-            &v1::Positions::new(
-                &[q[1] - T::from_f64(0.4636476090008061), q[1] - T::from_f64(0.5636476090008061)],
-            ),
-            q,
-            rows,
-        );
-    }
-
-    #[inline(always)]
-    fn regressor_cop_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 2]) {
-        Lift::regressor_cop_core(
-            &v1::Positions::new(
-                &[q[1] - T::from_f64(0.4636476090008061), q[1] - T::from_f64(0.5636476090008061)],
-            ),
-            rows,
-        );
-    }
-
-    #[inline(always)]
-    fn regressor_full_into<T: Real>(q: &[T; DOF], rows: &mut [[T; FULL_PARAMS]; 3]) {
-        Lift::regressor_full_core(
-            &v1::Positions::new(
-                &[q[1] - T::from_f64(0.4636476090008061), q[1] - T::from_f64(0.5636476090008061)],
-            ),
-            q,
-            rows,
-        );
-    }
-
-    #[inline(always)]
-    fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        Lift::cop_core(
-            &v1::Positions::new(
-                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
-            ),
-            r,
-        )
-    }
-
-    #[inline(always)]
-    fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        Lift::zmp_core(
-            &v1::Positions::new(
-                &[q[1] - T::from_f64(0.5636476090008061), q[1] - T::from_f64(0.4636476090008061)],
-            ),
-            q,
-            qd,
-            qdd,
-            r,
-        )
-    }
 }
 
 #[allow(dead_code, non_snake_case, clippy::all)]
 impl v1::SinCosRobot for Lift {
     #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
+        // thumb
         let s_thumb = sin[1]
             .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
         let c_thumb = cos[1]
             .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
+        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
+        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
+        // wrist
+        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
+        let v_wrist_y = r[5] + t_thumb_x;
         let s_wrist = sin[1]
             .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
         let c_wrist = cos[1]
             .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
-        Lift::com_core(&(&sin_of, &cos_of), sin, r)
+        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
+        let e1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
+        // lift
+        let e2 = t_wrist_x.mul_plus(T::from_f64(0.5), -e1);
+        let e2 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e2);
+        let w_wrist_x = (-e2).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
+        let w_wrist_z = e2
+            .mul_plus(
+                T::from_f64(0.6666666666666667),
+                -(T::from_f64(0.7453559924999299) * t_thumb_y),
+            );
+        // base
+        let v_base_x = r[0] + w_wrist_x;
+        let v_base_y = r[1] - e2.mul_plus(T::from_f64(1.3333333333333333), e1);
+        let v_base_z = r[2] + sin[0].mul_plus(r[3], w_wrist_z);
+        [v_base_x, v_base_y, v_base_z]
     }
 
     #[inline(always)]
@@ -438,125 +257,6 @@ impl v1::SinCosRobot for Lift {
         let mut jacobian = [[T::from_f64(0.0); DOF]; 3];
         Lift::com_jacobian_core(&(&sin_of, &cos_of), r, &mut jacobian);
         jacobian
-    }
-
-    #[inline(always)]
-    fn com_velocity_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        qd: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-    ) -> [T; 3] {
-        let s_thumb = sin[1]
-            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
-        let c_thumb = cos[1]
-            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let s_wrist = sin[1]
-            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
-        let c_wrist = cos[1]
-            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
-        Lift::com_velocity_core(&(&sin_of, &cos_of), qd, r)
-    }
-
-    #[inline(always)]
-    fn gravity_moments_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-    ) -> [T; DOF] {
-        let s_thumb = sin[1]
-            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
-        let c_thumb = cos[1]
-            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let s_wrist = sin[1]
-            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
-        let c_wrist = cos[1]
-            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
-        Lift::gravity_moments_core(&(&sin_of, &cos_of), r)
-    }
-
-    #[inline(always)]
-    fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        let s_wrist = sin[1]
-            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
-        let c_wrist = cos[1]
-            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let s_thumb = sin[1]
-            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
-        let c_thumb = cos[1]
-            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let (sin_of, cos_of) = ([s_wrist, s_thumb], [c_wrist, c_thumb]);
-        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
-        Lift::regressor_core(&(&sin_of, &cos_of), sin, &mut rows);
-        rows
-    }
-
-    #[inline(always)]
-    fn regressor_cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 2] {
-        let s_wrist = sin[1]
-            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
-        let c_wrist = cos[1]
-            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let s_thumb = sin[1]
-            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
-        let c_thumb = cos[1]
-            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let (sin_of, cos_of) = ([s_wrist, s_thumb], [c_wrist, c_thumb]);
-        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 2];
-        Lift::regressor_cop_core(&(&sin_of, &cos_of), &mut rows);
-        rows
-    }
-
-    #[inline(always)]
-    fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
-        let s_wrist = sin[1]
-            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
-        let c_wrist = cos[1]
-            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let s_thumb = sin[1]
-            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
-        let c_thumb = cos[1]
-            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let (sin_of, cos_of) = ([s_wrist, s_thumb], [c_wrist, c_thumb]);
-        let mut rows = [[T::from_f64(0.0); FULL_PARAMS]; 3];
-        Lift::regressor_full_core(&(&sin_of, &cos_of), sin, &mut rows);
-        rows
-    }
-
-    #[inline(always)]
-    fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        let s_thumb = sin[1]
-            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
-        let c_thumb = cos[1]
-            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let s_wrist = sin[1]
-            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
-        let c_wrist = cos[1]
-            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
-        Lift::cop_core(&(&sin_of, &cos_of), r)
-    }
-
-    #[inline(always)]
-    fn zmp_sc<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        qd: &[T; DOF],
-        qdd: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-    ) -> [T; 2] {
-        let s_thumb = sin[1]
-            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
-        let c_thumb = cos[1]
-            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let s_wrist = sin[1]
-            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
-        let c_wrist = cos[1]
-            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let (sin_of, cos_of) = ([s_thumb, s_wrist], [c_thumb, c_wrist]);
-        Lift::zmp_core(&(&sin_of, &cos_of), sin, qd, qdd, r)
     }
 
     #[inline(always)]
@@ -595,134 +295,10 @@ impl v1::SinCosRobot for Lift {
         let p4 = k_wrist_y.mul_plus(t_wrist_x, k_wrist_x * p3);
         [along[2] * r[3], p1.mul_plus(t_thumb_y, -(p2 * t_thumb_x)) - p4]
     }
-
-    #[inline(always)]
-    fn regressor_along<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        along: &[T; 3],
-    ) -> [T; BASE_PARAMS] {
-        // wrist
-        let s_wrist = sin[1]
-            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
-        let c_wrist = cos[1]
-            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let e1 = along[0].mul_plus(T::from_f64(0.5), along[1]);
-        let e1 = (-along[2]).mul_plus(T::from_f64(0.5000000000000001), e1);
-        let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
-        let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
-        let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
-        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, -(k_wrist_y * s_wrist));
-        let e2 = k_wrist_y.mul_plus(c_wrist, k_wrist_x * s_wrist);
-        let b_wrist_y = -e2;
-        // thumb
-        let s_thumb = sin[1]
-            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
-        let c_thumb = cos[1]
-            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let e3 = b_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.7453559924999299) * k_wrist_z);
-        let b_thumb_x = -e2.mul_plus(c_thumb, e3 * s_thumb);
-        let b_thumb_y = -e2.mul_plus(s_thumb, -(e3 * c_thumb));
-        [
-            along[0],
-            along[1],
-            along[2],
-            along[2] * sin[0],
-            b_wrist_x,
-            b_wrist_y,
-            b_thumb_x,
-            b_thumb_y,
-        ]
-    }
-
-    #[inline(always)]
-    fn regressor_full_along<T: Real>(
-        sin: &[T; DOF],
-        cos: &[T; DOF],
-        along: &[T; 3],
-    ) -> [T; FULL_PARAMS] {
-        // wrist
-        let s_wrist = sin[1]
-            .mul_plus(T::from_f64(0.8944271909999159), -(T::from_f64(0.4472135954999579) * cos[1]));
-        let c_wrist = cos[1]
-            .mul_plus(T::from_f64(0.8944271909999159), T::from_f64(0.4472135954999579) * sin[1]);
-        let e1 = along[0].mul_plus(T::from_f64(0.5), along[1]);
-        let e1 = (-along[2]).mul_plus(T::from_f64(0.5000000000000001), e1);
-        let k_wrist_x = (-e1).mul_plus(T::from_f64(0.6666666666666666), along[0]);
-        let k_wrist_y = (-e1).mul_plus(T::from_f64(1.3333333333333333), along[1]);
-        let k_wrist_z = e1.mul_plus(T::from_f64(0.6666666666666667), along[2]);
-        let b_wrist_x = k_wrist_x.mul_plus(c_wrist, -(k_wrist_y * s_wrist));
-        let e2 = k_wrist_y.mul_plus(c_wrist, k_wrist_x * s_wrist);
-        // thumb
-        let s_thumb = sin[1]
-            .mul_plus(T::from_f64(0.8453119193731673), -(T::from_f64(0.534273112710767) * cos[1]));
-        let c_thumb = cos[1]
-            .mul_plus(T::from_f64(0.8453119193731673), T::from_f64(0.534273112710767) * sin[1]);
-        let e3 = b_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.7453559924999299) * k_wrist_z);
-        let e4 = T::from_f64(0.6666666666666666) * k_wrist_z;
-        let k_thumb_z = b_wrist_x.mul_plus(T::from_f64(0.7453559924999299), -e4);
-        let b_thumb_x = -e2.mul_plus(c_thumb, e3 * s_thumb);
-        let b_thumb_y = -e2.mul_plus(s_thumb, -(e3 * c_thumb));
-        let p1 = b_wrist_x
-            .mul_plus(T::from_f64(0.29814239699997197), -(T::from_f64(0.8944271909999159) * e2));
-        [
-            along[0],
-            along[1],
-            along[2],
-            along[0],
-            along[1],
-            along[2],
-            along[2] * sin[0],
-            k_wrist_z.mul_plus(T::from_f64(0.3333333333333333), p1),
-            -k_thumb_z,
-            b_wrist_x
-                .mul_plus(
-                    T::from_f64(0.5962847939999439),
-                    T::from_f64(0.4472135954999579) * e2,
-                ) + e4,
-            b_thumb_x,
-            b_thumb_y,
-            k_thumb_z,
-        ]
-    }
 }
 
 #[allow(dead_code, non_snake_case, clippy::all)]
 impl Lift {
-    #[inline(always)]
-    fn com_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        q: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-    ) -> [T; 3] {
-        // thumb
-        let (s_thumb, c_thumb) = angles.sin_cos(0);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let (s_wrist, c_wrist) = angles.sin_cos(1);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        let e1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        // lift
-        let e2 = t_wrist_x.mul_plus(T::from_f64(0.5), -e1);
-        let e2 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e2);
-        let w_wrist_x = (-e2).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-        let w_wrist_z = e2
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.7453559924999299) * t_thumb_y),
-            );
-        // base
-        let v_base_x = r[0] + w_wrist_x;
-        let v_base_y = r[1] - e2.mul_plus(T::from_f64(1.3333333333333333), e1);
-        let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
-        [v_base_x, v_base_y, v_base_z]
-    }
-
     #[inline(always)]
     fn com_jacobian_core<T: Real>(
         angles: &impl v1::Angles<T>,
@@ -772,476 +348,5 @@ impl Lift {
         let p7 = t_wrist_x
             .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * e1);
         jacobian[2][1] = p5.mul_plus(t_thumb_y, -(p6 * t_thumb_x)) - p7;
-    }
-
-    #[inline(always)]
-    fn com_velocity_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        qd: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-    ) -> [T; 3] {
-        // thumb
-        let (s_thumb, c_thumb) = angles.sin_cos(0);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let (s_wrist, c_wrist) = angles.sin_cos(1);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        // thumb
-        let e1 = qd[1] * t_thumb_y;
-        let dt_thumb_y = qd[1] * t_thumb_x;
-        // wrist
-        let e2 = T::from_f64(0.6666666666666666) * dt_thumb_y;
-        let p1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        let dt_wrist_x = s_wrist.mul_plus(e1, -(c_wrist * e2));
-        let dt_wrist_x = (-qd[1]).mul_plus(p1, dt_wrist_x);
-        let dt_wrist_y = s_wrist.mul_plus(e2, c_wrist * e1);
-        let dt_wrist_y = (-qd[1]).mul_plus(t_wrist_x, dt_wrist_y);
-        // lift
-        let e3 = dt_wrist_x.mul_plus(T::from_f64(0.5), dt_wrist_y);
-        let e3 = dt_thumb_y.mul_plus(T::from_f64(0.372677996249965), e3);
-        let dv_lift_x = (-e3).mul_plus(T::from_f64(0.6666666666666666), dt_wrist_x);
-        let dv_lift_y = (-e3).mul_plus(T::from_f64(1.3333333333333333), dt_wrist_y);
-        let dv_lift_z = e3
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.7453559924999299) * dt_thumb_y),
-            );
-        // base
-        let dv_base_z = qd[0].mul_plus(r[3], dv_lift_z);
-        [dv_lift_x, dv_lift_y, dv_base_z]
-    }
-
-    #[inline(always)]
-    fn gravity_moments_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        r: &[T; BASE_PARAMS],
-    ) -> [T; DOF] {
-        // thumb
-        let (s_thumb, c_thumb) = angles.sin_cos(0);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let (s_wrist, c_wrist) = angles.sin_cos(1);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        // wrist
-        let bz_wrist_x = c_wrist
-            .mul_plus(
-                T::from_f64(0.33333333333333337),
-                -(T::from_f64(0.6666666666666667) * s_wrist),
-            );
-        let p1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        let p2 = c_wrist
-            .mul_plus(T::from_f64(0.6666666666666667), T::from_f64(0.33333333333333337) * s_wrist);
-        let p3 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let p4 = p2.mul_plus(t_thumb_y, -(p3 * t_thumb_x));
-        [
-            -r[3],
-            t_wrist_x
-                .mul_plus(
-                    T::from_f64(0.6666666666666667),
-                    T::from_f64(0.33333333333333337) * p1,
-                ) - p4,
-        ]
-    }
-
-    #[inline(always)]
-    fn regressor_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        q: &[T; DOF],
-        rows: &mut [[T; BASE_PARAMS]; 3],
-    ) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[2][3] = q[0];
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[2][2] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][3] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        // wrist
-        let (s_wrist, c_wrist) = angles.sin_cos(0);
-        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
-        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = e1 + e2;
-        rows[0][4] = bx_wrist_x;
-        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
-        let e5 = e4 - e3;
-        let bx_wrist_y = -e5;
-        rows[0][5] = bx_wrist_y;
-        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e3);
-        rows[1][4] = by_wrist_x;
-        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
-        rows[1][5] = by_wrist_y;
-        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e4);
-        rows[2][4] = bz_wrist_x;
-        let e6 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e1);
-        let bz_wrist_y = -e6;
-        rows[2][5] = bz_wrist_y;
-        // thumb
-        let (s_thumb, c_thumb) = angles.sin_cos(1);
-        let e7 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let bx_thumb_x = -e5.mul_plus(c_thumb, e7 * s_thumb);
-        rows[0][6] = bx_thumb_x;
-        let bx_thumb_y = -e5.mul_plus(s_thumb, -(e7 * c_thumb));
-        rows[0][7] = bx_thumb_y;
-        let e8 = by_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
-        rows[1][6] = by_thumb_x;
-        let by_thumb_y = e8.mul_plus(c_thumb, by_wrist_y * s_thumb);
-        rows[1][7] = by_thumb_y;
-        let e9 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let bz_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
-        rows[2][6] = bz_thumb_x;
-        let bz_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
-        rows[2][7] = bz_thumb_y;
-    }
-
-    #[inline(always)]
-    fn regressor_cop_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 2]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][3] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        // wrist
-        let (s_wrist, c_wrist) = angles.sin_cos(0);
-        let e1 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = c_wrist.mul_plus(T::from_f64(0.6666666666666667), e1);
-        rows[0][4] = bx_wrist_x;
-        let e2 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e3 = s_wrist.mul_plus(T::from_f64(0.6666666666666667), -e2);
-        let bx_wrist_y = -e3;
-        rows[0][5] = bx_wrist_y;
-        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e2);
-        rows[1][4] = by_wrist_x;
-        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e1);
-        rows[1][5] = by_wrist_y;
-        // thumb
-        let (s_thumb, c_thumb) = angles.sin_cos(1);
-        let e4 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let bx_thumb_x = -e3.mul_plus(c_thumb, e4 * s_thumb);
-        rows[0][6] = bx_thumb_x;
-        let bx_thumb_y = -e3.mul_plus(s_thumb, -(e4 * c_thumb));
-        rows[0][7] = bx_thumb_y;
-        let e5 = by_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e5 * s_thumb));
-        rows[1][6] = by_thumb_x;
-        let by_thumb_y = e5.mul_plus(c_thumb, by_wrist_y * s_thumb);
-        rows[1][7] = by_thumb_y;
-    }
-
-    #[inline(always)]
-    fn regressor_full_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        q: &[T; DOF],
-        rows: &mut [[T; FULL_PARAMS]; 3],
-    ) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[2][6] = q[0];
-        rows[0][0] = one;
-        rows[0][3] = one;
-        rows[1][1] = one;
-        rows[1][4] = one;
-        rows[2][2] = one;
-        rows[2][5] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][4] = zero;
-        rows[0][5] = zero;
-        rows[0][6] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[1][5] = zero;
-        rows[1][6] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        rows[2][3] = zero;
-        rows[2][4] = zero;
-        // wrist
-        let (s_wrist, c_wrist) = angles.sin_cos(0);
-        let e1 = T::from_f64(0.6666666666666667) * c_wrist;
-        let e2 = T::from_f64(0.6666666666666666) * s_wrist;
-        let bx_wrist_x = e1 + e2;
-        let e3 = T::from_f64(0.6666666666666666) * c_wrist;
-        let e4 = T::from_f64(0.6666666666666667) * s_wrist;
-        let e5 = e4 - e3;
-        let by_wrist_x = s_wrist.mul_plus(T::from_f64(0.33333333333333326), -e3);
-        let by_wrist_y = c_wrist.mul_plus(T::from_f64(0.33333333333333326), e2);
-        let bz_wrist_x = c_wrist.mul_plus(T::from_f64(0.33333333333333337), -e4);
-        let e6 = s_wrist.mul_plus(T::from_f64(0.33333333333333337), e1);
-        // thumb
-        let (s_thumb, c_thumb) = angles.sin_cos(1);
-        let e7 = bx_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.24845199749997665));
-        let kx_thumb_z = bx_wrist_x
-            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.22222222222222224));
-        rows[0][12] = kx_thumb_z;
-        let bx_thumb_x = -e5.mul_plus(c_thumb, e7 * s_thumb);
-        rows[0][10] = bx_thumb_x;
-        let bx_thumb_y = -e5.mul_plus(s_thumb, -(e7 * c_thumb));
-        rows[0][11] = bx_thumb_y;
-        let e8 = by_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.4969039949999533));
-        let ky_thumb_z = by_wrist_x
-            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444445));
-        rows[1][12] = ky_thumb_z;
-        let by_thumb_x = by_wrist_y.mul_plus(c_thumb, -(e8 * s_thumb));
-        rows[1][10] = by_thumb_x;
-        let by_thumb_y = e8.mul_plus(c_thumb, by_wrist_y * s_thumb);
-        rows[1][11] = by_thumb_y;
-        let e9 = bz_wrist_x
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.49690399499995314));
-        let kz_thumb_z = bz_wrist_x
-            .mul_plus(T::from_f64(0.7453559924999299), -T::from_f64(0.4444444444444443));
-        rows[2][12] = kz_thumb_z;
-        let bz_thumb_x = -e6.mul_plus(c_thumb, e9 * s_thumb);
-        rows[2][10] = bz_thumb_x;
-        let bz_thumb_y = -e6.mul_plus(s_thumb, -(e9 * c_thumb));
-        rows[2][11] = bz_thumb_y;
-        rows[0][7] = bx_wrist_x
-            .mul_plus(
-                T::from_f64(0.29814239699997197),
-                -(T::from_f64(0.8944271909999159) * e5),
-            ) + T::from_f64(0.11111111111111112);
-        rows[0][8] = -kx_thumb_z;
-        rows[0][9] = bx_wrist_x
-            .mul_plus(
-                T::from_f64(0.5962847939999439),
-                T::from_f64(0.4472135954999579) * e5,
-            ) + T::from_f64(0.22222222222222224);
-        rows[1][7] = by_wrist_x
-            .mul_plus(
-                T::from_f64(0.29814239699997197),
-                T::from_f64(0.8944271909999159) * by_wrist_y,
-            ) + T::from_f64(0.22222222222222224);
-        rows[1][8] = -ky_thumb_z;
-        rows[1][9] = by_wrist_x
-            .mul_plus(
-                T::from_f64(0.5962847939999439),
-                -(T::from_f64(0.4472135954999579) * by_wrist_y),
-            ) + T::from_f64(0.4444444444444445);
-        rows[2][7] = bz_wrist_x
-            .mul_plus(
-                T::from_f64(0.29814239699997197),
-                -(T::from_f64(0.8944271909999159) * e6),
-            ) + T::from_f64(0.22222222222222215);
-        rows[2][8] = -kz_thumb_z;
-        rows[2][9] = bz_wrist_x
-            .mul_plus(
-                T::from_f64(0.5962847939999439),
-                T::from_f64(0.4472135954999579) * e6,
-            ) + T::from_f64(0.4444444444444443);
-    }
-
-    #[inline(always)]
-    fn cop_core<T: Real>(angles: &impl v1::Angles<T>, r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // thumb
-        let (s_thumb, c_thumb) = angles.sin_cos(0);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let (s_wrist, c_wrist) = angles.sin_cos(1);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        let e1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        // lift
-        let e2 = t_wrist_x.mul_plus(T::from_f64(0.5), -e1);
-        let e2 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e2);
-        let w_wrist_x = (-e2).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-        // base
-        let v_base_x = r[0] + w_wrist_x;
-        let v_base_y = r[1] - e2.mul_plus(T::from_f64(1.3333333333333333), e1);
-        [v_base_x, v_base_y]
-    }
-
-    #[inline(always)]
-    fn zmp_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        q: &[T; DOF],
-        qd: &[T; DOF],
-        qdd: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-    ) -> [T; 2] {
-        // thumb
-        let (s_thumb, c_thumb) = angles.sin_cos(0);
-        let t_thumb_x = c_thumb.mul_plus(r[6], s_thumb * r[7]);
-        let t_thumb_y = s_thumb.mul_plus(r[6], -(c_thumb * r[7]));
-        // wrist
-        let v_wrist_x = (-t_thumb_y).mul_plus(T::from_f64(0.6666666666666666), r[4]);
-        let v_wrist_y = r[5] + t_thumb_x;
-        let (s_wrist, c_wrist) = angles.sin_cos(1);
-        let t_wrist_x = c_wrist.mul_plus(v_wrist_x, -(s_wrist * v_wrist_y));
-        let e1 = s_wrist.mul_plus(v_wrist_x, c_wrist * v_wrist_y);
-        // lift
-        let e2 = t_wrist_x.mul_plus(T::from_f64(0.5), -e1);
-        let e2 = t_thumb_y.mul_plus(T::from_f64(0.372677996249965), e2);
-        let w_wrist_x = (-e2).mul_plus(T::from_f64(0.6666666666666666), t_wrist_x);
-        let w_wrist_z = e2
-            .mul_plus(
-                T::from_f64(0.6666666666666667),
-                -(T::from_f64(0.7453559924999299) * t_thumb_y),
-            );
-        // base
-        let v_base_x = r[0] + w_wrist_x;
-        let v_base_y = r[1] - e2.mul_plus(T::from_f64(1.3333333333333333), e1);
-        let v_base_z = r[2] + q[0].mul_plus(r[3], w_wrist_z);
-        // wrist
-        let e3 = qd[1] * qd[1];
-        // thumb
-        let e4 = T::from_f64(0.7453559924999299) * qd[1];
-        let e5 = e4 * s_thumb;
-        let o_thumb_y = e4 * c_thumb;
-        let e6 = qd[1].mul_plus(T::from_f64(0.6666666666666666), qd[1]);
-        let e7 = T::from_f64(0.7453559924999299) * qdd[1];
-        let a_thumb_y = e7.mul_plus(c_thumb, -(e5 * qd[1]));
-        let e8 = qdd[1].mul_plus(T::from_f64(0.6666666666666666), qdd[1]);
-        let e9 = e6 * e6;
-        let e10 = e5 * o_thumb_y;
-        let e11 = o_thumb_y.mul_plus(o_thumb_y, e9);
-        let e12 = e10 + e8;
-        let e13 = e5.mul_plus(e6, -a_thumb_y);
-        // thumb
-        let f_thumb_x = r[7].mul_plus(e8 - e10, -(r[6] * e11));
-        let p1 = e5.mul_plus(e5, e9);
-        let e14 = r[6].mul_plus(e12, r[7] * p1);
-        let p2 = e7.mul_plus(s_thumb, o_thumb_y * qd[1]);
-        let p3 = o_thumb_y.mul_plus(e6, p2);
-        let f_thumb_z = r[6].mul_plus(e13, -(r[7] * p3));
-        // wrist
-        let e15 = s_thumb.mul_plus(f_thumb_x, c_thumb * e14);
-        let e16 = e15
-            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.6666666666666666) * f_thumb_z);
-        let p4 = r[4].mul_plus(e3, r[5] * qdd[1]);
-        let f_wrist_x = f_thumb_z
-            .mul_plus(
-                T::from_f64(0.7453559924999299),
-                -(T::from_f64(0.6666666666666666) * e15),
-            ) - p4;
-        let p5 = c_thumb.mul_plus(f_thumb_x, -(s_thumb * e14));
-        let f_wrist_y = r[4].mul_plus(qdd[1], -(r[5] * e3)) + p5;
-        // lift
-        let e17 = c_wrist.mul_plus(f_wrist_x, -(s_wrist * f_wrist_y));
-        let e18 = s_wrist.mul_plus(f_wrist_x, c_wrist * f_wrist_y);
-        let e19 = e17.mul_plus(T::from_f64(0.5), -e18);
-        let e19 = e16.mul_plus(T::from_f64(0.5000000000000001), e19);
-        let f_lift_x = (-e19).mul_plus(T::from_f64(0.6666666666666666), e17);
-        let f_lift_z = e19.mul_plus(T::from_f64(0.6666666666666667), -e16);
-        // base
-        let f_base_z = r[3].mul_plus(qdd[0], f_lift_z);
-        // thumb
-        let e20 = T::from_f64(0.00625) * e11;
-        let e21 = T::from_f64(0.00625) * e12;
-        let e22 = T::from_f64(0.00031250000000000006) * e13;
-        // wrist
-        let e23 = T::from_f64(0.0026666666666666674) * e3;
-        let e24 = c_thumb.mul_plus(e21, -(s_thumb * e20));
-        let e25 = e24
-            .mul_plus(T::from_f64(0.7453559924999299), T::from_f64(0.004166666666666667) * e13);
-        let e26 = c_thumb * e22;
-        let h_wrist_x = (-s_thumb)
-            .mul_plus(T::from_f64(0.004166666666666667), T::from_f64(0.0298142396999972));
-        let h_wrist_y = c_thumb.mul_plus(T::from_f64(0.00625), -T::from_f64(0.022360679774997897));
-        let p6 = e13
-            .mul_plus(T::from_f64(0.004658474953124562), -(T::from_f64(0.6666666666666666) * e24));
-        let g_wrist_x = qdd[1]
-            .mul_plus(
-                T::from_f64(0.022360679774997897),
-                -(T::from_f64(0.0298142396999972) * e3),
-            ) + p6;
-        let p7 = c_thumb.mul_plus(e20, s_thumb * e21);
-        let g_wrist_y = qdd[1]
-            .mul_plus(T::from_f64(0.0298142396999972), T::from_f64(0.022360679774997897) * e3) - p7;
-        let p8 = e26
-            .mul_plus(T::from_f64(0.6666666666666666), T::from_f64(0.00023292374765622814) * e12);
-        let e27 = qdd[1]
-            .mul_plus(
-                T::from_f64(0.003975231959999628),
-                T::from_f64(0.0029814239699997203) * e3,
-            ) + p8;
-        let n_wrist_y = qdd[1]
-            .mul_plus(
-                T::from_f64(0.0029814239699997203),
-                -(T::from_f64(0.003975231959999628) * e3),
-            );
-        let n_wrist_y = (-s_thumb).mul_plus(e22, n_wrist_y);
-        let p9 = (-qdd[1]).mul_plus(T::from_f64(0.0020000000000000005), e23);
-        let p10 = e12
-            .mul_plus(
-                T::from_f64(0.00020833333333333337),
-                -(T::from_f64(0.7453559924999299) * e26),
-            );
-        let n_wrist_z = qdd[1].mul_plus(T::from_f64(0.003555555555555557), e23) - p9
-            + p10;
-        // lift
-        let e28 = c_wrist.mul_plus(h_wrist_x, -(s_wrist * h_wrist_y));
-        let e29 = s_wrist.mul_plus(h_wrist_x, c_wrist * h_wrist_y);
-        let e30 = e28.mul_plus(T::from_f64(0.5), -e29);
-        let e30 = s_thumb.mul_plus(T::from_f64(0.0023292374765622815), e30);
-        let e31 = c_wrist.mul_plus(g_wrist_x, -(s_wrist * g_wrist_y));
-        let e32 = s_wrist.mul_plus(g_wrist_x, c_wrist * g_wrist_y);
-        let e33 = e31.mul_plus(T::from_f64(0.5), -e32);
-        let e33 = e25.mul_plus(T::from_f64(0.5000000000000001), e33);
-        let g_lift_x = (-e33).mul_plus(T::from_f64(0.6666666666666666), e31);
-        let e34 = e33.mul_plus(T::from_f64(1.3333333333333333), e32);
-        let g_lift_z = e33.mul_plus(T::from_f64(0.6666666666666667), -e25);
-        let e35 = c_wrist.mul_plus(e27, s_wrist * n_wrist_y);
-        let e36 = s_wrist.mul_plus(e27, -(c_wrist * n_wrist_y));
-        let e37 = (-e35).mul_plus(T::from_f64(0.5), e36);
-        let e37 = (-n_wrist_z).mul_plus(T::from_f64(0.5000000000000001), e37);
-        let n_lift_y = (-e37).mul_plus(T::from_f64(1.3333333333333333), e36);
-        let h_lift_x = T::from_f64(0.01111111111111111)
-            + (-e30).mul_plus(T::from_f64(0.6666666666666666), e28);
-        let h_lift_y = T::from_f64(0.034722222222222224)
-            - e30.mul_plus(T::from_f64(1.3333333333333333), e29);
-        let h_lift_z = T::from_f64(0.02222222222222222)
-            + e30
-                .mul_plus(
-                    T::from_f64(0.6666666666666667),
-                    -(T::from_f64(0.004658474953124562) * s_thumb),
-                );
-        // base
-        let h_base_z = q[0].mul_plus(T::from_f64(0.5), h_lift_z);
-        let g_base_z = qdd[0].mul_plus(T::from_f64(0.5), g_lift_z);
-        let n_base_x = e37.mul_plus(T::from_f64(0.6666666666666666), e35);
-        let n_base_x = h_lift_y.mul_plus(qdd[0], -n_base_x);
-        let n_base_x = q[0].mul_plus(e34, n_base_x);
-        let n_base_y = (-h_lift_x).mul_plus(qdd[0], n_lift_y);
-        let n_base_y = q[0].mul_plus(g_lift_x, n_base_y);
-        // ZMP
-        let load = T::from_f64(9.80665) + f_base_z;
-        let e38 = T::from_f64(1.0) / load;
-        let p11 = e19.mul_plus(T::from_f64(1.3333333333333333), e18);
-        let p12 = h_lift_y.mul_plus(g_base_z, h_base_z * e34);
-        let p13 = v_base_z.mul_plus(p11, n_base_x - p12);
-        let e39 = p13.mul_plus(e38, v_base_y);
-        let p14 = h_base_z.mul_plus(g_lift_x, -(h_lift_x * g_base_z));
-        let p15 = v_base_z.mul_plus(f_lift_x, n_base_y - p14);
-        [(-p15).mul_plus(e38, v_base_x), e39]
     }
 }
