@@ -14,7 +14,7 @@ use sesc_model::effects::about::about;
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, During, Failure};
-use crate::model::{Model, json};
+use crate::model::{Model, compact, json};
 use crate::robot::Robot;
 use crate::steps;
 
@@ -111,7 +111,5 @@ pub fn compare_models(
 /// The effects that a diagnosis knows, as JSON.
 #[pyfunction]
 pub fn effects_about(py: Python<'_>) -> PyResult<String> {
-    detached(py, || {
-        serde_json::to_string(&about(&Catalog::standard())).map_err(Failure::internal)
-    })
+    detached(py, || compact(&about(&Catalog::standard())))
 }

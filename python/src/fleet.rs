@@ -7,7 +7,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sesc::report::fleet as report;
 use sesc_identify::fleet::summary::{Summary, summary};
@@ -16,7 +15,7 @@ use sesc_identify::robot;
 
 use crate::calls::{Stopped, checked, detached, watched};
 use crate::errors::{Doing, During, Failure};
-use crate::model::json;
+use crate::model::{compact, json};
 use crate::robot::Robot;
 
 /// The name of a file, and its text.
@@ -25,10 +24,6 @@ type NamedText = (String, String);
 fn parsed<T: DeserializeOwned>(json: &str) -> Result<T, Failure> {
     let found = serde_json::from_str(json);
     found.map_err(|error| Failure::plain(Doing::Fit, format!("no such value: {error}")))
-}
-
-fn text(value: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string(value).map_err(Failure::internal)
 }
 
 /// The groups of patterns, folders, lists and manifests, and of a table of paths with what is
@@ -46,7 +41,7 @@ pub fn fleet_groups(
             let input = Input::new(path, &said, &by);
             inputs.push(input.during(Doing::Fit)?);
         }
-        fleet::groups(&inputs).iter().map(text).collect()
+        fleet::groups(&inputs).iter().map(compact).collect()
     })
 }
 
@@ -66,7 +61,7 @@ pub fn fleet_work(
         let (options, group): (Options, Group) = (parsed(&options)?, parsed(&group)?);
         let store = store.map(Store::new);
         let done = fleet::work(&robot, &options, &group, store.as_ref(), watch);
-        text(&done.during(Doing::Fit)?)
+        compact(&done.during(Doing::Fit)?)
     })
 }
 
@@ -171,7 +166,7 @@ impl FleetFound {
 
     /// Everything that was found, for `unpacked`.
     fn packed(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || text(&self.fleet))
+        detached(py, || compact(&self.fleet))
     }
 
     /// The rows as JSON, a list of objects with the columns of the table.
@@ -182,7 +177,7 @@ impl FleetFound {
                 row.covariance = Vec::new();
                 row
             };
-            text(&self.fleet.rows.iter().map(of_table).collect::<Vec<Row>>())
+            compact(&self.fleet.rows.iter().map(of_table).collect::<Vec<Row>>())
         })
     }
 

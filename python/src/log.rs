@@ -14,6 +14,7 @@ use sesc_identify::simulate;
 use crate::arrow::Unusable;
 use crate::calls::{Signals, Stopped, detached, guarded, watched};
 use crate::errors::{Doing, During, Failure, keyword};
+use crate::model::compact;
 use crate::robot::Robot;
 
 /// A posture log that can be read as often as needed.
@@ -213,7 +214,7 @@ impl Log {
     fn settings(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
             let (sidecar, _) = self.source.sidecar().during(Doing::Log)?;
-            serde_json::to_string(&sidecar).map_err(Failure::internal)
+            compact(&sidecar)
         })
     }
 

@@ -287,9 +287,7 @@ impl Model {
 
     /// What it says to do next.
     fn next_steps(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || {
-            serde_json::to_string(&self.next_step()).map_err(Failure::internal)
-        })
+        detached(py, || compact(&self.next_step()))
     }
 
     /// Centre of mass in the support frame, m: ``(dof,)`` gives ``(3,)``, ``(n, dof)`` gives
@@ -476,4 +474,9 @@ impl Model {
 /// A result as the command line prints it.
 pub fn json(value: &impl Serialize) -> Result<String, Failure> {
     sesc::cli::json(value).map_err(Failure::internal)
+}
+
+/// A value as JSON on one line, for the package itself.
+pub fn compact(value: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string(value).map_err(Failure::internal)
 }

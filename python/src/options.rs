@@ -111,10 +111,7 @@ impl FitOptions {
 
 /// The unit of revolute joints.
 pub fn angles(degrees: bool) -> Angles {
-    match degrees {
-        true => Angles::Deg,
-        false => Angles::Rad,
-    }
+    if degrees { Angles::Deg } else { Angles::Rad }
 }
 
 /// Whether the motion of the joints counts where a log knows it.

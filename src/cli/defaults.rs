@@ -153,14 +153,12 @@ pub(super) fn completed(
     let at = at.map_or(words.len(), |k| k + 1);
     words.splice(at..at, given.iter().map(|(_, option)| option.into()));
     let options = given;
-    Ok((
-        words,
-        Some(Given {
-            file,
-            text,
-            options,
-        }),
-    ))
+    let given = Given {
+        file,
+        text,
+        options,
+    };
+    Ok((words, Some(given)))
 }
 
 /// Where the file of the command's robot would be.
@@ -182,21 +180,11 @@ fn read(file: &Path) -> Result<Option<(String, toml::Table)>, Error> {
     let text = match files::read_text(file, files::SIDECAR) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => {
-            return Err(Error::Settings {
-                file: file.display().to_string(),
-                line: None,
-                reason: error.to_string(),
-            });
-        }
+        Err(error) => return Err(fault(file, None, error.to_string())),
     };
     match files::parse_toml(&text, FORMAT) {
         Ok(table) => Ok(Some((text, table))),
-        Err(fault) => Err(Error::Settings {
-            file: file.display().to_string(),
-            line: fault.line,
-            reason: fault.reason,
-        }),
+        Err(found) => Err(fault(file, found.line, found.reason)),
     }
 }
 
@@ -210,11 +198,13 @@ fn wrong(file: &Path, text: &str, key: &str, remedy: &str) -> Error {
         rest.is_some_and(|rest| rest.trim_start().starts_with('='))
     };
     let line = text.lines().position(is_key);
-    Error::Settings {
-        file: file.display().to_string(),
-        line: line.map(|k| k as u64 + 1),
-        reason: format!("`{key}`: {remedy}"),
-    }
+    let line = line.map(|k| k as u64 + 1);
+    fault(file, line, format!("`{key}`: {remedy}"))
+}
+
+fn fault(file: &Path, line: Option<u64>, reason: String) -> Error {
+    let file = file.display().to_string();
+    Error::Settings { file, line, reason }
 }
 
 /// A value as it stands behind its option; none of a flag that is off.

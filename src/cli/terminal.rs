@@ -16,6 +16,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sesc_identify::{Message, Progress, Watch};
 
 use super::message;
+use super::width::is_rule;
 use crate::words::option;
 
 const BOLD: &str = "\x1b[1m";
@@ -77,10 +78,7 @@ pub(super) fn result(text: &str) -> String {
 fn bold(text: &str) -> String {
     let lines: Vec<&str> = text.lines().collect();
     let first = lines.iter().take_while(|line| !line.is_empty()).count();
-    let underlined = |k: usize| {
-        let below = lines.get(k + 1);
-        below.is_some_and(|line| line.starts_with('─') && line.chars().all(|c| "─ ".contains(c)))
-    };
+    let underlined = |k: usize| lines.get(k + 1).is_some_and(|below| is_rule(below));
     let painted = lines.iter().enumerate().map(|(k, line)| {
         match !line.is_empty() && (k < first || underlined(k)) {
             true => format!("{BOLD}{line}{PLAIN}\n"),

@@ -44,7 +44,7 @@ pub(super) fn fitted(text: &str, width: usize) -> String {
 }
 
 /// The line under the headers of a table.
-fn is_rule(line: &str) -> bool {
+pub(super) fn is_rule(line: &str) -> bool {
     line.starts_with('─') && line.chars().all(|c| "─ ".contains(c))
 }
 

@@ -165,10 +165,7 @@ fn breaks(line: &str) -> Vec<Break> {
             (b'+' | b'-' | b'*' | b'/' | b'?' | b':' | b'&' | b'|' | b'^', _) => continue,
             _ => WORD,
         };
-        let lost = match line.len() - at <= LITTLE {
-            true => LOST,
-            false => 0,
-        };
+        let lost = if line.len() - at <= LITTLE { LOST } else { 0 };
         let empty = WIDTH.saturating_sub(at) / 2;
         let open = depth.abs_diff(lowest);
         found.push(Break {

@@ -117,10 +117,7 @@ pub(super) fn call(routine: &Exported, name: &str) -> Vec<String> {
         Given::Positions => "0, q, q, q",
         Given::SinesCosines | Given::Direction => "1, sin_q, sin_q, cos_q",
     };
-    let of = match routine.baked {
-        true => "model_",
-        false => "",
-    };
+    let of = if routine.baked { "model_" } else { "" };
     let function = routine.function.name();
     let others = others(routine).join(", ");
     vec![format!("{name}_{of}{function}_core({angles}, {others});")]

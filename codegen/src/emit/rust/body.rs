@@ -244,15 +244,9 @@ impl<'p> Body<'p> {
             false => Strength::Sum,
         };
         let term = self.operand(sum.term, Place::Inside(whole), least);
-        let [x, term] =
-            [(x, sum.subtract[0]), (term, sum.subtract[1])].map(|(x, minus)| match minus {
-                true => quote!(-#x),
-                false => x,
-            });
-        let x = match sum.subtract[0] {
-            true => quote!((#x)),
-            false => x,
-        };
+        let [x, term] = [(x, sum.subtract[0]), (term, sum.subtract[1])]
+            .map(|(x, minus)| if minus { quote!(-#x) } else { x });
+        let x = if sum.subtract[0] { quote!((#x)) } else { x };
         let value = quote!(#x.mul_plus(#y, #term));
         if let Place::Open = place {
             return value;
