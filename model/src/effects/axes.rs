@@ -1,22 +1,12 @@
 #![doc = include_str!("pages/sensor_axes.md")]
 
-use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
+use super::{Effect, EffectContext, Measured, Target};
 use crate::expr::Id;
 
 pub(super) struct SensorAxes;
 
 impl Effect for SensorAxes {
-    fn id(&self) -> EffectId {
-        EffectId::new("sensor_axes")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/sensor_axes.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Record
-    }
+    kind!("sensor_axes", Record);
 
     fn targets(&self, _: &EffectContext) -> Vec<Target> {
         ["swapped", "flip_x", "flip_y"].map(Target::Way).to_vec()

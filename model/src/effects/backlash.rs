@@ -1,29 +1,13 @@
 #![doc = include_str!("pages/backlash.md")]
 
 use super::remedy::degrees;
-use super::{
-    Effect, EffectContext, EffectId, Measured, Parameter, Reason, Stage, Target, plausible,
-};
+use super::{Effect, EffectContext, Measured, Parameter, Reason, Target, plausible};
 use crate::expr::Id;
 
 pub(super) struct Backlash;
 
 impl Effect for Backlash {
-    fn id(&self) -> EffectId {
-        EffectId::new("backlash")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/backlash.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Bends
-    }
-
-    fn targets(&self, context: &EffectContext) -> Vec<Target> {
-        context.all_and_each_revolute()
-    }
+    kind!("backlash", Bends, all_and_each_revolute);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const { &[Parameter::new("width_rad", 0.02)] }

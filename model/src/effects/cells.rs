@@ -1,7 +1,7 @@
 #![doc = include_str!("pages/cells.md")]
 
 use super::remedy::digits;
-use super::{Effect, EffectContext, EffectId, Fitted, Measured, Parameter, Reason, Stage, Target};
+use super::{Effect, EffectContext, Fitted, Measured, Parameter, Reason, Target};
 use crate::expr::Id;
 use crate::measurement::foot::{Foot, rectangle};
 
@@ -130,21 +130,7 @@ macro_rules! cell_effect {
         pub(super) struct $type;
 
         impl Effect for $type {
-            fn id(&self) -> EffectId {
-                EffectId::new($name)
-            }
-
-            fn page(&self) -> &'static str {
-                include_str!(concat!("pages/", $name, ".md"))
-            }
-
-            fn stage(&self) -> Stage {
-                Stage::Cells
-            }
-
-            fn targets(&self, context: &EffectContext) -> Vec<Target> {
-                context.cell_targets()
-            }
+            kind!($name, Cells, cell_targets);
 
             fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
                 const PARAMETERS: &[Parameter] = &[$parameter];

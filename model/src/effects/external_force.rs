@@ -2,8 +2,7 @@
 
 use super::remedy::signed;
 use super::{
-    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Reason, Stage, Target,
-    plausible,
+    Carry, Effect, EffectContext, Experiment, Measured, Parameter, Reason, Target, plausible,
 };
 use crate::expr::Id;
 use crate::inertia::GRAVITY;
@@ -11,21 +10,7 @@ use crate::inertia::GRAVITY;
 pub(super) struct ExternalForce;
 
 impl Effect for ExternalForce {
-    fn id(&self) -> EffectId {
-        EffectId::new("external_force")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/external_force.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Loads
-    }
-
-    fn targets(&self, context: &EffectContext) -> Vec<Target> {
-        context.links()
-    }
+    kind!("external_force", Loads, links);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const PARAMETERS: &[Parameter] = &[

@@ -2,25 +2,14 @@
 
 use super::remedy::{degrees, signed};
 use super::{
-    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Reason, Stage, Target,
-    plausible,
+    Carry, Effect, EffectContext, Experiment, Measured, Parameter, Reason, Target, plausible,
 };
 use crate::expr::Id;
 
 pub(super) struct GroundSlope;
 
 impl Effect for GroundSlope {
-    fn id(&self) -> EffectId {
-        EffectId::new("ground_slope")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/ground_slope.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Ground
-    }
+    kind!("ground_slope", Ground);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const PARAMETERS: &[Parameter] = &[

@@ -1,29 +1,13 @@
 #![doc = include_str!("pages/joint_compliance.md")]
 
 use super::remedy::digits;
-use super::{
-    Effect, EffectContext, EffectId, Fitted, Measured, Parameter, Reason, Stage, Target, plausible,
-};
+use super::{Effect, EffectContext, Fitted, Measured, Parameter, Reason, Target, plausible};
 use crate::expr::Id;
 
 pub(super) struct JointCompliance;
 
 impl Effect for JointCompliance {
-    fn id(&self) -> EffectId {
-        EffectId::new("joint_compliance")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/joint_compliance.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Bends
-    }
-
-    fn targets(&self, context: &EffectContext) -> Vec<Target> {
-        context.all_and_each_revolute()
-    }
+    kind!("joint_compliance", Bends, all_and_each_revolute);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         // Fitted are rad per metre of moment over weight.

@@ -1,28 +1,14 @@
 #![doc = include_str!("pages/joint_offset.md")]
 
 use super::remedy::{EncoderMap, degrees, millimetres, signed};
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target, UrdfEdit};
+use super::{Effect, EffectContext, Measured, Parameter, Target, UrdfEdit};
 use crate::expr::Id;
 use crate::urdf::Shift;
 
 pub(super) struct JointOffset;
 
 impl Effect for JointOffset {
-    fn id(&self) -> EffectId {
-        EffectId::new("joint_offset")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/joint_offset.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Joints
-    }
-
-    fn targets(&self, context: &EffectContext) -> Vec<Target> {
-        context.joints()
-    }
+    kind!("joint_offset", Joints, joints);
 
     fn parameters(&self, context: &EffectContext, target: &Target) -> &'static [Parameter] {
         const REVOLUTE: &[Parameter] = &[Parameter::new("offset_rad", 0.02)];

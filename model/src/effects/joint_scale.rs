@@ -1,29 +1,13 @@
 #![doc = include_str!("pages/joint_scale.md")]
 
 use super::remedy::EncoderMap;
-use super::{
-    Effect, EffectContext, EffectId, Fitted, Measured, Parameter, Reason, Stage, Target, plausible,
-};
+use super::{Effect, EffectContext, Fitted, Measured, Parameter, Reason, Target, plausible};
 use crate::expr::Id;
 
 pub(super) struct JointScale;
 
 impl Effect for JointScale {
-    fn id(&self) -> EffectId {
-        EffectId::new("joint_scale")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/joint_scale.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Joints
-    }
-
-    fn targets(&self, context: &EffectContext) -> Vec<Target> {
-        context.joints()
-    }
+    kind!("joint_scale", Joints, joints);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const { &[Parameter::new("scale", 0.05).fitted(Fitted::LessOne)] }

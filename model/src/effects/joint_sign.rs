@@ -1,27 +1,13 @@
 #![doc = include_str!("pages/joint_sign.md")]
 
 use super::remedy::EncoderMap;
-use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
+use super::{Effect, EffectContext, Measured, Target};
 use crate::expr::Id;
 
 pub(super) struct JointSign;
 
 impl Effect for JointSign {
-    fn id(&self) -> EffectId {
-        EffectId::new("joint_sign")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/joint_sign.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Wiring
-    }
-
-    fn targets(&self, context: &EffectContext) -> Vec<Target> {
-        context.joints()
-    }
+    kind!("joint_sign", Wiring, joints);
 
     fn phrase(&self, _: &Target, name: &str) -> String {
         format!("a reversed encoder of {name}")

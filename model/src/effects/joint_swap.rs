@@ -1,22 +1,12 @@
 #![doc = include_str!("pages/joint_swap.md")]
 
-use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
+use super::{Effect, EffectContext, Measured, Target};
 use crate::expr::Id;
 
 pub(super) struct JointSwap;
 
 impl Effect for JointSwap {
-    fn id(&self) -> EffectId {
-        EffectId::new("joint_swap")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/joint_swap.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Wiring
-    }
+    kind!("joint_swap", Wiring);
 
     fn targets(&self, context: &EffectContext) -> Vec<Target> {
         let joints = context.revolute();

@@ -10,6 +10,27 @@
 //! (its sentence, bounds, load, edit of a URDF, behaviour in an experiment) is a
 //! method of [`Effect`]: a new effect is one file and one line in `standard.rs`.
 
+/// Name, stage and page of an effect of this crate, and what of an [`EffectContext`] it acts on.
+macro_rules! kind {
+    ($name:literal, $stage:ident $(, $targets:ident)?) => {
+        fn id(&self) -> $crate::effects::EffectId {
+            $crate::effects::EffectId::new($name)
+        }
+
+        fn page(&self) -> &'static str {
+            include_str!(concat!("pages/", $name, ".md"))
+        }
+
+        fn stage(&self) -> $crate::effects::Stage {
+            $crate::effects::Stage::$stage
+        }
+
+        $(fn targets(&self, context: &EffectContext) -> Vec<Target> {
+            context.$targets()
+        })?
+    };
+}
+
 pub mod about;
 mod axes;
 mod backlash;

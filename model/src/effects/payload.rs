@@ -2,8 +2,7 @@
 
 use super::remedy::{grams, point};
 use super::{
-    Effect, EffectContext, EffectId, Instance, Measured, Parameter, Reason, Stage, Target,
-    UrdfEdit, plausible,
+    Effect, EffectContext, Instance, Measured, Parameter, Reason, Target, UrdfEdit, plausible,
 };
 use crate::expr::Id;
 use crate::urdf::Load;
@@ -29,21 +28,7 @@ pub fn known_weight(
 pub(super) struct Payload;
 
 impl Effect for Payload {
-    fn id(&self) -> EffectId {
-        EffectId::new("payload")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/payload.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Loads
-    }
-
-    fn targets(&self, context: &EffectContext) -> Vec<Target> {
-        context.links()
-    }
+    kind!("payload", Loads, links);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const PARAMETERS: &[Parameter] = &[

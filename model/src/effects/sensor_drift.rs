@@ -2,25 +2,14 @@
 
 use super::remedy::{millimetres, signed};
 use super::{
-    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
-    Target,
+    Carry, Effect, EffectContext, Experiment, Measured, Parameter, PostureContext, Target,
 };
 use crate::expr::Id;
 
 pub(super) struct SensorDrift;
 
 impl Effect for SensorDrift {
-    fn id(&self) -> EffectId {
-        EffectId::new("sensor_drift")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/sensor_drift.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Offset
-    }
+    kind!("sensor_drift", Offset);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const PARAMETERS: &[Parameter] = &[

@@ -1,25 +1,13 @@
 #![doc = include_str!("pages/sensor_gain.md")]
 
 use super::remedy::digits;
-use super::{
-    Effect, EffectContext, EffectId, Fitted, Measured, Parameter, Reason, Stage, Target, plausible,
-};
+use super::{Effect, EffectContext, Fitted, Measured, Parameter, Reason, Target, plausible};
 use crate::expr::Id;
 
 pub(super) struct SensorGain;
 
 impl Effect for SensorGain {
-    fn id(&self) -> EffectId {
-        EffectId::new("sensor_gain")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/sensor_gain.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Gain
-    }
+    kind!("sensor_gain", Gain);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const PARAMETERS: &[Parameter] = &[

@@ -1,23 +1,13 @@
 #![doc = include_str!("pages/sensor_offset.md")]
 
 use super::remedy::{millimetres, signed};
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
+use super::{Effect, EffectContext, Measured, Parameter, Target};
 use crate::expr::Id;
 
 pub(super) struct SensorOffset;
 
 impl Effect for SensorOffset {
-    fn id(&self) -> EffectId {
-        EffectId::new("sensor_offset")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/sensor_offset.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Offset
-    }
+    kind!("sensor_offset", Offset);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const PARAMETERS: &[Parameter] = &[

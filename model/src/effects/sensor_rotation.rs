@@ -1,23 +1,13 @@
 #![doc = include_str!("pages/sensor_rotation.md")]
 
 use super::remedy::{degrees, signed};
-use super::{Effect, EffectContext, EffectId, Measured, Parameter, Stage, Target};
+use super::{Effect, EffectContext, Measured, Parameter, Target};
 use crate::expr::Id;
 
 pub(super) struct SensorRotation;
 
 impl Effect for SensorRotation {
-    fn id(&self) -> EffectId {
-        EffectId::new("sensor_rotation")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/sensor_rotation.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Rotation
-    }
+    kind!("sensor_rotation", Rotation);
 
     fn parameters(&self, _: &EffectContext, _: &Target) -> &'static [Parameter] {
         const { &[Parameter::new("yaw_rad", 0.05)] }

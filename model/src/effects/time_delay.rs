@@ -2,25 +2,14 @@
 
 use super::remedy::signed;
 use super::{
-    Carry, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, PostureContext, Stage,
-    Target,
+    Carry, Effect, EffectContext, Experiment, Measured, Parameter, PostureContext, Target,
 };
 use crate::expr::Id;
 
 pub(super) struct TimeDelay;
 
 impl Effect for TimeDelay {
-    fn id(&self) -> EffectId {
-        EffectId::new("time_delay")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/time_delay.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Joints
-    }
+    kind!("time_delay", Joints);
 
     fn targets(&self, context: &EffectContext) -> Vec<Target> {
         match context.times {

@@ -1,22 +1,12 @@
 #![doc = include_str!("pages/units.md")]
 
-use super::{Effect, EffectContext, EffectId, Measured, Stage, Target};
+use super::{Effect, EffectContext, Measured, Target};
 use crate::expr::Id;
 
 pub(super) struct Units;
 
 impl Effect for Units {
-    fn id(&self) -> EffectId {
-        EffectId::new("units")
-    }
-
-    fn page(&self) -> &'static str {
-        include_str!("pages/units.md")
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Wiring
-    }
+    kind!("units", Wiring);
 
     fn targets(&self, _: &EffectContext) -> Vec<Target> {
         ["degrees", "millimetres", "centimetres"]
