@@ -52,10 +52,10 @@ pub const MODEL_PAGES: [(&str, &str, &str); MODELS] = [
 ];
 
 /// Each of `terms` with the places of its unknowns among those of all.
-pub fn with_places(
-    terms: &[Term],
+pub fn with_places<'t>(
+    terms: &'t [Term],
     context: &EffectContext,
-) -> impl Iterator<Item = (&Term, Range<usize>)> {
+) -> impl Iterator<Item = (&'t Term, Range<usize>)> {
     let mut at = 0;
     terms.iter().map(move |term| {
         let own = at..at + term.unknowns(context);
