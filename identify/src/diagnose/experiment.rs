@@ -7,7 +7,7 @@
 //! the χ² by which explanation j would fail, its unknowns fitted again, if i
 //! were true. From [`TOLD_APART`](super::criteria::TOLD_APART) on it tells the two apart.
 
-use super::hypothesis::Term;
+use super::hypothesis::{Term, with_places};
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{
     Carry, EffectContext, Experiment, Instance, PostureContext, known_weight,
@@ -93,15 +93,11 @@ pub(super) fn carried(
         terms: Vec::new(),
         columns: Vec::new(),
     };
-    let mut at = 0;
-    for term in terms {
-        let count = term.unknowns(here);
-        let own = at..at + count;
-        at += count;
+    for (term, own) in with_places(terms, here) {
         let factors = match term.in_experiment(experiment) {
             Carry::Gone => continue,
             Carry::Scaled(factors) => factors,
-            Carry::Same => vec![1.0; count],
+            Carry::Same => vec![1.0; own.len()],
         };
         let Some(there) = moved(term, here, there) else {
             continue;
@@ -155,14 +151,11 @@ impl Trial<'_, '_> {
         }
         let context = &self.here.context;
         let carried = |fit: &Fit| -> f64 {
-            let mut at = 0;
             let mut mass = 0.0;
-            for term in &fit.terms {
-                let count = term.unknowns(context);
-                let own = &fit.unknowns[at..at + count];
+            for (term, own) in with_places(&fit.terms, context) {
+                let own = &fit.unknowns[own];
                 let share = term.effect().map_or(0.0, |i| i.effect.load_share(own));
                 mass += context.mass() * share / (1.0 - share);
-                at += count;
             }
             mass
         };

@@ -11,6 +11,7 @@
 //! one flat foot, offsets and gains too: they are the last resort.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use sesc_model::effects::{
     self, Carry, EffectContext, Experiment, Fitted, Instance, Stage, Target, Value,
@@ -33,6 +34,35 @@ const OUTLIER_UNKNOWNS: usize = 2;
 pub const FREE_MASSES: &str = "mass_distribution";
 /// Kinds of terms that are no effects.
 pub const MODELS: usize = 2;
+
+/// What a diagnosis may name that is no effect: its name, the kind of thing that it is about, and
+/// its page, which begins with a sentence.
+#[doc(hidden)]
+pub const MODEL_PAGES: [(&str, &str, &str); MODELS] = [
+    (
+        FREE_MASSES,
+        "the robot",
+        include_str!("pages/mass_distribution.md"),
+    ),
+    (
+        "cop_outliers",
+        "readings",
+        include_str!("pages/cop_outliers.md"),
+    ),
+];
+
+/// Each of `terms` with the places of its unknowns among those of all.
+pub fn with_places<'t>(
+    terms: &'t [Term],
+    context: &EffectContext,
+) -> impl Iterator<Item = (&'t Term, Range<usize>)> {
+    let mut at = 0;
+    terms.iter().map(move |term| {
+        let own = at..at + term.unknowns(context);
+        at = own.end;
+        (term, own)
+    })
+}
 
 impl Term {
     /// The effect, if it is one.

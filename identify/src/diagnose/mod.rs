@@ -20,14 +20,12 @@ mod hypothesis;
 mod leftover;
 mod model_check;
 mod model_file;
-mod model_pages;
 mod motion;
 mod next_postures;
 mod next_steps;
 mod noise;
 mod nuisance;
 mod outliers;
-mod own_sides;
 mod problem;
 mod recording;
 pub mod remedy;
@@ -36,7 +34,6 @@ mod request;
 mod resting;
 mod samples;
 mod search;
-mod settled_masses;
 mod statements;
 #[cfg(test)]
 mod tests;
@@ -55,6 +52,6 @@ pub use findings::{
 };
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]
-pub use model_pages::MODEL_PAGES;
+pub use hypothesis::MODEL_PAGES;
 pub use report::{NextLog, Report};
 pub use request::{Request, diagnose, look};

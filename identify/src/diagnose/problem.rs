@@ -13,10 +13,9 @@ use sesc_model::effects::{self, Catalog, EffectContext, EffectId, Instance, Post
 use sesc_model::{Function, Model};
 
 use super::criteria;
-use super::hypothesis::{self, Term};
+use super::hypothesis::{self, Term, with_places};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
-use super::own_sides::OwnSides;
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::feet::{Closure, ROWS};
@@ -102,7 +101,7 @@ pub struct Fit {
     /// The same of the soles, where the log is of both feet.
     pub closed: Option<Closed>,
     /// Sides of dead bands, where they matter.
-    pub sides: Option<OwnSides>,
+    pub sides: Option<backlash_sides::OwnSides>,
     pub outliers: Option<Outliers>,
     /// Postures with a joint on the side of its dead band that gravity does not favour.
     pub flipped: Vec<usize>,
@@ -121,15 +120,9 @@ impl Fit {
 
     /// What was found of one of its terms.
     pub fn unknowns_of(&self, context: &EffectContext, wanted: &Term) -> Option<&[f64]> {
-        let mut at = 0;
-        for term in &self.terms {
-            let count = term.unknowns(context);
-            if term == wanted {
-                return Some(&self.unknowns[at..at + count]);
-            }
-            at += count;
-        }
-        None
+        let mut all = with_places(&self.terms, context);
+        let (_, own) = all.find(|(term, _)| *term == wanted)?;
+        Some(&self.unknowns[own])
     }
 
     /// Whether masses are identified within the usual tolerances of CAD.
@@ -411,13 +404,11 @@ impl<'m> Problem<'m> {
     /// place of its width among the unknowns.
     pub(super) fn slack_joints(&self, terms: &[Term]) -> Vec<(usize, usize)> {
         let mut found = Vec::new();
-        let mut at = 0;
-        for term in terms {
+        for (term, own) in with_places(terms, &self.context) {
             if let (Some(_), Some(instance)) = (term.dead_band(), term.effect()) {
                 let joints = instance.target.revolute(self.context.robot);
-                found.extend(joints.into_iter().map(|j| (j, at)));
+                found.extend(joints.into_iter().map(|j| (j, own.start)));
             }
-            at += term.unknowns(&self.context);
         }
         found
     }

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use sesc_model::effects::{EffectContext, Unit, Value};
 
-use super::hypothesis::Term;
+use super::hypothesis::{Term, with_places};
 use super::problem::{Fit, Problem};
 
 /// A value of an effect with its standard deviation.
@@ -20,15 +20,11 @@ pub struct NamedValue<'n> {
 /// What each effect of a fit amounts to: deviations by the slopes of the values.
 pub fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<NamedValue<'static>>> {
     let context = &problem.context;
-    let mut at = 0;
-    fit.terms
-        .iter()
-        .map(|term| {
-            let count = term.unknowns(context);
-            let own = &fit.unknowns[at..at + count];
+    with_places(&fit.terms, context)
+        .map(|(term, own)| {
+            let (at, count) = (own.start, own.len());
             let covariance = fit.covariance.view((at, at), (count, count)).into_owned();
-            at += count;
-            with_deviations(context, term, own, &covariance)
+            with_deviations(context, term, &fit.unknowns[own], &covariance)
         })
         .collect()
 }

@@ -70,7 +70,7 @@ pub struct DownWeighted {
 }
 
 /// What passes over the logs leave.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Gathered {
     /// Sums of each fold; every posture belongs to one.
     pub folds: Vec<Fold>,
@@ -136,27 +136,8 @@ impl Gathered {
     pub fn new(params: usize, folds: usize) -> Gathered {
         Gathered {
             folds: vec![Fold::new(params); folds.max(2)],
-            repeats: Repeats::default(),
-            stated: 0.0,
-            readings: 0,
-            logs: Vec::new(),
-            down_weighted: Vec::new(),
-            trusted: 0.0,
             consistency: 1.0,
-            moved: 0,
-            overfull: 0,
-            averaged: 0.0,
-            tiny: 0,
-            health: Vec::new(),
-            samples: samples::Sum::default(),
-            axes: [0.0; 2],
-            correlated: false,
-            motion: MotionUse::NONE,
-            closure: None,
-            again: None,
-            plans: Vec::new(),
-            postures: Grouping::default(),
-            stream: Stream::default(),
+            ..Gathered::default()
         }
     }
 

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::{Closed, Fit, Problem, RowSelection, backlash_sides};
-use crate::diagnose::hypothesis::Term;
+use crate::diagnose::hypothesis::{Term, with_places};
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
 use crate::lsq::damped::{self, Expansion, SETTLED};
@@ -95,12 +95,11 @@ impl Problem<'_> {
     }
 
     fn widen(&self, terms: &[Term], unknowns: &mut [f64]) {
-        let mut at = 0;
-        for term in terms {
+        for (term, own) in with_places(terms, &self.context) {
+            let at = own.start;
             if let (Some(width), true) = (term.dead_band(), unknowns.get(at) == Some(&0.0)) {
                 unknowns[at] = width;
             }
-            at += term.unknowns(&self.context);
         }
     }
 
@@ -301,21 +300,19 @@ impl Problem<'_> {
 
     /// Each bound that is crossed, with its slope by the unknowns.
     fn walls(&self, terms: &[Term], unknowns: &[f64], mut each: impl FnMut(f64, &[f64])) {
-        let mut at = 0;
-        for term in terms {
-            let count = term.unknowns(&self.context);
-            let own = &unknowns[at..at + count];
+        for (term, places) in with_places(terms, &self.context) {
+            let own = &unknowns[places.clone()];
             let violation = |x: &[f64]| term.bound_violation(&self.context, x);
             let now = violation(own);
             if now.iter().any(|x| *x > 0.0) {
                 let scales = term.scales(&self.context);
                 let mut slopes = vec![vec![0.0; unknowns.len()]; now.len()];
-                for k in 0..count {
+                for k in 0..own.len() {
                     let mut moved = own.to_vec();
                     let step = 1e-6 * scales[k];
                     moved[k] += step;
                     for (wall, after) in violation(&moved).iter().enumerate() {
-                        slopes[wall][at + k] = (after - now[wall]) / step;
+                        slopes[wall][places.start + k] = (after - now[wall]) / step;
                     }
                 }
                 for (wall, slope) in slopes.iter().enumerate() {
@@ -324,7 +321,6 @@ impl Problem<'_> {
                     }
                 }
             }
-            at += count;
         }
     }
 }

@@ -7,9 +7,9 @@ use sesc_model::Function;
 use sesc_model::effects::{self, PostureContext, Stage};
 use sesc_model::tape::{Tape, Values};
 
+use super::backlash_sides::OwnSides;
 use super::{Fit, Problem};
 use crate::diagnose::hypothesis::{Term, effects_of};
-use crate::diagnose::own_sides::OwnSides;
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::feet::OtherFoot;
 

@@ -8,7 +8,7 @@
 //! leaves. Where the effect is right, gap = change but for noise: a line of slope 1.
 
 use super::super::findings::Explained;
-use super::super::hypothesis::Term;
+use super::super::hypothesis::{Term, with_places};
 use super::super::problem::{Fit, Problem};
 use super::{MOST, PER_PANEL, Residuals, chosen};
 
@@ -70,10 +70,8 @@ fn change(problem: &Problem, best: &Fit, at: usize) -> Option<Vec<f64>> {
         Term::Outliers => return None,
     }
     let context = &problem.context;
-    let (mut terms, mut unknowns, mut from) = (Vec::new(), Vec::new(), 0);
-    for (k, term) in best.terms.iter().enumerate() {
-        let own = from..from + term.unknowns(context);
-        from = own.end;
+    let (mut terms, mut unknowns) = (Vec::new(), Vec::new());
+    for (k, (term, own)) in with_places(&best.terms, context).enumerate() {
         if k != at {
             terms.push(term.clone());
             unknowns.extend_from_slice(&best.unknowns[own]);
