@@ -51,7 +51,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define op2_r_sole_SOURCE
 #include "op2_r_sole.h"
-#ifndef op2_r_sole_PAIR_a3ce607317f5af97
+#ifndef op2_r_sole_PAIR_edaca3f5468f38b1
 #error "op2_r_sole.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -570,79 +570,68 @@ static void op2_r_sole_from_ticks(const int32_t ticks[], op2_r_sole_real sin_q[]
     op2_r_sole_lookup((uint32_t)ticks[19] - 2048u, &sin_q[19], &cos_q[19]);
 }
 
-op2_r_sole_SHARED void op2_r_sole_com_core(
-    int of_sines,
+void op2_r_sole_com(
     const op2_r_sole_real q[],
-    const op2_r_sole_real sin_q[],
-    const op2_r_sole_real cos_q[],
     const op2_r_sole_real r[],
     op2_r_sole_real com[restrict 3])
 {
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
+    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + (c_r_el * r[41]) - (s_r_el * r[42]);
+    const float e1 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    if (of_sines != 0) {
-        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    } else {
-        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
-    }
+    op2_r_sole_sincos(e1, &s_r_sho_roll, &c_r_sho_roll);
     /* r_sho_pitch */
     const float v_r_sho_pitch_x = r[37] - ((s_r_el * r[41]) + (c_r_el * r[42]));
     const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
     const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
+    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + (c_l_el * r[35]) + (s_l_el * r[36]);
     const float v_l_sho_roll_z = (s_l_el * r[35]) - (c_l_el * r[36]);
+    const float e2 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    if (of_sines != 0) {
-        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    } else {
-        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
-    }
+    op2_r_sole_sincos(e2, &s_l_sho_roll, &c_l_sho_roll);
     /* l_sho_pitch */
     const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
     const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
     const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float v_l_ank_pitch_z = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     /* l_knee */
     const float v_l_knee_x = r[25] + (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float v_l_knee_y = r[26] - (s_l_ank_pitch * r[27]) + (c_l_ank_pitch * v_l_ank_pitch_y);
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
     /* l_hip_pitch */
     const float v_l_hip_pitch_x = r[23] + (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float v_l_hip_pitch_y = r[24] + (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     /* l_hip_roll */
     const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
     const float v_l_hip_roll_y = r[22] + (s_l_hip_pitch * v_l_hip_pitch_x)
@@ -651,7 +640,7 @@ op2_r_sole_SHARED void op2_r_sole_com_core(
         - (s_l_hip_pitch * v_l_hip_pitch_y);
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
     /* l_hip_yaw */
     const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
     const float v_l_hip_yaw_y = r[20] + (c_l_hip_roll * v_l_hip_roll_x)
@@ -659,22 +648,22 @@ op2_r_sole_SHARED void op2_r_sole_com_core(
     const float v_l_hip_yaw_z = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
     /* head_pan */
     const float v_head_pan_x = r[15] + (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float v_head_pan_z = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
     /* r_hip_yaw */
-    const float e1 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
+    const float e3 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
         + (c_l_sho_pitch * v_l_sho_pitch_x) + (s_l_sho_pitch * v_l_sho_pitch_y)
         + (c_r_sho_pitch * v_r_sho_pitch_x) - (s_r_sho_pitch * v_r_sho_pitch_y);
-    const float v_r_hip_yaw_x = e1 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_x = e3 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float v_r_hip_yaw_y = r[14] + (s_head_pan * v_head_pan_x) + (c_head_pan * r[16])
         + v_l_sho_pitch_z + v_r_sho_pitch_z - (s_l_hip_yaw * v_l_hip_yaw_x)
         + (c_l_hip_yaw * v_l_hip_yaw_y);
@@ -683,7 +672,7 @@ op2_r_sole_SHARED void op2_r_sole_com_core(
         + (c_r_sho_pitch * v_r_sho_pitch_y) + v_l_hip_yaw_z;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     /* r_hip_roll */
     const float v_r_hip_roll_x = r[11] + (s_r_hip_yaw * v_r_hip_yaw_x)
         + (c_r_hip_yaw * v_r_hip_yaw_y);
@@ -691,7 +680,7 @@ op2_r_sole_SHARED void op2_r_sole_com_core(
     const float v_r_hip_roll_z = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
     /* r_hip_pitch */
     const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
     const float v_r_hip_pitch_y = r[10] + (s_r_hip_roll * v_r_hip_roll_x)
@@ -699,7 +688,7 @@ op2_r_sole_SHARED void op2_r_sole_com_core(
     const float v_r_hip_pitch_z = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     /* r_knee */
     const float v_r_knee_x = r[7] + (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
@@ -707,13 +696,13 @@ op2_r_sole_SHARED void op2_r_sole_com_core(
         + (c_r_hip_pitch * v_r_hip_pitch_y);
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
     /* r_ank_pitch */
     const float v_r_ank_pitch_x = r[5] + (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float v_r_ank_pitch_y = r[6] + (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     /* r_ank_roll */
     const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
     const float v_r_ank_roll_y = r[4] - (s_r_ank_pitch * v_r_ank_pitch_x)
@@ -722,7 +711,7 @@ op2_r_sole_SHARED void op2_r_sole_com_core(
         + (s_r_ank_pitch * v_r_ank_pitch_y);
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
     /* r_sole */
     const float v_r_sole_x = r[0] + v_r_ank_roll_z;
     const float v_r_sole_y = r[1] + (c_r_ank_roll * v_r_ank_roll_x)
@@ -732,14 +721,6 @@ op2_r_sole_SHARED void op2_r_sole_com_core(
     com[0] = v_r_sole_x;
     com[1] = v_r_sole_y;
     com[2] = v_r_sole_z;
-}
-
-void op2_r_sole_com(
-    const op2_r_sole_real q[],
-    const op2_r_sole_real r[],
-    op2_r_sole_real com[restrict 3])
-{
-    op2_r_sole_com_core(0, q, q, q, r, com);
 }
 
 op2_r_sole_SHARED void op2_r_sole_com_jacobian_core(
@@ -1630,22 +1611,19 @@ void op2_r_sole_gravity_moments(
     op2_r_sole_gravity_moments_core(0, q, q, q, r, moments);
 }
 
-op2_r_sole_SHARED void op2_r_sole_regressor_core(
-    int of_sines,
+void op2_r_sole_regressor(
     const op2_r_sole_real q[],
-    const op2_r_sole_real sin_q[],
-    const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 3 * op2_r_sole_BASE_PARAMS])
 {
     /* r_ank_roll */
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
     const float bz_r_ank_roll_x = -s_r_ank_roll;
     /* r_ank_pitch */
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float e1 = s_r_ank_roll * s_r_ank_pitch;
     const float by_r_ank_pitch_x = -e1;
     const float by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
@@ -1655,7 +1633,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* r_knee */
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
     const float bx_r_knee_x = (c_r_ank_pitch * c_r_knee) + (s_r_ank_pitch * s_r_knee);
     const float bx_r_knee_y = (s_r_ank_pitch * c_r_knee) - (c_r_ank_pitch * s_r_knee);
     const float by_r_knee_x = (by_r_ank_pitch_y * s_r_knee) - (e1 * c_r_knee);
@@ -1665,7 +1643,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* r_hip_pitch */
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float bx_r_hip_pitch_x = (bx_r_knee_x * c_r_hip_pitch) + (bx_r_knee_y * s_r_hip_pitch);
     const float bx_r_hip_pitch_y = (bx_r_knee_y * c_r_hip_pitch) - (bx_r_knee_x * s_r_hip_pitch);
     const float by_r_hip_pitch_x = (by_r_knee_x * c_r_hip_pitch) + (by_r_knee_y * s_r_hip_pitch);
@@ -1675,7 +1653,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* r_hip_roll */
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
     const float bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
     const float by_r_hip_roll_x = (by_r_hip_pitch_y * s_r_hip_roll) + (c_r_ank_roll * c_r_hip_roll);
@@ -1686,7 +1664,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* r_hip_yaw */
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * s_r_hip_yaw) + (bx_r_hip_pitch_x * c_r_hip_yaw);
     const float e4 = (bx_r_hip_pitch_x * s_r_hip_yaw) - (bx_r_hip_roll_x * c_r_hip_yaw);
     const float bx_r_hip_yaw_y = -e4;
@@ -1699,7 +1677,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* head_pan */
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
     const float bx_head_pan_x = (bx_r_hip_yaw_x * c_head_pan) - (e4 * s_head_pan);
     const float bx_head_pan_y = -((e4 * c_head_pan) + (bx_r_hip_yaw_x * s_head_pan));
     const float by_head_pan_x = (by_r_hip_yaw_x * c_head_pan) - (e5 * s_head_pan);
@@ -1709,7 +1687,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
     const float bx_head_tilt_x = (bx_head_pan_x * c_head_tilt) + (bx_r_hip_roll_y * s_head_tilt);
     const float bx_head_tilt_y = -((bx_r_hip_roll_y * c_head_tilt) - (bx_head_pan_x * s_head_tilt));
     const float by_head_tilt_x = (by_head_pan_x * c_head_tilt) - (e3 * s_head_tilt);
@@ -1719,7 +1697,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* l_hip_yaw */
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * c_l_hip_yaw) + (e4 * s_l_hip_yaw);
     const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * s_l_hip_yaw) - (e4 * c_l_hip_yaw);
     const float by_l_hip_yaw_x = (by_r_hip_yaw_x * c_l_hip_yaw) + (e5 * s_l_hip_yaw);
@@ -1729,7 +1707,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* l_hip_roll */
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * c_l_hip_roll)
         - (bx_r_hip_roll_y * s_l_hip_roll);
     const float bx_l_hip_roll_y = (bx_r_hip_roll_y * c_l_hip_roll)
@@ -1743,7 +1721,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* l_hip_pitch */
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * s_l_hip_pitch)
         + (bx_l_hip_yaw_x * c_l_hip_pitch);
     const float e7 = (bx_l_hip_yaw_x * s_l_hip_pitch) - (bx_l_hip_roll_y * c_l_hip_pitch);
@@ -1759,7 +1737,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* l_knee */
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
     const float bx_l_knee_x = (bx_l_hip_pitch_x * c_l_knee) - (e7 * s_l_knee);
     const float e10 = (e7 * c_l_knee) + (bx_l_hip_pitch_x * s_l_knee);
     const float bx_l_knee_y = -e10;
@@ -1772,7 +1750,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* l_ank_pitch */
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float bx_l_ank_pitch_x = (bx_l_knee_x * c_l_ank_pitch) + (e10 * s_l_ank_pitch);
     const float bx_l_ank_pitch_y = (bx_l_knee_x * s_l_ank_pitch) - (e10 * c_l_ank_pitch);
     const float by_l_ank_pitch_x = (by_l_knee_x * c_l_ank_pitch) + (e11 * s_l_ank_pitch);
@@ -1782,7 +1760,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * s_l_ank_roll)
         + (bx_l_hip_roll_x * c_l_ank_roll);
     const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * s_l_ank_roll)
@@ -1798,7 +1776,7 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     /* l_sho_pitch */
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * c_l_sho_pitch)
         - (bx_r_hip_roll_y * s_l_sho_pitch);
     const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * c_l_sho_pitch)
@@ -1810,76 +1788,68 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * c_l_sho_pitch)
         + (bz_r_hip_yaw_x * s_l_sho_pitch);
     /* l_sho_roll */
+    const float e13 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    if (of_sines != 0) {
-        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    } else {
-        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
-    }
+    op2_r_sole_sincos(e13, &s_l_sho_roll, &c_l_sho_roll);
     const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
-    const float e13 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
-    const float bx_l_sho_roll_y = -e13;
+    const float e14 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
+    const float bx_l_sho_roll_y = -e14;
     const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e5 * c_l_sho_roll));
-    const float e14 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
-    const float by_l_sho_roll_y = -e14;
+    const float e15 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
+    const float by_l_sho_roll_y = -e15;
     const float bz_l_sho_roll_x = -((bz_l_sho_pitch_y * s_l_sho_roll) + (e6 * c_l_sho_roll));
-    const float e15 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
-    const float bz_l_sho_roll_y = -e15;
+    const float e16 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
+    const float bz_l_sho_roll_y = -e16;
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
-    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e13 * c_l_el);
-    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e13 * s_l_el));
-    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e14 * c_l_el);
-    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e14 * s_l_el));
-    const float bz_l_el_x = (bz_l_sho_pitch_x * s_l_el) - (e15 * c_l_el);
-    const float bz_l_el_y = -((bz_l_sho_pitch_x * c_l_el) + (e15 * s_l_el));
+    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
+    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e14 * c_l_el);
+    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e14 * s_l_el));
+    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e15 * c_l_el);
+    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e15 * s_l_el));
+    const float bz_l_el_x = (bz_l_sho_pitch_x * s_l_el) - (e16 * c_l_el);
+    const float bz_l_el_y = -((bz_l_sho_pitch_x * c_l_el) + (e16 * s_l_el));
     /* r_sho_pitch */
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * c_r_sho_pitch)
         + (bx_r_hip_roll_y * s_r_sho_pitch);
     const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * c_r_sho_pitch)
         - (bx_r_hip_yaw_x * s_r_sho_pitch);
     const float by_r_sho_pitch_x = (by_r_hip_yaw_x * c_r_sho_pitch) - (e3 * s_r_sho_pitch);
-    const float e16 = (e3 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
-    const float by_r_sho_pitch_y = -e16;
+    const float e17 = (e3 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
+    const float by_r_sho_pitch_y = -e17;
     const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * c_r_sho_pitch)
         + (bz_r_hip_roll_y * s_r_sho_pitch);
     const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * c_r_sho_pitch)
         - (bz_r_hip_yaw_x * s_r_sho_pitch);
     /* r_sho_roll */
+    const float e18 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    if (of_sines != 0) {
-        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    } else {
-        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
-    }
+    op2_r_sole_sincos(e18, &s_r_sho_roll, &c_r_sho_roll);
     const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e4 * c_r_sho_roll));
-    const float e17 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
-    const float bx_r_sho_roll_y = -e17;
-    const float by_r_sho_roll_x = (e16 * s_r_sho_roll) - (e5 * c_r_sho_roll);
-    const float e18 = (e5 * s_r_sho_roll) + (e16 * c_r_sho_roll);
-    const float by_r_sho_roll_y = -e18;
+    const float e19 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
+    const float bx_r_sho_roll_y = -e19;
+    const float by_r_sho_roll_x = (e17 * s_r_sho_roll) - (e5 * c_r_sho_roll);
+    const float e20 = (e5 * s_r_sho_roll) + (e17 * c_r_sho_roll);
+    const float by_r_sho_roll_y = -e20;
     const float bz_r_sho_roll_x = -((bz_r_sho_pitch_y * s_r_sho_roll) + (e6 * c_r_sho_roll));
-    const float e19 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
-    const float bz_r_sho_roll_y = -e19;
+    const float e21 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
+    const float bz_r_sho_roll_y = -e21;
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
-    const float bx_r_el_x = -((e17 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
-    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e17 * s_r_el));
-    const float by_r_el_x = -((e18 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
-    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e18 * s_r_el));
-    const float bz_r_el_x = -((e19 * c_r_el) + (bz_r_sho_pitch_x * s_r_el));
-    const float bz_r_el_y = -((bz_r_sho_pitch_x * c_r_el) - (e19 * s_r_el));
+    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
+    const float bx_r_el_x = -((e19 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
+    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e19 * s_r_el));
+    const float by_r_el_x = -((e20 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
+    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e20 * s_r_el));
+    const float bz_r_el_x = -((e21 * c_r_el) + (bz_r_sho_pitch_x * s_r_el));
+    const float bz_r_el_y = -((bz_r_sho_pitch_x * c_r_el) - (e21 * s_r_el));
     rows[0] = 1.0f;
     rows[1] = 0.0f;
     rows[2] = 0.0f;
@@ -2009,13 +1979,6 @@ op2_r_sole_SHARED void op2_r_sole_regressor_core(
     rows[126] = bz_r_sho_roll_y;
     rows[127] = bz_r_el_x;
     rows[128] = bz_r_el_y;
-}
-
-void op2_r_sole_regressor(
-    const op2_r_sole_real q[],
-    op2_r_sole_real rows[restrict 3 * op2_r_sole_BASE_PARAMS])
-{
-    op2_r_sole_regressor_core(0, q, q, q, rows);
 }
 
 op2_r_sole_SHARED void op2_r_sole_regressor_cop_core(
@@ -2757,79 +2720,68 @@ void op2_r_sole_regressor_full(
     op2_r_sole_regressor_full_core(0, q, q, q, rows);
 }
 
-op2_r_sole_SHARED void op2_r_sole_cop_core(
-    int of_sines,
+void op2_r_sole_cop(
     const op2_r_sole_real q[],
-    const op2_r_sole_real sin_q[],
-    const op2_r_sole_real cos_q[],
     const op2_r_sole_real r[],
     op2_r_sole_real cop[restrict 2])
 {
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
+    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + (c_r_el * r[41]) - (s_r_el * r[42]);
+    const float e1 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    if (of_sines != 0) {
-        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    } else {
-        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
-    }
+    op2_r_sole_sincos(e1, &s_r_sho_roll, &c_r_sho_roll);
     /* r_sho_pitch */
     const float v_r_sho_pitch_x = r[37] - ((s_r_el * r[41]) + (c_r_el * r[42]));
     const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
     const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
+    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + (c_l_el * r[35]) + (s_l_el * r[36]);
     const float v_l_sho_roll_z = (s_l_el * r[35]) - (c_l_el * r[36]);
+    const float e2 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    if (of_sines != 0) {
-        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    } else {
-        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
-    }
+    op2_r_sole_sincos(e2, &s_l_sho_roll, &c_l_sho_roll);
     /* l_sho_pitch */
     const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
     const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
     const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float v_l_ank_pitch_z = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     /* l_knee */
     const float v_l_knee_x = r[25] + (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float v_l_knee_y = r[26] - (s_l_ank_pitch * r[27]) + (c_l_ank_pitch * v_l_ank_pitch_y);
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
     /* l_hip_pitch */
     const float v_l_hip_pitch_x = r[23] + (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float v_l_hip_pitch_y = r[24] + (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     /* l_hip_roll */
     const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
     const float v_l_hip_roll_y = r[22] + (s_l_hip_pitch * v_l_hip_pitch_x)
@@ -2838,7 +2790,7 @@ op2_r_sole_SHARED void op2_r_sole_cop_core(
         - (s_l_hip_pitch * v_l_hip_pitch_y);
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
     /* l_hip_yaw */
     const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
     const float v_l_hip_yaw_y = r[20] + (c_l_hip_roll * v_l_hip_roll_x)
@@ -2846,22 +2798,22 @@ op2_r_sole_SHARED void op2_r_sole_cop_core(
     const float v_l_hip_yaw_z = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
     /* head_pan */
     const float v_head_pan_x = r[15] + (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float v_head_pan_z = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
     /* r_hip_yaw */
-    const float e1 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
+    const float e3 = r[13] + (c_head_pan * v_head_pan_x) - (s_head_pan * r[16])
         + (c_l_sho_pitch * v_l_sho_pitch_x) + (s_l_sho_pitch * v_l_sho_pitch_y)
         + (c_r_sho_pitch * v_r_sho_pitch_x) - (s_r_sho_pitch * v_r_sho_pitch_y);
-    const float v_r_hip_yaw_x = e1 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_x = e3 + (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float v_r_hip_yaw_y = r[14] + (s_head_pan * v_head_pan_x) + (c_head_pan * r[16])
         + v_l_sho_pitch_z + v_r_sho_pitch_z - (s_l_hip_yaw * v_l_hip_yaw_x)
         + (c_l_hip_yaw * v_l_hip_yaw_y);
@@ -2870,7 +2822,7 @@ op2_r_sole_SHARED void op2_r_sole_cop_core(
         + (c_r_sho_pitch * v_r_sho_pitch_y) + v_l_hip_yaw_z;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     /* r_hip_roll */
     const float v_r_hip_roll_x = r[11] + (s_r_hip_yaw * v_r_hip_yaw_x)
         + (c_r_hip_yaw * v_r_hip_yaw_y);
@@ -2878,7 +2830,7 @@ op2_r_sole_SHARED void op2_r_sole_cop_core(
     const float v_r_hip_roll_z = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
     /* r_hip_pitch */
     const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
     const float v_r_hip_pitch_y = r[10] + (s_r_hip_roll * v_r_hip_roll_x)
@@ -2886,7 +2838,7 @@ op2_r_sole_SHARED void op2_r_sole_cop_core(
     const float v_r_hip_pitch_z = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     /* r_knee */
     const float v_r_knee_x = r[7] + (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
@@ -2894,13 +2846,13 @@ op2_r_sole_SHARED void op2_r_sole_cop_core(
         + (c_r_hip_pitch * v_r_hip_pitch_y);
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
     /* r_ank_pitch */
     const float v_r_ank_pitch_x = r[5] + (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float v_r_ank_pitch_y = r[6] + (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     /* r_ank_roll */
     const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
     const float v_r_ank_roll_y = r[4] - (s_r_ank_pitch * v_r_ank_pitch_x)
@@ -2909,21 +2861,13 @@ op2_r_sole_SHARED void op2_r_sole_cop_core(
         + (s_r_ank_pitch * v_r_ank_pitch_y);
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
     /* r_sole */
     const float v_r_sole_x = r[0] + v_r_ank_roll_z;
     const float v_r_sole_y = r[1] + (c_r_ank_roll * v_r_ank_roll_x)
         + (s_r_ank_roll * v_r_ank_roll_y);
     cop[0] = v_r_sole_x;
     cop[1] = v_r_sole_y;
-}
-
-void op2_r_sole_cop(
-    const op2_r_sole_real q[],
-    const op2_r_sole_real r[],
-    op2_r_sole_real cop[restrict 2])
-{
-    op2_r_sole_cop_core(0, q, q, q, r, cop);
 }
 
 op2_r_sole_SHARED void op2_r_sole_zmp_core(
@@ -4113,7 +4057,83 @@ void op2_r_sole_com_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real com[restrict 3])
 {
-    op2_r_sole_com_core(1, sin_q, sin_q, cos_q, r, com);
+    /* r_sho_roll */
+    const float v_r_sho_roll_y = r[40] + (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
+    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    /* r_sho_pitch */
+    const float v_r_sho_pitch_x = r[37] - ((sin_q[19] * r[41]) + (cos_q[19] * r[42]));
+    const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
+    const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
+    /* l_sho_roll */
+    const float v_l_sho_roll_y = r[34] + (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
+    const float v_l_sho_roll_z = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
+    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    /* l_sho_pitch */
+    const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
+    const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
+    /* l_ank_pitch */
+    const float v_l_ank_pitch_y = r[28] + (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
+    const float v_l_ank_pitch_z = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
+    /* l_knee */
+    const float v_l_knee_x = r[25] + (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
+    const float v_l_knee_y = r[26] - (sin_q[6] * r[27]) + (cos_q[6] * v_l_ank_pitch_y);
+    /* l_hip_pitch */
+    const float v_l_hip_pitch_x = r[23] + (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
+    const float v_l_hip_pitch_y = r[24] + (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
+    /* l_hip_roll */
+    const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const float v_l_hip_roll_y = r[22] + (sin_q[4] * v_l_hip_pitch_x)
+        + (cos_q[4] * v_l_hip_pitch_y);
+    const float v_l_hip_roll_z = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
+    /* l_hip_yaw */
+    const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const float v_l_hip_yaw_y = r[20] + (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
+    const float v_l_hip_yaw_z = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
+    /* head_pan */
+    const float v_head_pan_x = r[15] + (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
+    const float v_head_pan_z = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
+    /* r_hip_yaw */
+    const float e1 = r[13] + (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16])
+        + (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y)
+        + (cos_q[17] * v_r_sho_pitch_x);
+    const float v_r_hip_yaw_x = e1 - (sin_q[17] * v_r_sho_pitch_y) + (cos_q[2] * v_l_hip_yaw_x)
+        + (sin_q[2] * v_l_hip_yaw_y);
+    const float e2 = r[14] + (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]) + v_l_sho_pitch_z
+        + v_r_sho_pitch_z - (sin_q[2] * v_l_hip_yaw_x);
+    const float v_r_hip_yaw_y = e2 + (cos_q[2] * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_z = v_head_pan_z - (sin_q[8] * v_l_sho_pitch_x)
+        + (cos_q[8] * v_l_sho_pitch_y) + (sin_q[17] * v_r_sho_pitch_x)
+        + (cos_q[17] * v_r_sho_pitch_y) + v_l_hip_yaw_z;
+    /* r_hip_roll */
+    const float v_r_hip_roll_x = r[11] + (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
+    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const float v_r_hip_roll_z = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
+    /* r_hip_pitch */
+    const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const float v_r_hip_pitch_y = r[10] + (sin_q[12] * v_r_hip_roll_x)
+        + (cos_q[12] * v_r_hip_roll_y);
+    const float v_r_hip_pitch_z = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
+    /* r_knee */
+    const float v_r_knee_x = r[7] + (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
+    const float v_r_knee_y = r[8] + (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
+    /* r_ank_pitch */
+    const float v_r_ank_pitch_x = r[5] + (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
+    const float v_r_ank_pitch_y = r[6] + (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
+    /* r_ank_roll */
+    const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const float v_r_ank_roll_y = r[4] - (sin_q[15] * v_r_ank_pitch_x)
+        + (cos_q[15] * v_r_ank_pitch_y);
+    const float v_r_ank_roll_z = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
+    /* r_sole */
+    const float v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const float v_r_sole_y = r[1] + (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
+    const float v_r_sole_z = r[2] - (sin_q[16] * v_r_ank_roll_x) + (cos_q[16] * v_r_ank_roll_y);
+    com[0] = v_r_sole_x;
+    com[1] = v_r_sole_y;
+    com[2] = v_r_sole_z;
 }
 
 void op2_r_sole_com_jacobian_sc(
@@ -4149,7 +4169,291 @@ void op2_r_sole_regressor_sc(
     const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 3 * op2_r_sole_BASE_PARAMS])
 {
-    op2_r_sole_regressor_core(1, sin_q, sin_q, cos_q, rows);
+    /* r_ank_roll */
+    const float bz_r_ank_roll_x = -sin_q[16];
+    /* r_ank_pitch */
+    const float e1 = sin_q[16] * sin_q[15];
+    const float by_r_ank_pitch_x = -e1;
+    const float by_r_ank_pitch_y = sin_q[16] * cos_q[15];
+    const float e2 = cos_q[16] * sin_q[15];
+    const float bz_r_ank_pitch_x = -e2;
+    const float bz_r_ank_pitch_y = cos_q[16] * cos_q[15];
+    /* r_knee */
+    const float bx_r_knee_x = (cos_q[15] * cos_q[14]) + (sin_q[15] * sin_q[14]);
+    const float bx_r_knee_y = (sin_q[15] * cos_q[14]) - (cos_q[15] * sin_q[14]);
+    const float by_r_knee_x = (by_r_ank_pitch_y * sin_q[14]) - (e1 * cos_q[14]);
+    const float by_r_knee_y = (by_r_ank_pitch_y * cos_q[14]) + (e1 * sin_q[14]);
+    const float bz_r_knee_x = (bz_r_ank_pitch_y * sin_q[14]) - (e2 * cos_q[14]);
+    const float bz_r_knee_y = (bz_r_ank_pitch_y * cos_q[14]) + (e2 * sin_q[14]);
+    /* r_hip_pitch */
+    const float bx_r_hip_pitch_x = (bx_r_knee_x * cos_q[13]) + (bx_r_knee_y * sin_q[13]);
+    const float bx_r_hip_pitch_y = (bx_r_knee_y * cos_q[13]) - (bx_r_knee_x * sin_q[13]);
+    const float by_r_hip_pitch_x = (by_r_knee_x * cos_q[13]) + (by_r_knee_y * sin_q[13]);
+    const float by_r_hip_pitch_y = (by_r_knee_y * cos_q[13]) - (by_r_knee_x * sin_q[13]);
+    const float bz_r_hip_pitch_x = (bz_r_knee_x * cos_q[13]) + (bz_r_knee_y * sin_q[13]);
+    const float bz_r_hip_pitch_y = (bz_r_knee_y * cos_q[13]) - (bz_r_knee_x * sin_q[13]);
+    /* r_hip_roll */
+    const float bx_r_hip_roll_x = bx_r_hip_pitch_y * sin_q[12];
+    const float bx_r_hip_roll_y = bx_r_hip_pitch_y * cos_q[12];
+    const float by_r_hip_roll_x = (by_r_hip_pitch_y * sin_q[12]) + (cos_q[16] * cos_q[12]);
+    const float e3 = (cos_q[16] * sin_q[12]) - (by_r_hip_pitch_y * cos_q[12]);
+    const float by_r_hip_roll_y = -e3;
+    const float bz_r_hip_roll_x = (bz_r_hip_pitch_y * sin_q[12]) - (sin_q[16] * cos_q[12]);
+    const float bz_r_hip_roll_y = (sin_q[16] * sin_q[12]) + (bz_r_hip_pitch_y * cos_q[12]);
+    /* r_hip_yaw */
+    const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * sin_q[11]) + (bx_r_hip_pitch_x * cos_q[11]);
+    const float e4 = (bx_r_hip_pitch_x * sin_q[11]) - (bx_r_hip_roll_x * cos_q[11]);
+    const float bx_r_hip_yaw_y = -e4;
+    const float by_r_hip_yaw_x = (by_r_hip_roll_x * sin_q[11]) + (by_r_hip_pitch_x * cos_q[11]);
+    const float e5 = (by_r_hip_pitch_x * sin_q[11]) - (by_r_hip_roll_x * cos_q[11]);
+    const float by_r_hip_yaw_y = -e5;
+    const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * sin_q[11]) + (bz_r_hip_pitch_x * cos_q[11]);
+    const float e6 = (bz_r_hip_pitch_x * sin_q[11]) - (bz_r_hip_roll_x * cos_q[11]);
+    const float bz_r_hip_yaw_y = -e6;
+    /* head_pan */
+    const float bx_head_pan_x = (bx_r_hip_yaw_x * cos_q[0]) - (e4 * sin_q[0]);
+    const float bx_head_pan_y = -((e4 * cos_q[0]) + (bx_r_hip_yaw_x * sin_q[0]));
+    const float by_head_pan_x = (by_r_hip_yaw_x * cos_q[0]) - (e5 * sin_q[0]);
+    const float by_head_pan_y = -((e5 * cos_q[0]) + (by_r_hip_yaw_x * sin_q[0]));
+    const float bz_head_pan_x = (bz_r_hip_yaw_x * cos_q[0]) - (e6 * sin_q[0]);
+    const float bz_head_pan_y = -((e6 * cos_q[0]) + (bz_r_hip_yaw_x * sin_q[0]));
+    /* head_tilt */
+    const float bx_head_tilt_x = (bx_head_pan_x * cos_q[1]) + (bx_r_hip_roll_y * sin_q[1]);
+    const float bx_head_tilt_y = -((bx_r_hip_roll_y * cos_q[1]) - (bx_head_pan_x * sin_q[1]));
+    const float by_head_tilt_x = (by_head_pan_x * cos_q[1]) - (e3 * sin_q[1]);
+    const float by_head_tilt_y = (e3 * cos_q[1]) + (by_head_pan_x * sin_q[1]);
+    const float bz_head_tilt_x = (bz_head_pan_x * cos_q[1]) + (bz_r_hip_roll_y * sin_q[1]);
+    const float bz_head_tilt_y = -((bz_r_hip_roll_y * cos_q[1]) - (bz_head_pan_x * sin_q[1]));
+    /* l_hip_yaw */
+    const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * cos_q[2]) + (e4 * sin_q[2]);
+    const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * sin_q[2]) - (e4 * cos_q[2]);
+    const float by_l_hip_yaw_x = (by_r_hip_yaw_x * cos_q[2]) + (e5 * sin_q[2]);
+    const float by_l_hip_yaw_y = (by_r_hip_yaw_x * sin_q[2]) - (e5 * cos_q[2]);
+    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * cos_q[2]) + (e6 * sin_q[2]);
+    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * sin_q[2]) - (e6 * cos_q[2]);
+    /* l_hip_roll */
+    const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * cos_q[3]) - (bx_r_hip_roll_y * sin_q[3]);
+    const float bx_l_hip_roll_y = (bx_r_hip_roll_y * cos_q[3]) + (bx_l_hip_yaw_y * sin_q[3]);
+    const float by_l_hip_roll_x = (by_l_hip_yaw_y * cos_q[3]) + (e3 * sin_q[3]);
+    const float by_l_hip_roll_y = (by_l_hip_yaw_y * sin_q[3]) - (e3 * cos_q[3]);
+    const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * cos_q[3]) - (bz_r_hip_roll_y * sin_q[3]);
+    const float bz_l_hip_roll_y = (bz_r_hip_roll_y * cos_q[3]) + (bz_l_hip_yaw_y * sin_q[3]);
+    /* l_hip_pitch */
+    const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * sin_q[4]) + (bx_l_hip_yaw_x * cos_q[4]);
+    const float e7 = (bx_l_hip_yaw_x * sin_q[4]) - (bx_l_hip_roll_y * cos_q[4]);
+    const float bx_l_hip_pitch_y = -e7;
+    const float by_l_hip_pitch_x = (by_l_hip_roll_y * sin_q[4]) + (by_l_hip_yaw_x * cos_q[4]);
+    const float e8 = (by_l_hip_yaw_x * sin_q[4]) - (by_l_hip_roll_y * cos_q[4]);
+    const float by_l_hip_pitch_y = -e8;
+    const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * sin_q[4]) + (bz_l_hip_yaw_x * cos_q[4]);
+    const float e9 = (bz_l_hip_yaw_x * sin_q[4]) - (bz_l_hip_roll_y * cos_q[4]);
+    const float bz_l_hip_pitch_y = -e9;
+    /* l_knee */
+    const float bx_l_knee_x = (bx_l_hip_pitch_x * cos_q[5]) - (e7 * sin_q[5]);
+    const float e10 = (e7 * cos_q[5]) + (bx_l_hip_pitch_x * sin_q[5]);
+    const float bx_l_knee_y = -e10;
+    const float by_l_knee_x = (by_l_hip_pitch_x * cos_q[5]) - (e8 * sin_q[5]);
+    const float e11 = (e8 * cos_q[5]) + (by_l_hip_pitch_x * sin_q[5]);
+    const float by_l_knee_y = -e11;
+    const float bz_l_knee_x = (bz_l_hip_pitch_x * cos_q[5]) - (e9 * sin_q[5]);
+    const float e12 = (e9 * cos_q[5]) + (bz_l_hip_pitch_x * sin_q[5]);
+    const float bz_l_knee_y = -e12;
+    /* l_ank_pitch */
+    const float bx_l_ank_pitch_x = (bx_l_knee_x * cos_q[6]) + (e10 * sin_q[6]);
+    const float bx_l_ank_pitch_y = (bx_l_knee_x * sin_q[6]) - (e10 * cos_q[6]);
+    const float by_l_ank_pitch_x = (by_l_knee_x * cos_q[6]) + (e11 * sin_q[6]);
+    const float by_l_ank_pitch_y = (by_l_knee_x * sin_q[6]) - (e11 * cos_q[6]);
+    const float bz_l_ank_pitch_x = (bz_l_knee_x * cos_q[6]) + (e12 * sin_q[6]);
+    const float bz_l_ank_pitch_y = (bz_l_knee_x * sin_q[6]) - (e12 * cos_q[6]);
+    /* l_ank_roll */
+    const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * sin_q[7]) + (bx_l_hip_roll_x * cos_q[7]);
+    const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * sin_q[7]) - (bx_l_ank_pitch_y * cos_q[7]));
+    const float by_l_ank_roll_x = (by_l_ank_pitch_y * sin_q[7]) + (by_l_hip_roll_x * cos_q[7]);
+    const float by_l_ank_roll_y = -((by_l_hip_roll_x * sin_q[7]) - (by_l_ank_pitch_y * cos_q[7]));
+    const float bz_l_ank_roll_x = (bz_l_ank_pitch_y * sin_q[7]) + (bz_l_hip_roll_x * cos_q[7]);
+    const float bz_l_ank_roll_y = -((bz_l_hip_roll_x * sin_q[7]) - (bz_l_ank_pitch_y * cos_q[7]));
+    /* l_sho_pitch */
+    const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[8]) - (bx_r_hip_roll_y * sin_q[8]);
+    const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * cos_q[8]) + (bx_r_hip_yaw_x * sin_q[8]);
+    const float by_l_sho_pitch_x = (by_r_hip_yaw_x * cos_q[8]) + (e3 * sin_q[8]);
+    const float by_l_sho_pitch_y = (by_r_hip_yaw_x * sin_q[8]) - (e3 * cos_q[8]);
+    const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[8]) - (bz_r_hip_roll_y * sin_q[8]);
+    const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * cos_q[8]) + (bz_r_hip_yaw_x * sin_q[8]);
+    /* l_sho_roll */
+    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
+    const float e13 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
+    const float bx_l_sho_roll_y = -e13;
+    const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e5 * c_l_sho_roll));
+    const float e14 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
+    const float by_l_sho_roll_y = -e14;
+    const float bz_l_sho_roll_x = -((bz_l_sho_pitch_y * s_l_sho_roll) + (e6 * c_l_sho_roll));
+    const float e15 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
+    const float bz_l_sho_roll_y = -e15;
+    /* l_el */
+    const float bx_l_el_x = (bx_l_sho_pitch_x * sin_q[10]) - (e13 * cos_q[10]);
+    const float bx_l_el_y = -((bx_l_sho_pitch_x * cos_q[10]) + (e13 * sin_q[10]));
+    const float by_l_el_x = (by_l_sho_pitch_x * sin_q[10]) - (e14 * cos_q[10]);
+    const float by_l_el_y = -((by_l_sho_pitch_x * cos_q[10]) + (e14 * sin_q[10]));
+    const float bz_l_el_x = (bz_l_sho_pitch_x * sin_q[10]) - (e15 * cos_q[10]);
+    const float bz_l_el_y = -((bz_l_sho_pitch_x * cos_q[10]) + (e15 * sin_q[10]));
+    /* r_sho_pitch */
+    const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[17]) + (bx_r_hip_roll_y * sin_q[17]);
+    const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * cos_q[17]) - (bx_r_hip_yaw_x * sin_q[17]);
+    const float by_r_sho_pitch_x = (by_r_hip_yaw_x * cos_q[17]) - (e3 * sin_q[17]);
+    const float e16 = (e3 * cos_q[17]) + (by_r_hip_yaw_x * sin_q[17]);
+    const float by_r_sho_pitch_y = -e16;
+    const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[17]) + (bz_r_hip_roll_y * sin_q[17]);
+    const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * cos_q[17]) - (bz_r_hip_yaw_x * sin_q[17]);
+    /* r_sho_roll */
+    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e4 * c_r_sho_roll));
+    const float e17 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
+    const float bx_r_sho_roll_y = -e17;
+    const float by_r_sho_roll_x = (e16 * s_r_sho_roll) - (e5 * c_r_sho_roll);
+    const float e18 = (e5 * s_r_sho_roll) + (e16 * c_r_sho_roll);
+    const float by_r_sho_roll_y = -e18;
+    const float bz_r_sho_roll_x = -((bz_r_sho_pitch_y * s_r_sho_roll) + (e6 * c_r_sho_roll));
+    const float e19 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
+    const float bz_r_sho_roll_y = -e19;
+    /* r_el */
+    const float bx_r_el_x = -((e17 * cos_q[19]) + (bx_r_sho_pitch_x * sin_q[19]));
+    const float bx_r_el_y = -((bx_r_sho_pitch_x * cos_q[19]) - (e17 * sin_q[19]));
+    const float by_r_el_x = -((e18 * cos_q[19]) + (by_r_sho_pitch_x * sin_q[19]));
+    const float by_r_el_y = -((by_r_sho_pitch_x * cos_q[19]) - (e18 * sin_q[19]));
+    const float bz_r_el_x = -((e19 * cos_q[19]) + (bz_r_sho_pitch_x * sin_q[19]));
+    const float bz_r_el_y = -((bz_r_sho_pitch_x * cos_q[19]) - (e19 * sin_q[19]));
+    rows[0] = 1.0f;
+    rows[1] = 0.0f;
+    rows[2] = 0.0f;
+    rows[3] = 0.0f;
+    rows[4] = 0.0f;
+    rows[5] = cos_q[15];
+    rows[6] = sin_q[15];
+    rows[7] = bx_r_knee_x;
+    rows[8] = bx_r_knee_y;
+    rows[9] = bx_r_hip_pitch_x;
+    rows[10] = bx_r_hip_pitch_y;
+    rows[11] = bx_r_hip_roll_x;
+    rows[12] = bx_r_hip_roll_y;
+    rows[13] = bx_r_hip_yaw_x;
+    rows[14] = bx_r_hip_yaw_y;
+    rows[15] = bx_head_pan_x;
+    rows[16] = bx_head_pan_y;
+    rows[17] = bx_head_tilt_x;
+    rows[18] = bx_head_tilt_y;
+    rows[19] = bx_l_hip_yaw_x;
+    rows[20] = bx_l_hip_yaw_y;
+    rows[21] = bx_l_hip_roll_x;
+    rows[22] = bx_l_hip_roll_y;
+    rows[23] = bx_l_hip_pitch_x;
+    rows[24] = bx_l_hip_pitch_y;
+    rows[25] = bx_l_knee_x;
+    rows[26] = bx_l_knee_y;
+    rows[27] = bx_l_ank_pitch_x;
+    rows[28] = bx_l_ank_pitch_y;
+    rows[29] = bx_l_ank_roll_x;
+    rows[30] = bx_l_ank_roll_y;
+    rows[31] = bx_l_sho_pitch_x;
+    rows[32] = bx_l_sho_pitch_y;
+    rows[33] = bx_l_sho_roll_x;
+    rows[34] = bx_l_sho_roll_y;
+    rows[35] = bx_l_el_x;
+    rows[36] = bx_l_el_y;
+    rows[37] = bx_r_sho_pitch_x;
+    rows[38] = bx_r_sho_pitch_y;
+    rows[39] = bx_r_sho_roll_x;
+    rows[40] = bx_r_sho_roll_y;
+    rows[41] = bx_r_el_x;
+    rows[42] = bx_r_el_y;
+    rows[43] = 0.0f;
+    rows[44] = 1.0f;
+    rows[45] = 0.0f;
+    rows[46] = cos_q[16];
+    rows[47] = sin_q[16];
+    rows[48] = by_r_ank_pitch_x;
+    rows[49] = by_r_ank_pitch_y;
+    rows[50] = by_r_knee_x;
+    rows[51] = by_r_knee_y;
+    rows[52] = by_r_hip_pitch_x;
+    rows[53] = by_r_hip_pitch_y;
+    rows[54] = by_r_hip_roll_x;
+    rows[55] = by_r_hip_roll_y;
+    rows[56] = by_r_hip_yaw_x;
+    rows[57] = by_r_hip_yaw_y;
+    rows[58] = by_head_pan_x;
+    rows[59] = by_head_pan_y;
+    rows[60] = by_head_tilt_x;
+    rows[61] = by_head_tilt_y;
+    rows[62] = by_l_hip_yaw_x;
+    rows[63] = by_l_hip_yaw_y;
+    rows[64] = by_l_hip_roll_x;
+    rows[65] = by_l_hip_roll_y;
+    rows[66] = by_l_hip_pitch_x;
+    rows[67] = by_l_hip_pitch_y;
+    rows[68] = by_l_knee_x;
+    rows[69] = by_l_knee_y;
+    rows[70] = by_l_ank_pitch_x;
+    rows[71] = by_l_ank_pitch_y;
+    rows[72] = by_l_ank_roll_x;
+    rows[73] = by_l_ank_roll_y;
+    rows[74] = by_l_sho_pitch_x;
+    rows[75] = by_l_sho_pitch_y;
+    rows[76] = by_l_sho_roll_x;
+    rows[77] = by_l_sho_roll_y;
+    rows[78] = by_l_el_x;
+    rows[79] = by_l_el_y;
+    rows[80] = by_r_sho_pitch_x;
+    rows[81] = by_r_sho_pitch_y;
+    rows[82] = by_r_sho_roll_x;
+    rows[83] = by_r_sho_roll_y;
+    rows[84] = by_r_el_x;
+    rows[85] = by_r_el_y;
+    rows[86] = 0.0f;
+    rows[87] = 0.0f;
+    rows[88] = 1.0f;
+    rows[89] = bz_r_ank_roll_x;
+    rows[90] = cos_q[16];
+    rows[91] = bz_r_ank_pitch_x;
+    rows[92] = bz_r_ank_pitch_y;
+    rows[93] = bz_r_knee_x;
+    rows[94] = bz_r_knee_y;
+    rows[95] = bz_r_hip_pitch_x;
+    rows[96] = bz_r_hip_pitch_y;
+    rows[97] = bz_r_hip_roll_x;
+    rows[98] = bz_r_hip_roll_y;
+    rows[99] = bz_r_hip_yaw_x;
+    rows[100] = bz_r_hip_yaw_y;
+    rows[101] = bz_head_pan_x;
+    rows[102] = bz_head_pan_y;
+    rows[103] = bz_head_tilt_x;
+    rows[104] = bz_head_tilt_y;
+    rows[105] = bz_l_hip_yaw_x;
+    rows[106] = bz_l_hip_yaw_y;
+    rows[107] = bz_l_hip_roll_x;
+    rows[108] = bz_l_hip_roll_y;
+    rows[109] = bz_l_hip_pitch_x;
+    rows[110] = bz_l_hip_pitch_y;
+    rows[111] = bz_l_knee_x;
+    rows[112] = bz_l_knee_y;
+    rows[113] = bz_l_ank_pitch_x;
+    rows[114] = bz_l_ank_pitch_y;
+    rows[115] = bz_l_ank_roll_x;
+    rows[116] = bz_l_ank_roll_y;
+    rows[117] = bz_l_sho_pitch_x;
+    rows[118] = bz_l_sho_pitch_y;
+    rows[119] = bz_l_sho_roll_x;
+    rows[120] = bz_l_sho_roll_y;
+    rows[121] = bz_l_el_x;
+    rows[122] = bz_l_el_y;
+    rows[123] = bz_r_sho_pitch_x;
+    rows[124] = bz_r_sho_pitch_y;
+    rows[125] = bz_r_sho_roll_x;
+    rows[126] = bz_r_sho_roll_y;
+    rows[127] = bz_r_el_x;
+    rows[128] = bz_r_el_y;
 }
 
 void op2_r_sole_regressor_cop_sc(
@@ -4174,7 +4478,81 @@ void op2_r_sole_cop_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real cop[restrict 2])
 {
-    op2_r_sole_cop_core(1, sin_q, sin_q, cos_q, r, cop);
+    /* r_sho_roll */
+    const float v_r_sho_roll_y = r[40] + (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
+    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    /* r_sho_pitch */
+    const float v_r_sho_pitch_x = r[37] - ((sin_q[19] * r[41]) + (cos_q[19] * r[42]));
+    const float v_r_sho_pitch_y = r[38] - (s_r_sho_roll * r[39]) + (c_r_sho_roll * v_r_sho_roll_y);
+    const float v_r_sho_pitch_z = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
+    /* l_sho_roll */
+    const float v_l_sho_roll_y = r[34] + (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
+    const float v_l_sho_roll_z = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
+    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    /* l_sho_pitch */
+    const float v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const float v_l_sho_pitch_y = r[32] - (s_l_sho_roll * r[33]) + (c_l_sho_roll * v_l_sho_roll_y);
+    const float v_l_sho_pitch_z = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
+    /* l_ank_pitch */
+    const float v_l_ank_pitch_y = r[28] + (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
+    const float v_l_ank_pitch_z = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
+    /* l_knee */
+    const float v_l_knee_x = r[25] + (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
+    const float v_l_knee_y = r[26] - (sin_q[6] * r[27]) + (cos_q[6] * v_l_ank_pitch_y);
+    /* l_hip_pitch */
+    const float v_l_hip_pitch_x = r[23] + (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
+    const float v_l_hip_pitch_y = r[24] + (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
+    /* l_hip_roll */
+    const float v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const float v_l_hip_roll_y = r[22] + (sin_q[4] * v_l_hip_pitch_x)
+        + (cos_q[4] * v_l_hip_pitch_y);
+    const float v_l_hip_roll_z = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
+    /* l_hip_yaw */
+    const float v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const float v_l_hip_yaw_y = r[20] + (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
+    const float v_l_hip_yaw_z = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
+    /* head_pan */
+    const float v_head_pan_x = r[15] + (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
+    const float v_head_pan_z = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
+    /* r_hip_yaw */
+    const float e1 = r[13] + (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16])
+        + (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y)
+        + (cos_q[17] * v_r_sho_pitch_x);
+    const float v_r_hip_yaw_x = e1 - (sin_q[17] * v_r_sho_pitch_y) + (cos_q[2] * v_l_hip_yaw_x)
+        + (sin_q[2] * v_l_hip_yaw_y);
+    const float e2 = r[14] + (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]) + v_l_sho_pitch_z
+        + v_r_sho_pitch_z - (sin_q[2] * v_l_hip_yaw_x);
+    const float v_r_hip_yaw_y = e2 + (cos_q[2] * v_l_hip_yaw_y);
+    const float v_r_hip_yaw_z = v_head_pan_z - (sin_q[8] * v_l_sho_pitch_x)
+        + (cos_q[8] * v_l_sho_pitch_y) + (sin_q[17] * v_r_sho_pitch_x)
+        + (cos_q[17] * v_r_sho_pitch_y) + v_l_hip_yaw_z;
+    /* r_hip_roll */
+    const float v_r_hip_roll_x = r[11] + (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
+    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const float v_r_hip_roll_z = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
+    /* r_hip_pitch */
+    const float v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const float v_r_hip_pitch_y = r[10] + (sin_q[12] * v_r_hip_roll_x)
+        + (cos_q[12] * v_r_hip_roll_y);
+    const float v_r_hip_pitch_z = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
+    /* r_knee */
+    const float v_r_knee_x = r[7] + (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
+    const float v_r_knee_y = r[8] + (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
+    /* r_ank_pitch */
+    const float v_r_ank_pitch_x = r[5] + (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
+    const float v_r_ank_pitch_y = r[6] + (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
+    /* r_ank_roll */
+    const float v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const float v_r_ank_roll_y = r[4] - (sin_q[15] * v_r_ank_pitch_x)
+        + (cos_q[15] * v_r_ank_pitch_y);
+    const float v_r_ank_roll_z = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
+    /* r_sole */
+    const float v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const float v_r_sole_y = r[1] + (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
+    cop[0] = v_r_sole_x;
+    cop[1] = v_r_sole_y;
 }
 
 void op2_r_sole_zmp_sc(
@@ -4707,7 +5085,7 @@ static int op2_r_sole_rounds_otherwise(op2_r_sole_real result)
 }
 #endif
 
-int op2_r_sole_selftest_a3ce607317f5af97(void)
+int op2_r_sole_selftest_edaca3f5468f38b1(void)
 {
     static const op2_r_sole_real q[20] = {
         0.5581665f,
@@ -4824,5 +5202,5 @@ int op2_r_sole_selftest_a3ce607317f5af97(void)
 
 int op2_r_sole_selftest(void)
 {
-    return op2_r_sole_selftest_a3ce607317f5af97();
+    return op2_r_sole_selftest_edaca3f5468f38b1();
 }

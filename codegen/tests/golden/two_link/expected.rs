@@ -300,7 +300,20 @@ impl v1::Robot for TwoLink {
 
     #[inline(always)]
     fn com<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        TwoLink::com_core(&v1::Positions::new(q), r)
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        // ankle
+        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
+        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
+        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        // foot
+        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
+        let v_foot_z = (-s_ankle).mul_plus(v_ankle_x, r[2]);
+        let v_foot_z = c_ankle.mul_plus(v_ankle_y, v_foot_z);
+        [v_foot_x, r[1], v_foot_z]
     }
 
     #[inline(always)]
@@ -324,7 +337,37 @@ impl v1::Robot for TwoLink {
 
     #[inline(always)]
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        TwoLink::regressor_core(&v1::Positions::new(q), rows);
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][4] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        // ankle
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        rows[0][4] = s_ankle;
+        rows[0][3] = c_ankle;
+        rows[2][4] = c_ankle;
+        let bz_ankle_x = -s_ankle;
+        rows[2][3] = bz_ankle_x;
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
+        rows[0][5] = bx_knee_x;
+        rows[2][6] = bx_knee_x;
+        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
+        rows[0][6] = bx_knee_y;
+        let bz_knee_x = -bx_knee_y;
+        rows[2][5] = bz_knee_x;
     }
 
     #[inline(always)]
@@ -339,7 +382,18 @@ impl v1::Robot for TwoLink {
 
     #[inline(always)]
     fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        TwoLink::cop_core(&v1::Positions::new(q), r)
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        // ankle
+        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
+        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
+        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        // foot
+        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
+        [v_foot_x, r[1]]
     }
 
     #[inline(always)]
@@ -352,7 +406,17 @@ impl v1::Robot for TwoLink {
 impl v1::SinCosRobot for TwoLink {
     #[inline(always)]
     fn com_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        TwoLink::com_core(&(sin, cos), r)
+        // ankle
+        let v_ankle_x = cos[1].mul_plus(r[5], r[3]);
+        let v_ankle_x = sin[1].mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-sin[1]).mul_plus(r[5], r[4]);
+        let v_ankle_y = cos[1].mul_plus(r[6], v_ankle_y);
+        // foot
+        let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
+        let v_foot_z = (-sin[0]).mul_plus(v_ankle_x, r[2]);
+        let v_foot_z = cos[0].mul_plus(v_ankle_y, v_foot_z);
+        [v_foot_x, r[1], v_foot_z]
     }
 
     #[inline(always)]
@@ -387,9 +451,18 @@ impl v1::SinCosRobot for TwoLink {
 
     #[inline(always)]
     fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
-        TwoLink::regressor_core(&(sin, cos), &mut rows);
-        rows
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        // ankle
+        let bz_ankle_x = -sin[0];
+        // knee
+        let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
+        let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
+        let bz_knee_x = -bx_knee_y;
+        let row_x = [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y];
+        let row_y = [zero, one, zero, zero, zero, zero, zero];
+        let row_z = [zero, zero, one, bz_ankle_x, cos[0], bz_knee_x, bx_knee_x];
+        [row_x, row_y, row_z]
     }
 
     #[inline(always)]
@@ -408,7 +481,15 @@ impl v1::SinCosRobot for TwoLink {
 
     #[inline(always)]
     fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
-        TwoLink::cop_core(&(sin, cos), r)
+        // ankle
+        let v_ankle_x = cos[1].mul_plus(r[5], r[3]);
+        let v_ankle_x = sin[1].mul_plus(r[6], v_ankle_x);
+        let v_ankle_y = (-sin[1]).mul_plus(r[5], r[4]);
+        let v_ankle_y = cos[1].mul_plus(r[6], v_ankle_y);
+        // foot
+        let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
+        let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
+        [v_foot_x, r[1]]
     }
 
     #[inline(always)]
@@ -479,24 +560,6 @@ impl v1::SinCosRobot for TwoLink {
 
 #[allow(dead_code, non_snake_case, clippy::all)]
 impl TwoLink {
-    #[inline(always)]
-    fn com_core<T: Real>(angles: &impl v1::Angles<T>, r: &[T; BASE_PARAMS]) -> [T; 3] {
-        // knee
-        let (s_knee, c_knee) = angles.sin_cos(1);
-        // ankle
-        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
-        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
-        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
-        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
-        let (s_ankle, c_ankle) = angles.sin_cos(0);
-        // foot
-        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
-        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
-        let v_foot_z = (-s_ankle).mul_plus(v_ankle_x, r[2]);
-        let v_foot_z = c_ankle.mul_plus(v_ankle_y, v_foot_z);
-        [v_foot_x, r[1], v_foot_z]
-    }
-
     #[inline(always)]
     fn com_jacobian_core<T: Real>(
         angles: &impl v1::Angles<T>,
@@ -570,41 +633,6 @@ impl TwoLink {
     }
 
     #[inline(always)]
-    fn regressor_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 3]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[2][2] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[1][4] = zero;
-        rows[1][5] = zero;
-        rows[1][6] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        // ankle
-        let (s_ankle, c_ankle) = angles.sin_cos(0);
-        rows[0][4] = s_ankle;
-        rows[0][3] = c_ankle;
-        rows[2][4] = c_ankle;
-        let bz_ankle_x = -s_ankle;
-        rows[2][3] = bz_ankle_x;
-        // knee
-        let (s_knee, c_knee) = angles.sin_cos(1);
-        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
-        rows[0][5] = bx_knee_x;
-        rows[2][6] = bx_knee_x;
-        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
-        rows[0][6] = bx_knee_y;
-        let bz_knee_x = -bx_knee_y;
-        rows[2][5] = bz_knee_x;
-    }
-
-    #[inline(always)]
     fn regressor_cop_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 2]) {
         let zero = T::from_f64(0.0);
         let one = T::from_f64(1.0);
@@ -669,22 +697,6 @@ impl TwoLink {
         rows[0][8] = bx_knee_y;
         let bz_knee_x = -bx_knee_y;
         rows[2][6] = bz_knee_x;
-    }
-
-    #[inline(always)]
-    fn cop_core<T: Real>(angles: &impl v1::Angles<T>, r: &[T; BASE_PARAMS]) -> [T; 2] {
-        // knee
-        let (s_knee, c_knee) = angles.sin_cos(1);
-        // ankle
-        let v_ankle_x = c_knee.mul_plus(r[5], r[3]);
-        let v_ankle_x = s_knee.mul_plus(r[6], v_ankle_x);
-        let v_ankle_y = (-s_knee).mul_plus(r[5], r[4]);
-        let v_ankle_y = c_knee.mul_plus(r[6], v_ankle_y);
-        let (s_ankle, c_ankle) = angles.sin_cos(0);
-        // foot
-        let v_foot_x = c_ankle.mul_plus(v_ankle_x, r[0]);
-        let v_foot_x = s_ankle.mul_plus(v_ankle_y, v_foot_x);
-        [v_foot_x, r[1]]
     }
 
     #[inline(always)]

@@ -49,7 +49,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define two_link_SOURCE
 #include "two_link.h"
-#ifndef two_link_PAIR_2d7af5166c9f4ff4
+#ifndef two_link_PAIR_7254bf9e1cd59255
 #error "two_link.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -386,35 +386,24 @@ static void two_link_from_ticks(const int32_t ticks[], two_link_real sin_q[], tw
     two_link_lookup((uint32_t)ticks[1] - 2048u, &sin_q[1], &cos_q[1]);
 }
 
-two_link_SHARED void two_link_com_core(
-    int of_sines,
-    const two_link_real q[],
-    const two_link_real sin_q[],
-    const two_link_real cos_q[],
-    const two_link_real r[],
-    two_link_real com[restrict 3])
+void two_link_com(const two_link_real q[], const two_link_real r[], two_link_real com[restrict 3])
 {
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
+    two_link_sincos(q[1], &s_knee, &c_knee);
     /* ankle */
     const float v_ankle_x = r[3] + (c_knee * r[5]) + (s_knee * r[6]);
     const float v_ankle_y = r[4] - (s_knee * r[5]) + (c_knee * r[6]);
     float s_ankle;
     float c_ankle;
-    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
+    two_link_sincos(q[0], &s_ankle, &c_ankle);
     /* foot */
     const float v_foot_x = r[0] + (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     const float v_foot_z = r[2] - (s_ankle * v_ankle_x) + (c_ankle * v_ankle_y);
     com[0] = v_foot_x;
     com[1] = r[1];
     com[2] = v_foot_z;
-}
-
-void two_link_com(const two_link_real q[], const two_link_real r[], two_link_real com[restrict 3])
-{
-    two_link_com_core(0, q, q, q, r, com);
 }
 
 two_link_SHARED void two_link_com_jacobian_core(
@@ -531,22 +520,19 @@ void two_link_gravity_moments(
     two_link_gravity_moments_core(0, q, q, q, r, moments);
 }
 
-two_link_SHARED void two_link_regressor_core(
-    int of_sines,
+void two_link_regressor(
     const two_link_real q[],
-    const two_link_real sin_q[],
-    const two_link_real cos_q[],
     two_link_real rows[restrict 3 * two_link_BASE_PARAMS])
 {
     /* ankle */
     float s_ankle;
     float c_ankle;
-    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
+    two_link_sincos(q[0], &s_ankle, &c_ankle);
     const float bz_ankle_x = -s_ankle;
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
+    two_link_sincos(q[1], &s_knee, &c_knee);
     const float bx_knee_x = (c_ankle * c_knee) - (s_ankle * s_knee);
     const float bx_knee_y = (s_ankle * c_knee) + (c_ankle * s_knee);
     const float bz_knee_x = -bx_knee_y;
@@ -571,13 +557,6 @@ two_link_SHARED void two_link_regressor_core(
     rows[18] = c_ankle;
     rows[19] = bz_knee_x;
     rows[20] = bx_knee_x;
-}
-
-void two_link_regressor(
-    const two_link_real q[],
-    two_link_real rows[restrict 3 * two_link_BASE_PARAMS])
-{
-    two_link_regressor_core(0, q, q, q, rows);
 }
 
 two_link_SHARED void two_link_regressor_cop_core(
@@ -675,33 +654,22 @@ void two_link_regressor_full(
     two_link_regressor_full_core(0, q, q, q, rows);
 }
 
-two_link_SHARED void two_link_cop_core(
-    int of_sines,
-    const two_link_real q[],
-    const two_link_real sin_q[],
-    const two_link_real cos_q[],
-    const two_link_real r[],
-    two_link_real cop[restrict 2])
+void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_real cop[restrict 2])
 {
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
+    two_link_sincos(q[1], &s_knee, &c_knee);
     /* ankle */
     const float v_ankle_x = r[3] + (c_knee * r[5]) + (s_knee * r[6]);
     const float v_ankle_y = r[4] - (s_knee * r[5]) + (c_knee * r[6]);
     float s_ankle;
     float c_ankle;
-    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
+    two_link_sincos(q[0], &s_ankle, &c_ankle);
     /* foot */
     const float v_foot_x = r[0] + (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     cop[0] = v_foot_x;
     cop[1] = r[1];
-}
-
-void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_real cop[restrict 2])
-{
-    two_link_cop_core(0, q, q, q, r, cop);
 }
 
 two_link_SHARED void two_link_zmp_core(
@@ -785,7 +753,15 @@ void two_link_com_sc(
     const two_link_real r[],
     two_link_real com[restrict 3])
 {
-    two_link_com_core(1, sin_q, sin_q, cos_q, r, com);
+    /* ankle */
+    const float v_ankle_x = r[3] + (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
+    const float v_ankle_y = r[4] - (sin_q[1] * r[5]) + (cos_q[1] * r[6]);
+    /* foot */
+    const float v_foot_x = r[0] + (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
+    const float v_foot_z = r[2] - (sin_q[0] * v_ankle_x) + (cos_q[0] * v_ankle_y);
+    com[0] = v_foot_x;
+    com[1] = r[1];
+    com[2] = v_foot_z;
 }
 
 void two_link_com_jacobian_sc(
@@ -821,7 +797,33 @@ void two_link_regressor_sc(
     const two_link_real cos_q[],
     two_link_real rows[restrict 3 * two_link_BASE_PARAMS])
 {
-    two_link_regressor_core(1, sin_q, sin_q, cos_q, rows);
+    /* ankle */
+    const float bz_ankle_x = -sin_q[0];
+    /* knee */
+    const float bx_knee_x = (cos_q[0] * cos_q[1]) - (sin_q[0] * sin_q[1]);
+    const float bx_knee_y = (sin_q[0] * cos_q[1]) + (cos_q[0] * sin_q[1]);
+    const float bz_knee_x = -bx_knee_y;
+    rows[0] = 1.0f;
+    rows[1] = 0.0f;
+    rows[2] = 0.0f;
+    rows[3] = cos_q[0];
+    rows[4] = sin_q[0];
+    rows[5] = bx_knee_x;
+    rows[6] = bx_knee_y;
+    rows[7] = 0.0f;
+    rows[8] = 1.0f;
+    rows[9] = 0.0f;
+    rows[10] = 0.0f;
+    rows[11] = 0.0f;
+    rows[12] = 0.0f;
+    rows[13] = 0.0f;
+    rows[14] = 0.0f;
+    rows[15] = 0.0f;
+    rows[16] = 1.0f;
+    rows[17] = bz_ankle_x;
+    rows[18] = cos_q[0];
+    rows[19] = bz_knee_x;
+    rows[20] = bx_knee_x;
 }
 
 void two_link_regressor_cop_sc(
@@ -846,7 +848,13 @@ void two_link_cop_sc(
     const two_link_real r[],
     two_link_real cop[restrict 2])
 {
-    two_link_cop_core(1, sin_q, sin_q, cos_q, r, cop);
+    /* ankle */
+    const float v_ankle_x = r[3] + (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
+    const float v_ankle_y = r[4] - (sin_q[1] * r[5]) + (cos_q[1] * r[6]);
+    /* foot */
+    const float v_foot_x = r[0] + (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
+    cop[0] = v_foot_x;
+    cop[1] = r[1];
 }
 
 void two_link_zmp_sc(
@@ -991,7 +999,7 @@ static int two_link_rounds_otherwise(two_link_real result)
 }
 #endif
 
-int two_link_selftest_2d7af5166c9f4ff4(void)
+int two_link_selftest_7254bf9e1cd59255(void)
 {
     static const two_link_real q[2] = {
         0.21321106f,
@@ -1054,5 +1062,5 @@ int two_link_selftest_2d7af5166c9f4ff4(void)
 
 int two_link_selftest(void)
 {
-    return two_link_selftest_2d7af5166c9f4ff4();
+    return two_link_selftest_7254bf9e1cd59255();
 }
