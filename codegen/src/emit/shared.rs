@@ -40,12 +40,14 @@ pub struct Angle {
 /// takes 2.8 % and `regressor_sc` 11.8 % more instructions; on a Cortex-M4F `com_ticks` and
 /// `cop_ticks` take 224 bytes of stack for 208.
 const TWICE: [Function; 3] = [Function::Com, Function::Regressor, Function::Cop];
+/// Not of more angles than these, where what counts is how long a compiler takes.
+const ANGLES_TWICE: usize = 64;
 
 impl Shared {
     /// `None` where the programs are not of the same operations, there is no angle, or a common
     /// body would be slower.
     pub fn new(function: Function, positions: &Program, sines: &Program) -> Option<Shared> {
-        if TWICE.contains(&function) {
+        if TWICE.contains(&function) && positions.angles().len() <= ANGLES_TWICE {
             return None;
         }
         let mut angles: Vec<Angle> = Vec::new();

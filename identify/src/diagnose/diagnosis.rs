@@ -3,7 +3,6 @@
 use super::closure;
 use super::com_spread;
 use super::criteria;
-use super::exact;
 use super::findings::{About, Diagnosis, Explained, Gap, ModelOnLog, NextPostures, Step, Verdict};
 use super::further_logs::{self, FurtherLog};
 use super::held_out::{self, HeldOut};
@@ -12,6 +11,7 @@ use super::leftover::Misfit;
 use super::noise;
 use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
+use super::resting;
 use super::search::Search;
 use super::statements::{blind_spots, last, members, outliers, rest, told};
 use super::words::{self, capital};
@@ -70,7 +70,7 @@ pub fn find<'m>(
     let held_out = |step: &Fit| {
         let apart = held_out::apart_on_the_way(problem, step, whole);
         // Steps are fits of the first log, whose rows are held out of it.
-        match exact::settle(problem, step, &[]) {
+        match resting::settle(problem, step, &[]) {
             Some((own, step)) => held_out::cross_validate(&own, &step, &apart),
             None => held_out::cross_validate(problem, step, &apart),
         }
@@ -90,7 +90,7 @@ pub fn find<'m>(
     let expected = Misfit::of(problem, &null);
     let raw = raw_misfit(problem);
     let members = members(problem, &class);
-    if let Some((own, settled)) = exact::settle(problem, &best, further) {
+    if let Some((own, settled)) = resting::settle(problem, &best, further) {
         drop(search);
         *whole_problem = own;
         let problem = &*whole_problem;
@@ -206,7 +206,7 @@ fn misfit(problem: &Problem, fit: &Fit, further: &[FurtherLog]) -> Misfit {
     if !about_cad.is_clear() {
         return about_cad;
     }
-    let settled = exact::settle(problem, fit, further);
+    let settled = resting::settle(problem, fit, further);
     let settled = settled.map(|(own, fit)| Misfit::of(&own, &fit));
     let less = settled.filter(|settled| settled.chi2 < about_cad.chi2);
     less.unwrap_or(about_cad)
@@ -223,7 +223,7 @@ fn pass_over_impossible(
 ) -> (Option<(f64, String)>, Option<f64>) {
     let mut best: Option<(f64, String)> = None;
     while let Some(first) = believed.first() {
-        let Some((own, fit)) = exact::settle(problem, first, further) else {
+        let Some((own, fit)) = resting::settle(problem, first, further) else {
             return (best, None);
         };
         let Some(sentence) = implausible(&own, &fit) else {

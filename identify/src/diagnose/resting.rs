@@ -1,4 +1,10 @@
-//! Explanations with dead bands, stated as their model file predicts them.
+//! Explanations about the masses at which their fit ends, stated as their model file predicts them.
+//!
+//! The search takes ∂h/∂r from the robot without effects and r_b = r₀: the product of an
+//! effect and a mass error is left out. Where both are large (a gain of 2, free masses) the
+//! file that holds both would not predict what was stated. Here ∂h/∂r and r_b are taken
+//! where the explanation ended, and it is fitted again, until nothing changes. Further logs are
+//! taken about their own masses in the same way, and fitted with the first.
 //!
 //! On which side of its dead band a loose joint rests, a log shows; a model file works it
 //! out from its own masses. Where these are loosely known, the sides that fit a log and the
@@ -17,7 +23,7 @@ use sesc_model::tape::{Tape, Values};
 
 use super::criteria::resting::{FLIPPED, GAIN, MOST, SHORTEST};
 use super::exact::{Exact, masses_of};
-use super::further_logs::{self, FurtherLog};
+use super::further_logs::{self, FurtherLog, fitted_again};
 use super::hypothesis::effects_of;
 use super::problem::{Fit, Problem, backlash_sides};
 use crate::evaluate::FASTEST;
@@ -25,8 +31,37 @@ use crate::evaluate::FASTEST;
 /// Rounds, at most.
 const ROUNDS: usize = 12;
 
-/// `problem` and `fit` about masses whose own sides predict the log as stated.
+/// `problem` and `fit` of all logs about the masses at which the fit ends; `None` where those of
+/// CAD do.
 pub(super) fn settle<'m>(
+    problem: &Problem<'m>,
+    fit: &Fit,
+    further: &[FurtherLog],
+) -> Option<(Problem<'m>, Fit)> {
+    if effects_of(&fit.terms).is_empty() {
+        return None;
+    }
+    let exact = Exact::new(problem, fit);
+    // On which side a loose joint rests, the file decides by its own masses.
+    if fit.terms.iter().any(|term| term.dead_band().is_some()) {
+        return Some(at_rest(&exact, problem, fit, further));
+    }
+    if exact.agrees(problem, fit) {
+        return None;
+    }
+    let (mut own, mut fit) = (problem.clone(), fit.clone());
+    for _ in 0..ROUNDS {
+        own = exact.about(&own, &fit, masses_of(&own, &fit));
+        fit = fitted_again(&own, &fit, further);
+        if exact.agrees(&own, &fit) {
+            break;
+        }
+    }
+    Some((own, fit))
+}
+
+/// `problem` and `fit` about masses whose own sides predict the log as stated.
+fn at_rest<'m>(
     exact: &Exact,
     problem: &Problem<'m>,
     fit: &Fit,
