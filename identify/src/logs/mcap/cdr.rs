@@ -190,7 +190,7 @@ impl<'a> Cdr<'a> {
 mod tests {
     use super::*;
 
-    /// Written out by hand from the standard: an odd string before doubles.
+    /// Written out by hand from the standard: strings of odd lengths before doubles.
     #[test]
     fn both_byte_orders_and_editions_decode_alike() {
         let value = 0.25f64;
@@ -216,11 +216,14 @@ mod tests {
             word(&mut body, 500_000_000);
             word(&mut body, 2);
             body.extend(b"f\0");
-            word(&mut body, 1);
+            word(&mut body, 2);
+            word(&mut body, 6);
+            body.extend(b"ankle\0");
             word(&mut body, 4);
             body.extend(b"hip\0");
-            word(&mut body, 1);
+            word(&mut body, 2);
             double(&mut body, value);
+            double(&mut body, -value);
             word(&mut body, 0);
             word(&mut body, 0);
             let mut bytes = vec![0, kind, 0, 0];
@@ -228,12 +231,25 @@ mod tests {
             let message = JointState::decode(&bytes).unwrap();
             assert_eq!(message.header.stamp, Some(7.5));
             assert_eq!(message.header.frame, "f");
-            assert_eq!(message.name, ["hip"]);
-            assert_eq!((message.position, message.velocity), (vec![value], vec![]));
+            assert_eq!(message.name, ["ankle", "hip"]);
+            assert_eq!(
+                (message.position, message.velocity),
+                (vec![value, -value], vec![])
+            );
             // Effort may be missing, nothing else.
             for cut in 0..bytes.len() - 4 {
                 assert!(JointState::decode(&bytes[..cut]).is_err(), "{cut}");
             }
+            let mut body = Vec::new();
+            word(&mut body, 7);
+            word(&mut body, 500_000_000);
+            word(&mut body, 5);
+            body.extend(b"sole\0");
+            (1..=6).for_each(|k| double(&mut body, f64::from(k)));
+            let bytes = [vec![0, kind, 0, 0], body].concat();
+            let (header, force, torque) = wrench(&bytes).unwrap();
+            assert_eq!((header.stamp, &*header.frame), (Some(7.5), "sole"));
+            assert_eq!((force, torque), ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]));
         }
     }
 
