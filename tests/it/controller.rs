@@ -150,7 +150,6 @@ fn main() {
 "#;
 
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn a_controller_with_a_model_file_has_its_effects() {
     use sesc_identify::robot::Robot;
     use sesc_model::{Information, ModelFile, Snapping};

@@ -68,7 +68,6 @@ fn diagnosis(
 }
 
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn nothing_is_named_in_correlated_noise() {
     let mut alarms = 0;
     for (k, tau) in [0.1, 0.4, 0.8].into_iter().enumerate() {

@@ -272,7 +272,6 @@ fn diagnoser() -> Diagnoser {
 /// Of so few logs a share may lie two standard deviations from its goal. What
 /// is outside the library and barely shows is imitated by what is inside.
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn the_truth_comes_out() {
     const LOGS: usize = 60;
     const SEED: u64 = 1;
@@ -302,7 +301,6 @@ fn the_truth_comes_out() {
 
 /// Tests effects as strong as those of the open logs that no effect of the library is like.
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn unmodelled_effects_stay_unexplained() {
     let unmodelled = [
         hidden(Effect::KneeSine, "r_knee", &[0.006]),

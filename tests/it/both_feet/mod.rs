@@ -153,7 +153,6 @@ fn an_offset_of_a_leg_is_named_from_the_soles_where_the_cop_is_noise() {
 }
 
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn nothing_hidden_is_nothing_found() {
     for noise in [COARSE, FINE] {
         let stage = Stage::new(Platform::Op2);

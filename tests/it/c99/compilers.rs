@@ -40,7 +40,6 @@ fn run(command: &mut Command) -> String {
 
 /// Nothing to write to, no memory to ask for.
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn objects_hold_constants_and_code_only() {
     let folder = folder("objects");
     let cases = few();

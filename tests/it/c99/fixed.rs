@@ -158,7 +158,6 @@ fn extremes() -> Vec<Chain> {
 
 /// Bounded or refused: never wrong.
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn robots_at_the_ends_of_what_32_bits_hold() {
     let folder = folder("extremes");
     let mut chains = extremes();
@@ -236,7 +235,6 @@ fn in_floats(folder: &Path, case: &Case, scalar: Scalar) {
 /// Hundreds of joints in one chain: the CoM alone, in all its variants. gcc takes minutes for five
 /// hundred, clang seconds.
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn a_chain_of_hundreds_of_joints_stays_inside() {
     let folder = folder("long");
     let chain = Chain {

@@ -271,7 +271,6 @@ pub fn sum(folder: &Path, case: &Case, scalar: Scalar, command: &[&str], run: &[
 }
 
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn every_lane_has_the_bits_of_one_posture_and_nothing_else_is_touched() {
     let folder = folder("lanes");
     let mut cases = cases();

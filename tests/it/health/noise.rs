@@ -33,7 +33,6 @@ fn recorded(lasts_s: f64, told_m: f64, seed: u64) -> diagnose::Request {
 /// The recording is worth fifteen independent samples an axis, fewer than a fit has unknowns: how
 /// large the noise is shows in what CAD leaves.
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn noise_that_lasts_and_is_overstated_is_said() {
     for seed in 1..5 {
         let told = recorded(1.0, 4.0 * STD_M, seed);
@@ -48,7 +47,6 @@ fn noise_that_lasts_and_is_overstated_is_said() {
 /// Noise that lasts as long as the recording is by chance less than half of itself in about one of
 /// five (χ² of one sample an axis).
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn a_log_of_few_independent_samples_says_nothing_of_its_noise() {
     for seed in 11..41 {
         assert_eq!(looked_at(&recorded(30.0, STD_M, seed)), [], "{seed}");

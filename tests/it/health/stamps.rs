@@ -77,7 +77,6 @@ fn stamps_of_other_rows_are_seen() {
 
 /// Rows 60,000 to 70,000 of 100,000 are frozen, those from 62,000 on lie beyond the sole.
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn a_fault_that_begins_late_in_a_long_log_is_found() {
     let mut recording = swing(200.0, 500.0, 310);
     assert_eq!(recording.t.len(), 100_000);

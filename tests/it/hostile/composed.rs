@@ -100,7 +100,6 @@ fn quiet(output: &Output) {
 }
 
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 #[cfg(target_os = "linux")]
 fn code_of_composed_names_compiles() {
     let folder = folder();

@@ -129,7 +129,6 @@ fn logs_take_memory_in_proportion_to_the_file() {
 }
 
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn packed_logs_take_memory_in_proportion_to_the_file() {
     let folder = folder();
     let robot = op2();
@@ -172,7 +171,6 @@ fn packed_logs_take_memory_in_proportion_to_the_file() {
 
 /// Readings that go with no posture are asked about under every exchange of two joints.
 #[test]
-#[ignore = "slow: `.ci/all slow` runs it"]
 fn broken_logs_of_many_joints_take_memory_in_proportion_to_the_file() {
     let folder = folder();
     let log_of = |joints: usize| {
