@@ -4,10 +4,10 @@
 //! `cargo xtask study com` asks at length.
 
 use rayon::prelude::*;
+use sesc_test_support::examine::com::{Corrected, GOAL, MOVED_M, examine};
 use sesc_test_support::hidden::{Effect, Hidden};
 use sesc_test_support::stage::Platform;
 use sesc_test_support::trial::{Choice, Trial};
-use xtask::study::com::{Corrected, GOAL, MOVED_M, examine};
 
 fn corrected(effect: Effect, target: &str, values: &[f64]) -> Corrected {
     let choice = Choice {

@@ -8,10 +8,10 @@ use sesc_identify::diagnose::{Request, Verdict, diagnose};
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;
 use sesc_test_support::command::{ROOT, sesc, stdout};
+use sesc_test_support::examine::recordings::{Kept, Said};
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Motion, Noise};
 use sesc_test_support::stage::{Platform, Stage};
-use xtask::study::recordings::{Kept, Said};
 
 const NOISE: Noise = Noise {
     kind: Kind::White,

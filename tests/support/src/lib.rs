@@ -13,6 +13,7 @@ pub mod command;
 pub mod contacts;
 pub mod diagnoser;
 pub mod exact;
+pub mod examine;
 pub mod feet;
 pub mod fleet;
 pub mod hidden;

@@ -10,11 +10,12 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::Verdict;
 use sesc_model::Snapping;
+use sesc_test_support::examine::{Failure, diagnosed, fitted, intervals, log, robot};
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
 use sesc_test_support::stage::{Platform, Stage};
 
-use super::{Answer, Asked, Case, Cell, Failure, Plan, diagnosed, fitted, intervals, log, robot};
+use super::{Answer, Asked, Case, Cell, Plan};
 
 /// Rows of a log, unless it would be shorter or longer than [`SECONDS`].
 const ROWS: f64 = 600.0;

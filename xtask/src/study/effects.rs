@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use sesc_test_support::diagnoser::Diagnoser;
+use sesc_test_support::examine::Failure;
 use sesc_test_support::hidden::Effect;
 use sesc_test_support::survey::{self, Outcome};
 use sesc_test_support::table;
 use sesc_test_support::trial::Trial;
 
-use super::{Asked, Failure, side_by_side};
+use super::{Asked, side_by_side};
 
 /// Goals, shares of each effect, and the answers that are not right as a class; `--only` hides
 /// one effect alone. A log without an answer is named on stderr and left out.
@@ -36,7 +37,7 @@ pub(super) fn table(asked: &Asked, root: &Path, jobs: usize) -> Result<String, F
             Err(error) => eprintln!("{:4} no answer: {error}", k + 1),
         }
         outcome.ok()
-    });
+    })?;
     let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
     Ok(format!(
         "Effects are hidden in virtual robots, `sesc diagnose` reads the logs and is judged by the \

@@ -18,6 +18,7 @@ use sesc_identify::health::{self, Finding};
 use sesc_identify::logs::{LogSource, Options, Readings, Sidecar, Table};
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
+use sesc_test_support::examine::{Failure, diagnosed, fitted};
 use sesc_test_support::log::READINGS;
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
@@ -25,7 +26,7 @@ use sesc_test_support::stage::{Platform, Stage};
 use sesc_test_support::survey;
 use sesc_test_support::trial::{Choice, Question, Trial};
 
-use super::{Answer, Asked, Case, Cell, Failure, Plan, diagnosed, fitted};
+use super::{Answer, Asked, Case, Cell, Plan};
 
 const ROBOTS: [(Platform, &str); 3] = [
     (Platform::Op2, "OP2"),

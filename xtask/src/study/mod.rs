@@ -10,33 +10,21 @@
 //! the last tables.
 
 mod alarms;
-pub mod com;
+mod com;
 mod effects;
 mod fleet;
 mod health;
 mod motion;
-pub mod recordings;
+mod recordings;
 
 use std::collections::BTreeMap;
-use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use clap::Args;
-use sesc_identify::diagnose::{self, Diagnosis};
-use sesc_identify::fit::{self, Identification};
-use sesc_identify::logs::{LogSource, Table};
-use sesc_identify::robot::Robot;
-use sesc_test_support::recording::Recording;
-use sesc_test_support::stage::Stage;
-
-pub(crate) type Failure = Box<dyn Error>;
-
-/// ± this many deviations hold 95 %.
-const OF_95: f64 = 1.959_964;
+use rayon::prelude::*;
+use sesc_test_support::examine::Failure;
 
 /// A scenario: its name, logs and first seed of its committed table, and its cases. Effects have
 /// a table of their own.
@@ -178,7 +166,7 @@ fn table(plan: &Plan, only: Option<&str>, jobs: usize) -> Result<String, Failure
         }
         eprintln!("{} of {}", k + 1, cases.len());
         Ok::<Answer, String>(answer)
-    });
+    })?;
     let answers: Vec<Answer> = answers.into_iter().collect::<Result<_, _>>()?;
     let mut rows: BTreeMap<&(usize, String), Vec<&Answer>> = BTreeMap::new();
     for (case, answer) in cases.iter().zip(&answers) {
@@ -224,74 +212,11 @@ fn shown(cells: impl Iterator<Item = Cell>) -> String {
 }
 
 /// The results of `0..count`, in this order, from so many threads.
-fn side_by_side<T: Send>(count: usize, jobs: usize, ask: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let (next, all) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
-    let work = || {
-        while let Some(k) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|k| *k < count) {
-            let result = ask(k);
-            let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
-            all.insert(k, result);
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 1..jobs {
-            scope.spawn(work);
-        }
-        work();
-    });
-    let all = all.into_inner().unwrap_or_else(PoisonError::into_inner);
-    all.into_values().collect()
-}
-
-/// A recording as a log in memory.
-fn log(recording: &Recording, timed: bool) -> LogSource {
-    let columns = recording.columns(timed).into_iter();
-    let table = Table::new("recording");
-    let table = columns.fold(table, |table, (name, values)| table.numbers(&name, values));
-    table.into()
-}
-
-/// The robot of a stage, from its URDF.
-fn robot(stage: &Stage) -> Result<Arc<Robot>, Failure> {
-    Ok(Arc::new(Robot::read(&stage.urdf)?))
-}
-
-/// What `diagnose --prior tight` says.
-fn diagnosed(
-    robot: &Arc<Robot>,
-    support: &str,
-    log: LogSource,
-    noise: Option<f64>,
-) -> Result<Diagnosis, Failure> {
-    let mut request = diagnose::Request::new(Arc::clone(robot), log);
-    request.support = Some(support.into());
-    request.noise = noise;
-    request.prior = "tight".into();
-    Ok(diagnose::diagnose(&request, &mut ())?.diagnosis)
-}
-
-/// What `fit --prior` says.
-fn fitted(
-    robot: &Arc<Robot>,
-    support: &str,
-    log: LogSource,
-    noise: Option<f64>,
-    prior: &str,
-) -> Result<Identification, Failure> {
-    let mut request = fit::Request::default();
-    request.robot = Some(Arc::clone(robot));
-    request.logs = vec![log];
-    request.support = Some(support.into());
-    request.noise = noise;
-    request.prior = prior.into();
-    Ok(fit::fit(&request, &mut ())?.identification)
-}
-
-/// Parameters whose 95 % interval holds the truth, of those that have one.
-fn intervals(found: &Identification, truth: &[f64]) -> (usize, usize) {
-    let known = found.parameters.iter().zip(truth);
-    let holds: Vec<bool> = known
-        .filter_map(|(p, truth)| Some((p.value - truth).abs() <= OF_95 * p.std?))
-        .collect();
-    (holds.iter().filter(|holds| **holds).count(), holds.len())
+fn side_by_side<T: Send>(
+    count: usize,
+    jobs: usize,
+    ask: impl Fn(usize) -> T + Send + Sync,
+) -> Result<Vec<T>, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build()?;
+    Ok(pool.install(|| (0..count).into_par_iter().map(ask).collect()))
 }

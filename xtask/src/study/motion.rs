@@ -10,12 +10,13 @@ use std::f64::consts::TAU;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{Diagnosis, Step, Verdict};
+use sesc_test_support::examine::{Failure, OF_95, diagnosed, log, robot};
 use sesc_test_support::hidden::{Effect, Hidden, NOWHERE, hide_all};
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Noise};
 use sesc_test_support::stage::{Platform, Stage};
 
-use super::{Answer, Asked, Case, Cell, Failure, OF_95, Plan, diagnosed, log, robot};
+use super::{Answer, Asked, Case, Cell, Plan};
 
 /// Recordings are made at this rate, Hz.
 const RATE: f64 = 100.0;
