@@ -57,9 +57,9 @@ fn a_height_is_refused_where_it_cannot_be_one() {
          inspect op2.urdf --support r_sole --sole-height 33.5 | 0.0335 for 33.5 mm
          inspect op2.urdf --support r_sole --sole-height nan | give a number of metres
          inspect op2.urdf --sole-height 0.03 | name the link that has this sole by --support
-         fit op2.urdf --data log.csv --support r_ank_roll_link@33.5mm --other-foot l_ank_roll_link@3.0mm
+         fit op2.urdf --data log.csv --other-foot l_ank_roll_link@3.0mm
             | is no sole of a link | `l_ank_roll_link@3mm`
-         fit op2.urdf --data log.csv --support r_ank_roll_link@33.5mm --other-foot l_ank_rol_link@3mm
+         fit op2.urdf --data log.csv --other-foot l_ank_rol_link@3mm
             | `l_ank_rol_link` is no link | did you mean",
     );
 }
