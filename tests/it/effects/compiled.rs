@@ -21,8 +21,8 @@ use sesc_test_support::command::{Folder, scratch};
 
 /// Each effect by itself.
 pub fn alone(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
-    let effects = Catalog::standard().iter();
-    let alone = effects.map(|effect| {
+    let catalog = Catalog::standard();
+    let alone = catalog.iter().map(|effect| {
         let all = Hidden::of(effect, &stand.context(), 3);
         let chosen = all[all.len() / 2].clone();
         (effect.id().name().to_string(), vec![chosen])
