@@ -5,8 +5,6 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-use serde_json::Value;
-
 use crate::user::*;
 use sesc_test_support::command::write;
 
@@ -181,32 +179,12 @@ fn found(folder: &Path, prefix: &Path) {
     agrees(&built.join("from_cpp"));
 }
 
-/// Robots are named by people: every format quotes the name in its own way.
 #[test]
 fn names_of_robots_break_neither_cmake_nor_pkg_config() {
     let folder = fresh("names_of_cmake");
-    let robot = r#"a"b'c;d $e @PATH@ $ENV{HOME} #f \" `h` <i>&*j*%k%]]=二足🤖\"#;
-    let escaped = robot
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('"', "&quot;");
-    let urdf = write(
-        &folder,
-        "odd.urdf",
-        format!(
-            "<robot name=\"{escaped}\"><link name=\"{escaped}\"><inertial><mass value=\"1\"/>\
-             </inertial></link></robot>"
-        ),
-    );
-    let of = |layout: &str| {
-        let out = folder.join(layout);
-        generate(&out, &urdf, robot, &["--layout", layout, "--name", "odd"]);
-        out
-    };
-    let manifest = fs::read_to_string(of("platformio").join("library.json")).unwrap();
-    let manifest: Value = serde_json::from_str(&manifest).unwrap();
-    let description = manifest["description"].as_str().unwrap();
-    let (package, built) = (of("cmake"), folder.join("build"));
+    let description = odd_description(&folder);
+    let (_, package) = oddly_named(&folder, "cmake");
+    let built = folder.join("build");
     configure(&package, &built, &[]);
     let cache = fs::read_to_string(built.join("CMakeCache.txt")).unwrap();
     assert!(

@@ -9,7 +9,7 @@ use sesc_codegen::emit::c::Scalar;
 use sesc_reference::{Reference, Robot};
 
 use crate::c99::case::{Case, ROOT, few, jobs};
-use crate::c99::compiled::{WARNINGS, folder, parallel, tool, write};
+use crate::c99::compiled::{WARNINGS, folder, parallel, printed as run, tool, write};
 use crate::c99::fixed::without_comments;
 use crate::c99::lanes::{cases, sum};
 
@@ -75,11 +75,6 @@ fn the_header_compiles_alone_and_as_cplusplus() {
             }
         }
     });
-}
-
-fn run(command: &mut Command) -> String {
-    let output = tool(command).unwrap_or_else(|message| panic!("{message}"));
-    String::from_utf8(output).unwrap()
 }
 
 /// clang saves registers where they lie in two lines of the cache unless the stack is aligned.
@@ -175,7 +170,6 @@ fn a_batch_is_within_its_bound_of_the_reference() {
         );
         fs::write(&main, text).unwrap();
         let [object, program] = ["o", "out"].map(|end| folder.join(format!("{name}.{end}")));
-        let run = |command: &mut Command| tool(command).unwrap_or_else(|text| panic!("{text}"));
         run(Command::new("gcc")
             .args(["-O1", "-c"])
             .arg(source)
@@ -184,7 +178,7 @@ fn a_batch_is_within_its_bound_of_the_reference() {
         let mut link = Command::new("g++");
         link.args(["-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]);
         run(link.arg(&main).arg(&object).arg("-o").arg(&program));
-        let printed = String::from_utf8(run(&mut Command::new(&program))).unwrap();
+        let printed = run(&mut Command::new(&program));
         let com: Vec<f64> = printed.lines().map(|line| line.parse().unwrap()).collect();
         assert_eq!(com.len(), 3 * POSTURES);
         let urdf = Path::new(ROOT).join(format!("robots/{robot}/{robot}.urdf"));

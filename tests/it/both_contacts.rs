@@ -1,19 +1,18 @@
 //! Recordings with a wrench of each foot, both loaded: a row is of both feet, and how the soles
 //! lie is data on the joints.
 
-use std::sync::Arc;
-
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{self, Diagnosis, Verdict};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::logs::{LogSource, Sidecar};
-use sesc_identify::robot::Robot;
 use sesc_reference::World;
 use sesc_test_support::command::{folder, op2, sesc, stdout};
 use sesc_test_support::contacts::{Contact, recording};
 use sesc_test_support::feet::Noise;
 use sesc_test_support::stage::{Platform, Stage};
+
+use crate::asked::{fit_request, request};
 
 /// Encoders to a third of a tick, soles and floor flat to 0.08°.
 const NOISE: Noise = Noise {
@@ -37,12 +36,6 @@ fn bytes(stage: &Stage, world: &World, noise: Noise, seed: u64) -> Vec<u8> {
     recording(stage, world, POSTURES, noise, &contacts(), &mut random)
 }
 
-fn request(stage: &Stage, log: LogSource) -> diagnose::Request {
-    let mut request = diagnose::Request::new(Arc::new(Robot::read(&stage.urdf).unwrap()), log);
-    request.support = Some("r_sole".into());
-    request
-}
-
 fn diagnosed(stage: &Stage, world: &World, noise: Noise, seed: u64) -> Diagnosis {
     let log = LogSource::bytes("both.mcap", bytes(stage, world, noise, seed));
     let found = diagnose::diagnose(&request(stage, log), &mut ());
@@ -51,11 +44,9 @@ fn diagnosed(stage: &Stage, world: &World, noise: Noise, seed: u64) -> Diagnosis
 
 fn fitted(stage: &Stage, world: &World, seed: u64) -> Identification {
     let log = LogSource::bytes("both.mcap", bytes(stage, world, NOISE, seed));
-    let mut request = fit::Request::default();
-    request.robot = Some(Arc::new(Robot::read(&stage.urdf).unwrap()));
-    request.logs = vec![log];
-    request.support = Some("r_sole".into());
-    fit::fit(&request, &mut ()).unwrap().identification
+    fit::fit(&fit_request(stage, log), &mut ())
+        .unwrap()
+        .identification
 }
 
 #[test]

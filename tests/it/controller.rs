@@ -4,64 +4,35 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
+use std::time::SystemTime;
 
-const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+use sesc_identify::robot::Robot;
+use sesc_model::{Information, ModelFile, Snapping};
+use sesc_test_support::child::Child;
+use sesc_test_support::command::ROOT;
 
-/// A copy of the controller with a URDF of its own.
-fn copy() -> PathBuf {
-    let crate_ = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller");
-    let _ = fs::remove_dir_all(&crate_);
-    fs::create_dir_all(crate_.join("src")).unwrap();
-    for file in ["Cargo.toml", "Cargo.lock", "build.rs", "src/main.rs"] {
-        let text =
-            fs::read_to_string(Path::new(ROOT).join("examples/controller").join(file)).unwrap();
-        let text = text
-            .replace("../../robots/op2/op2.urdf", "op2.urdf")
-            .replace("../../", &format!("{ROOT}/"));
-        fs::write(crate_.join(file), text).unwrap();
-    }
-    fs::copy(
-        Path::new(ROOT).join("robots/op2/op2.urdf"),
-        crate_.join("op2.urdf"),
-    )
-    .unwrap();
-    crate_
-}
-
-fn cargo(crate_: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO"))
-        .args(arguments)
-        .args(["--offline", "--target-dir"])
-        .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller-target"))
-        .current_dir(crate_)
-        .output()
-        .unwrap()
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+/// What cargo does with these words, and what is said.
+fn cargo(child: &Child, arguments: &[&str]) -> (Output, String) {
+    let output = child.command(arguments).output().unwrap();
+    let [stdout, stderr] = [&output.stdout, &output.stderr].map(|s| String::from_utf8_lossy(s));
+    let said = stdout.into_owned() + &stderr;
+    (output, said)
 }
 
 /// The module that the controller's `build.rs` wrote, and when; other crates share the folder.
-fn module() -> (PathBuf, std::time::SystemTime) {
-    let builds = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller-target/debug/build");
-    let mut found: Vec<_> = fs::read_dir(builds)
-        .unwrap()
-        .map(|entry| entry.unwrap())
-        .filter(|entry| {
-            entry
-                .file_name()
-                .to_string_lossy()
-                .starts_with("controller-")
-        })
-        .map(|entry| entry.path().join("out/op2_r_sole.rs"))
-        .filter(|path| path.exists())
-        .map(|path| (fs::metadata(&path).unwrap().modified().unwrap(), path))
-        .collect();
-    found.sort();
-    let (time, path) = found.pop().expect("build.rs wrote a module");
-    (path, time)
+fn module() -> (SystemTime, PathBuf) {
+    let builds = fs::read_dir(Child::target().join("debug/build")).unwrap();
+    let paths = builds.map(|entry| entry.unwrap().path());
+    let is_own = |path: &PathBuf| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        name.starts_with("controller-")
+    };
+    let modules = paths.filter(is_own);
+    let modules = modules.map(|path| path.join("out/op2_r_sole.rs"));
+    let modules = modules.filter(|path| path.exists());
+    let timed = modules.map(|path| (fs::metadata(&path).unwrap().modified().unwrap(), path));
+    timed.max().expect("build.rs wrote a module")
 }
 
 /// Worst CoM error on new postures, with the identified parameters and with the CAD's.
@@ -76,51 +47,42 @@ fn com_errors_mm(text: &str) -> (f64, f64) {
 
 #[test]
 fn a_controller_builds_runs_and_follows_its_urdf() {
-    let crate_ = copy();
-    let first = cargo(&crate_, &["run", "--quiet"]);
-    assert!(first.status.success(), "{}", said(&first));
-    assert!(said(&first).contains("CoM ["), "{}", said(&first));
-    let (identified, by_cad) = com_errors_mm(&said(&first));
+    let child = Child::controller("controller");
+    for file in ["build.rs", "src/main.rs"] {
+        let text = Child::example(file).replace("../../robots/op2/op2.urdf", "op2.urdf");
+        child.write(file, &text.replace("../../", &format!("{ROOT}/")));
+    }
+    let (first, said) = cargo(&child, &["run", "--quiet"]);
+    assert!(first.status.success() && said.contains("CoM ["), "{said}");
+    let (identified, by_cad) = com_errors_mm(&said);
     // The noise of the readings is 1 mm; the height is seen only through their changes.
-    assert!(identified < 2.0, "{}", said(&first));
-    assert!(by_cad > 10.0 * identified, "{}", said(&first));
-    let (path, written) = module();
+    assert!(identified < 2.0, "{said}");
+    assert!(by_cad > 10.0 * identified, "{said}");
+    let written = module();
 
-    let second = cargo(&crate_, &["build", "-v"]);
-    let text = said(&second);
-    assert!(
-        text.contains("Fresh controller"),
-        "a second build must do nothing:\n{text}"
-    );
-    assert_eq!(module(), (path.clone(), written));
+    let (_, said) = cargo(&child, &["build", "-v"]);
+    let is_fresh = said.contains("Fresh controller");
+    assert!(is_fresh, "a second build must do nothing:\n{said}");
+    assert_eq!(module(), written);
 
     // The same bytes with a new time: the script runs, the module is not touched.
-    let urdf = crate_.join("op2.urdf");
+    let urdf = child.path("op2.urdf");
     let text = fs::read_to_string(&urdf).unwrap();
     fs::write(&urdf, &text).unwrap();
-    assert!(cargo(&crate_, &["build"]).status.success());
-    assert_eq!(
-        module(),
-        (path.clone(), written),
-        "nothing changed, nothing to write"
-    );
+    child.cargo(&["build"]).unwrap();
+    assert_eq!(module(), written, "nothing changed, nothing to write");
 
     let heavier = text.replacen("<mass value=\"0.1", "<mass value=\"0.2", 1);
     assert_ne!(heavier, text);
     fs::write(&urdf, &heavier).unwrap();
-    let third = cargo(&crate_, &["run", "--quiet"]);
-    assert!(third.status.success(), "{}", said(&third));
-    assert_ne!(third.stdout, first.stdout, "a heavier link moves the CoM");
+    let third = child.cargo(&["run", "--quiet"]).unwrap();
+    assert_ne!(third, first.stdout, "a heavier link moves the CoM");
 
-    fs::write(
-        &urdf,
-        text.replacen("<mass value=\"0", "<mass value=\"-0", 1),
-    )
-    .unwrap();
-    let broken = cargo(&crate_, &["build"]);
-    assert!(!broken.status.success());
+    let broken = text.replacen("<mass value=\"0", "<mass value=\"-0", 1);
+    fs::write(&urdf, broken).unwrap();
+    let said = child.cargo(&["build"]).unwrap_err();
     let complaint = "Error: op2.urdf:15: link `body_link`: mass is -0.97559947 kg";
-    assert!(said(&broken).contains(complaint), "{}", said(&broken));
+    assert!(said.contains(complaint), "{said}");
 }
 
 /// Predicts a reading and inverts the effects of the sensor.
@@ -151,34 +113,18 @@ fn main() {
 
 #[test]
 fn a_controller_with_a_model_file_has_its_effects() {
-    use sesc_identify::robot::Robot;
-    use sesc_model::{Information, ModelFile, Snapping};
+    let child = Child::controller("with_effects");
+    let build = Child::example("build.rs").replace("../../", &format!("{ROOT}/"));
+    let emit = ".model(\"model.toml\").name(\"effects\").emit()";
+    child.write("build.rs", &build.replace(".emit()", emit));
+    child.write("src/main.rs", PREDICT);
 
-    let crate_ = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller_with_effects");
-    let _ = fs::remove_dir_all(&crate_);
-    fs::create_dir_all(crate_.join("src")).unwrap();
-    let from = Path::new(ROOT).join("examples/controller");
-    for file in ["Cargo.toml", "Cargo.lock"] {
-        let text = fs::read_to_string(from.join(file)).unwrap();
-        let text = text.replace("../../", &format!("{ROOT}/"));
-        let text = text.replace("name = \"controller\"", "name = \"with_effects\"");
-        fs::write(crate_.join(file), text).unwrap();
-    }
-    let build = fs::read_to_string(from.join("build.rs")).unwrap();
-    let build = build
-        .replace("../../", &format!("{ROOT}/"))
-        .replace(".emit()", ".model(\"model.toml\").name(\"effects\").emit()");
-    fs::write(crate_.join("build.rs"), build).unwrap();
-    fs::write(crate_.join("src/main.rs"), PREDICT).unwrap();
-
-    let urdf = Path::new(ROOT).join("robots/op2/op2.urdf");
-    let robot = Robot::read(&urdf).unwrap();
+    let robot = Robot::read(&child.path("op2.urdf")).unwrap();
     let model = robot.model("r_sole", Snapping::default(), None).unwrap();
     let (cad, count) = (model.cad_params(), model.base.params.len());
     let mut file = ModelFile::from_values(&model, &cad, Some(&vec![0.0; count]), "prior");
-    file.inform(Information::of(
-        &(nalgebra::DMatrix::identity(count, count) * 64.0),
-    ));
+    let known = nalgebra::DMatrix::identity(count, count) * 64.0;
+    file.inform(Information::of(&known));
     let effects = |offset: f64| {
         format!(
             "{}[[effects]]\neffect = \"sensor_offset\"\nparameters.offset_x_m = {{ value = \
@@ -194,16 +140,14 @@ fn a_controller_with_a_model_file_has_its_effects() {
     q[knee.unwrap()] += 0.2;
     let bent = model.com_by_sum(&q);
     for offset in [0.003, -0.007] {
-        fs::write(crate_.join("model.toml"), effects(offset)).unwrap();
-        let output = cargo(&crate_, &["run"]);
-        assert!(output.status.success(), "{}", said(&output));
+        child.write("model.toml", &effects(offset));
+        let (output, said) = cargo(&child, &["run"]);
+        assert!(output.status.success(), "{said}");
         let note = "sensor_drift` belongs to the log";
-        assert!(said(&output).contains(note), "{}", said(&output));
+        assert!(said.contains(note), "{said}");
         let printed = String::from_utf8(output.stdout).unwrap();
-        let values: Vec<f64> = printed
-            .split_whitespace()
-            .map(|x| x.parse().unwrap())
-            .collect();
+        let values = printed.split_whitespace().map(|x| x.parse().unwrap());
+        let values: Vec<f64> = values.collect();
         let expected = [bent[0] + offset, bent[1] + 0.002, bent[0], bent[1]];
         for (found, expected) in values.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-14, "{values:?} {expected}");
@@ -246,21 +190,9 @@ fn the_examples_of_the_page_are_a_controller_that_runs() {
     let module = fs::read_to_string(Path::new(ROOT).join("generated/src/op2_r_sole.rs")).unwrap();
     assert!(module.contains(generated), "{generated}");
 
-    let crate_ = Path::new(env!("CARGO_TARGET_TMPDIR")).join("controller_of_the_page");
-    let _ = fs::remove_dir_all(&crate_);
-    fs::create_dir_all(crate_.join("src")).unwrap();
-    for file in ["Cargo.toml", "Cargo.lock"] {
-        let text = fs::read_to_string(Path::new(ROOT).join("examples/controller").join(file));
-        let text = text.unwrap().replace("../../", &format!("{ROOT}/"));
-        let text = text.replace("name = \"controller\"", "name = \"of_the_page\"");
-        fs::write(crate_.join(file), text).unwrap();
-    }
-    let urdf = Path::new(ROOT).join("robots/op2/op2.urdf");
-    fs::copy(urdf, crate_.join("op2.urdf")).unwrap();
+    let child = Child::controller("of_the_page");
     let (build, main) = crate_text.split_once("// src/main.rs\n").unwrap();
-    fs::write(crate_.join("build.rs"), build).unwrap();
-    let main = format!("{main}{of_log}{OF_LOG}");
-    fs::write(crate_.join("src/main.rs"), main).unwrap();
-    let output = cargo(&crate_, &["run", "--quiet"]);
-    assert!(output.status.success(), "{}", said(&output));
+    child.write("build.rs", build);
+    child.write("src/main.rs", &format!("{main}{of_log}{OF_LOG}"));
+    child.cargo(&["run", "--quiet"]).unwrap();
 }

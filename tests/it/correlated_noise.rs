@@ -67,24 +67,19 @@ fn diagnosis(
     diagnose(&request, &mut ()).unwrap().diagnosis
 }
 
+/// `cargo xtask study alarms` counts false alarms of many such recordings.
 #[test]
 fn nothing_is_named_in_correlated_noise() {
-    let mut alarms = 0;
-    for (k, tau) in [0.1, 0.4, 0.8].into_iter().enumerate() {
-        let mut ratios = Vec::new();
-        for seed in 0..3 {
-            let found = diagnosis(|w| w, (120.0, 10.0), tau, 10 * k as u64 + seed);
-            println!("τ {tau} s: {:?} {:?}", found.verdict, found.samples);
-            alarms += usize::from(found.verdict != Verdict::None);
-            let a = (-1.0_f64 / (10.0 * tau)).exp();
-            let true_count = 1200.0 * (1.0 - a) / (1.0 + a);
-            ratios.push(found.samples.independent as f64 / true_count);
-        }
+    for (seed, tau) in [(0, 0.1), (10, 0.4), (20, 0.8)] {
+        let found = diagnosis(|w| w, (120.0, 10.0), tau, seed);
+        println!("τ {tau} s: {:?} {:?}", found.verdict, found.samples);
+        assert_eq!(found.verdict, Verdict::None, "τ {tau}");
+        let a = (-1.0_f64 / (10.0 * tau)).exp();
+        let true_count = 1200.0 * (1.0 - a) / (1.0 + a);
         // Of the axis that has fewer, which scatters below the truth.
-        ratios.sort_by(f64::total_cmp);
-        assert!((0.3..2.0).contains(&ratios[1]), "τ {tau}: {ratios:?}");
+        let ratio = found.samples.independent as f64 / true_count;
+        assert!((0.3..2.0).contains(&ratio), "τ {tau}: {ratio}");
     }
-    assert_eq!(alarms, 0);
 }
 
 #[test]

@@ -2,15 +2,13 @@
 //! nothing written. What is only odd is diagnosed.
 
 use std::fmt::Write as _;
-use std::path::Path;
 use std::process::Output;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Robot, World};
-use sesc_test_support::command::{folder, refused, sesc, stdout, write};
-use tempfile::TempDir;
+use sesc_test_support::command::{Folder, refused, stderr, stdout};
 
 /// Two skewed joints on a foot.
 const SKEW: &str = "<robot name='skew'>\
@@ -54,59 +52,36 @@ fn world() -> World {
     World::new(&Robot::from_urdf(SKEW).unwrap(), "foot").unwrap()
 }
 
-/// A folder with the robot and a log.
-struct Case {
-    folder: TempDir,
-    urdf: String,
+/// A folder with the robot.
+fn case() -> Folder {
+    let folder = Folder::empty();
+    folder.write("skew.urdf", SKEW);
+    folder
 }
 
-impl Case {
-    fn new() -> Case {
-        let folder = folder();
-        let urdf = write(folder.path(), "skew.urdf", SKEW);
-        Case { folder, urdf }
-    }
+/// A diagnosis with every output asked for, and masses that are known well.
+fn run(case: &Folder, log: &str, more: &str) -> Output {
+    let outputs = OUTPUTS
+        .map(|(flag, name)| format!("{flag} {name} "))
+        .concat();
+    let prior = match more.contains("--prior") {
+        true => "",
+        false => "--prior tight",
+    };
+    let line = format!("diagnose skew.urdf --support foot --data {log} {outputs}");
+    case.run(&format!("{line} {prior} {more}"))
+}
 
-    fn path(&self, name: &str) -> String {
-        self.folder.path().join(name).display().to_string()
-    }
-
-    fn log(&self, name: &str, text: impl AsRef<[u8]>) -> String {
-        write(self.folder.path(), name, text)
-    }
-
-    /// With every output asked for, and masses that are known well.
-    fn run(&self, log: &str, more: &[&str]) -> Output {
-        let outputs = OUTPUTS.map(|(flag, name)| [flag.to_string(), self.path(name)]);
-        let mut arguments = vec!["diagnose", &self.urdf, "--support", "foot", "--data", log];
-        arguments.extend(outputs.iter().flatten().map(String::as_str));
-        if !more.contains(&"--prior") {
-            arguments.extend(["--prior", "tight"]);
-        }
-        arguments.extend(more);
-        sesc(&arguments)
-    }
-
-    /// Refused with these words, and none of the outputs is there, nor a part of one.
-    fn refuses(&self, log: &str, more: &[&str], words: &[&str]) {
-        let before = self.files();
-        refused(&self.run(log, more), words);
-        assert_eq!(self.files(), before);
-    }
-
-    fn files(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.folder.path()).unwrap();
-        let mut names: Vec<String> = entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
-    }
+/// Refused with these words, and none of the outputs is there, nor a part of one.
+fn refuses(case: &Folder, log: &str, more: &str, words: &[&str]) {
+    let before = case.names();
+    refused(&run(case, log, more), words);
+    assert_eq!(case.names(), before);
 }
 
 #[test]
 fn logs_that_are_none_are_refused_by_place_and_remedy() {
-    let case = Case::new();
+    let case = case();
     let good = log(&world(), 1.0);
     let cut = &good[..good.len() - 40];
     let cases: [(&str, &[u8], &[&str]); 16] = [
@@ -184,63 +159,49 @@ fn logs_that_are_none_are_refused_by_place_and_remedy() {
         ),
     ];
     for (name, text, words) in cases {
-        case.refuses(&case.log(name, text), &[], words);
+        case.write(name, text);
+        refuses(&case, name, "", words);
     }
-    case.refuses(&case.path("gone.csv"), &[], &["gone.csv"]);
-    case.refuses(&case.folder.path().display().to_string(), &[], &[]);
-    let log = case.log("side.csv", &good);
-    case.log("side.toml", "readings_per_pose = 0\n");
-    case.refuses(&log, &[], &["side.toml", "readings_per_pose"]);
+    refuses(&case, "gone.csv", "", &["gone.csv"]);
+    refuses(&case, &case.at(""), "", &[]);
+    case.write("side.csv", &good);
+    case.write("side.toml", "readings_per_pose = 0\n");
+    refuses(&case, "side.csv", "", &["side.toml", "readings_per_pose"]);
 }
 
 #[test]
 fn usage_is_checked_before_anything_is_read_or_written() {
-    let case = Case::new();
-    let log = case.log("log.csv", log(&world(), 1.0));
-    for (flag, value) in [
-        ("--noise", "-0.001"),
-        ("--noise", "0"),
-        ("--noise", "nan"),
-        ("--noise", "20"),
-        ("--floor", "-0.0001"),
-        ("--floor", "inf"),
+    let case = case();
+    case.write("log.csv", log(&world(), 1.0));
+    case.write("prior.toml", "[links.elbow]\nmass = 0.1\n");
+    for (more, words) in [
+        ("--noise -0.001", ["--noise", "metres"]),
+        ("--noise 0", ["--noise", "metres"]),
+        ("--noise nan", ["--noise", "metres"]),
+        ("--noise 20", ["--noise", "metres"]),
+        ("--floor -0.0001", ["--floor", "metres"]),
+        ("--floor inf", ["--floor", "metres"]),
+        ("--noise little", ["--noise", "little"]),
+        ("--prior tigth", ["tigth", "tight, cad, free or a file"]),
+        ("--prior prior.toml", ["prior.toml", "`elbow`"]),
     ] {
-        case.refuses(&log, &[flag, value], &[flag, "metres"]);
+        refuses(&case, "log.csv", more, &words);
     }
-    case.refuses(&log, &["--noise", "little"], &["--noise", "little"]);
-    case.refuses(
-        &log,
-        &["--prior", "tigth"],
-        &["tigth", "tight, cad, free or a file"],
-    );
-    let prior = case.log("prior.toml", "[links.elbow]\nmass = 0.1\n");
-    case.refuses(&log, &["--prior", &prior], &["prior.toml", "`elbow`"]);
-    let wrong = ["diagnose", &case.urdf, "--data", &log, "--support", "sole"];
-    refused(&sesc(&wrong), &["`sole`", "foot", "thigh", "shank"]);
-    refused(&sesc(&wrong[..4]), &["--support", "foot, thigh, shank"]);
-    refused(
-        &sesc(&["diagnose", &case.path("gone.urdf"), "--data", &log]),
-        &["gone.urdf"],
+    let before = case.names();
+    case.refuses_each(
+        "diagnose skew.urdf --data log.csv --support sole | `sole` | foot | thigh | shank
+         diagnose skew.urdf --data log.csv | --support | foot, thigh, shank
+         diagnose gone.urdf --data log.csv | gone.urdf
+         diagnose skew.urdf --support foot --data log.csv --out a --report a | two outputs",
     );
     for (flag, name) in OUTPUTS {
         // A folder that is not there, one that is, and what is read.
-        let gone = case.path(&format!("nowhere/{name}"));
-        let plain = ["diagnose", &case.urdf, "--support", "foot", "--data", &log];
-        let before = case.files();
-        for (path, word) in [
-            (gone.as_str(), name),
-            (case.folder.path().to_str().unwrap(), "no regular file"),
-            (&log, "is read here"),
-        ] {
-            refused(&sesc(&[&plain[..], &[flag, path]].concat()), &[word]);
-        }
-        assert_eq!(case.files(), before, "{flag}");
+        let plain = format!("diagnose skew.urdf --support foot --data log.csv {flag}");
+        case.refuses(&format!("{plain} nowhere/{name}"), &[name]);
+        case.refuses(&format!("{plain} {}", case.at("")), &["no regular file"]);
+        case.refuses(&format!("{plain} log.csv"), &["is read here"]);
     }
-    let twice = case.path("twice");
-    let plain = ["diagnose", &case.urdf, "--support", "foot", "--data", &log];
-    let both = ["--out", &twice, "--report", &twice];
-    refused(&sesc(&[&plain[..], &both].concat()), &["two outputs"]);
-    assert!(!Path::new(&twice).exists());
+    assert_eq!(case.names(), before);
 }
 
 fn json(output: &Output) -> serde_json::Value {
@@ -251,11 +212,11 @@ fn json(output: &Output) -> serde_json::Value {
 /// without it that is the finding.
 #[test]
 fn degrees_are_taken_with_the_flag_and_named_without() {
-    let case = Case::new();
-    let degrees = case.log("degrees.csv", log(&world(), 1f64.to_radians()));
-    let with = json(&case.run(&degrees, &["--degrees", "--json"]));
+    let case = case();
+    case.write("degrees.csv", log(&world(), 1f64.to_radians()));
+    let with = json(&run(&case, "degrees.csv", "--degrees --json"));
     assert_eq!(with["verdict"], "none", "{}", with["sentence"]);
-    let without = json(&case.run(&degrees, &["--json"]));
+    let without = json(&run(&case, "degrees.csv", "--json"));
     let steps = without["steps"].as_array().unwrap();
     assert_eq!(steps.len(), 1, "{}", without["sentence"]);
     assert_eq!(steps[0]["effect"], "units");
@@ -266,24 +227,22 @@ fn degrees_are_taken_with_the_flag_and_named_without() {
 /// The log says what it is: tilted gravity, and rows on two links.
 #[test]
 fn rows_on_another_link_are_left_to_another_run() {
-    let case = Case::new();
+    let case = case();
     let plain = log(&world(), 1.0);
-    let both: String = plain
-        .lines()
-        .enumerate()
-        .flat_map(|(k, line)| {
-            let (pose, rest) = line.split_once(',').unwrap();
-            let own = |link: &str| format!("{pose},{link},{rest}\n");
-            match k {
-                0 => vec![own("support")],
-                // The same numbers mean something else on another link.
-                _ => vec![own("foot"), format!("{},shank,{rest}\n", 1000 + k)],
-            }
-        })
-        .collect();
-    let plain = json(&case.run(&case.log("log.csv", plain), &["--json"]));
-    let output = case.run(&case.log("both.csv", both), &["--json"]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let both = plain.lines().enumerate().flat_map(|(k, line)| {
+        let (pose, rest) = line.split_once(',').unwrap();
+        let own = |link: &str| format!("{pose},{link},{rest}\n");
+        match k {
+            0 => vec![own("support")],
+            // The same numbers mean something else on another link.
+            _ => vec![own("foot"), format!("{},shank,{rest}\n", 1000 + k)],
+        }
+    });
+    case.write("both.csv", both.collect::<String>());
+    case.write("log.csv", &plain);
+    let plain = json(&run(&case, "log.csv", "--json"));
+    let output = run(&case, "both.csv", "--json");
+    let said = stderr(&output);
     assert!(said.contains("60 rows stand on another link"), "{said}");
     assert!(said.contains("--support"), "{said}");
     let both = json(&output);

@@ -273,7 +273,7 @@ fn diagnoser() -> Diagnoser {
 /// is outside the library and barely shows is imitated by what is inside.
 #[test]
 fn the_truth_comes_out() {
-    const LOGS: usize = 60;
+    const LOGS: usize = 40;
     const SEED: u64 = 1;
     let folder = tempfile::tempdir().unwrap();
     let asked: Vec<(Question, u64)> = questions(LOGS, &small()).into_iter().zip(SEED..).collect();
@@ -309,16 +309,22 @@ fn unmodelled_effects_stay_unexplained() {
     ];
     unmodelled.par_iter().for_each(|unmodelled| {
         let folder = tempfile::tempdir().unwrap();
-        let told: Vec<Outcome> = (0..3)
-            .map(|seed| {
+        let asked = |seeds: std::ops::Range<u64>| -> Vec<Outcome> {
+            let outcomes = seeds.map(|seed| {
                 let trial = Trial::of(vec![unmodelled.clone()], &small(), seed).unwrap();
                 ask(&diagnoser(), &trial, folder.path()).unwrap()
-            })
-            .collect();
-        let unexplained = told
-            .iter()
-            .filter(|told| told.judgement.unexplained)
-            .count();
-        assert!(unexplained >= 2, "{}", mistakes(&told));
+            });
+            outcomes.collect()
+        };
+        let explained = |told: &[Outcome]| {
+            let is = |told: &&Outcome| !told.judgement.unexplained;
+            told.iter().filter(is).count()
+        };
+        // A third log is asked about where one of two has an explanation.
+        let mut told = asked(0..2);
+        if explained(&told) == 1 {
+            told.extend(asked(2..3));
+        }
+        assert!(explained(&told) <= 1, "{}", mistakes(&told));
     });
 }

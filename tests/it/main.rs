@@ -1,6 +1,7 @@
 //! Integration tests, a module a room: what Rust and a C compiler as `cc` can tell. `tests/boards` and
 //! `tests/pages` need more, and are run by `.ci/all`.
 
+mod asked;
 mod bad_input;
 mod batch_fit;
 mod both_contacts;

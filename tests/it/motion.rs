@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Verdict};
 use sesc_identify::evaluate::MotionPredictor;
-use sesc_identify::fit::{self, Identification, MotionModel, fit};
+use sesc_identify::fit::{Identification, MotionModel, fit};
 use sesc_identify::hide::hide;
 use sesc_identify::logs::{LogSource, Table};
 use sesc_identify::predict;
@@ -20,6 +20,8 @@ use sesc_reference::World;
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Noise, Recording, draw};
 use sesc_test_support::stage::{Platform, Stage};
+
+use crate::asked;
 
 const WHITE: Noise = Noise {
     kind: Kind::White,
@@ -39,21 +41,11 @@ fn recorded(hide: impl Fn(World) -> World, swing: Swing, rate: f64, seed: u64) -
 }
 
 fn table(recording: &Recording) -> Table {
-    let columns = recording.columns(true).into_iter();
-    columns.fold(Table::new("log"), |log, (name, values)| {
-        log.numbers(&name, values)
-    })
-}
-
-fn robot() -> Arc<Robot> {
-    Arc::new(Robot::read(Path::new(&stage().urdf)).unwrap())
+    asked::table(recording.columns(true))
 }
 
 fn fitted(recording: &Recording, motion: MotionModel, prior: &str) -> Identification {
-    let mut request = fit::Request::default();
-    request.robot = Some(robot());
-    request.logs = vec![table(recording).into()];
-    request.support = Some(stage().support.to_string());
+    let mut request = asked::fit_request(&stage(), table(recording));
     request.prior = prior.into();
     request.motion = motion;
     fit(&request, &mut ()).unwrap().identification
@@ -100,8 +92,7 @@ fn a_fit_knows_parameters_from_a_moving_log() {
 }
 
 fn diagnosed(recording: &Recording, motion: MotionModel) -> Diagnosis {
-    let mut request = diagnose::Request::new(robot(), table(recording));
-    request.support = Some(stage().support.to_string());
+    let mut request = asked::of_recording(&stage(), recording);
     request.prior = "tight".into();
     request.noise = Some(WHITE.std[0]);
     request.motion = motion;

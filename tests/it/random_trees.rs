@@ -55,19 +55,34 @@ fn every_function_agrees_with_the_reference_from_angles_and_from_sines() {
     );
 }
 
+/// Ranks by numbers are the symbolic counts: 3 + 2 per revolute joint + 1 per prismatic one,
+/// whenever no angles are tied.
 #[test]
-fn numeric_ranks_confirm_the_symbolic_count() {
+fn numeric_ranks_and_the_closed_form_confirm_the_symbolic_count() {
+    let mut checked = 0;
     for seed in 0..160 {
         let (_, model, support) = model(seed, mixed(seed), Snapping::default());
         let (rank, check) = numeric_rank(&model);
         assert_eq!(check, RankCheck::Agrees, "seed {seed} on {support}");
-        assert_eq!(
-            rank.xyz,
-            model.base.params.len(),
-            "seed {seed} on {support}"
-        );
+        let count = model.base.params.len();
+        assert_eq!(rank.xyz, count, "seed {seed} on {support}");
         assert_eq!(rank.cop, model.base.rank_cop, "seed {seed} on {support}");
+        let (mut expected, mut users) = (3, vec![0; model.dof()]);
+        for body in &model.chain.bodies {
+            let (by, own) = match &body.motion {
+                Motion::Revolute { by, .. } => (by, 2),
+                Motion::Prismatic { by, .. } => (by, 1),
+                _ => continue,
+            };
+            users[by.dof] += 1;
+            expected += own;
+        }
+        if users.iter().all(|n| *n <= 1) {
+            assert_eq!(count, expected, "seed {seed}");
+            checked += 1;
+        }
     }
+    assert!(checked > 20, "only {checked} trees had independent joints");
 }
 
 /// The reference knows nothing of base parameters; it ranks mass and first
@@ -142,39 +157,6 @@ fn hair_thin_twists_cost_at_most_four_more() {
             .counts();
         assert!(counts.mul <= 160, "{tilt}: {counts:?}");
     }
-}
-
-/// 3 + 2 per revolute joint + 1 per prismatic one, whenever no angles are tied.
-#[test]
-fn independent_joints_follow_the_closed_form() {
-    let mut checked = 0;
-    for seed in 0..160 {
-        let (_, model, _) = model(seed, mixed(seed), Snapping::default());
-        let motions: Vec<_> = model.chain.bodies.iter().map(|b| b.motion).collect();
-        let revolute = motions
-            .iter()
-            .filter(|m| matches!(m, Motion::Revolute { .. }))
-            .count();
-        let prismatic = motions
-            .iter()
-            .filter(|m| matches!(m, Motion::Prismatic { .. }))
-            .count();
-        let mut users = vec![0; model.dof()];
-        for motion in &motions {
-            if let Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } = motion {
-                users[by.dof] += 1;
-            }
-        }
-        if users.iter().all(|n| *n <= 1) {
-            assert_eq!(
-                model.base.params.len(),
-                3 + 2 * revolute + prismatic,
-                "seed {seed}"
-            );
-            checked += 1;
-        }
-    }
-    assert!(checked > 20, "only {checked} trees had independent joints");
 }
 
 /// Four multiplications a joint where axes are canonical, and at most four more where they are not.

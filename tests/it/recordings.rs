@@ -1,17 +1,15 @@
 //! Recordings: noise that lasts is counted, stays and visits are, and intervals hold.
 
-use std::sync::Arc;
-
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_identify::diagnose::{Request, Verdict, diagnose};
-use sesc_identify::logs::Table;
-use sesc_identify::robot::Robot;
+use sesc_identify::diagnose::{Verdict, diagnose};
 use sesc_test_support::command::{ROOT, sesc, stdout};
 use sesc_test_support::examine::recordings::{Kept, Said};
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Motion, Noise};
 use sesc_test_support::stage::{Platform, Stage};
+
+use crate::asked::of_recording;
 
 const NOISE: Noise = Noise {
     kind: Kind::White,
@@ -211,12 +209,7 @@ fn a_gap_that_is_bent_wrongly_is_no_noise_without_end() {
     let world = stage.world().joint_offset("r_knee", 3_f64.to_radians());
     let noise = Noise::new(Kind::Ar1(0.2), 1e-3);
     let recording = swing.record(&stage, world.unwrap(), noise, 100.0, random);
-    let columns = recording.columns(true).into_iter();
-    let log = columns.fold(Table::new("recording"), |table, (name, values)| {
-        table.numbers(&name, values)
-    });
-    let mut request = Request::new(Arc::new(Robot::read(&stage.urdf).unwrap()), log);
-    request.support = Some(stage.support.into());
+    let request = of_recording(&stage, &recording);
     let found = diagnose(&request, &mut ()).unwrap().diagnosis;
     println!("{:?} {:?} {}", found.verdict, found.samples, found.sentence);
     assert!((25..100).contains(&found.samples.independent));

@@ -1,18 +1,17 @@
 //! Rows of a robot that holds still are readings of one posture, and count for what they are
 //! worth.
 
-use std::sync::Arc;
-
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fit::{self, Identification};
-use sesc_identify::logs::{LogSource, Stays, Table};
+use sesc_identify::logs::{LogSource, Stays};
 use sesc_identify::next_steps::NextStep;
-use sesc_identify::robot::Robot;
 use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
 use sesc_test_support::stage::{Platform, Stage};
+
+use crate::asked::{fit_request, request, table};
 
 const STD_M: f64 = 2e-3;
 const RATE: f64 = 100.0;
@@ -45,37 +44,26 @@ fn visited(kind: Kind, visit_std: f64, seed: u64) -> (Stage, Recording) {
 }
 
 fn log(recording: &Recording) -> LogSource {
-    let columns = recording.columns(true).into_iter();
-    let add = |table: Table, (name, values): (String, Vec<f64>)| table.numbers(&name, values);
-    columns.fold(Table::new("stays"), add).into()
+    table(recording.columns(true)).into()
 }
 
 /// The rows of each posture by its number, without times.
 fn untimed(recording: &Recording) -> LogSource {
     let rows = 0..recording.t.len();
-    let pose = rows
-        .map(|k| (k / ROWS_OF_A_STAY) as f64)
-        .collect::<Vec<_>>();
-    let columns = recording.columns(false).into_iter();
-    let table = Table::new("stays").numbers("pose", pose);
-    let add = |table: Table, (name, values): (String, Vec<f64>)| table.numbers(&name, values);
-    columns.fold(table, add).into()
+    let pose = rows.map(|k| (k / ROWS_OF_A_STAY) as f64);
+    let table = table(recording.columns(false));
+    table.numbers("pose", pose.collect::<Vec<_>>()).into()
 }
 
 fn diagnosis(stage: &Stage, log: LogSource, noise: Option<f64>, stays: Stays) -> Diagnosis {
-    let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
-    let mut request = diagnose::Request::new(robot, log);
-    request.support = Some(stage.support.into());
+    let mut request = request(stage, log);
     request.noise = noise;
     request.stays = stays;
     diagnose::diagnose(&request, &mut ()).unwrap().diagnosis
 }
 
 fn identification(stage: &Stage, log: LogSource, stays: Stays) -> Identification {
-    let mut request = fit::Request::default();
-    request.robot = Some(Arc::new(Robot::read(&stage.urdf).unwrap()));
-    request.logs = vec![log];
-    request.support = Some(stage.support.into());
+    let mut request = fit_request(stage, log);
     request.prior = "free".into();
     request.stays = stays;
     fit::fit(&request, &mut ()).unwrap().identification

@@ -1,23 +1,21 @@
 //! Nothing states the noise of a log, no posture was repeated: what the best explanation and
 //! free masses leave is the noise, and evidence is about that of a log that states it.
 
-use std::sync::Arc;
-
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::Diagnosis;
-use sesc_identify::diagnose::{Request, Verdict, diagnose};
+use sesc_identify::diagnose::{Verdict, diagnose};
 use sesc_identify::logs::Table;
-use sesc_identify::robot::Robot;
 use sesc_reference::World;
 use sesc_test_support::stage::{Platform, Stage};
+
+use crate::asked::request;
 
 const NOISE_M: f64 = 5e-4;
 
 /// 200 balanced postures of the OP2, white noise of 0.50 mm on each axis.
 struct Bench {
     stage: Stage,
-    robot: Arc<Robot>,
     q: Vec<Vec<f64>>,
     cop: Vec<[f64; 2]>,
 }
@@ -35,7 +33,6 @@ impl Bench {
             .map(|q| world.cop(q).map(|y| y + NOISE_M * normal()));
         Bench {
             cop: cop.collect(),
-            robot: Arc::new(Robot::read(&stage.urdf).unwrap()),
             stage,
             q,
         }
@@ -53,9 +50,9 @@ impl Bench {
         for (j, joint) in self.stage.joint_names().iter().enumerate() {
             log = log.numbers(joint, self.q.iter().map(|q| q[j]).collect::<Vec<_>>());
         }
-        let mut request = Request::new(Arc::clone(&self.robot), log);
-        request.support = Some("r_sole".into());
-        diagnose(&request, &mut ()).unwrap().diagnosis
+        diagnose(&request(&self.stage, log), &mut ())
+            .unwrap()
+            .diagnosis
     }
 }
 

@@ -6,7 +6,7 @@ use sesc_identify::plan;
 use sesc_identify::plan::balance::Region;
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
-use sesc_test_support::command::{folder, in_words, op2, refused, sesc, stdout};
+use sesc_test_support::command::Folder;
 use sesc_test_support::feet::TwoFeet;
 use sesc_test_support::stage::{Platform, Stage};
 
@@ -71,78 +71,45 @@ fn planned_postures_keep_both_soles_on_the_floor() {
 /// The command line: flags, JSON, text and page of a log that a plan on both feet asked for.
 #[test]
 fn commands_take_both_feet_and_say_what_the_soles_say() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    let [poses, log, page] = ["poses.csv", "log.csv", "page.html"].map(at);
-    let planned = sesc(&in_words(
-        "plan @ --support r_sole --both-feet --poses 30 --candidates 60 --out @",
-        &[&op2(), &poses],
-    ));
-    let said = stdout(&planned);
-    assert!(
-        said.contains("soles            both soles on the floor, `l_sole` the other"),
-        "{said}"
-    );
+    let folder = Folder::with("op2");
+    let options = "--both-feet --poses 30 --candidates 60 --out poses.csv";
+    let said = folder.stdout(&format!("plan op2.urdf --support r_sole {options}"));
+    let soles = "soles            both soles on the floor, `l_sole` the other";
+    assert!(said.contains(soles), "{said}");
     // The robot's l_knee is 1.5° further than its encoder says: angles of the plan are true.
     let stage = Stage::new(Platform::Op2);
-    let text = std::fs::read_to_string(&poses).unwrap();
     let world = stage.world().joint_offset("l_knee", 0.026).unwrap();
-    let mut rows = text.lines();
-    let header = rows.next().unwrap();
-    let mut out = format!("{header},cop_x,cop_y\n");
-    for row in rows {
-        let joints: Vec<f64> = row.split(',').skip(1).map(|x| x.parse().unwrap()).collect();
-        let q = TwoFeet::encoders(&world, &joints);
-        let cop = world.cop(&q);
-        let q: Vec<String> = q.iter().map(|x| format!("{x:.7}")).collect();
-        let pose = row.split(',').next().unwrap();
-        out += &format!("{pose},{},{:.6},{:.6}\n", q.join(","), cop[0], cop[1]);
-    }
-    std::fs::write(&log, out).unwrap();
-    let op2 = op2();
-    let run = |command: &str, options: &[&str]| {
-        let stands = ["--support", "r_sole", "--noise", "0.003"];
-        sesc(&[&[command, &op2, "--data", &log], &stands[..], options].concat())
-    };
-    let json = run("diagnose", &["--other-foot", "l_sole", "--json"]);
-    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    let log = TwoFeet::new(&stage).log_of_plan(&world, &folder.read("poses.csv"), [0.0; 2]);
+    folder.write("log.csv", log);
+    let diagnose = "diagnose op2.urdf --data log.csv --support r_sole --noise 0.003";
+    let json = folder.json(&format!("{diagnose} --other-foot l_sole"));
     assert_eq!(json["steps"][0]["target"], "l_knee", "{json}");
     let closure = &json["closure"];
-    assert_eq!(
-        (&closure["other_foot"], &closure["closes"]),
-        (&"l_sole".into(), &true.into())
-    );
+    assert_eq!(closure["other_foot"], "l_sole");
+    assert_eq!(closure["closes"], true);
     let pitch = |when: &str| closure[when]["pitch_rad"].as_f64().unwrap();
     // A foot that its ankle rolls by ρ is pitched by cos ρ of it.
-    assert!(
-        (0.018..0.027).contains(&pitch("before")) && pitch("after") < 1e-3,
-        "{closure}"
-    );
+    assert!((0.018..0.027).contains(&pitch("before")), "{closure}");
+    assert!(pitch("after") < 1e-3, "{closure}");
     for part in ["noise", "tolerance"] {
         for key in ["roll_rad", "pitch_rad", "height_m"] {
             assert!(closure[part][key].as_f64().unwrap() > 0.0, "{closure}");
         }
     }
-    let text = stdout(&run("diagnose", &["--both-feet", "--report", &page]));
+    let text = folder.stdout(&format!("{diagnose} --both-feet --report page.html"));
     assert!(
         text.contains("soles            l_sole off that of r_sole by"),
         "{text}"
     );
-    let page = std::fs::read_to_string(&page).unwrap();
-    assert!(
-        page.contains("<dt>soles</dt><dd>l_sole off that of r_sole by"),
-        "no soles"
-    );
-    let json = run("fit", &["--both-feet", "--json"]);
-    let json: serde_json::Value = serde_json::from_str(&stdout(&json)).unwrap();
+    let soles = "<dt>soles</dt><dd>l_sole off that of r_sole by";
+    assert!(folder.read("page.html").contains(soles), "no soles");
+    let fit = diagnose.replace("diagnose", "fit");
+    let json = folder.json(&format!("{fit} --both-feet"));
     let joints = json["closure"]["explained_by"].as_array().unwrap();
-    assert!(
-        joints.iter().any(|o| o["joint"] == "l_knee"),
-        "{}",
-        json["closure"]
-    );
-    let wrong = run("diagnose", &["--other-foot", "toe"]);
-    refused(
+    let has = joints.iter().any(|o| o["joint"] == "l_knee");
+    assert!(has, "{}", json["closure"]);
+    let wrong = format!("{diagnose} --other-foot toe");
+    folder.refuses(
         &wrong,
         &["--other-foot LINK `toe` is no link of the robot", "l_sole"],
     );

@@ -155,6 +155,14 @@ impl Case {
         case.and(effect, &[(effect, target, &[parameter])])
     }
 
+    /// Takes a model file whose parameters are CAD's, changed.
+    pub fn take_values(&mut self, change: impl Fn(usize, f64) -> f64) {
+        let cad = self.model.cad_params();
+        let values: Vec<f64> = cad.iter().enumerate().map(|(k, x)| change(k, *x)).collect();
+        let file = ModelFile::from_values(&self.model, &values, None, "data");
+        self.model = self.model.clone().with_file(file).unwrap();
+    }
+
     /// With the estimator, and a model file that knows its parameters from 30 postures and a
     /// prior of 2 cm.
     pub fn informed(self) -> Case {
@@ -377,8 +385,7 @@ pub fn cases() -> Vec<Case> {
         ("two_link", "foot"),
     ] {
         let mut case = Case::robot(robot, support);
-        let file = ModelFile::from_values(&case.model, &case.model.cad_params(), None, "prior");
-        case.model = case.model.with_file(file).unwrap();
+        case.take_values(|_, x| x);
         case.name += "_model";
         cases.push(case);
     }
@@ -399,7 +406,7 @@ pub fn estimating() -> Case {
 /// A robot whose reading takes a power and is clamped.
 pub fn exponent() -> Case {
     let mut case = Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1));
-    case.functions = sesc_model::Function::ALL.to_vec();
+    case.functions = Function::ALL.to_vec();
     case
 }
 

@@ -8,6 +8,8 @@ use std::process::Command;
 use std::sync::Mutex;
 
 use sesc_codegen::emit::c::{Package, Scalar};
+use sesc_test_support::command::scratch;
+pub use sesc_test_support::command::{printed, tool};
 
 use super::case::Case;
 use super::draw::{Draw, Drawn, Hold};
@@ -32,30 +34,7 @@ pub const SEPARATE: &str = "-ffp-contract=off";
 
 /// The folder for the files of one test.
 pub fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("c99")
-        .join(name);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-/// Run a tool; what it says if it fails. A tool that is not there fails the test.
-pub fn tool(command: &mut Command) -> Result<Vec<u8>, String> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let output = command.output().unwrap_or_else(|error| {
-        panic!(
-            "cannot run {name}: {error}; these tests need a C compiler as cc, `.ci/all` installs others"
-        )
-    });
-    match output.status.success() {
-        true => Ok(output.stdout),
-        false => Err(format!(
-            "{command:?}: {}\n{}{}",
-            output.status,
-            String::from_utf8_lossy(&output.stdout),
-            String::from_utf8_lossy(&output.stderr)
-        )),
-    }
+    scratch(&format!("c99/{name}"))
 }
 
 pub fn write(folder: &Path, name: &str, package: &Package) -> PathBuf {

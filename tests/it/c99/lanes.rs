@@ -8,9 +8,9 @@ use std::process::Command;
 
 use crate::COMPILERS;
 use sesc_codegen::emit::c::Scalar;
-use sesc_model::{Function, Given, ModelFile};
+use sesc_model::{Function, Given};
 
-use super::case::Case;
+use super::case::{Case, exponent};
 use super::compiled::{SEPARATE, WARNINGS, folder, parallel, tool, write};
 use super::entry::Entry;
 
@@ -18,10 +18,7 @@ use super::entry::Entry;
 /// parameters as constants and with a sensor effect that can be inverted.
 pub fn cases() -> Vec<Case> {
     let mut two_link = Case::robot("two_link", "foot");
-    let file = ModelFile::from_values(&two_link.model, &two_link.model.cad_params(), None, "prior");
-    two_link.model = two_link.model.with_file(file).unwrap();
-    let mut exponent = Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1));
-    exponent.functions = Function::ALL.to_vec();
+    two_link.take_values(|_, x| x);
     let mut springs = Case::with_effect("joint_compliance", "all", ("stiffness_nm_per_rad", 60.0));
     springs.name = "springs".to_string();
     vec![
@@ -29,7 +26,7 @@ pub fn cases() -> Vec<Case> {
         Case::robot("lift_base", "hand").of_many(16),
         Case::robot("arm6", "base_link").of_many(4),
         Case::robot("quadruped", "lf_foot").of_many(8),
-        exponent.of_many(8),
+        exponent().of_many(8),
         Case::with_effect("sensor_rotation", "-", ("yaw_rad", 0.02)).of_many(8),
         springs.of_many(16),
     ]

@@ -7,88 +7,49 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 use super::user::*;
-use sesc_test_support::command::{ROOT, folder, in_words, refused, sesc, stdout, write};
+use sesc_test_support::command::{Folder, ROOT, folder};
 
-/// Robots are named by people: every format quotes the name in its own way.
 #[test]
 fn names_of_robots_break_no_format() {
     let folder = fresh("names");
-    let robot = r#"a"b'c;d $e @PATH@ $ENV{HOME} #f \" `h` <i>&*j*%k%]]=二足🤖\"#;
-    let escaped = robot
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('"', "&quot;");
-    let urdf = write(
-        &folder,
-        "odd.urdf",
-        format!(
-            "<robot name=\"{escaped}\"><link name=\"{escaped}\"><inertial><mass value=\"1\"/>\
-             </inertial></link></robot>"
-        ),
-    );
-    let of = |layout: &str| {
-        let out = folder.join(layout);
-        generate(&out, &urdf, robot, &["--layout", layout, "--name", "odd"]);
-        out
-    };
-    let manifest = fs::read_to_string(of("platformio").join("library.json")).unwrap();
-    let manifest: Value = serde_json::from_str(&manifest).unwrap();
-    let description = manifest["description"].as_str().unwrap();
-    assert!(
-        description.starts_with(&format!("Centre of mass of {robot} standing on {robot} (")),
-        "{description}"
-    );
-
-    let library = of("arduino");
-    assert_eq!(properties(&library)["sentence"], description);
+    let (_, library) = oddly_named(&folder, "arduino");
+    let sentence = &properties(&library)["sentence"];
+    assert_eq!(*sentence, odd_description(&folder));
 }
 
 #[test]
 fn layouts_are_refused_where_they_cannot_be() {
-    let folder = folder();
-    let out = folder.path().display().to_string();
-    let two_link = format!("{ROOT}/robots/two_link/two_link.urdf");
-    let base = ["generate", &two_link, "--support", "foot", "--out", &out];
-    let run = |more: &[&str]| sesc(&[&base[..], more].concat());
-    refused(
-        &run(&["--lang", "rust", "--layout", "cmake"]),
-        &["--layout", "--lang c"],
-    );
-    refused(&run(&["--layout", "bare"]), &["--layout", "--lang c"]);
+    let folder = Folder::with("two_link");
+    let generate = "generate two_link.urdf --support foot --out .";
     for (layout, name) in [("cmake", "test"), ("cmake", "m"), ("arduino", "Arduino")] {
-        let asked = ["--lang", "c", "--layout", layout, "--name", name];
-        refused(&run(&asked), &[layout, &format!("`{name}_robot`")]);
+        let line = format!("{generate} --lang c --layout {layout} --name {name}");
+        folder.refuses(&line, &[layout, &format!("`{name}_robot`")]);
     }
-    refused(
-        &run(&["--lang", "c", "--layout", "meson"]),
-        &["meson", "cmake", "platformio"],
+    folder.refuses_each(
+        "generate two_link.urdf --support foot --out . --lang rust --layout cmake | --layout
+            | --lang c
+         generate two_link.urdf --support foot --out . --layout bare | --layout | --lang c
+         generate two_link.urdf --support foot --out . --lang c --layout meson | meson | cmake
+            | platformio",
     );
-    assert_eq!(files(folder.path()), [""; 0]);
+    assert_eq!(folder.names(), ["two_link.urdf"]);
 }
 
 /// A file in the way of the last one: the others are not touched.
 #[test]
 fn packages_appear_whole_or_not_at_all() {
-    let folder = folder();
-    let out = folder.path().display().to_string();
-    let two_link = format!("{ROOT}/robots/two_link/two_link.urdf");
-    let run = || {
-        sesc(&in_words(
-            "generate @ --support foot --lang c --layout arduino --name legs --out @",
-            &[&two_link, &out],
-        ))
-    };
+    let folder = Folder::with("two_link");
+    let generate =
+        "generate two_link.urdf --support foot --lang c --layout arduino --name legs --out out";
     for blocked in ["examples", "src/legs.c/inside"] {
-        let path = folder.path().join(blocked);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(&path, "mine").unwrap();
-        refused(&run(), &["cannot write"]);
-        assert_eq!(files(folder.path()), [blocked]);
-        fs::remove_file(&path).unwrap();
-        let _ = fs::remove_dir(path.parent().unwrap());
+        let path = folder.write(&format!("out/{blocked}"), "mine");
+        folder.refuses(generate, &["cannot write"]);
+        assert_eq!(files(&folder.join("out")), [blocked]);
+        fs::remove_file(path).unwrap();
+        let _ = fs::remove_dir(folder.join("out/src/legs.c"));
     }
-    stdout(&run());
-    assert_eq!(files(folder.path()).len(), 5);
+    folder.stdout(generate);
+    assert_eq!(files(&folder.join("out")).len(), 5);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::user::*;
-use sesc_test_support::command::{ROOT, in_words, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{Folder, ROOT, op2, write};
 
 /// Headers of `generated/c`, by name.
 fn shipped() -> Vec<String> {
@@ -130,32 +130,23 @@ fn two_supports_of_a_robot_with_a_long_name_link_together() {
 /// A name that is too long for a file is refused, in both languages: it is not cut.
 #[test]
 fn names_too_long_for_files_are_refused() {
-    let folder = fresh("too_long");
-    let text = fs::read_to_string(op2()).unwrap();
+    let folder = Folder::with("op2");
     let (most, robot) = ("n".repeat(100), "n".repeat(95));
-    let renamed = text.replacen(
-        "<robot name=\"op2\"",
-        &format!("<robot name=\"{robot}\""),
-        1,
+    let renamed = format!("<robot name=\"{robot}\"");
+    let text = folder.read("op2.urdf");
+    folder.write(
+        "op2.urdf",
+        text.replacen("<robot name=\"op2\"", &renamed, 1),
     );
-    let urdf = write(&folder, "robot.urdf", renamed);
-    let out = folder.join("out").display().to_string();
     for lang in ["rust", "c"] {
-        let usual = in_words(
-            "generate @ --support r_sole --lang @ --out @",
-            &[&urdf, lang, &out],
-        );
+        let usual = format!("generate op2.urdf --support r_sole --lang {lang} --out out");
         // Robot, `_` and support are 102 characters.
         let name = format!("{robot}_r_sole");
-        refused(
-            &sesc(&usual),
-            &[&name, "102 characters", "100", "give a name"],
-        );
-        let given = format!("{most}n");
-        let longer = [&usual[..], &["--name", &given]].concat();
-        refused(&sesc(&longer), &["101 characters", &format!("`{most}`")]);
+        folder.refuses(&usual, &[&name, "102 characters", "100", "give a name"]);
+        let longer = format!("{usual} --name {most}n");
+        folder.refuses(&longer, &["101 characters", &format!("`{most}`")]);
         assert!(!folder.join("out").exists(), "{lang}");
-        stdout(&sesc(&[&usual[..], &["--name", &most]].concat()));
-        fs::remove_dir_all(&out).unwrap();
+        folder.stdout(&format!("{usual} --name {most}"));
+        fs::remove_dir_all(folder.join("out")).unwrap();
     }
 }

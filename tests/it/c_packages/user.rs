@@ -7,7 +7,8 @@ use std::process::Command;
 
 use sesc_reference::{Reference, Robot};
 
-use sesc_test_support::command::{in_words, op2, sesc, stdout};
+pub use sesc_test_support::command::printed as run;
+use sesc_test_support::command::{self, in_words, op2, sesc, stdout, write};
 
 pub const NAME: &str = "op2_r_sole";
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -15,37 +16,9 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The header promises 1.8e-6 m for the f32 CoM of the OP2; printing adds its own last digit.
 pub const F32_M: f64 = 2e-6;
 
-/// What `program` prints; its failure is ours, with all it said.
-pub fn run(program: &mut Command) -> String {
-    let package = match program.get_program().to_str().unwrap() {
-        "cmake" => "cmake (and make or ninja)",
-        "pkg-config" => "pkg-config or pkgconf",
-        "cc" => "a C compiler as cc",
-        "c++" => "a C++ compiler as c++",
-        other => other,
-    }
-    .to_string();
-    let output = program.output().unwrap_or_else(|error| {
-        panic!("{program:?}: {error}; this test needs {package}: install it")
-    });
-    assert!(
-        output.status.success(),
-        "{program:?}: {}\n{}{}",
-        output.status,
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
-    String::from_utf8(output.stdout).unwrap()
-}
-
-/// A folder of its own for one test, empty, under the target folder.
+/// An empty folder of its own for one test, under the target folder.
 pub fn fresh(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("c_packages")
-        .join(name);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
+    command::fresh(&format!("c_packages/{name}"))
 }
 
 pub fn generate(out: &Path, urdf: &str, support: &str, more: &[&str]) -> Vec<PathBuf> {
@@ -90,42 +63,49 @@ pub fn near(line: &str, expected: [f64; 3], allowed_m: f64) {
 
 /// Compiles the generated source as strict C.
 pub fn compile_c(source: &Path, include: &Path, object: &Path) {
-    run(Command::new("cc")
-        .args([
-            "-x",
-            "c",
-            "-std=c99",
-            "-pedantic",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-c",
-            "-I",
-        ])
-        .arg(include)
-        .arg(source)
-        .arg("-o")
-        .arg(object));
+    let mut cc = Command::new("cc");
+    cc.args(["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]);
+    cc.args(["-x", "c", "-c", "-I"]).arg(include);
+    run(cc.arg(source).arg("-o").arg(object));
 }
 
 /// Files below `folder`, sorted, with `/` between names.
 pub fn files(folder: &Path) -> Vec<String> {
-    let mut found = Vec::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(next) = open.pop() {
-        for entry in fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else {
-                let file = path.strip_prefix(folder).unwrap();
-                let parts: Vec<_> = file.iter().map(|part| part.to_str().unwrap()).collect();
-                found.push(parts.join("/"));
-            }
-        }
-    }
+    let name = |path: &PathBuf| {
+        let file = path.strip_prefix(folder).unwrap();
+        let parts: Vec<_> = file.iter().map(|part| part.to_str().unwrap()).collect();
+        parts.join("/")
+    };
+    let mut found: Vec<String> = command::files(folder).keys().map(name).collect();
     found.sort();
     found
+}
+
+/// Robots are named by people, and every format quotes the name in its own way: a robot of such a
+/// name, as a package of a layout.
+pub fn oddly_named(folder: &Path, layout: &str) -> (String, PathBuf) {
+    let robot = r#"a"b'c;d $e @PATH@ $ENV{HOME} #f \" `h` <i>&*j*%k%]]=二足🤖\"#;
+    let escaped = robot.replace('&', "&amp;").replace('<', "&lt;");
+    let escaped = escaped.replace('"', "&quot;");
+    let urdf = format!(
+        "<robot name=\"{escaped}\"><link name=\"{escaped}\"><inertial><mass value=\"1\"/>\
+         </inertial></link></robot>"
+    );
+    let urdf = write(folder, "odd.urdf", urdf);
+    let out = folder.join(layout);
+    generate(&out, &urdf, robot, &["--layout", layout, "--name", "odd"]);
+    (robot.to_string(), out)
+}
+
+/// What PlatformIO is told of it.
+pub fn odd_description(folder: &Path) -> String {
+    let (robot, package) = oddly_named(folder, "platformio");
+    let manifest = fs::read_to_string(package.join("library.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
+    let description = manifest["description"].as_str().unwrap().to_string();
+    let start = format!("Centre of mass of {robot} standing on {robot} (");
+    assert!(description.starts_with(&start), "{description}");
+    description
 }
 
 /// Keys and values of an Arduino library.

@@ -1,166 +1,87 @@
 //! Model files: whose parameters they are, and what they spare the user to say.
 
-use std::fs;
+use sesc_test_support::command::Folder;
 
-use serde_json::Value;
-
-use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc, stdout, write};
-
-fn urdf() -> String {
-    format!("{ROOT}/robots/two_link/two_link.urdf")
-}
-
-/// Two links on `foot`, all of it moved 0.5 m along x.
-fn shifted() -> String {
-    let inspect = sesc(&["inspect", &urdf(), "--support", "foot", "--json"]);
-    let json: Value = serde_json::from_str(&stdout(&inspect)).unwrap();
-    let mut model = format!(
-        "robot = \"two_link\"\nhash = {}\nsupport = \"foot\"\n",
-        json["hash"]
-    );
+/// Two links in a folder with a log and `model.toml`, which stands on `foot`, all of it moved
+/// 0.5 m along x.
+fn shifted() -> (Folder, String) {
+    let folder = Folder::with("two_link");
+    let json = folder.json("inspect two_link.urdf --support foot");
+    let hash = &json["hash"];
+    let mut model = format!("robot = \"two_link\"\nhash = {hash}\nsupport = \"foot\"\n");
     for parameter in json["parameters"].as_array().unwrap() {
-        let shift = if parameter["name"] == "foot.x" {
-            0.5
-        } else {
-            0.0
-        };
+        let name = &parameter["name"];
+        let shift = if name == "foot.x" { 0.5 } else { 0.0 };
         let value = parameter["cad"].as_f64().unwrap() + shift;
-        model += &format!(
-            "[[parameters]]\nname = {}\nvalue = {value:?}\n",
-            parameter["name"]
-        );
+        model += &format!("[[parameters]]\nname = {name}\nvalue = {value:?}\n");
     }
-    model
+    folder.write("model.toml", &model);
+    folder.write("bare.csv", "pose,ankle,knee\n1,0,0\n");
+    (folder, model)
 }
 
 /// A model file moves predictions, and belongs to its robot and support.
 #[test]
 fn model_files_are_read_checked_and_baked_in() {
-    let folder = folder();
-    let (urdf, model) = (urdf(), shifted());
-    let good = write(folder.path(), "model.toml", &model);
-    let log = write(folder.path(), "q.csv", "pose,ankle,knee\n1,0,0\n");
-    let com_x = |arguments: &[&str]| -> f64 {
-        let text = stdout(&sesc(arguments));
-        text.lines()
-            .nth(1)
-            .unwrap()
-            .split(',')
-            .nth(1)
-            .unwrap()
-            .parse()
-            .unwrap()
+    let (folder, model) = shifted();
+    let base = "predict two_link.urdf --support foot --data bare.csv";
+    let com_x = |line: &str| -> f64 {
+        let text = folder.stdout(line);
+        let row = text.lines().nth(1).unwrap();
+        row.split(',').nth(1).unwrap().parse().unwrap()
     };
-    let base = ["predict", &urdf, "--support", "foot", "--data", &log];
-    let cad = com_x(&base);
-    let identified = com_x(&[&base[..], &["--model", &good]].concat());
-    assert!((identified - cad - 0.5).abs() < 1e-15);
-    let out = folder.path().display().to_string();
-    stdout(&sesc(&in_words(
-        "generate @ --support foot --model @ --name m --out @",
-        &[&urdf, &good, &out],
-    )));
-    assert!(
-        fs::read_to_string(folder.path().join("m.rs"))
-            .unwrap()
-            .contains("MODEL_PARAMS")
-    );
-
-    let other = write(
-        folder.path(),
-        "other.toml",
-        model.replace("hash = \"", "hash = \"0"),
-    );
-    refused(
-        &sesc(&[&base[..], &["--model", &other]].concat()),
-        &["other.toml", "hash"],
-    );
-    let short = write(
-        folder.path(),
-        "short.toml",
-        model.rsplit_once("[[").unwrap().0,
-    );
-    refused(
-        &sesc(&[&base[..], &["--model", &short]].concat()),
-        &["short.toml", "parameters"],
-    );
-    let wrong = write(
-        folder.path(),
-        "wrong.toml",
-        format!("{model}[information]\nfactor = [[1.0]]\n"),
-    );
-    refused(
-        &sesc(&[&base[..], &["--model", &wrong]].concat()),
-        &["wrong.toml", "information.factor needs", "fit again"],
-    );
-    let odd = write(
-        folder.path(),
-        "odd.toml",
-        format!("{model}[[effects]]\neffect = \"warp\"\n"),
-    );
-    refused(
-        &sesc(&[&base[..], &["--model", &odd]].concat()),
-        &["odd.toml", "warp"],
-    );
+    let identified = com_x(&format!("{base} --model model.toml"));
+    assert!((identified - com_x(base) - 0.5).abs() < 1e-15);
+    folder.stdout("generate two_link.urdf --support foot --model model.toml --name m --out .");
+    assert!(folder.read("m.rs").contains("MODEL_PARAMS"));
+    let wrong = format!("{model}[information]\nfactor = [[1.0]]\n");
+    for (text, words) in [
+        (model.replace("hash = \"", "hash = \"0"), &["hash"][..]),
+        (
+            model.rsplit_once("[[").unwrap().0.to_string(),
+            &["parameters"],
+        ),
+        (wrong, &["information.factor needs", "fit again"]),
+        (
+            format!("{model}[[effects]]\neffect = \"warp\"\n"),
+            &["warp"],
+        ),
+    ] {
+        folder.write("other.toml", text);
+        let line = format!("{base} --model other.toml");
+        folder.refuses(&line, &[&["other.toml"], words].concat());
+    }
 }
 
 /// The support comes from the flag, then from the log, then from the model file.
 #[test]
 fn a_model_file_says_what_stands_on_the_ground() {
-    let folder = folder();
-    let model = write(folder.path(), "model.toml", shifted());
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    let (urdf, log, poses) = (urdf(), at("log.csv"), at("poses.csv"));
-    let commands: [&[&str]; 4] = [
-        &["generate", "--name", "m", "--out", &at("src")],
-        &["simulate", "--poses", "5", "--out", &log],
-        &[
-            "plan",
-            "--poses",
-            "2",
-            "--cop-box",
-            "1",
-            "--sigmas",
-            "0",
-            "--out",
-            &poses,
-        ],
-        &[
-            "predict",
-            "--data",
-            &write(folder.path(), "bare.csv", "pose,ankle,knee\n1,0,0\n"),
-        ],
-    ];
-    for command in commands {
-        let (name, rest) = command.split_first().unwrap();
-        let given = |more: &[&str]| sesc(&[&[*name, &urdf][..], rest, more].concat());
-        stdout(&given(&["--model", &model]));
-        refused(&given(&[]), &["no support link", "--support"]);
-        let other = given(&["--model", &model, "--support", "shank"]);
-        refused(&other, &["model.toml", "`foot`", "`shank`"]);
+    let (folder, _) = shifted();
+    for command in [
+        "generate two_link.urdf --name m --out src",
+        "simulate two_link.urdf --poses 5 --out log.csv",
+        "plan two_link.urdf --poses 2 --cop-box 1 --sigmas 0 --out poses.csv",
+        "predict two_link.urdf --data bare.csv",
+    ] {
+        let with = format!("{command} --model model.toml");
+        folder.stdout(&with);
+        folder.refuses(command, &["no support link", "--support"]);
+        let other = format!("{with} --support shank");
+        folder.refuses(&other, &["model.toml", "`foot`", "`shank`"]);
     }
     for (file, text) in [
         ("src/m.rs", "support frame  foot"),
         ("log.csv.toml", "\"foot\""),
         ("poses.csv.toml", "\"foot\""),
     ] {
-        assert!(
-            fs::read_to_string(at(file)).unwrap().contains(text),
-            "{file}"
-        );
+        assert!(folder.read(file).contains(text), "{file}");
     }
     // What the log says counts more than the model file: they must agree.
-    write(folder.path(), "bare.toml", "support = \"shank\"\n");
-    let bare = at("bare.csv");
-    refused(
-        &sesc(&["predict", &urdf, "--model", &model, "--data", &bare]),
-        &["model.toml", "`foot`", "`shank`"],
-    );
-    refused(
-        &sesc(&in_words(
-            "simulate @ --poses 5 --model @ --out @",
-            &[&op2(), &model, &log],
-        )),
-        &["model.toml", "hash"],
-    );
+    folder.write("bare.toml", "support = \"shank\"\n");
+    let line = "predict two_link.urdf --model model.toml --data bare.csv";
+    folder.refuses(line, &["model.toml", "`foot`", "`shank`"]);
+    let other = Folder::with("op2");
+    other.write("model.toml", folder.read("model.toml"));
+    let line = "simulate op2.urdf --poses 5 --model model.toml --out log.csv";
+    other.refuses(line, &["model.toml", "hash"]);
 }

@@ -1,80 +1,49 @@
 //! What to do next stands in every answer, for people and for programs alike.
 
-use std::path::Path;
+use sesc_test_support::command::{Folder, stderr, stdout};
 
-use serde_json::Value;
-use sesc_test_support::command::{folder, in_words, op2, sesc, stdout};
-
-/// What a command says for people, and for programs.
-fn both(line: &[&str]) -> (String, Value) {
-    let said = sesc(line);
-    let text = stdout(&said) + &String::from_utf8(said.stderr).unwrap();
-    let json = stdout(&sesc(&[line, &["--json"]].concat()));
-    (text, serde_json::from_str(&json).unwrap())
-}
-
-fn logs(folder: &Path) -> [String; 2] {
-    ["monday.csv", "friday.csv"].map(|name| {
-        let log = folder.join(name).display().to_string();
-        let line = ["simulate", &op2(), "--support", "r_sole", "--poses", "60"];
-        let seed = if name == "monday.csv" { "1" } else { "2" };
-        let rest = ["--noise", "0.0005", "--seed", seed, "--out", &log];
-        stdout(&sesc(&[&line[..], &rest].concat()));
-        log
-    })
-}
-
+/// Every command says it; the command of a step is one that runs.
 #[test]
 fn every_command_says_what_to_do_next() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    let [monday, friday] = logs(folder.path());
-    let (urdf, page, table) = (op2(), at("demo.html"), at("table.csv"));
-    let predicted = at("predicted.csv");
-    let out = folder.path().display().to_string();
+    let folder = Folder::with("op2");
+    for (log, seed) in [("monday.csv", 1), ("friday.csv", 2)] {
+        folder.simulate(&format!(
+            "--poses 60 --noise 0.0005 --seed {seed} --out {log}"
+        ));
+    }
+    let diagnose = "diagnose op2.urdf --data monday.csv";
     for line in [
-        in_words("demo --out @", &[&page]),
-        in_words("inspect @ --support r_sole", &[&urdf]),
-        in_words("verify @ --support r_sole --samples 20", &[&urdf]),
-        in_words(
-            "simulate @ --support r_sole --poses 5 --out @",
-            &[&urdf, &table],
-        ),
-        in_words("generate @ --support r_sole --out @", &[&urdf, &out]),
-        in_words("predict @ --data @ --out @", &[&urdf, &monday, &predicted]),
-        in_words("compare @ @ --urdf @", &[&monday, &friday, &urdf]),
+        "demo --out demo.html",
+        "inspect op2.urdf --support r_sole",
+        "verify op2.urdf --support r_sole --samples 20",
+        "simulate op2.urdf --support r_sole --poses 5 --out table.csv",
+        "generate op2.urdf --support r_sole --out .",
+        "predict op2.urdf --data monday.csv --out predicted.csv",
+        "compare monday.csv friday.csv --urdf op2.urdf",
         // Nothing is missing from this log.
-        in_words("diagnose @ --data @", &[&urdf, &monday]),
+        diagnose,
     ] {
-        let (text, json) = both(&line);
+        let said = folder.run(line);
+        let text = stdout(&said) + &stderr(&said);
+        let json = folder.json(line);
         let steps = json["next_steps"].as_array().unwrap();
         assert!(!steps.is_empty(), "{line:?}");
         for step in steps {
             let first = step["what"].as_str().unwrap().split(' ').next().unwrap();
-            assert!(
-                text.contains(&format!("next             {first}")),
-                "{text}"
-            );
+            let line = format!("next             {first}");
+            assert!(text.contains(&line), "{text}");
             if let Some(command) = step["command"].as_str() {
                 assert!(text.contains(command), "{text}\n{command}");
             }
         }
     }
-}
-
-/// The command of a step is one that runs.
-#[test]
-fn a_robot_as_simulated_is_compared_with_a_later_log() {
-    let folder = folder();
-    let [monday, friday] = logs(folder.path());
-    let found = sesc(&["diagnose", &op2(), "--data", &monday, "--json"]);
-    let found: Value = serde_json::from_str(&stdout(&found)).unwrap();
+    // A robot as simulated is compared with a later log.
+    let found = folder.json(diagnose);
     assert_eq!(found["verdict"], "none", "{}", found["sentence"]);
     let command = found["next_steps"][0]["command"].as_str().unwrap();
-    let later = command.replace("LATER_LOG", &friday);
-    let words: Vec<&str> = later.split(' ').skip(1).collect();
-    let (urdf, log) = (op2(), &*friday);
-    assert_eq!(words, ["compare", &monday, log, "--urdf", &urdf], "{later}");
-    let said = stdout(&sesc(&words));
+    let later = command.replace("LATER_LOG", "friday.csv");
+    let compare = "compare monday.csv friday.csv --urdf op2.urdf";
+    assert_eq!(later, format!("sesc {compare}"));
+    let said = folder.stdout(compare);
     assert!(said.contains("Go on with "), "{said}");
 }

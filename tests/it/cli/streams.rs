@@ -1,200 +1,154 @@
 //! `-` for logs, tables and model files, and predictions in files.
 
-use std::fs;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
 
 use serde_json::Value;
-use sesc_test_support::command::{ROOT, folder, program, refused, stdout};
+use sesc_test_support::command::{Folder, refused, stderr, stdout};
+
+const SIMULATE: &str = "simulate two_link.urdf --support foot --poses 60 --noise 0.0005 --out";
 
 /// A folder with a robot and a log of it.
-struct Inputs(tempfile::TempDir);
+fn inputs() -> Folder {
+    let folder = Folder::with("two_link");
+    folder.stdout(&format!("{SIMULATE} log.csv"));
+    folder
+}
 
-impl Inputs {
-    fn new() -> Inputs {
-        let inputs = Inputs(folder());
-        let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
-        fs::copy(urdf, inputs.path("a.urdf")).unwrap();
-        stdout(&inputs.run(
-            "simulate a.urdf --support foot --poses 60 --noise 0.0005 --out log.csv",
-            None,
-        ));
-        inputs
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// `sesc` with these words, and a file on its standard input.
-    fn run(&self, line: &str, input: Option<&Path>) -> Output {
-        let mut command = Command::new(program());
-        command.current_dir(self.0.path()).args(line.split(' '));
-        let mut child = command
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut stdin = child.stdin.take().unwrap();
-        if let Some(path) = input {
-            stdin.write_all(&fs::read(path).unwrap()).unwrap();
-        }
-        drop(stdin);
-        child.wait_with_output().unwrap()
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
+/// Names of tables of every format.
+fn tables(stem: &str) -> Vec<String> {
+    let parquet = cfg!(feature = "parquet").then_some("parquet");
+    let ends = ["csv", "csv.gz"].into_iter().chain(parquet);
+    ends.map(|end| format!("{stem}.{end}")).collect()
 }
 
 /// The format is told by the first bytes, as that of a file.
 #[test]
 fn logs_are_read_from_standard_input() {
-    let inputs = Inputs::new();
-    let simulate = "simulate a.urdf --support foot --poses 60 --noise 0.0005 --out";
-    let mut logs = vec!["log.csv", "log.csv.gz"];
-    logs.extend(cfg!(feature = "parquet").then_some("log.parquet"));
-    for log in logs {
-        stdout(&inputs.run(&format!("{simulate} {log}"), None));
-        let path = inputs.path(log);
-        for command in [
-            "predict a.urdf --support foot",
-            "fit a.urdf --support foot --json",
-        ] {
-            let of_file = stdout(&inputs.run(&format!("{command} --data {log}"), None));
-            let of_stream = stdout(&inputs.run(&format!("{command} --data -"), Some(&path)));
-            assert_eq!(
-                of_file.replace(&format!("\"{log}\""), "\"standard input\""),
-                of_stream
-            );
+    let inputs = inputs();
+    for log in tables("log") {
+        inputs.stdout(&format!("{SIMULATE} {log}"));
+        for command in ["predict", "fit --json"] {
+            let command = format!("{command} two_link.urdf --support foot --data");
+            let of_file = inputs.stdout(&format!("{command} {log}"));
+            let of_stream = stdout(&inputs.piped(&format!("{command} -"), &log));
+            let named = of_file.replace(&format!("\"{log}\""), "\"standard input\"");
+            assert_eq!(named, of_stream);
         }
     }
-    let log = inputs.path("log.csv");
-    let diagnose = "diagnose a.urdf --support foot --data - --json";
-    let json: Value = serde_json::from_str(&stdout(&inputs.run(diagnose, Some(&log)))).unwrap();
+    let diagnose = "diagnose two_link.urdf --support foot --data - --json";
+    let json: Value = serde_json::from_str(&stdout(&inputs.piped(diagnose, "log.csv"))).unwrap();
     assert_eq!(json["log"], "standard input");
-    // A stream has no sidecar.
-    refused(
-        &inputs.run("fit a.urdf --data -", Some(&log)),
-        &["--support"],
-    );
-    for line in ["fit - --data -", "fit a.urdf --data - --data -"] {
-        refused(&inputs.run(line, Some(&log)), &["`-` is given twice"]);
+    for (line, word) in [
+        // A stream has no sidecar.
+        ("fit two_link.urdf --data -", "--support"),
+        ("fit - --data -", "`-` is given twice"),
+        ("fit two_link.urdf --data - --data -", "`-` is given twice"),
+    ] {
+        refused(&inputs.piped(line, "log.csv"), &[word]);
     }
-    assert!(!inputs.path("-").exists());
+    assert!(!inputs.join("-").exists());
 }
 
 #[test]
 fn logs_and_model_files_are_written_to_standard_output() {
-    let inputs = Inputs::new();
-    let simulate = "simulate a.urdf --support foot --poses 60 --noise 0.0005 --out -";
-    assert_eq!(stdout(&inputs.run(simulate, None)), inputs.read("log.csv"));
+    let inputs = inputs();
+    let simulated = inputs.stdout(&format!("{SIMULATE} -"));
+    assert_eq!(simulated, inputs.read("log.csv"));
     for command in ["fit", "diagnose"] {
-        let line = format!("{command} a.urdf --data log.csv --out");
-        stdout(&inputs.run(&format!("{line} model.toml"), None));
-        let output = inputs.run(&format!("{line} -"), None);
+        let line = format!("{command} two_link.urdf --data log.csv --out");
+        inputs.stdout(&format!("{line} model.toml"));
+        let output = inputs.run(&format!("{line} -"));
         assert_eq!(stdout(&output), inputs.read("model.toml"));
         // The report is said beside it.
-        assert!(String::from_utf8_lossy(&output.stderr).lines().count() > 3);
-        refused(&inputs.run(&format!("{line} - --json"), None), &["--json"]);
+        assert!(stderr(&output).lines().count() > 3);
+        inputs.refuses(&format!("{line} - --json"), &["--json"]);
     }
-    let plan = "plan a.urdf --support foot --poses 3 --cop-box 0.2 --candidates 50 --out";
-    stdout(&inputs.run(&format!("{plan} poses.csv"), None));
-    let output = inputs.run(&format!("{plan} -"), None);
-    assert_eq!(stdout(&output), inputs.read("poses.csv"));
-    assert!(!inputs.path("-").exists() && !inputs.path("-.toml").exists());
+    let plan = "plan two_link.urdf --support foot --poses 3 --cop-box 0.2 --candidates 50 --out";
+    inputs.stdout(&format!("{plan} poses.csv"));
+    let planned = inputs.stdout(&format!("{plan} -"));
+    assert_eq!(planned, inputs.read("poses.csv"));
+    assert!(!inputs.join("-").exists() && !inputs.join("-.toml").exists());
 }
 
 #[test]
 fn where_a_stream_makes_no_sense_it_is_an_error() {
-    let inputs = Inputs::new();
-    for line in [
-        "fit a.urdf --data log.csv --urdf -",
-        "fit a.urdf --data log.csv --report -",
-        "fit a.urdf --data log.csv --prior -",
-        "fit a.urdf --data log.csv --partial -",
-        "diagnose a.urdf --data log.csv --next -",
-        "diagnose a.urdf --data log.csv --servos -",
-        "predict a.urdf --model - --data log.csv",
-        "verify a.urdf --support foot --model -",
-        "generate a.urdf --support foot --out g --model -",
-        "plan a.urdf --support foot --poses 3 --limits - --out p.csv",
-        "compare - -",
-        "fleet a.urdf --data - --out f.csv",
-        "fleet a.urdf --data log.csv --out -",
-        "demo --out -",
-    ] {
-        refused(&inputs.run(line, None), &["`./-` is"]);
-    }
-    let names = fs::read_dir(inputs.0.path()).unwrap().count();
-    assert_eq!(names, 3, "a file came");
+    let inputs = inputs();
+    inputs.refuses_each(
+        "fit two_link.urdf --data log.csv --urdf -                          | `./-` is
+         fit two_link.urdf --data log.csv --report -                        | `./-` is
+         fit two_link.urdf --data log.csv --prior -                         | `./-` is
+         fit two_link.urdf --data log.csv --partial -                       | `./-` is
+         diagnose two_link.urdf --data log.csv --next -                     | `./-` is
+         diagnose two_link.urdf --data log.csv --servos -                   | `./-` is
+         predict two_link.urdf --model - --data log.csv                     | `./-` is
+         verify two_link.urdf --support foot --model -                      | `./-` is
+         generate two_link.urdf --support foot --out g --model -            | `./-` is
+         plan two_link.urdf --support foot --poses 3 --limits - --out p.csv | `./-` is
+         compare - -                                                        | `./-` is
+         fleet two_link.urdf --data - --out f.csv                           | `./-` is
+         fleet two_link.urdf --data log.csv --out -                         | `./-` is
+         demo --out -                                                       | `./-` is",
+    );
+    assert_eq!(inputs.names().len(), 3, "a file came");
 }
 
 /// From Parquet to Parquet, with the numbers of standard output.
 #[test]
 fn predictions_are_written_to_files() {
-    let inputs = Inputs::new();
-    let predict = "predict a.urdf --data log.csv";
-    let printed = stdout(&inputs.run(predict, None));
-    let mut names = vec!["p.csv", "p.csv.gz"];
-    names.extend(cfg!(feature = "parquet").then_some("p.parquet"));
-    for name in names {
+    let inputs = inputs();
+    let predict = "predict two_link.urdf --data log.csv";
+    let printed = inputs.stdout(predict);
+    for name in tables("p") {
         // Twice: its own output is replaced.
         for _ in 0..2 {
-            let output = inputs.run(&format!("{predict} --out {name} --json"), None);
-            let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
+            let json = inputs.json(&format!("{predict} --out {name}"));
             assert_eq!(json["postures"], 60);
-            assert_eq!(json["file"], name);
+            assert_eq!(json["file"], *name);
             assert!(json["schema"].is_u64());
         }
-        assert!(!inputs.path(&format!("{name}.toml")).exists());
+        assert!(!inputs.join(&format!("{name}.toml")).exists());
     }
     assert_eq!(inputs.read("p.csv"), printed);
-    refused(
-        &inputs.run(&format!("{predict} --out p.txt"), None),
-        &["p.txt", ".csv, .csv.gz or .parquet"],
+    inputs.refuses_each(
+        "predict two_link.urdf --data log.csv --out p.txt | p.txt | .csv, .csv.gz or .parquet
+         simulate two_link.urdf --support foot --poses 3 --out p.csv | p.csv is there already",
     );
-    refused(
-        &inputs.run("simulate a.urdf --support foot --poses 3 --out p.csv", None),
-        &["p.csv is there already"],
-    );
-    let json: Value = serde_json::from_str(&stdout(
-        &inputs.run("predict a.urdf --data log.csv --json", None),
-    ))
-    .unwrap();
-    let first: Vec<f64> = printed
-        .lines()
-        .nth(1)
-        .unwrap()
-        .split(',')
-        .map(|x| x.parse().unwrap())
-        .collect();
-    let number = |value: &Value| value.as_f64().unwrap();
+    let json = inputs.json(predict);
+    let row = printed.lines().nth(1).unwrap().split(',');
+    let first: Vec<f64> = row.map(|x| x.parse().unwrap()).collect();
     assert_eq!(json["com_m"].as_array().unwrap().len(), 60);
-    assert_eq!(number(&json["com_m"][0][2]), first[3]);
-    assert_eq!(number(&json["cop_m"][0][1]), first[5]);
+    assert_eq!(json["com_m"][0][2].as_f64().unwrap(), first[3]);
+    assert_eq!(json["cop_m"][0][1].as_f64().unwrap(), first[5]);
 }
 
-/// Whoever closes a pipe has read enough.
+/// Whoever closes a pipe has read enough, and files are written all the same.
 #[cfg(unix)]
 #[test]
 fn a_reader_that_goes_away_is_no_fault() {
-    let inputs = Inputs::new();
-    for line in [
-        "simulate a.urdf --support foot --poses 20000 --out -",
-        "fit a.urdf --data log.csv --out -",
-        "predict a.urdf --data log.csv",
+    let inputs = inputs();
+    for name in ["log.csv", "log.csv.toml"] {
+        inputs.write(&format!("logs/robot=1/day=1/{name}"), inputs.read(name));
+    }
+    for (line, out) in [
+        ("simulate --support foot --poses 20000 --out -", None),
+        ("fit --data log.csv --out -", None),
+        ("predict --data log.csv", None),
+        ("fit --data log.csv --out m.toml", Some("m.toml")),
+        ("diagnose --data log.csv --report p.html", Some("p.html")),
+        (
+            "fleet --data logs --out t.csv --only parameters",
+            Some("t.csv"),
+        ),
+        ("generate --support foot --name leg --out .", Some("leg.rs")),
     ] {
-        let mut command = Command::new(program());
-        command.current_dir(inputs.0.path()).args(line.split(' '));
-        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = child.spawn().unwrap();
+        let mut command = inputs.command(line);
+        let child = command.arg("two_link.urdf").stdout(Stdio::piped());
+        let mut child = child.stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
+        let said = stderr(&output);
         assert_eq!(output.status.code(), Some(0), "{line}: {said}");
+        assert!(!said.contains("panicked"), "{line}: {said}");
+        assert!(out.is_none_or(|out| inputs.join(out).exists()), "{line}");
     }
 }

@@ -2,35 +2,16 @@
 //! files that the user named.
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc};
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name();
-    entries
-        .map(|entry| name(entry).to_string_lossy().into_owned())
-        .collect()
-}
-
-/// What was said, but for the name of the test's own folder.
-fn message(output: &Output, folder: &Path) -> String {
-    let said = String::from_utf8_lossy(&output.stderr);
-    said.replace(&folder.display().to_string(), "")
-}
+use sesc_test_support::command::{Folder, op2, printed, refused, stderr};
 
 /// More postures than anybody waits for.
-fn long(out: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sesc"));
-    command
-        .args(["simulate", &op2(), "--support", "r_sole"])
-        .args(["--poses", "10000000", "--out"])
-        .arg(out)
-        .stderr(Stdio::null());
-    command
+fn long(folder: &Folder, out: &str) -> Command {
+    let options = "--support r_sole --poses 10000000 --out";
+    folder.command(&format!("simulate {} {options} {out}", op2()))
 }
 
 #[test]
@@ -38,77 +19,52 @@ fn long(out: &Path) -> Command {
 fn an_interrupted_command_leaves_no_file() {
     for (signal, code) in [("INT", 130), ("TERM", 143)] {
         for log in ["log.csv", "log.csv.gz", "log.parquet"] {
-            let folder = folder();
-            let mut child = long(&folder.path().join(log)).spawn().unwrap();
+            let folder = Folder::empty();
+            let mut command = long(&folder, log);
+            let mut child = command.stderr(Stdio::null()).spawn().unwrap();
             let begun = Instant::now();
-            while names(folder.path()).is_empty() {
-                assert!(
-                    begun.elapsed() < Duration::from_secs(60),
-                    "{log}: nothing begun"
-                );
-                std::thread::sleep(Duration::from_millis(5));
+            while folder.names().is_empty() {
+                let waited = begun.elapsed();
+                assert!(waited < Duration::from_secs(60), "{log}: nothing begun");
+                sleep(Duration::from_millis(5));
             }
             let kill = format!("kill -{signal} {}", child.id());
-            assert!(
-                Command::new("sh")
-                    .args(["-c", &kill])
-                    .status()
-                    .unwrap()
-                    .success()
-            );
+            printed(Command::new("sh").args(["-c", &kill]));
             assert_eq!(child.wait().unwrap().code(), Some(code), "{signal} {log}");
-            assert!(
-                names(folder.path()).is_empty(),
-                "{signal}: {:?}",
-                names(folder.path())
-            );
+            assert_eq!(folder.names(), [""; 0], "{signal}");
         }
     }
 }
 
-/// Neither the name of a temporary file nor the place behind a link.
-#[test]
-fn a_file_that_cannot_be_written_is_the_one_named() {
-    let folder = folder();
-    let out = folder.path().join("gone/log.csv");
-    let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
-    let simulate = in_words("simulate @ --support foot --poses 5 --out", &[&urdf]);
-    let output = sesc(&[&simulate[..], &[out.to_str().unwrap()]].concat());
-    refused(&output, &["cannot write", "gone/log.csv", "No such file"]);
-    assert!(!message(&output, folder.path()).contains(".tmp"));
-}
-
-/// A log that is replaced, which it would not be by one of another kind.
-const OLD: &str = "pose,hip,cop_x,cop_y\n1,0,0,0\n";
-
-/// A file that may not grow stands for a disk that is full.
+/// Neither the name of a temporary file nor the place behind a link is said, and where the disk
+/// fills up the old file stays: one that may not grow stands for it.
 #[test]
 #[cfg(unix)]
-fn a_disk_that_fills_up_leaves_no_file() {
+fn a_file_that_cannot_be_written_is_the_one_named() {
+    let old = "pose,hip,cop_x,cop_y\n1,0,0,0\n";
     for log in ["log.csv", "log.csv.gz", "log.parquet"] {
-        let folder = folder();
-        fs::write(folder.path().join("real.csv"), OLD).unwrap();
-        std::os::unix::fs::symlink("real.csv", folder.path().join(log)).unwrap();
-        let simulate = long(&folder.path().join(log));
-        let output = Command::new("sh")
-            // Blocks of 512 or 1024 bytes; the signal would kill where writing should fail.
-            .args(["-c", "ulimit -f 2000; trap '' XFSZ; exec \"$0\" \"$@\""])
-            .arg(simulate.get_program())
-            .args(simulate.get_args())
-            .output()
-            .unwrap();
-        refused(&output, &["cannot write", &format!("/{log}"), "too large"]);
-        let message = message(&output, folder.path());
-        assert!(
-            !message.contains(".tmp") && !message.contains("real.csv"),
-            "{message}"
-        );
-        let mut left = names(folder.path());
-        left.sort();
-        assert_eq!(left, [log, "real.csv"]);
-        assert_eq!(
-            fs::read_to_string(folder.path().join("real.csv")).unwrap(),
-            OLD
-        );
+        let folder = Folder::empty();
+        let gone = long(&folder, &format!("gone/{log}")).output().unwrap();
+        let name = format!("gone/{log}");
+        refused(&gone, &["cannot write", &name, "No such file"]);
+        folder.write("real.csv", old);
+        std::os::unix::fs::symlink("real.csv", folder.join(log)).unwrap();
+        let simulate = long(&folder, &folder.at(log));
+        let mut shell = Command::new("sh");
+        // Blocks of 512 or 1024 bytes; the signal would kill where writing should fail.
+        shell.args(["-c", "ulimit -f 2000; trap '' XFSZ; exec \"$0\" \"$@\""]);
+        shell.arg(simulate.get_program()).args(simulate.get_args());
+        let full = shell.output().unwrap();
+        refused(&full, &["cannot write", &format!("/{log}"), "too large"]);
+        for output in [gone, full] {
+            let said = stderr(&output).replace(&folder.at(""), "");
+            assert!(
+                !said.contains(".tmp") && !said.contains("real.csv"),
+                "{said}"
+            );
+        }
+        assert_eq!(folder.names(), [log, "real.csv"]);
+        assert!(fs::symlink_metadata(folder.join(log)).unwrap().is_symlink());
+        assert_eq!(folder.read("real.csv"), old);
     }
 }

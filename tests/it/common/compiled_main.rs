@@ -153,3 +153,13 @@ macro_rules! run_zmp {
         write(name, "zmp_f32", &all[..WRITTEN].iter().flat_map(of).collect::<Vec<f64>>());
     }};
 }
+
+/// Readings without the effects of the sensor.
+#[allow(unused_macros)]
+macro_rules! run_correction {
+    ($m:ident) => {{
+        let all = postures::<{ $m::DOF }>(stringify!($m));
+        let of = |q: &[f64; $m::DOF]| $m::correct_cop(&$m::cop(q, &$m::CAD_PARAMS));
+        write(stringify!($m), "correct_cop", &all[..WRITTEN].iter().flat_map(of).collect::<Vec<f64>>());
+    }};
+}

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use sesc_test_support::command::{ROOT, folder};
+use sesc_test_support::command::Folder;
 
 use super::{blocks, read, run};
 
@@ -35,12 +35,7 @@ fn formats_name_every_column_and_key() {
         .chain(options);
     let known = known.map(|name| name.replace("fsr_k", "fsr_1"));
     let mut all: BTreeSet<String> = known.collect();
-    let folder = folder();
-    fs::copy(
-        format!("{ROOT}/robots/op2/op2.urdf"),
-        folder.path().join("op2.urdf"),
-    )
-    .unwrap();
+    let folder = Folder::with("op2");
     for line in [
         "sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.0005 \
          --hide joint_offset:r_knee=3deg --out log.csv",
@@ -48,7 +43,7 @@ fn formats_name_every_column_and_key() {
     ] {
         run(folder.path(), line);
     }
-    let model = fs::read_to_string(folder.path().join("model.toml")).unwrap();
+    let model = folder.read("model.toml");
     keys(&model.parse().unwrap(), &mut all);
     let formats = read("docs/formats.md");
     for name in all {
@@ -78,9 +73,7 @@ fn files_of_the_formats_page_are_read() {
     let formats = read("docs/formats.md");
     let blocks = blocks(&formats, "toml");
     assert_eq!(blocks.len(), 4);
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    fs::copy(format!("{ROOT}/robots/op2/op2.urdf"), at("op2.urdf")).unwrap();
+    let folder = Folder::with("op2");
     let run = |line: &str| run(folder.path(), line);
     run("sesc simulate op2.urdf --support r_sole --poses 60 --noise 0.001 --out run.csv");
     // The log has its CoP already, and is of no experiment.
@@ -88,19 +81,15 @@ fn files_of_the_formats_page_are_read() {
     let sidecar = blocks[0]
         .lines()
         .filter(|line| !unused.iter().any(|key| line.starts_with(key)));
-    fs::write(at("run.csv.toml"), sidecar.collect::<Vec<_>>().join("\n")).unwrap();
-    fs::write(at("prior.toml"), &blocks[1]).unwrap();
-    fs::write(at("servos.toml"), &blocks[2]).unwrap();
+    folder.write("run.csv.toml", sidecar.collect::<Vec<_>>().join("\n"));
+    folder.write("prior.toml", &blocks[1]);
+    folder.write("servos.toml", &blocks[2]);
     let warned = run("sesc fit op2.urdf --data run.csv --prior prior.toml 2>&1 >/dev/null");
     assert_eq!(warned, "");
     run("sesc diagnose op2.urdf --data run.csv --servos servos.toml");
 
-    fs::write(at("sesc.toml"), &blocks[3]).unwrap();
-    fs::write(
-        at("limits.csv"),
-        "joint,lower_deg,upper_deg\nhead_pan,-5,5\n",
-    )
-    .unwrap();
+    folder.write("sesc.toml", &blocks[3]);
+    folder.write("limits.csv", "joint,lower_deg,upper_deg\nhead_pan,-5,5\n");
     let planned = run("sesc plan op2.urdf --poses 3 --candidates 100 --out poses.csv 2>&1");
     assert!(
         planned.contains("--support=r_sole --prior=tight --noise=0.0005"),

@@ -5,12 +5,11 @@
 //! `hidden.rs` fails.
 
 mod body;
-mod compiled;
-mod correction;
-mod generated;
-mod hidden;
+pub mod compiled;
+pub mod correction;
+pub mod hidden;
 mod records;
-mod robots;
+pub mod robots;
 mod slopes;
 mod together;
 mod verified;

@@ -1,14 +1,12 @@
 //! Effects in model files: there and back, and every way to get one wrong.
 
-use std::fs;
-
 use sesc_model::effects::{self, Catalog, Effect, Stage};
 use sesc_model::{EffectRecord, ModelFile, Quantity};
 
 use super::correction::{file, with};
 use super::hidden::Hidden;
-use super::robots::{Stand, urdf};
-use sesc_test_support::command::{folder, in_words, refused, sesc, stdout, write};
+use super::robots::Stand;
+use sesc_test_support::command::{Folder, stderr, stdout};
 
 fn near(a: &[f64], b: &[f64]) -> bool {
     let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * (1.0 + a.abs().max(b.abs()));
@@ -56,25 +54,18 @@ fn model_files_give_back_what_was_written() {
     }
 }
 
-/// A plain record, made wrong by `change`, as `sesc generate` takes it.
+/// What `sesc generate` says of a model file with this record.
 fn generate(stand: &Stand, record: EffectRecord, cells: bool, words: &[&str]) {
     let mut model = file(stand, &[]);
     if !cells {
         model.cells.clear();
     }
     model.effects.push(record);
-    let folder = folder();
-    let path = write(
-        folder.path(),
-        "model.toml",
-        toml::to_string(&model).unwrap(),
-    );
-    let out = folder.path().join("out");
-    let text = out.display().to_string();
-    let arguments = ["--no-snap", "--model", &path, "--name", "m", "--out", &text];
-    let output = sesc(&[&["generate", &urdf(stand.name)][..], &arguments].concat());
-    refused(&output, &[&["model.toml"], words].concat());
-    assert!(!out.exists(), "nothing is written");
+    let folder = Folder::with("two_link");
+    folder.write("model.toml", toml::to_string(&model).unwrap());
+    let line = "generate two_link.urdf --no-snap --model model.toml --name m --out out";
+    folder.refuses(line, &[&["model.toml"], words].concat());
+    assert!(!folder.join("out").exists(), "nothing is written");
 }
 
 #[test]
@@ -178,29 +169,20 @@ fn effects_of_a_log_are_left_out_with_a_note() {
     let names: Vec<&str> = of_log.iter().map(|effect| effect.id().name()).collect();
     let expected = ["sensor_drift", "time_delay"];
     assert_eq!(names, expected);
-    let folder = folder();
-    let out = folder.path().display().to_string();
-    let run = |name: &str, hidden: &[Hidden], language: &str| {
+    let folder = Folder::with("two_link");
+    let run = |hidden: &[Hidden], language: &str| {
         let text = toml::to_string(&file(&stand, hidden)).unwrap();
-        let model = write(folder.path(), "model.toml", text);
-        let arguments = [
-            "--no-snap",
-            "--model",
-            &model,
-            "--name",
-            name,
-            "--out",
-            &out,
-        ];
-        let urdf = urdf(stand.name);
-        let output = sesc(&[&["generate", &urdf, "--lang", language][..], &arguments].concat());
+        folder.write("model.toml", text);
+        let options = "--no-snap --model model.toml --name plain --out .";
+        let line = format!("generate two_link.urdf --lang {language} {options}");
+        let output = folder.run(&line);
         stdout(&output);
-        String::from_utf8(output.stderr).unwrap()
+        stderr(&output)
     };
-    assert!(!run("plain", &[], "rust").contains("left out"));
-    run("plain", &[], "c");
+    assert!(!run(&[], "rust").contains("left out"));
+    run(&[], "c");
     let code = |file: &str| {
-        let mut text = fs::read_to_string(folder.path().join(file)).unwrap();
+        let mut text = folder.read(file);
         // The hash of header and source, of what is left out, too.
         if let Some((_, rest)) = text.split_once("plain_PAIR_") {
             let pair = rest[..16].to_string();
@@ -214,14 +196,14 @@ fn effects_of_a_log_are_left_out_with_a_note() {
     for effect in of_log {
         let hidden = &Hidden::of(effect, &context, 2)[..1];
         for language in ["rust", "c"] {
-            let said = run("plain", hidden, language);
+            let said = run(hidden, language);
             let note = format!("note: effect `{}` belongs to the log", effect.id().name());
             assert!(said.contains(&note), "{said}");
         }
         // Not a byte of code of it, and the header says so.
         assert_eq!(files.map(code), plain, "{}", effect.id().name());
         for file in files {
-            let text = fs::read_to_string(folder.path().join(file)).unwrap();
+            let text = folder.read(file);
             let line = format!(
                 "left out       {} (only a log shows it)",
                 effect.id().name()
@@ -236,27 +218,18 @@ fn effects_of_a_log_are_left_out_with_a_note() {
 fn what_fixed_point_cannot_have_is_refused_by_name() {
     let stand = Stand::new("two_link", "foot");
     let context = stand.context();
-    let folder = folder();
-    let out = folder.path().join("out");
     for effect in Catalog::standard().iter() {
         let hidden = &Hidden::of(effect, &context, 2)[..1];
+        let folder = Folder::with("two_link");
         let text = toml::to_string(&file(&stand, hidden)).unwrap();
-        let model = write(folder.path(), "model.toml", text);
-        let (urdf, out_text) = (urdf(stand.name), out.display().to_string());
-        let output = sesc(&in_words(
-            "generate @ --no-snap --lang c --scalar fixed32 --model @ --name m --out @",
-            &[&urdf, &model, &out_text],
-        ));
-        let divides = effect.stage() == Stage::Cells;
-        match divides {
-            true => {
-                refused(&output, &["fixed32", "cop", "divi", "f32 or f64"]);
-                assert!(!out.exists(), "{}", effect.id().name());
-            }
-            false => {
-                stdout(&output);
-                fs::remove_dir_all(&out).unwrap();
-            }
+        folder.write("model.toml", text);
+        let fixed = "--no-snap --lang c --scalar fixed32 --model model.toml --name m --out out";
+        let line = format!("generate two_link.urdf {fixed}");
+        if effect.stage() == Stage::Cells {
+            folder.refuses(&line, &["fixed32", "cop", "divi", "f32 or f64"]);
+            assert!(!folder.join("out").exists(), "{}", effect.id().name());
+        } else {
+            folder.stdout(&line);
         }
     }
 }

@@ -73,6 +73,15 @@ impl Stand {
         (0..count).map(|_| simulator.posture()).collect()
     }
 
+    /// Random postures in which the foot stands on all cells.
+    pub fn postures_inside(&self, count: usize) -> Vec<Vec<f64>> {
+        let mut simulator = Simulator::new(&self.model.tree.dofs, Some(0.35), 41);
+        let world = self.world();
+        let postures = std::iter::repeat_with(|| simulator.posture());
+        let inside = postures.filter(|q| self.is_inside(world.cop(q)));
+        inside.take(count).collect()
+    }
+
     /// Whether a CoP lies between the cells.
     pub fn is_inside(&self, cop: [f64; 2]) -> bool {
         (0..2).all(|axis| {

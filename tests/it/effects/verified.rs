@@ -1,18 +1,16 @@
 //! `sesc verify --model`: every function of a model against the virtual robot that has its
 //! effects, by the command and by the library.
 
-use std::fs;
 use std::path::Path;
 
 use sesc::verify::verify;
 use sesc_identify::robot::Robot;
 
-use super::compiled::all;
+use super::compiled::{alone, together};
 use super::correction::{file, with};
-use super::generated;
 use super::hidden::Hidden;
 use super::robots::{Stand, urdf};
-use sesc_test_support::command::{sesc, stdout};
+use sesc_test_support::command::Folder;
 
 /// The virtual robot takes the effects from the file, the functions have them built in: a model
 /// with any effect is verified, and a hundredth more of one of its sizes is not.
@@ -21,7 +19,7 @@ fn a_model_with_any_effect_is_verified_and_one_with_another_size_is_not() {
     let stand = Stand::new("op2", "r_sole");
     let robot = Robot::read(Path::new(&urdf(stand.name))).unwrap();
     let mut tampered = 0;
-    for (name, hidden) in all(&stand) {
+    for (name, hidden) in alone(&stand).into_iter().chain(together(&stand)) {
         let mut model = with(&stand, &hidden);
         let found = verify(&robot, &model, 60, 5, &mut ()).unwrap();
         assert!(found.pass && found.samples > 0, "{name}: {found:#?}");
@@ -58,11 +56,10 @@ fn the_command_says_what_springs_and_dead_bands_leave_out() {
         named("payload", "shank", &[0.4, 0.02, -0.01, 0.05]),
         named("ground_slope", "-", &[0.02, 0.01]),
     ];
-    let path = generated::folder("verified").join("model.toml");
-    fs::write(&path, toml::to_string(&file(&stand, &hidden)).unwrap()).unwrap();
-    let (urdf, path) = (urdf("two_link"), path.display().to_string());
-    let arguments = ["verify", &urdf, "--model", &path, "--samples", "300"];
-    let text = stdout(&sesc(&arguments));
+    let folder = Folder::with("two_link");
+    let text = toml::to_string(&file(&stand, &hidden)).unwrap();
+    folder.write("model.toml", text);
+    let text = folder.stdout("verify two_link.urdf --model model.toml --samples 300");
     for words in [
         "springs: four rounds leave out up to",
         "postures left out",
@@ -72,10 +69,8 @@ fn the_command_says_what_springs_and_dead_bands_leave_out() {
     ] {
         assert!(text.contains(words), "`{words}`: {text}");
     }
-    let help = stdout(&sesc(&["verify", "--help"]));
+    let help = folder.stdout("verify --help");
     assert!(help.contains("--model model.toml"), "{help}");
     // A file that is not there is named.
-    let gone = sesc(&["verify", &urdf, "--model", "gone.toml"]);
-    assert_eq!(gone.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&gone.stderr).contains("gone.toml"));
+    folder.refuses("verify two_link.urdf --model gone.toml", &["gone.toml"]);
 }

@@ -3,67 +3,63 @@
 use std::fs;
 use std::process::Command;
 
-use sesc_test_support::command::{folder, op2, refused, sesc, stdout};
+use sesc_test_support::command::{Folder, printed};
 use sesc_test_support::fleet::Fleet;
 
-use super::table::{at, field, fleet, records};
+use super::table::{field, records};
+
+/// One robot's log of one day in a folder, which it is copied from.
+fn fleet() -> (Folder, String) {
+    let folder = Folder::with("op2");
+    Fleet::sound(1, 1, 5).write(folder.path()).unwrap();
+    let log = Fleet::folder(0, 1).join("log.csv").display().to_string();
+    let log = folder.read(&log);
+    (folder, log)
+}
+
+/// What the table has as errors, and the JSON of a fleet that may fail.
+fn errors(folder: &Folder, data: &str, more: &str) -> (Vec<[String; 2]>, serde_json::Value) {
+    let output = folder.run(&format!(
+        "fleet op2.urdf --data {data} --out fleet.csv --json {more}"
+    ));
+    let json = serde_json::from_slice(&output.stdout).unwrap();
+    let rows = records(&folder.at("fleet.csv"));
+    let of = |row: &Vec<_>| ["robot", "error"].map(|name| field(row, name).to_string());
+    (rows.iter().map(of).collect(), json)
+}
 
 /// A pipe that nobody writes to and a device without an end would hold up the run for ever.
 #[cfg(unix)]
 #[test]
 fn what_is_no_regular_file_is_an_error_of_its_row() {
-    let folder = folder();
-    let folder = folder.path();
-    Fleet::sound(1, 1, 5).write(folder).unwrap();
-    let log = folder.join(Fleet::folder(0, 1)).join("log.csv");
-    let logs = folder.join("mixed");
-    fs::create_dir(&logs).unwrap();
-    fs::copy(&log, logs.join("a_1.csv")).unwrap();
-    fs::copy(log.with_extension("csv.toml"), logs.join("a_1.csv.toml")).unwrap();
-    fs::copy(&log, logs.join("d_1.csv")).unwrap();
-    for pipe in ["b_1.csv", "d_1.csv.toml"] {
-        let made = Command::new("mkfifo")
-            .arg(logs.join(pipe))
-            .status()
-            .unwrap();
-        assert!(made.success());
+    let (folder, log) = fleet();
+    let sidecar = Fleet::folder(0, 1)
+        .join("log.csv.toml")
+        .display()
+        .to_string();
+    folder.write("mixed/a_1.csv.toml", folder.read(&sidecar));
+    for name in ["a_1.csv", "d_1.csv"] {
+        folder.write(&format!("mixed/{name}"), &log);
     }
-    std::os::unix::fs::symlink("/dev/zero", logs.join("c_1.csv")).unwrap();
-    let out = at(folder, "fleet.csv");
-    let json = fleet(folder, "mixed", &["--out", &out, "--only", "parameters"]);
-    let errors: Vec<(String, String)> = records(&out)
-        .iter()
-        .map(|row| {
-            (
-                field(row, "robot").to_string(),
-                field(row, "error").to_string(),
-            )
-        })
-        .collect();
+    for pipe in ["mixed/b_1.csv", "mixed/d_1.csv.toml"] {
+        printed(Command::new("mkfifo").arg(folder.join(pipe)));
+    }
+    std::os::unix::fs::symlink("/dev/zero", folder.join("mixed/c_1.csv")).unwrap();
+    let (found, json) = errors(&folder, "mixed", "--only parameters");
     let said = |name: &str| {
         format!("cannot read {name}: it is a pipe or a device; a fleet reads regular files")
     };
-    let expected = [
-        ("a", String::new()),
-        ("b", said("b_1.csv")),
-        ("c", said("c_1.csv")),
-        ("d", said("d_1.csv.toml")),
-    ];
+    let [b, c, d] = ["b_1.csv", "c_1.csv", "d_1.csv.toml"].map(said);
+    let expected = [("a", String::new()), ("b", b), ("c", c), ("d", d)];
     assert_eq!(
-        errors,
-        expected.map(|(robot, error)| (robot.to_string(), error))
+        found,
+        expected.map(|(robot, error)| [robot.to_string(), error])
     );
     assert_eq!(json["failed"].as_array().unwrap().len(), 3);
     // A pipe that is given by its name is no manifest that has to be looked at.
-    let pipe = at(folder, "mixed/b_1.csv");
-    let found = sesc(&["fleet", &op2(), "--data", &pipe, "--out", &out, "--json"]);
-    let json: serde_json::Value = serde_json::from_slice(&found.stdout).unwrap();
-    assert!(
-        json["failed"][0]["error"]
-            .as_str()
-            .unwrap()
-            .contains("pipe")
-    );
+    let (_, json) = errors(&folder, "mixed/b_1.csv", "");
+    let said = json["failed"][0]["error"].as_str().unwrap();
+    assert!(said.contains("pipe"), "{said}");
 }
 
 #[cfg(target_os = "linux")]
@@ -71,79 +67,49 @@ fn what_is_no_regular_file_is_an_error_of_its_row() {
 fn a_log_whose_name_is_no_utf8_is_a_row_that_says_so() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt as _;
-    let folder = folder();
-    let folder = folder.path();
+
+    let folder = Folder::with("op2");
     fs::create_dir(folder.join("logs")).unwrap();
     let name = OsStr::from_bytes(b"r\xff_1.csv");
     fs::write(folder.join("logs").join(name), "cop_x,cop_y\n0,0\n").unwrap();
-    let out = at(folder, "fleet.csv");
     for data in ["logs", "logs/*.csv"] {
-        let output = sesc(&[
-            "fleet",
-            &op2(),
-            "--data",
-            &at(folder, data),
-            "--out",
-            &out,
-            "--json",
-        ]);
-        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let (_, json) = errors(&folder, data, "");
         assert_eq!(json["groups"], 1, "{data}");
         let said = json["failed"][0]["error"].as_str().unwrap();
-        assert!(
-            said.contains("its name is no text in UTF-8; give it another name"),
-            "{said}"
-        );
+        let words = "its name is no text in UTF-8; give it another name";
+        assert!(said.contains(words), "{said}");
     }
 }
 
 /// The log is looked at before a support is missed, and where to say it is told.
 #[test]
 fn what_is_wrong_with_a_log_is_said_before_its_support_is_missed() {
-    let folder = folder();
-    let folder = folder.path();
-    Fleet::sound(1, 1, 5).write(folder).unwrap();
-    let logs = folder.join("bare");
-    fs::create_dir(&logs).unwrap();
-    let log = folder.join(Fleet::folder(0, 1)).join("log.csv");
-    fs::copy(&log, logs.join("a_1.csv")).unwrap();
-    fs::write(logs.join("b_1.csv"), "pose,cop_x,cop_y\n0,zero,0\n").unwrap();
-    for only in [&["--only", "parameters"][..], &[]] {
-        let out = at(folder, "fleet.csv");
-        let data = at(folder, "bare");
-        let urdf = op2();
-        let words = ["fleet", &urdf, "--data", &data, "--out", &out];
-        let words = [&words[..], only].concat();
-        assert_eq!(sesc(&words).status.code(), Some(1));
-        let rows = records(&out);
-        let error = |at: usize| field(&rows[at], "error");
+    let (folder, log) = fleet();
+    folder.write("bare/a_1.csv", log);
+    folder.write("bare/b_1.csv", "pose,cop_x,cop_y\n0,zero,0\n");
+    for only in ["--only parameters", ""] {
+        let (found, json) = errors(&folder, "bare", only);
+        assert_eq!(json["failed"].as_array().unwrap().len(), 2);
+        let [[_, first], [_, second]] = &found[..] else {
+            panic!("{found:?}")
+        };
         for words in [
             "no support link given",
             "for all logs",
             "sidecar",
             "column `support`",
         ] {
-            assert!(error(0).contains(words), "{}", error(0));
+            assert!(first.contains(words), "{first}");
         }
-        assert!(
-            !error(1).contains("support") && error(1).contains("column"),
-            "{}",
-            error(1)
-        );
+        let is_of_log = !second.contains("support") && second.contains("column");
+        assert!(is_of_log, "{second}");
     }
-}
-
-#[test]
-fn no_threads_are_refused_and_one_robot_is_one() {
-    let folder = folder();
-    let folder = folder.path();
-    Fleet::sound(1, 1, 5).write(folder).unwrap();
-    let (urdf, data, out) = (op2(), at(folder, "logs"), at(folder, "fleet.csv"));
-    let words = ["fleet", &urdf, "--data", &data, "--out", &out];
-    refused(
-        &sesc(&[&words[..], &["--threads", "0"]].concat()),
+    // No threads are refused, and one robot is one.
+    let fleet = "fleet op2.urdf --data logs --out fleet.csv";
+    folder.refuses(
+        &format!("{fleet} --threads 0"),
         &["--threads", "give 1 or more"],
     );
-    let said = stdout(&sesc(&[&words[..], &["--only", "parameters"]].concat()));
+    let said = folder.stdout(&format!("{fleet} --only parameters"));
     assert!(said.starts_with("1 robot, 1 row, 0 of them"), "{said}");
 }

@@ -9,21 +9,17 @@ use sesc_identify::fit::{self, MotionModel};
 use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;
 use sesc_test_support::moving::Swing;
-use sesc_test_support::recording::{Kind, Noise, Recording};
+use sesc_test_support::recording::Recording;
 use sesc_test_support::stage::{Platform, Stage};
 
 use super::rows::only;
-use super::stretches::{looked, request};
+use super::stretches::looked;
+use crate::asked::{of_recording, white};
 
 /// A robot that swings, read with white noise of `std` m.
 fn swing(stage: &Stage, swing: Swing, std: f64, rate: f64, seed: u64) -> Recording {
-    let noise = Noise {
-        kind: Kind::White,
-        std: [std; 2],
-        visit_std: 0.0,
-    };
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
-    swing.record(stage, stage.world(), noise, rate, random)
+    swing.record(stage, stage.world(), white(std), rate, random)
 }
 
 /// The encoder of a joint says all the time what it says first.
@@ -56,7 +52,7 @@ fn small_motion_of_a_joint_is_seen_by_a_quiet_sensor() {
         stick(&mut recording, joint);
         assert_eq!(looked(&stage, &recording), only("encoder_stuck", joint));
         assert_eq!(
-            fitted(request(&stage, &recording)),
+            fitted(of_recording(&stage, &recording)),
             only("encoder_stuck", joint)
         );
     }
@@ -73,11 +69,11 @@ fn a_stuck_encoder_that_hides_that_the_robot_moves_is_named() {
         stick(&mut recording, joint);
         assert_eq!(looked(&stage, &recording), only("encoder_stuck", joint));
         assert_eq!(
-            fitted(request(&stage, &recording)),
+            fitted(of_recording(&stage, &recording)),
             only("encoder_stuck", joint)
         );
         // Who says that readings are static is not contradicted.
-        let mut static_ones = request(&stage, &recording);
+        let mut static_ones = of_recording(&stage, &recording);
         static_ones.motion = MotionModel::Off;
         assert_eq!(diagnose::look(&static_ones, &mut ()).unwrap(), []);
     }

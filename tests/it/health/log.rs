@@ -128,12 +128,21 @@ pub fn kinds(found: &Diagnosis) -> Vec<(&str, &str)> {
     health.map(|h| (h.kind.name(), &*h.target)).collect()
 }
 
+/// The finding of this kind, and no other; where nothing can be used it is drawn, and every row is
+/// shown as the robot stood in it.
 pub fn finds(log: &Log, support: &str, kind: &str, target: &str, usable: bool) {
     let found = log.diagnose(support).diagnosis;
     println!("{:?}: {}", kinds(&found), found.sentence);
     assert_eq!(kinds(&found), [(kind, target)]);
     assert_eq!(found.verdict == Verdict::Unusable, !usable);
     assert!(usable || found.steps.is_empty() && found.indistinguishable.is_empty());
+    let drawn = ["cop_constant", "rows_shuffled", "other_foot"].contains(&kind);
+    if drawn && log.q.len() == POSTURES {
+        let picture = found.health[0].picture.as_ref().unwrap();
+        assert_eq!(picture.points.len(), 2 * POSTURES, "{kind}");
+        let stood: Vec<&Vec<f64>> = picture.rows.iter().map(|row| &row.q).collect();
+        assert_eq!(stood, log.q.iter().collect::<Vec<_>>());
+    }
 }
 
 pub fn finds_nothing(log: &Log, case: u64) {

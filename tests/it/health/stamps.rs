@@ -1,44 +1,32 @@
 //! Stamps of other rows, and a fault that begins late in a long log.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::fit::{self, Identification};
-use sesc_identify::logs::{LogSource, Table};
-use sesc_identify::robot::Robot;
+use sesc_identify::logs::LogSource;
 use sesc_test_support::command::{op2, sesc};
 use sesc_test_support::moving::Swing;
-use sesc_test_support::recording::{Kind, Noise, Recording};
+use sesc_test_support::recording::Recording;
 use sesc_test_support::stage::{Platform, Stage};
+
+use crate::asked::{self, fit_request, white};
 
 /// An OP2 that swings at up to 0.4 Hz with noise of 0.5 mm.
 fn swing(seconds: f64, rate: f64, seed: u64) -> Recording {
     let stage = Stage::new(Platform::Op2);
-    let noise = Noise {
-        kind: Kind::White,
-        std: [5e-4; 2],
-        visit_std: 0.0,
-    };
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
-    Swing::new(0.4, 0.15, seconds).record(&stage, stage.world(), noise, rate, random)
+    let swing = Swing::new(0.4, 0.15, seconds);
+    swing.record(&stage, stage.world(), white(5e-4), rate, random)
 }
 
 fn table(recording: &Recording) -> LogSource {
-    let columns = recording.columns(true).into_iter();
-    let table = columns.fold(Table::new("log"), |table, (name, values)| {
-        table.numbers(&name, values)
-    });
-    table.into()
+    asked::table(recording.columns(true)).into()
 }
 
 fn fitted(log: LogSource) -> Identification {
-    let robot = Robot::read(&Stage::new(Platform::Op2).urdf).unwrap();
-    let mut request = fit::Request::default();
-    request.robot = Some(Arc::new(robot));
-    request.logs = vec![log];
-    request.support = Some("r_sole".into());
+    let request = fit_request(&Stage::new(Platform::Op2), log);
     fit::fit(&request, &mut ()).unwrap().identification
 }
 

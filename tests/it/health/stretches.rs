@@ -1,20 +1,17 @@
 //! A part of a log in which the sensor says nothing new.
 
-use std::sync::Arc;
-
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_identify::diagnose::{self, Request, Verdict};
+use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fit;
 use sesc_identify::health::Finding;
-use sesc_identify::logs::Table;
-use sesc_identify::robot::Robot;
 use sesc_test_support::moving::Swing;
-use sesc_test_support::recording::{Kind, Noise, Recording};
+use sesc_test_support::recording::Recording;
 use sesc_test_support::stage::{Platform, Stage};
 
 use super::log::{Log, NOISE_M, POSTURES};
 use super::rows::{found_beside, hidden, only};
+use crate::asked::{fit_request, of_recording, white};
 
 #[test]
 fn a_frozen_cop_is_left_out() {
@@ -56,30 +53,14 @@ fn op2() -> Stage {
 /// An OP2 that swings at up to 0.4 Hz, read at 50 Hz with noise of 0.5 mm.
 fn swing(seed: u64) -> Recording {
     let stage = op2();
-    let noise = Noise {
-        kind: Kind::White,
-        std: [5e-4; 2],
-        visit_std: 0.0,
-    };
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
-    Swing::new(0.4, 0.15, 30.0).record(&stage, stage.world(), noise, 50.0, random)
-}
-
-/// A question about a recording of the robot of `stage`.
-pub fn request(stage: &Stage, recording: &Recording) -> Request {
-    let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
-    let columns = recording.columns(true).into_iter();
-    let log = columns.fold(Table::new("log"), |table, (name, values)| {
-        table.numbers(&name, values)
-    });
-    let mut request = Request::new(robot, log);
-    request.support = Some(stage.support.into());
-    request
+    let swing = Swing::new(0.4, 0.15, 30.0);
+    swing.record(&stage, stage.world(), white(5e-4), 50.0, random)
 }
 
 /// What a diagnosis finds wrong with the data of a recording.
 pub fn looked(stage: &Stage, recording: &Recording) -> Vec<(String, String)> {
-    looked_at(&request(stage, recording))
+    looked_at(&of_recording(stage, recording))
 }
 
 /// What a diagnosis finds wrong with the data that it is asked about.
@@ -115,7 +96,7 @@ fn an_encoder_that_stops_in_the_middle_is_named_and_its_rows_are_left_out() {
     let at = recording.q[1000][knee];
     recording.q[1000..].iter_mut().for_each(|q| q[knee] = at);
     assert_eq!(looked(&op2(), &recording), only("encoder_stuck", "r_knee"));
-    let request = request(&op2(), &recording);
+    let request = of_recording(&op2(), &recording);
     let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
     println!("{} {}", found.health[0].sentence, found.sentence);
     assert!(
@@ -129,10 +110,7 @@ fn an_encoder_that_stops_in_the_middle_is_named_and_its_rows_are_left_out() {
         "{:?}",
         found.samples
     );
-    let mut fit = fit::Request::default();
-    fit.robot = Some(request.robot.clone());
-    fit.logs = vec![request.log.clone()];
-    fit.support = Some("r_sole".into());
+    let fit = fit_request(&op2(), request.log.clone());
     let found = fit::fit(&fit, &mut ()).unwrap().identification;
     let health: Vec<&str> = found.health.iter().map(|h| h.target.as_str()).collect();
     assert_eq!(health, ["r_knee"]);

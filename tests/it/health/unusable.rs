@@ -141,27 +141,3 @@ fn what_else_is_wrong_is_found_beside_a_stuck_encoder() {
     let is = |member: &Vec<String>| *member == ["joint_offset:r_hip_roll"];
     assert!(members.iter().any(is), "{members:?}");
 }
-
-/// Each finding that makes data unusable has a figure.
-#[test]
-fn what_makes_data_unusable_is_drawn() {
-    let mut constant = Log::of("r_sole", &[], |w| w, 2);
-    constant.cop.iter_mut().for_each(|y| *y = [0.01, -0.02]);
-    let mut shuffled = Log::of("r_sole", &[], |w| w, 4);
-    let cop = shuffled.cop.clone();
-    let moved = (0..POSTURES).map(|k| cop[(37 * k + 11) % POSTURES]);
-    shuffled.cop = moved.collect();
-    let other = Log::of("r_sole", &[], |w| w, 3);
-    for (log, support) in [
-        (constant, "r_sole"),
-        (shuffled, "r_sole"),
-        (other, "l_sole"),
-    ] {
-        let found = log.diagnose(support).diagnosis.health;
-        let picture = found[0].picture.as_ref().unwrap();
-        assert_eq!(picture.points.len(), 2 * POSTURES, "{}", found[0].sentence);
-        // Every row is shown as the robot stood in it.
-        let stood: Vec<&Vec<f64>> = picture.rows.iter().map(|row| &row.q).collect();
-        assert_eq!(stood, log.q.iter().collect::<Vec<_>>());
-    }
-}

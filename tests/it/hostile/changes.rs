@@ -4,50 +4,42 @@
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 
 use sesc_identify::logs::{LogSource, Options, PostureReader};
 use sesc_identify::robot::Robot;
-use sesc_test_support::command::{ROOT, folder, program, sesc, stdout};
+use sesc_test_support::command::{Folder, refused};
 
 /// More rows than a command reads before it prints the first, and more than a pipe holds.
-const ROWS: &str = "30000";
+const ROWS: u32 = 30_000;
 
-fn urdf() -> String {
-    format!("{ROOT}/robots/two_link/two_link.urdf")
+/// Two links in a folder with a log of so many rows.
+fn logged(rows: u32) -> Folder {
+    let folder = Folder::with("two_link");
+    log(&folder, "log.csv", rows);
+    folder
 }
 
-fn log(at: &Path, poses: &str) {
-    let (urdf, out) = (urdf(), at.display().to_string());
-    let robot = ["simulate", &urdf, "--support", "foot"];
-    let what = ["--poses", poses, "--out", &out];
-    stdout(&sesc(&[&robot[..], &what].concat()));
+fn log(folder: &Folder, name: &str, rows: u32) {
+    let options = format!("--support foot --poses {rows} --out {name}");
+    folder.stdout(&format!("simulate two_link.urdf {options}"));
 }
 
 /// `sesc predict`, which waits in the middle of the log until somebody takes what it prints.
-fn waiting(log: &Path) -> Child {
-    let mut child = Command::new(program())
-        .args(["predict", &urdf(), "--support", "foot", "--data"])
-        .arg(log)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+fn waiting(folder: &Folder) -> Child {
+    let mut command = folder.command("predict two_link.urdf --support foot --data log.csv");
+    let pipes = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = pipes.spawn().unwrap();
     let mut first = [0];
-    child
-        .stdout
-        .as_mut()
-        .unwrap()
-        .read_exact(&mut first)
-        .unwrap();
+    let stdout = child.stdout.as_mut().unwrap();
+    stdout.read_exact(&mut first).unwrap();
     child
 }
 
 #[test]
 fn a_log_that_changes_while_it_is_read_is_an_error() {
-    let folder = folder();
-    let path = folder.path().join("log.csv");
-    log(&path, ROWS);
+    let folder = logged(ROWS);
+    let path = folder.join("log.csv");
     let whole = fs::read(&path).unwrap();
     let appended = |path: &Path| {
         let mut file = File::options().append(true).open(path).unwrap();
@@ -61,14 +53,15 @@ fn a_log_that_changes_while_it_is_read_is_an_error() {
     let overwritten = |path: &Path| fs::write(path, &whole).unwrap();
     let changes: [&dyn Fn(&Path); 3] = [&appended, &cut, &overwritten];
     for change in changes {
-        let child = waiting(&path);
+        let child = waiting(&folder);
         change(&path);
-        let output = child.wait_with_output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{said}");
-        for word in ["log.csv", "it changed while it was read", "read a copy"] {
-            assert!(said.contains(word), "{said}");
-        }
+        let mut output = child.wait_with_output().unwrap();
+        // What was printed before.
+        output.stdout.clear();
+        refused(
+            &output,
+            &["log.csv", "it changed while it was read", "read a copy"],
+        );
         fs::write(&path, &whole).unwrap();
     }
 }
@@ -77,13 +70,10 @@ fn a_log_that_changes_while_it_is_read_is_an_error() {
 #[cfg(unix)]
 #[test]
 fn a_log_that_is_replaced_is_read_to_its_end() {
-    let folder = folder();
-    let path = folder.path().join("log.csv");
-    log(&path, ROWS);
-    let other = folder.path().join("other.csv");
-    log(&other, "10");
-    let child = waiting(&path);
-    fs::rename(&other, &path).unwrap();
+    let folder = logged(ROWS);
+    log(&folder, "other.csv", 10);
+    let child = waiting(&folder);
+    fs::rename(folder.join("other.csv"), folder.join("log.csv")).unwrap();
     let output = child.wait_with_output().unwrap();
     // A row each, the header, and the byte that was taken.
     let rows = String::from_utf8(output.stdout).unwrap().lines().count();
@@ -94,10 +84,9 @@ fn a_log_that_is_replaced_is_read_to_its_end() {
 /// A fit reads its log twice: to look at the rows, and to fit them.
 #[test]
 fn a_log_that_is_another_the_second_time_is_an_error() {
-    let folder = folder();
-    let path = folder.path().join("log.csv");
-    log(&path, "50");
-    let robot = Robot::read(Path::new(&urdf())).unwrap();
+    let folder = logged(50);
+    let path = folder.join("log.csv");
+    let robot = Robot::read(&folder.join("two_link.urdf")).unwrap();
     let dofs = robot.description.dofs();
     let source = LogSource::from(&path).unchanged().unwrap();
     let read = |source: &LogSource| -> Result<usize, sesc_identify::Error> {
@@ -113,7 +102,7 @@ fn a_log_that_is_another_the_second_time_is_an_error() {
     };
     assert_eq!(read(&source).unwrap(), 50);
     assert_eq!(read(&source).unwrap(), 50);
-    log(&path, "60");
+    log(&folder, "log.csv", 60);
     let said = read(&source).unwrap_err();
     assert!(format!("{said:?}").contains("changed while it was read"));
     // Who asks again gets the new one.

@@ -3,44 +3,26 @@
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Read as _;
+use std::time::{Duration, Instant};
 
-use sesc_test_support::command::{folder, refused, sesc, stdout};
-
-use super::values::{soon, two_link};
+use sesc_test_support::command::{Folder, stderr};
 
 /// Every number and text of a factor file, changed one by one.
 #[test]
 fn factor_files_that_were_changed_are_answered_or_refused() {
-    let folder = folder();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let (log, part) = (path("log.csv"), path("a.part"));
-    let urdf = two_link();
-    let robot = [urdf.as_str(), "--support", "foot"];
-    let simulate = ["--poses", "30", "--noise", "0.0005", "--out", &log];
-    stdout(&sesc(&[&["simulate"], &robot[..], &simulate].concat()));
-    let fit = [
-        "fit",
-        &two_link(),
-        "--data",
-        &log,
-        "--folds",
-        "2",
-        "--partial",
-        &part,
-    ];
-    stdout(&sesc(&fit));
+    let folder = Folder::with("two_link");
+    folder.stdout("simulate two_link.urdf --support foot --poses 30 --noise 0.0005 --out log.csv");
+    folder.stdout("fit two_link.urdf --data log.csv --folds 2 --partial a.part");
     // The header, packed by gzip, and the numbers behind it.
-    let bytes = fs::read(&part).unwrap();
+    let bytes = fs::read(folder.join("a.part")).unwrap();
     let mut packed = flate2::bufread::GzDecoder::new(&bytes[..]);
     let mut header = String::new();
     packed.read_to_string(&mut header).unwrap();
     let numbers = packed.into_inner();
     let whole: serde_json::Value = serde_json::from_str(&header).unwrap();
-    let part_of = |header: &serde_json::Value| {
+    let write = |header: &serde_json::Value| {
         let bytes = [header.to_string().as_bytes(), b"\n", numbers].concat();
-        let path = path("b.part");
-        fs::write(&path, bytes).unwrap();
-        path
+        folder.write("b.part", bytes);
     };
     let mut places = Vec::new();
     walk(&whole, &mut String::new(), &mut places);
@@ -56,9 +38,11 @@ fn factor_files_that_were_changed_are_answered_or_refused() {
         for value in values {
             let mut changed = whole.clone();
             *changed.pointer_mut(place).unwrap() = serde_json::from_str(value).unwrap();
-            let changed = part_of(&changed);
-            let output = soon(&["fit", &changed]);
-            let message = String::from_utf8_lossy(&output.stderr);
+            write(&changed);
+            let begun = Instant::now();
+            let output = folder.run("fit b.part");
+            assert!(begun.elapsed() < Duration::from_secs(20), "{place} {value}");
+            let message = stderr(&output);
             let code = output.status.code();
             assert!(matches!(code, Some(0..=2)), "{place} {value}: {message}");
             assert!(!message.contains('\u{1b}'), "{place}: {message:?}");
@@ -67,28 +51,24 @@ fn factor_files_that_were_changed_are_answered_or_refused() {
     }
     assert!(tried > 60);
     // A mass inside, and nothing else.
-    let mut changed = whole.clone();
-    let urdf = changed["urdf"]
-        .as_str()
-        .unwrap()
-        .replacen("mass value=\"", "mass value=\"1", 1);
-    changed["urdf"] = urdf.into();
-    let changed = part_of(&changed);
-    refused(&sesc(&["fit", &changed]), &["URDF in a factor file"]);
-    let mut changed = whole;
-    changed["supports"] = serde_json::json!(["nope"]);
-    let changed = part_of(&changed);
-    refused(&sesc(&["fit", &changed]), &["`nope`"]);
+    let urdf = whole["urdf"].as_str().unwrap();
+    let heavier = urdf.replacen("mass value=\"", "mass value=\"1", 1);
+    for (key, value, word) in [
+        ("urdf", heavier.into(), "URDF in a factor file"),
+        ("supports", serde_json::json!(["nope"]), "`nope`"),
+    ] {
+        let mut changed = whole.clone();
+        changed[key] = value;
+        write(&changed);
+        folder.refuses("fit b.part", &[word]);
+    }
     // Numbers that are none, and too few of them.
     let mut odd = bytes.clone();
     let last = odd.len() - 8;
     odd[last..].copy_from_slice(&f64::INFINITY.to_le_bytes());
     for bytes in [&odd[..], &bytes[..bytes.len() - 3]] {
-        fs::write(path("b.part"), bytes).unwrap();
-        refused(
-            &sesc(&["fit", &path("b.part")]),
-            &["b.part", "gather the log again"],
-        );
+        folder.write("b.part", bytes);
+        folder.refuses("fit b.part", &["b.part", "gather the log again"]);
     }
 }
 

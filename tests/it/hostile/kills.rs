@@ -2,7 +2,6 @@
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_test_support::command::program;
 use sesc_test_support::kills::{Victim, WRITERS};
 
 /// Kills of each command.
@@ -11,12 +10,11 @@ const KILLS: u32 = 12;
 #[test]
 #[cfg(unix)]
 fn killed_commands_leave_old_files_or_new_ones() {
-    let program = program();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut hit = 0;
     // A demo takes seconds.
     for writer in WRITERS.into_iter().filter(|writer| writer.name != "demo") {
-        hit += Victim::new(&program, writer).kill(KILLS, &mut rng).unwrap();
+        hit += Victim::new(writer).kill(KILLS, &mut rng).unwrap();
     }
     assert!(hit >= 3 * KILLS, "only {hit} were killed before their end");
 }

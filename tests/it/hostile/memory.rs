@@ -3,21 +3,20 @@
 
 use std::fs;
 use std::io::Write as _;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::thread;
 use std::time::Duration;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use sesc_test_support::command::{ROOT, folder, in_words, op2, program, sesc, stdout, write};
+use sesc_test_support::command::Folder;
 
 /// What a command takes whatever it reads, bytes: the program itself, robot, threads.
 const BASE: u64 = 120 << 20;
 
 /// Largest memory of a command, bytes, as the system counts it while the command runs.
-fn peak(arguments: &[&str]) -> u64 {
-    let mut command = Command::new(program());
-    command.args(arguments);
+fn peak(folder: &Folder, line: &str) -> u64 {
+    let mut command = folder.command(line);
     let quiet = command.stdout(Stdio::null()).stderr(Stdio::null());
     let mut child = quiet.spawn().unwrap();
     let status = format!("/proc/{}/status", child.id());
@@ -57,59 +56,50 @@ fn sizes(count: usize, of: impl Fn(usize) -> String) -> [String; 2] {
 /// TOML takes most of what is read: a list of four bytes becomes 500 of memory.
 const TOML: u64 = 150;
 
-const GENERATE: &str = "generate @ --support foot --out @ --model @";
+const MODEL: &str = "generate two_link.urdf --support foot --out out --model model.toml";
 
 #[test]
 fn toml_takes_memory_in_proportion_to_the_file() {
-    let folder = folder();
-    let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
-    let log = folder.path().join("log.csv").display().to_string();
-    let simulate = ["--support", "foot", "--poses", "10", "--out", &log];
-    stdout(&sesc(&[&["simulate", &urdf][..], &simulate].concat()));
-    let out = folder.path().join("out").display().to_string();
+    let folder = Folder::with("two_link");
+    folder.stdout("simulate two_link.urdf --support foot --poses 10 --out log.csv");
+    let fit = "fit two_link.urdf --support foot --data log.csv";
     for (piece, count) in [("1,", 900_000), ("{},", 300_000), ("[0],", 400_000)] {
         let array = |n: usize| format!("x = [{}]", piece.repeat(n));
-        let model = |text: &str| {
-            let model = write(folder.path(), "model.toml", text);
-            peak(&in_words(GENERATE, &[&urdf, &out, &model]))
-        };
-        in_proportion("model file", TOML, sizes(count / 4, array), model);
-        let prior = |text: &str| {
-            let prior = write(folder.path(), "prior.toml", text);
-            let fit = "fit @ --support foot --data @ --prior @";
-            peak(&in_words(fit, &[&urdf, &log, &prior]))
-        };
-        in_proportion("prior", TOML, sizes(count / 4, array), prior);
-        let sidecar = |text: &str| {
-            write(folder.path(), "log.csv.toml", text);
-            let most = peak(&["fit", &urdf, "--support", "foot", "--data", &log]);
-            fs::remove_file(folder.path().join("log.csv.toml")).unwrap();
-            most
-        };
-        in_proportion("sidecar", TOML, sizes(50_000, array), sidecar);
+        for (what, file, count, line) in [
+            ("model file", "model.toml", count / 4, MODEL),
+            (
+                "prior",
+                "prior.toml",
+                count / 4,
+                &format!("{fit} --prior prior.toml"),
+            ),
+            ("sidecar", "log.csv.toml", 50_000, fit),
+        ] {
+            in_proportion(what, TOML, sizes(count, array), |text| {
+                folder.write(file, text);
+                let most = peak(&folder, line);
+                fs::remove_file(folder.join(file)).unwrap();
+                most
+            });
+        }
     }
     // Beyond the marks of any file, and beyond its bytes: nothing is parsed.
     for text in ["1,".repeat(8 << 20), "#".repeat(40 << 20)] {
-        let model = write(folder.path(), "model.toml", &text);
-        let most = peak(&in_words(GENERATE, &[&urdf, &out, &model]));
+        folder.write("model.toml", &text);
+        let most = peak(&folder, MODEL);
         assert!(most <= BASE, "{} MB", most >> 20);
     }
 }
 
 #[test]
 fn logs_take_memory_in_proportion_to_the_file() {
-    let folder = folder();
-    let robot = op2();
-    let log = folder.path().join("true.csv").display().to_string();
-    let simulate = ["--support", "r_sole", "--poses", "400", "--noise", "0.0005"];
-    stdout(&sesc(
-        &[&["simulate", &robot][..], &simulate, &["--out", &log]].concat(),
-    ));
-    let text = fs::read_to_string(log).unwrap();
+    let folder = Folder::with_log("--poses 400 --noise 0.0005");
+    let text = folder.read("log.csv");
     let (header, rows) = text.split_once('\n').unwrap();
+    fs::remove_file(folder.join("log.csv.toml")).unwrap();
     let fit = |text: &str| {
-        let log = write(folder.path(), "log.csv", text);
-        peak(&["fit", &robot, "--support", "r_sole", "--data", &log])
+        folder.write("log.csv", text);
+        peak(&folder, "fit op2.urdf --support r_sole --data log.csv")
     };
     // Rows that come again are named, and read.
     let csv = |times: usize| format!("{header}\n{}", rows.repeat(times));
@@ -118,101 +108,80 @@ fn logs_take_memory_in_proportion_to_the_file() {
     let wide = |count: usize| {
         let more: String = (0..count).map(|k| format!(",note_{k}")).collect();
         let zeros = ",0".repeat(count);
-        let rows: String = rows
-            .lines()
-            .take(4)
-            .map(|row| format!("{row}{zeros}\n"))
-            .collect();
-        format!("{header}{more}\n{rows}")
+        let rows = rows.lines().take(4).map(|row| format!("{row}{zeros}\n"));
+        format!("{header}{more}\n{}", rows.collect::<String>())
     };
     in_proportion("wide CSV", 100, sizes(2000, wide), fit);
 }
 
 #[test]
 fn packed_logs_take_memory_in_proportion_to_the_file() {
-    let folder = folder();
-    let robot = op2();
+    let folder = Folder::with("op2");
     let fit = |what: &str, log: &str| {
-        let size = fs::metadata(log).unwrap().len();
-        let most = peak(&["fit", &robot, "--support", "r_sole", "--data", log]);
-        bounded(what, 20, size, most);
+        let size = fs::metadata(folder.join(log)).unwrap().len();
+        let line = format!("fit op2.urdf --support r_sole --data {log}");
+        bounded(what, 20, size, peak(&folder, &line));
     };
     let simulated = |name: &str, poses: usize| {
-        let log = folder.path().join(name).display().to_string();
-        let poses = poses.to_string();
-        let noise = ["--noise", "0.0005", "--poses", &poses, "--out", &log];
-        let simulate = ["simulate", &robot, "--support", "r_sole"];
-        stdout(&sesc(&[&simulate[..], &noise].concat()));
-        log
+        folder.simulate(&format!("--noise 0.0005 --poses {poses} --out {name}"));
     };
     for poses in [5_000, 20_000] {
-        fit("CSV by gzip", &simulated("log.csv.gz", poses));
-        fit("Parquet", &simulated("log.parquet", poses));
+        for (what, log) in [("CSV by gzip", "log.csv.gz"), ("Parquet", "log.parquet")] {
+            simulated(log, poses);
+            fit(what, log);
+        }
     }
     for poses in [500, 2_000] {
-        let log = simulated("log.csv", poses);
-        let recording = folder.path().join("log.mcap").display().to_string();
-        let diagnose = ["diagnose", &robot, "--support", "r_sole", "--data", &log];
-        stdout(&sesc(&[&diagnose[..], &["--mcap", &recording]].concat()));
-        fit("MCAP", &recording);
+        simulated("log.csv", poses);
+        folder.stdout("diagnose op2.urdf --support r_sole --data log.csv --mcap log.mcap");
+        fit("MCAP", "log.mcap");
     }
     // Rows that come again are packed to next to nothing.
-    let text = fs::read_to_string(simulated("log.csv", 400)).unwrap();
+    simulated("log.csv", 400);
+    let text = folder.read("log.csv");
     let (header, rows) = text.split_once('\n').unwrap();
     for times in [50, 200] {
-        let log = folder.path().join("again.csv.gz");
-        let mut packed = GzEncoder::new(fs::File::create(&log).unwrap(), Compression::fast());
+        let again = fs::File::create(folder.join("again.csv.gz")).unwrap();
+        let mut packed = GzEncoder::new(again, Compression::fast());
         writeln!(packed, "{header}").unwrap();
         (0..times).for_each(|_| packed.write_all(rows.as_bytes()).unwrap());
         packed.finish().unwrap();
-        fit("the same rows by gzip", &log.display().to_string());
+        fit("the same rows by gzip", "again.csv.gz");
     }
 }
 
 /// Readings that go with no posture are asked about under every exchange of two joints.
 #[test]
 fn broken_logs_of_many_joints_take_memory_in_proportion_to_the_file() {
-    let folder = folder();
-    let log_of = |joints: usize| {
-        let text = super::sizes::chain(joints, false);
-        let urdf = write(folder.path(), &format!("chain_{joints}.urdf"), text);
-        let log = folder.path().join("log.csv").display().to_string();
-        let simulate = ["simulate", &urdf, "--support", "l0", "--poses", "320"];
-        let options = ["--range", "5", "--out", &log];
-        stdout(&sesc(&[&simulate[..], &options].concat()));
-        let text = fs::read_to_string(log).unwrap();
+    let folder = Folder::empty();
+    for joints in [60, 120] {
+        folder.write("r.urdf", super::sizes::chain(joints, false));
+        folder.stdout("simulate r.urdf --support l0 --poses 320 --range 5 --out log.csv");
+        let text = folder.read("log.csv");
         let (header, rows) = text.split_once('\n').unwrap();
         assert!(header.ends_with("cop_x,cop_y"), "{header}");
         // Each posture has the reading of the one before it.
-        let parts = |row: &'_ str| {
-            let mut cells = row.rsplitn(3, ',');
-            let [y, x] = [cells.next().unwrap(), cells.next().unwrap()].map(str::to_string);
-            (cells.next().unwrap().to_string(), x, y)
-        };
-        let rows: Vec<(String, String, String)> = rows.lines().map(parts).collect();
-        let mut out = format!("{header}\n");
-        for k in 0..rows.len() {
-            let (_, x, y) = &rows[(k + rows.len() - 1) % rows.len()];
-            out += &format!("{},{x},{y}\n", rows[k].0);
-        }
-        out
-    };
-    for joints in [60, 120] {
-        let text = log_of(joints);
-        let log = write(folder.path(), "broken.csv", &text);
-        let urdf = folder.path().join(format!("chain_{joints}.urdf"));
-        let urdf = urdf.display().to_string();
-        let most = peak(&["fit", &urdf, "--support", "l0", "--data", &log]);
+        let rows: Vec<Vec<&str>> = rows
+            .lines()
+            .map(|row| row.rsplitn(3, ',').collect())
+            .collect();
+        let before = rows.iter().cycle().skip(rows.len() - 1);
+        let broken = rows.iter().zip(before);
+        let broken =
+            broken.map(|(own, before)| format!("{},{},{}\n", own[2], before[1], before[0]));
+        let text = format!("{header}\n{}", broken.collect::<String>());
+        folder.write("broken.csv", &text);
+        let most = peak(&folder, "fit r.urdf --support l0 --data broken.csv");
         bounded("broken log", 20, text.len() as u64, most);
     }
 }
 
 #[test]
 fn urdfs_take_memory_in_proportion_to_the_file() {
-    let folder = folder();
+    let folder = Folder::empty();
     let inspect = |text: &str| {
-        let urdf = write(folder.path(), "r.urdf", text);
-        peak(&["inspect", &urdf, "--support", "l0"])
+        folder.write("r.urdf", text);
+        peak(&folder, "inspect r.urdf --support l0")
     };
     // Links that do not move.
     let fixed = |n: usize| super::sizes::chain(n, false).replace("revolute", "fixed");
@@ -248,40 +217,32 @@ fn loaded(n: usize, each: &str) -> String {
 /// Links that do not move, with and without mass, under every command that takes a URDF.
 #[test]
 fn fixed_links_take_memory_in_proportion_to_the_file_in_every_command() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    let log = at("log.csv");
-    let bare = write(folder.path(), "bare.urdf", loaded(0, ""));
-    let simulate = ["--poses", "60", "--noise", "0.0005", "--out", &log];
-    let support = ["--support", "l0"];
-    stdout(&sesc(
-        &[&["simulate", &bare][..], &support, &simulate].concat(),
-    ));
+    let folder = Folder::empty();
+    folder.write("r.urdf", loaded(0, ""));
+    folder.stdout("simulate r.urdf --support l0 --poses 60 --noise 0.0005 --out log.csv");
     let light = "<inertial><mass value='.001'/></inertial>";
     for (what, each) in [("without mass", ""), ("with mass", light)] {
-        for options in [
-            &["inspect"][..],
-            &["generate", "--lang", "c", "--out", &at("c")],
-            &["verify", "--samples", "5"],
-            &in_words("plan --poses 6 --cop-box 0.05 --out @", &[&at("poses.csv")])[..],
-            &["simulate", "--poses", "6", "--out", &at("new.csv")],
-            &["predict", "--data", &log],
-            &["fit", "--data", &log],
-            &["fit", "--data", &log, "--prior", "free"],
-            &["diagnose", "--data", &log],
-            &["fleet", "--data", &log, "--out", &at("fleet.csv")],
+        for command in [
+            "inspect",
+            "generate --lang c --out c",
+            "verify --samples 5",
+            "plan --poses 6 --cop-box 0.05 --out poses.csv",
+            "simulate --poses 6 --out new.csv",
+            "predict --data log.csv",
+            "fit --data log.csv",
+            "fit --data log.csv --prior free",
+            "diagnose --data log.csv",
+            "fleet --data log.csv --out fleet.csv",
         ] {
-            let few = write(folder.path(), "r.urdf", loaded(8, each));
-            stdout(&sesc(
-                &[&options[..1], &[&few], &support, &options[1..]].concat(),
-            ));
-            let run = |text: &str| {
-                let urdf = write(folder.path(), "r.urdf", text);
-                peak(&[&options[..1], &[&urdf], &support, &options[1..]].concat())
-            };
+            let line = format!("{command} --support l0 r.urdf");
+            folder.write("r.urdf", loaded(8, each));
+            folder.stdout(&line);
+            let what = format!("{command} of fixed links {what}");
             let links = |n: usize| loaded(n, each);
-            let what = format!("{} of fixed links {what}", options[0]);
-            in_proportion(&what, 200, sizes(500, links), run);
+            in_proportion(&what, 200, sizes(500, links), |text| {
+                folder.write("r.urdf", text);
+                peak(&folder, &line)
+            });
         }
     }
 }

@@ -2,7 +2,6 @@
 
 mod cells;
 mod changes;
-mod composed;
 mod factor_files;
 mod faults;
 mod formats;

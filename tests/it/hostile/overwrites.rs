@@ -1,58 +1,28 @@
 //! No output takes the place of an input, however the two are spelled.
 
-use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use sesc_test_support::command::{ROOT, folder, program, refused, sesc, stdout};
+use sesc_test_support::command::{Folder, refused, sesc, stderr};
+use sesc_test_support::kills;
 
 /// A folder with everything that a command may read.
-struct Inputs(tempfile::TempDir);
-
-impl Inputs {
-    fn new() -> Inputs {
-        let inputs = Inputs(folder());
-        let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
-        fs::copy(urdf, inputs.path("a.urdf")).unwrap();
-        let simulate = "simulate a.urdf --support foot --poses 40 --noise 0.0005 --out log.csv";
-        stdout(&inputs.run(simulate));
-        // The older name of a sidecar, which `fit` reads as long as there is no other.
-        fs::rename(inputs.path("log.csv.toml"), inputs.path("log.toml")).unwrap();
-        stdout(&inputs.run("fit a.urdf --data log.csv --out model.toml"));
-        stdout(&inputs.run("fit a.urdf --data log.csv --partial a.part"));
-        for (from, to) in [("model.toml", "other.toml"), ("log.csv", "other.csv")] {
-            fs::copy(inputs.path(from), inputs.path(to)).unwrap();
-        }
-        for (name, text) in [
-            ("prior.toml", "[default]\nmass = 0.1\ncom = 0.005\n"),
-            ("servos.toml", "[default]\nzero = 2048\n"),
-            ("limits.csv", "joint,lower_deg,upper_deg\nknee,-40,40\n"),
-            ("sole.csv", "0.1,0.1\n-0.1,0.1\n-0.1,-0.1\n0.1,-0.1\n"),
-        ] {
-            fs::write(inputs.path(name), text).unwrap();
-        }
-        inputs
+fn inputs() -> Folder {
+    let inputs = kills::inputs();
+    // The older name of a sidecar, which `fit` reads as long as there is no other.
+    fs::rename(inputs.join("log.csv.toml"), inputs.join("log.toml")).unwrap();
+    inputs.stdout("fit a.urdf --data log.csv --partial a.part");
+    for (from, to) in [("model.toml", "other.toml"), ("log.csv", "other.csv")] {
+        fs::copy(inputs.join(from), inputs.join(to)).unwrap();
     }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+    for (name, text) in [
+        ("prior.toml", "[default]\nmass = 0.1\ncom = 0.005\n"),
+        ("servos.toml", "[default]\nzero = 2048\n"),
+        ("limits.csv", "joint,lower_deg,upper_deg\nknee,-40,40\n"),
+        ("sole.csv", "0.1,0.1\n-0.1,0.1\n-0.1,-0.1\n0.1,-0.1\n"),
+    ] {
+        inputs.write(name, text);
     }
-
-    fn run(&self, line: &str) -> std::process::Output {
-        let mut command = Command::new(program());
-        command.current_dir(self.0.path()).args(line.split(' '));
-        command.output().unwrap()
-    }
-
-    fn all(&self) -> BTreeMap<PathBuf, Vec<u8>> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
-        let paths = entries.map(|entry| entry.unwrap().path());
-        let files = paths.filter(|path| path.is_file());
-        files
-            .map(|path| (path.clone(), fs::read(path).unwrap()))
-            .collect()
-    }
+    inputs
 }
 
 /// What a command reads, and its options that name an output.
@@ -102,154 +72,119 @@ const COMMANDS: [(&str, &str, &str); 8] = [
 
 #[test]
 fn every_output_that_names_an_input_is_refused_and_the_input_stays() {
-    let inputs = Inputs::new();
+    let inputs = inputs();
     #[cfg(unix)]
-    for name in inputs.all().keys() {
-        let name = name.file_name().unwrap().to_str().unwrap();
-        std::os::unix::fs::symlink(name, inputs.path(&format!("link_to_{name}"))).unwrap();
+    for name in inputs.names() {
+        std::os::unix::fs::symlink(&name, inputs.join(&format!("link_to_{name}"))).unwrap();
     }
-    let before = inputs.all();
+    let before = inputs.files();
     let mut tried = 0;
     for (command, read, outputs) in COMMANDS {
         for output in outputs.split(' ') {
             for input in read.split(' ') {
+                // A plan needs a file to write.
+                let other = match output {
+                    "--report" if command.starts_with("plan") => "--out free.csv",
+                    _ => "",
+                };
                 // Logs tell their format by their end, so that only `.csv` gets so far.
-                for spelled in [
-                    input.to_string(),
-                    format!("./{input}"),
-                    format!("link_to_{input}"),
-                ] {
-                    if cfg!(not(unix)) && spelled.starts_with("link") {
-                        continue;
-                    }
-                    let other = match output {
-                        // A plan needs a file to write.
-                        "--report" if command.starts_with("plan") => " --out free.csv",
-                        _ => "",
-                    };
-                    let line = format!("{command} {output} {spelled}{other}");
-                    refused(&inputs.run(&line), &["is read here"]);
+                let spelled = ["", "./", "link_to_"].map(|before| format!("{before}{input}"));
+                for spelled in &spelled[..if cfg!(unix) { 3 } else { 2 }] {
+                    let line = format!("{command} {output} {spelled} {other}");
+                    inputs.refuses(&line, &["is read here"]);
                     tried += 1;
                 }
             }
         }
     }
     assert!(tried > 100, "{tried}");
-    assert!(inputs.all() == before, "a file changed, or came");
+    assert!(inputs.files() == before, "a file changed, or came");
 }
 
-/// What a factor file was made from is not read with it, and no output all the same.
-#[test]
-fn the_robot_of_a_factor_file_stays() {
-    let inputs = Inputs::new();
-    let before = inputs.all();
-    for spelled in ["a.urdf", "./a.urdf"] {
-        let line = format!("fit a.part --urdf {spelled}");
-        refused(
-            &inputs.run(&line),
-            &["a.urdf is read here as the robot of a factor file"],
-        );
-    }
-    assert!(inputs.all() == before);
-    stdout(&inputs.run("fit a.part --urdf b.urdf"));
+/// Refuses each command of a table, and no file changes or comes.
+fn refuses_each(inputs: &Folder, table: &str) {
+    let before = inputs.files();
+    inputs.refuses_each(table);
+    assert!(inputs.files() == before, "a file changed, or came");
 }
 
+/// What a factor file was made from is not read with it, and no output all the same; the next
+/// command reads model files and sidecars.
 #[test]
-fn sidecars_are_outputs_too() {
-    let inputs = Inputs::new();
-    let before = inputs.all();
-    // The sidecar of the new postures, and a model file.
-    let diagnose = "diagnose a.urdf --data log.csv --out x.csv.toml --next x.csv";
-    refused(&inputs.run(diagnose), &["two outputs"]);
+fn what_is_read_by_another_command_is_no_output() {
+    let inputs = inputs();
+    refuses_each(
+        &inputs,
+        "fit a.part --urdf a.urdf   | a.urdf is read here as the robot of a factor file
+         fit a.part --urdf ./a.urdf | a.urdf is read here as the robot of a factor file
+         diagnose a.urdf --data log.csv --out x.csv.toml --next x.csv | two outputs
+         fit a.urdf --data log.csv --out log.csv.toml                 | sidecar",
+    );
+    inputs.stdout("fit a.part --urdf b.urdf");
     // A robot whose file has the name of a sidecar.
-    fs::rename(inputs.path("model.toml"), inputs.path("log2.csv.toml")).unwrap();
+    fs::rename(inputs.join("model.toml"), inputs.join("log2.csv.toml")).unwrap();
     let simulate = "simulate a.urdf --support foot --poses 3 --model log2.csv.toml --out log2.csv";
-    refused(&inputs.run(simulate), &["is read here"]);
-    fs::rename(inputs.path("log2.csv.toml"), inputs.path("model.toml")).unwrap();
-    // A model file where the next run would look for the log's sidecar.
-    let fit = "fit a.urdf --data log.csv --out log.csv.toml";
-    refused(&inputs.run(fit), &["sidecar"]);
-    assert!(inputs.all() == before);
+    refuses_each(&inputs, &format!("{simulate} | is read here"));
 }
 
 #[test]
 fn generated_files_take_no_input_away() {
-    let inputs = Inputs::new();
-    fs::rename(inputs.path("servos.toml"), inputs.path("leg.c")).unwrap();
-    fs::rename(inputs.path("a.urdf"), inputs.path("leg.h")).unwrap();
-    let before = inputs.all();
-    for read in ["--servos leg.c", "--scalar f32"] {
-        let line = format!("generate leg.h --support foot --lang c --name leg --out . {read}");
-        refused(&inputs.run(&line), &["is read here"]);
-    }
-    assert!(inputs.all() == before);
-    let builder = sesc_codegen::Builder::new(inputs.path("leg.h")).support("foot");
+    let inputs = inputs();
+    fs::rename(inputs.join("servos.toml"), inputs.join("leg.c")).unwrap();
+    fs::rename(inputs.join("a.urdf"), inputs.join("leg.h")).unwrap();
+    let before = inputs.files();
+    refuses_each(
+        &inputs,
+        "generate leg.h --support foot --lang c --name leg --out . --servos leg.c | is read here
+         generate leg.h --support foot --lang c --name leg --out . --scalar f32   | is read here",
+    );
+    let builder = sesc_codegen::Builder::new(inputs.join("leg.h")).support("foot");
     let builder = builder.name("leg").emit_rerun_if_changed(false);
-    let built = builder
-        .out_dir(inputs.path("out"))
-        .c99(inputs.path(""))
-        .emit();
-    assert!(format!("{:?}", built.unwrap_err()).contains("is read here"));
-    assert!(inputs.all() == before);
+    let builder = builder.out_dir(inputs.join("out")).c99(inputs.path());
+    let refused = builder.emit().unwrap_err();
+    assert!(format!("{refused:?}").contains("is read here"));
+    assert!(inputs.files() == before);
 }
 
 /// The options beside a URDF, whether they are there or would be read by the next command.
 #[test]
 fn options_of_a_robot_are_no_output() {
-    let inputs = Inputs::new();
-    for text in ["", "support = \"foot\"\n"] {
-        let options = inputs.path("sesc.toml");
-        match text {
-            "" => drop(fs::remove_file(&options)),
-            _ => fs::write(&options, text).unwrap(),
+    let inputs = inputs();
+    for there in [false, true] {
+        if there {
+            inputs.write("sesc.toml", "support = \"foot\"\n");
         }
-        let before = inputs.all();
-        for line in [
-            "fit a.urdf --data log.csv --out sesc.toml",
-            "fit a.urdf --data log.csv --urdf sesc.toml",
-            "diagnose a.urdf --data log.csv --report sesc.toml",
-            "simulate a.urdf --support foot --poses 3 --out sesc",
-        ] {
-            refused(
-                &inputs.run(line),
-                &["sesc.toml is read here as the options"],
-            );
-        }
-        assert!(inputs.all() == before);
+        refuses_each(
+            &inputs,
+            "fit a.urdf --data log.csv --out sesc.toml | sesc.toml is read here as the options
+             fit a.urdf --data log.csv --urdf sesc.toml | sesc.toml is read here as the options
+             diagnose a.urdf --data log.csv --report sesc.toml | is read here as the options
+             simulate a.urdf --support foot --poses 3 --out sesc | is read here as the options",
+        );
     }
 }
 
 #[test]
 fn lists_of_a_fleet_are_no_output() {
-    let inputs = Inputs::new();
-    fs::write(inputs.path("list.txt"), "log.csv\n").unwrap();
-    fs::write(inputs.path("manifest.csv"), "path,robot,day\nlog.csv,1,1\n").unwrap();
-    let before = inputs.all();
-    for line in [
-        "fleet a.urdf --data manifest.csv --out manifest.csv",
-        "fleet a.urdf --data list.txt --out f.csv --report list.txt",
-        "fleet a.urdf --data list.txt --out f.csv --prior-out list.txt",
-        "fleet a.urdf --data log.csv --out log.csv",
-    ] {
-        refused(&inputs.run(line), &["is read here"]);
-    }
-    assert!(inputs.all() == before);
+    let inputs = inputs();
+    inputs.write("list.txt", "log.csv\n");
+    inputs.write("manifest.csv", "path,robot,day\nlog.csv,1,1\n");
     // The page of the robot `log`, in the folder of the fleet's.
-    fs::create_dir(inputs.path("f")).unwrap();
-    fs::write(inputs.path("f/log.html"), "mine").unwrap();
-    let line = "fleet a.urdf --data log.csv --out f.csv --report f.html";
-    refused(&inputs.run(line), &["f/log.html is there already"]);
-    assert_eq!(
-        fs::read_to_string(inputs.path("f/log.html")).unwrap(),
-        "mine"
+    inputs.write("f/log.html", "mine");
+    refuses_each(
+        &inputs,
+        "fleet a.urdf --data manifest.csv --out manifest.csv               | is read here
+         fleet a.urdf --data list.txt --out f.csv --report list.txt        | is read here
+         fleet a.urdf --data list.txt --out f.csv --prior-out list.txt     | is read here
+         fleet a.urdf --data log.csv --out log.csv                         | is read here
+         fleet a.urdf --data log.csv --out f.csv --report f.html | f/log.html is there already",
     );
-    assert!(!inputs.path("f.csv").exists());
 }
 
 /// Files that a command did not read, and which are not what it writes.
 #[test]
 fn outputs_take_the_place_of_their_like_alone() {
-    let inputs = Inputs::new();
+    let inputs = inputs();
     for (name, text) in [
         ("notes.toml", "remember = \"the milk\"\n"),
         (
@@ -266,139 +201,90 @@ fn outputs_take_the_place_of_their_like_alone() {
             "support = \"foot\"\nreadings_per_pose = 100\n",
         ),
     ] {
-        fs::write(inputs.path(name), text).unwrap();
+        inputs.write(name, text);
     }
-    fs::copy(inputs.path("log.csv"), inputs.path("precious.csv")).unwrap();
+    fs::copy(inputs.join("log.csv"), inputs.join("precious.csv")).unwrap();
     // The header of a recording that ROS made.
     let recorded = b"\x89MCAP0\r\n\x01\x13\0\0\0\0\0\0\0\x04\0\0\0ros2\x07\0\0\0libmcap";
-    fs::write(inputs.path("robot.mcap"), recorded).unwrap();
-    stdout(&inputs.run("fit a.urdf --data log.csv --urdf b.urdf --out b.toml"));
+    inputs.write("robot.mcap", recorded);
+    inputs.stdout("fit a.urdf --data log.csv --urdf b.urdf --out b.toml");
     let plan = "plan a.urdf --support foot --poses 3 --cop-box 0.2 --candidates 50 --out";
-    stdout(&inputs.run(&format!("{plan} poses.csv")));
-    let before = inputs.all();
-    let is_there = "is there already and is not";
-    for (line, said) in [
-        ("fit a.urdf --data log.csv --out notes.toml", is_there),
-        ("fit a.urdf --data log.csv --out prior.toml", is_there),
-        ("fit a.urdf --data log.csv --report thesis.html", is_there),
-        ("fit a.urdf --data log.csv --urdf page.urdf", is_there),
-        ("fit a.urdf --data log.csv --partial mine.part", is_there),
-        (
-            "diagnose a.urdf --data log.csv --next precious.csv",
-            is_there,
-        ),
-        ("diagnose a.urdf --data log.csv --mcap robot.mcap", is_there),
-        (&format!("{plan} precious.csv"), is_there),
-        (&format!("{plan} free.csv --report thesis.html"), is_there),
-        (
-            "simulate a.urdf --support foot --poses 3 --out poses.csv",
-            is_there,
-        ),
-        (
-            "simulate a.urdf --support foot --poses 3 --out table.csv",
-            is_there,
-        ),
-        // The sidecar of a recording.
-        (
-            "simulate a.urdf --support foot --poses 3 --out r.csv",
-            is_there,
-        ),
-        (
-            "simulate a.urdf --support foot --poses 3 --out notes",
-            is_there,
-        ),
-        (
-            "generate a.urdf --support foot --name main --out .",
-            is_there,
-        ),
-        ("fleet a.urdf --data log.csv --out table.csv", is_there),
-        (
-            "fleet a.urdf --data log.csv --out f.csv --prior-out model.toml",
-            is_there,
-        ),
-        ("demo --out thesis.html", is_there),
-    ] {
-        refused(&inputs.run(line), &[said]);
-    }
-    assert!(inputs.all() == before);
+    inputs.stdout(&format!("{plan} poses.csv"));
+    // `r.csv.toml` is the sidecar of a recording.
+    refuses_each(
+        &inputs,
+        "fit a.urdf --data log.csv --out notes.toml             | is there already and is not
+         fit a.urdf --data log.csv --out prior.toml             | is there already and is not
+         fit a.urdf --data log.csv --report thesis.html         | is there already and is not
+         fit a.urdf --data log.csv --urdf page.urdf             | is there already and is not
+         fit a.urdf --data log.csv --partial mine.part          | is there already and is not
+         diagnose a.urdf --data log.csv --next precious.csv     | is there already and is not
+         diagnose a.urdf --data log.csv --mcap robot.mcap       | is there already and is not
+         plan a.urdf --support foot --poses 3 --cop-box 0.2 --out precious.csv | is there already
+         plan a.urdf --support foot --poses 3 --cop-box 0.2 --out free.csv --report thesis.html
+            | is there already and is not
+         simulate a.urdf --support foot --poses 3 --out poses.csv | is there already and is not
+         simulate a.urdf --support foot --poses 3 --out table.csv | is there already and is not
+         simulate a.urdf --support foot --poses 3 --out r.csv     | is there already and is not
+         simulate a.urdf --support foot --poses 3 --out notes     | is there already and is not
+         generate a.urdf --support foot --name main --out .       | is there already and is not
+         fleet a.urdf --data log.csv --out table.csv              | is there already and is not
+         fleet a.urdf --data log.csv --out f.csv --prior-out model.toml
+            | is there already and is not
+         demo --out thesis.html                                   | is there already and is not",
+    );
     // Empty files are nobody's, and what a command wrote it writes again.
-    fs::write(inputs.path("empty.html"), "").unwrap();
-    fs::write(inputs.path("empty.mcap"), "").unwrap();
+    inputs.write("empty.html", "");
+    inputs.write("empty.mcap", "");
     for line in [
         "fit a.urdf --data log.csv --out b.toml --urdf b.urdf --report empty.html",
         "fit a.urdf --data log.csv --out b.toml --urdf b.urdf --report empty.html",
         &format!("{plan} poses.csv --report empty.html"),
         "simulate a.urdf --support foot --poses 3 --out precious.csv",
     ] {
-        stdout(&inputs.run(line));
+        inputs.stdout(line);
     }
     #[cfg(feature = "mcap")]
     for _ in 0..2 {
-        stdout(&inputs.run("diagnose a.urdf --data log.csv --mcap empty.mcap"));
-        assert!(fs::read(inputs.path("empty.mcap")).unwrap().len() > 100);
+        inputs.stdout("diagnose a.urdf --data log.csv --mcap empty.mcap");
+        assert!(fs::read(inputs.join("empty.mcap")).unwrap().len() > 100);
     }
 }
 
-/// A shell that appends to a file hands it to the command as `/dev/stdout`.
+/// A shell that appends to a file hands it to the command as `/dev/stdout`; standard input may be a
+/// file by a name.
 #[cfg(target_os = "linux")]
 #[test]
-fn what_a_shell_redirects_to_is_no_file_to_replace() {
-    let inputs = Inputs::new();
-    let log = inputs.path("everything.txt");
-    fs::write(&log, "so far\n").unwrap();
+fn files_of_the_shell_are_no_file_to_replace() {
+    let inputs = inputs();
+    inputs.write("everything.txt", "so far\n");
+    let before = inputs.files();
     for output in ["--out", "--urdf", "--report"] {
-        let mut command = Command::new(program());
-        command.current_dir(inputs.0.path());
-        command.args(["fit", "a.urdf", "--data", "log.csv", output, "/dev/stdout"]);
-        command.stdout(fs::File::options().append(true).open(&log).unwrap());
-        let output = command.output().unwrap();
+        let line = format!("fit a.urdf --data log.csv {output} /dev/stdout");
+        let everything = fs::File::options()
+            .append(true)
+            .open(inputs.join("everything.txt"));
+        let output = inputs.command(&line).stdout(everything.unwrap()).output();
+        let output = output.unwrap();
         assert_eq!(output.status.code(), Some(2));
-        assert!(String::from_utf8_lossy(&output.stderr).contains("/dev/stdout"));
+        assert!(stderr(&output).contains("/dev/stdout"));
     }
-    assert_eq!(fs::read_to_string(&log).unwrap(), "so far\n");
-    let demo = sesc(&["demo", "--out", "/dev/stdout"]);
-    refused(&demo, &["/dev/stdout"]);
-}
-
-/// Standard input may be a file by a name.
-#[cfg(target_os = "linux")]
-#[test]
-fn standard_input_is_read_here_too() {
-    let inputs = Inputs::new();
-    let urdf = inputs.path("a.urdf");
-    let before = fs::read(&urdf).unwrap();
-    let mut command = Command::new(program());
-    command.args([
-        "simulate",
-        "-",
-        "--support",
-        "foot",
-        "--poses",
-        "3",
-        "--out",
-    ]);
-    command.arg(&urdf).stdin(fs::File::open(&urdf).unwrap());
+    refused(&sesc(&["demo", "--out", "/dev/stdout"]), &["/dev/stdout"]);
+    let mut command = inputs.command("simulate - --support foot --poses 3 --out a.urdf");
+    command.stdin(fs::File::open(inputs.join("a.urdf")).unwrap());
     refused(&command.output().unwrap(), &["is read here"]);
-    assert_eq!(fs::read(Path::new(&urdf)).unwrap(), before);
+    assert!(inputs.files() == before);
 }
 
-/// Devices that never end are no settings.
+/// Devices that never end are no settings; a prior may hold the covariance of a fleet.
 #[cfg(target_os = "linux")]
 #[test]
 fn files_without_end_are_refused() {
-    let inputs = Inputs::new();
-    for line in [
-        "fit a.urdf --data log.csv --prior /dev/zero",
-        "diagnose a.urdf --data log.csv --servos /dev/zero",
-        "generate a.urdf --support foot --lang c --out g --servos /dev/zero",
-        "plan a.urdf --support foot --poses 3 --out p.csv --limits /dev/zero",
-        "plan a.urdf --support foot --poses 3 --out p.csv --sole /dev/zero",
-    ] {
-        // A prior may hold the covariance of a fleet.
-        let most = match line.contains("--prior") {
-            true => "longer than 16 MiB",
-            false => "longer than 4 MiB",
-        };
-        refused(&inputs.run(line), &["/dev/zero", most]);
-    }
+    inputs().refuses_each(
+        "fit a.urdf --data log.csv --prior /dev/zero | /dev/zero | longer than 16 MiB
+         diagnose a.urdf --data log.csv --servos /dev/zero | /dev/zero | longer than 4 MiB
+         generate a.urdf --support foot --lang c --out g --servos /dev/zero | longer than 4 MiB
+         plan a.urdf --support foot --poses 3 --out p.csv --limits /dev/zero | longer than 4 MiB
+         plan a.urdf --support foot --poses 3 --out p.csv --sole /dev/zero | longer than 4 MiB",
+    );
 }

@@ -145,36 +145,30 @@ pub(super) fn chain(n: usize, tied: bool) -> String {
     out + "</robot>"
 }
 
-/// What cannot be computed in bounded memory is said at once.
+/// What cannot be computed in bounded memory is said at once; robots larger than any that was built
+/// take what they must, and no more.
 #[test]
 #[cfg(unix)]
 fn robots_beyond_all_sizes_are_refused_at_once() {
     let folder = folder();
     let out = folder.path().join("out.csv").display().to_string();
+    let run = |n: usize, tied: bool, command: &[&str]| {
+        let urdf = write(folder.path(), "chain.urdf", chain(n, tied));
+        let robot = [urdf.as_str(), "--support", "l0"];
+        bounded(&[&command[..1], &robot, &command[1..]].concat())
+    };
     for tied in [true, false] {
-        let urdf = write(folder.path(), "chain.urdf", chain(9_998, tied));
         for command in [
             &["inspect"][..],
             &["generate", "--out", &out],
             &["simulate", "--poses", "3", "--out", &out],
         ] {
-            let robot = [urdf.as_str(), "--support", "l0"];
-            let output = bounded(&[&command[..1], &robot, &command[1..]].concat());
-            refused(&output, &["9998 joints move"]);
+            refused(&run(9_998, tied, command), &["9998 joints move"]);
         }
     }
-    let urdf = write(folder.path(), "chain.urdf", chain(1_001, true));
-    let output = bounded(&["inspect", &urdf, "--support", "l0"]);
+    let output = run(1_001, true, &["inspect"]);
     refused(&output, &["1001 joints move", "follow others"]);
-}
-
-/// Robots larger than any that was built take what they must, and no more.
-#[test]
-#[cfg(unix)]
-fn chains_of_many_joints_are_inspected() {
-    let folder = folder();
     for (joints, tied) in [(2_000, false), (200, true)] {
-        let urdf = write(folder.path(), "chain.urdf", chain(joints, tied));
-        stdout(&bounded(&["inspect", &urdf, "--support", "l0"]));
+        stdout(&run(joints, tied, &["inspect"]));
     }
 }

@@ -18,7 +18,7 @@ use sesc_identify::plan::{Plan, Request, plan};
 use sesc_identify::robot::Robot;
 use sesc_model::{Model, Snapping};
 use sesc_reference::Reference;
-use sesc_test_support::command::{ROOT, folder, in_words, op2, refused, sesc, stdout, write};
+use sesc_test_support::command::{Folder, ROOT};
 
 use efficiency::true_robot;
 
@@ -112,31 +112,33 @@ fn every_planned_posture_can_be_stood_in() {
 
 #[test]
 fn the_same_seed_gives_the_same_file_and_another_does_not() {
-    let folder = folder();
-    let run = |name: &str, seed: &str| {
-        let out = folder.path().join(name);
-        let output = sesc(&in_words(
-            "plan @ --support r_sole --poses 10 --candidates 200 --limits @ --seed @ --json --out @",
-            &[&op2(), &paper_limits(), seed, out.to_str().unwrap()],
+    let folder = Folder::with("op2");
+    folder.write("limits.csv", std::fs::read(paper_limits()).unwrap());
+    let run = |seed: u32| {
+        let options = "--poses 10 --candidates 200 --limits limits.csv --out a.csv";
+        let json = folder.json(&format!(
+            "plan op2.urdf --support r_sole {options} --seed {seed}"
         ));
-        (stdout(&output), std::fs::read_to_string(out).unwrap())
+        (json, folder.read("a.csv"))
     };
-    let first = run("a.csv", "3");
-    assert_eq!(first, run("b.csv", "3"));
-    assert_ne!(first.1, run("c.csv", "4").1);
+    let first = run(3);
+    assert_eq!(first, run(3));
+    let (json, text) = &first;
     // Ten postures.
-    assert_eq!(first.1.lines().count(), 11);
-    assert!(first.1.starts_with("pose,head_pan,"));
-    let sidecar = std::fs::read_to_string(folder.path().join("a.csv.toml")).unwrap();
+    assert_eq!(text.lines().count(), 11);
+    assert!(text.starts_with("pose,head_pan,"));
+    let sidecar = folder.read("a.csv.toml");
     assert!(sidecar.contains("support = \"r_sole\""), "{sidecar}");
-    let json: serde_json::Value = serde_json::from_str(&first.0).unwrap();
     assert_eq!(json["poses"], 10);
-    let draws = &json["draws"];
-    let count = |key: &str| draws[key].as_u64().unwrap();
-    assert!(count("drawn") >= count("balanced") && count("balanced") >= count("clear"));
-    assert!(count("clear") >= count("collision_free") && count("collision_free") == 200);
+    let draws = ["drawn", "balanced", "clear", "collision_free"];
+    let draws = draws.map(|key| json["draws"][key].as_u64().unwrap());
+    assert!(
+        draws.is_sorted_by(|a, b| a >= b) && draws[3] == 200,
+        "{draws:?}"
+    );
     let motion = &json["motion"];
     assert!(motion["ordered"].as_f64() < motion["as_chosen"].as_f64());
+    assert_ne!(*text, run(4).1);
 }
 
 /// A column of revolute joints about x and y in turn, on a wide foot.
@@ -160,15 +162,11 @@ fn column(joints: usize) -> String {
 
 #[test]
 fn robots_of_one_joint_and_of_hundreds_are_planned() {
-    let folder = folder();
+    let folder = Folder::empty();
     for joints in [1, 2, 120] {
-        let urdf = write(folder.path(), "column.urdf", column(joints));
-        let out = folder.path().join("poses.csv").display().to_string();
-        let output = sesc(&in_words(
-            "plan @ --support foot --poses 5 --candidates 40 --cop-box 0.15 --prior tight --out @ --json",
-            &[&urdf, &out],
-        ));
-        let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        folder.write("column.urdf", column(joints));
+        let options = "--poses 5 --candidates 40 --cop-box 0.15 --prior tight --out poses.csv";
+        let json = folder.json(&format!("plan column.urdf --support foot {options}"));
         assert_eq!(json["candidates"], 40, "{json}");
     }
 }
@@ -228,16 +226,10 @@ fn planned_postures_do_not_collide() {
 
 #[test]
 fn a_page_is_written_and_takes_no_other_files_place() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).display().to_string();
-    let (poses, page) = (at("poses.csv"), at("plan.html"));
-    let plan = |report: &str| {
-        let first = ["plan", &op2(), "--support", "r_sole", "--poses", "12"];
-        let more = ["--candidates", "60", "--sigmas", "0", "--json"];
-        let files = ["--out", &poses, "--report", report];
-        sesc(&[&first[..], &more, &files].concat())
-    };
-    let json: serde_json::Value = serde_json::from_str(&stdout(&plan(&page))).unwrap();
+    let folder = Folder::with("op2");
+    let plan = "plan op2.urdf --support r_sole --poses 12 --candidates 60 --sigmas 0 \
+                --out poses.csv --report";
+    let json = folder.json(&format!("{plan} plan.html"));
     let curve = json["curve"].as_array().unwrap();
     assert_eq!(curve[0]["postures"], 0);
     let last = &curve[curve.len() - 1];
@@ -245,89 +237,50 @@ fn a_page_is_written_and_takes_no_other_files_place() {
     assert_eq!(last["planned"], json["expected_error"]);
     assert_eq!(json["corners"].as_array().unwrap().len(), 4);
     assert_eq!(json["joints"].as_array().unwrap().len(), 20);
-    let text = std::fs::read_to_string(&page).unwrap();
+    let text = folder.read("plan.html");
     assert!(text.contains("12 postures to take, of 60") && text.contains("--report"));
-    for taken in [&poses, &at("poses.csv.toml")] {
-        refused(&plan(taken), &["meant for two outputs"]);
+    for taken in ["poses.csv", "poses.csv.toml"] {
+        folder.refuses(&format!("{plan} {taken}"), &["meant for two outputs"]);
     }
-    refused(&plan(&op2()), &["op2.urdf is read here"]);
+    folder.refuses(&format!("{plan} op2.urdf"), &["op2.urdf is read here"]);
 }
 
 #[test]
 fn bad_input_is_refused_with_a_remedy() {
-    let folder = folder();
-    let out = folder.path().join("poses.csv").display().to_string();
-    let plan = |more: &[&str]| {
-        let op2 = op2();
-        let mut arguments = vec!["plan", &op2, "--support", "r_sole", "--out", &out];
-        arguments.extend(more);
-        sesc(&arguments)
-    };
-    let limits = |text: &str| {
-        write(
-            folder.path(),
-            "limits.csv",
-            format!("joint,lower_deg,upper_deg\n{text}\n"),
-        )
-    };
-    refused(&plan(&["--poses", "0"]), &["--poses", "1..=2000"]);
-    refused(&plan(&["--poses", "1000000000"]), &["--poses", "1..=2000"]);
+    let folder = Folder::with("op2");
+    // Last come a box narrower than what CAD knows of the CoP, and a height that nothing reaches.
+    let table = "--poses 0 | --poses | 1..=2000
+        --poses 1000000000 | --poses | 1..=2000
+        --poses 5 --limits gone.csv | gone.csv
+        --poses 5 --cop-box=0 | --cop-box
+        --poses 5 --cop-box=-1 | --cop-box
+        --poses 5 --cop-box=NaN | --cop-box
+        --poses 5 --cop-box=inf | --cop-box
+        --poses 5 --noise=0 | --noise
+        --poses 5 --noise=-1 | --noise
+        --poses 5 --noise=NaN | --noise
+        --poses 5 --noise=inf | --noise
+        --poses 5 --clearance=-0.1 | --clearance
+        --poses 5 --candidates 4 | --candidates | at least
+        --poses 5 --sole 0,0;1,1 | --sole | corners
+        --poses 5 --prior gone.toml | gone.toml
+        --poses 5 --cop-box 0.0001 | 0 balance on `r_sole` | --cop-box | misses by
+        --poses 5 --clearance 0.5 | 0 of them keep clear | --clearance";
+    for row in table.lines() {
+        let plan = "plan op2.urdf --support r_sole --out poses.csv";
+        folder.refuses_each(&format!("{plan} {}", row.trim()));
+    }
     for (text, words) in [
         ("kneee,0,1", ["limits.csv:2", "no joint `kneee`"]),
         ("r_knee,10,0", ["limits.csv:2", "swap"]),
         ("r_knee,NaN,0", ["limits.csv:2", "`NaN`"]),
         ("r_knee,0,inf", ["limits.csv:2", "`inf`"]),
     ] {
-        refused(&plan(&["--poses", "5", "--limits", &limits(text)]), &words);
+        folder.write("limits.csv", format!("joint,lower_deg,upper_deg\n{text}\n"));
+        let plan = "plan op2.urdf --support r_sole --poses 5 --limits limits.csv --out poses.csv";
+        folder.refuses(plan, &words);
     }
-    refused(
-        &plan(&["--poses", "5", "--limits", "gone.csv"]),
-        &["gone.csv"],
-    );
-    for value in ["0", "-1", "NaN", "inf"] {
-        let flag = format!("--cop-box={value}");
-        refused(&plan(&["--poses", "5", &flag]), &["--cop-box"]);
-        let flag = format!("--noise={value}");
-        refused(&plan(&["--poses", "5", &flag]), &["--noise"]);
-    }
-    refused(
-        &plan(&["--poses", "5", "--clearance=-0.1"]),
-        &["--clearance"],
-    );
-    refused(
-        &plan(&["--poses", "5", "--candidates", "4"]),
-        &["--candidates", "at least"],
-    );
-    refused(
-        &plan(&["--poses", "5", "--sole", "0,0;1,1"]),
-        &["--sole", "corners"],
-    );
-    refused(
-        &plan(&["--poses", "5", "--prior", "gone.toml"]),
-        &["gone.toml"],
-    );
-    // A box narrower than what CAD knows of the CoP.
-    refused(
-        &plan(&["--poses", "5", "--cop-box", "0.0001"]),
-        &["0 balance on `r_sole`", "--cop-box", "misses by"],
-    );
-    // Nothing can be half a metre above the ground.
-    refused(
-        &plan(&["--poses", "5", "--clearance", "0.5"]),
-        &["0 of them keep clear", "--clearance"],
-    );
-    let nowhere = folder
-        .path()
-        .join("no/such/poses.csv")
-        .display()
-        .to_string();
-    let op2 = op2();
-    refused(
-        &sesc(&in_words(
-            "plan @ --support r_sole --poses 5 --out @",
-            &[&op2, &nowhere],
-        )),
-        &["cannot write"],
-    );
-    assert!(!Path::new(&out).exists());
+    let nowhere = "plan op2.urdf --support r_sole --poses 5 --out no/such/poses.csv";
+    folder.refuses(nowhere, &["cannot write"]);
+    assert_eq!(folder.names(), ["limits.csv", "op2.urdf"]);
 }

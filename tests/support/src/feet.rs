@@ -136,6 +136,25 @@ impl TwoFeet {
         }
         q
     }
+
+    /// The log, as CSV, of `world` in the postures of a plan on both feet, whose file has angles to a
+    /// microradian or so; readings are `off` by that, m.
+    pub fn log_of_plan(&self, world: &World, plan: &str, off: [f64; 2]) -> String {
+        let mut rows = plan.lines();
+        let mut log = format!("{},cop_x,cop_y\n", rows.next().expect("a header"));
+        for row in rows {
+            let (pose, joints) = row.split_once(',').expect("a posture");
+            let joints = joints.split(',').map(|x| x.parse().expect("an angle"));
+            let joints: Vec<f64> = joints.collect();
+            assert!(self.lies(&joints).amax() < 1e-5, "{row}");
+            let q = TwoFeet::encoders(world, &joints);
+            let cop = world.cop(&q);
+            let q: Vec<String> = q.iter().map(|x| format!("{x:.7}")).collect();
+            let [x, y] = [0, 1].map(|axis| cop[axis] + off[axis]);
+            log += &format!("{pose},{},{x:.6},{y:.6}\n", q.join(","));
+        }
+        log
+    }
 }
 
 /// Noise of a log of both feet.

@@ -10,29 +10,39 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use rand::{Rng, RngExt as _};
 
-use crate::command::ROOT;
+use crate::command::Folder;
 
 /// A command that writes, in two versions whose outputs differ.
 #[derive(Debug, Clone, Copy)]
 pub struct Writer {
     /// What it is called in tables.
     pub name: &'static str,
-    /// Its arguments, between spaces.
-    pub versions: [&'static str; 2],
-    /// A folder that is removed before each run: its files are written once and never again.
-    pub cleared: Option<&'static str>,
+    /// Its words.
+    command: &'static str,
+    /// What each version has behind these.
+    ends: [&'static str; 2],
 }
 
-const fn writer(name: &'static str, versions: [&'static str; 2]) -> Writer {
+impl Writer {
+    /// The words of a version.
+    pub fn line(&self, version: usize) -> String {
+        format!("{} {}", self.command, self.ends[version])
+    }
+}
+
+/// Seeds of the two versions.
+const SEEDS: [&str; 2] = ["--seed 1", "--seed 2"];
+
+const fn writer(name: &'static str, command: &'static str, ends: [&'static str; 2]) -> Writer {
     Writer {
         name,
-        versions,
-        cleared: None,
+        command,
+        ends,
     }
 }
 
@@ -40,189 +50,143 @@ const fn writer(name: &'static str, versions: [&'static str; 2]) -> Writer {
 pub const WRITERS: [Writer; 13] = [
     writer(
         "simulate, CSV",
-        [
-            "simulate a.urdf --support foot --poses 400 --seed 1 --out out.csv",
-            "simulate a.urdf --support foot --poses 400 --seed 2 --out out.csv",
-        ],
+        "simulate a.urdf --support foot --poses 400 --out out.csv",
+        SEEDS,
     ),
     writer(
         "simulate, gzip",
-        [
-            "simulate a.urdf --support foot --poses 400 --seed 1 --out out.csv.gz",
-            "simulate a.urdf --support foot --poses 400 --seed 2 --out out.csv.gz",
-        ],
+        "simulate a.urdf --support foot --poses 400 --out out.csv.gz",
+        SEEDS,
     ),
     writer(
         "simulate, Parquet",
-        [
-            "simulate a.urdf --support foot --poses 400 --seed 1 --out out.parquet",
-            "simulate a.urdf --support foot --poses 400 --seed 2 --out out.parquet",
-        ],
+        "simulate a.urdf --support foot --poses 400 --out out.parquet",
+        SEEDS,
     ),
     writer(
         "fit",
-        [
-            "fit a.urdf --data log.csv --out model.toml --report page.html --urdf b.urdf",
-            "fit a.urdf --data log.csv --out model.toml --report page.html --urdf b.urdf --prior \
-             tight",
-        ],
+        "fit a.urdf --data log.csv --out model.toml --report page.html --urdf b.urdf",
+        ["", "--prior tight"],
     ),
     writer(
         "fit, part",
-        [
-            "fit a.urdf --data log.csv --partial a.part",
-            "fit a.urdf --data log.csv --partial a.part --folds 3",
-        ],
+        "fit a.urdf --data log.csv --partial a.part",
+        ["", "--folds 3"],
     ),
     writer(
         "diagnose",
-        [
-            "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv \
-             --mcap found.mcap",
-            "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv \
-             --mcap found.mcap --prior cad",
-        ],
+        "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv \
+         --mcap found.mcap",
+        ["", "--prior cad"],
     ),
     writer(
         "predict",
-        [
-            "predict a.urdf --data log.csv --support foot --out out.csv",
-            "predict a.urdf --data log.csv --model model.toml --out out.csv",
-        ],
+        "predict a.urdf --data log.csv --out out.csv",
+        ["--support foot", "--model model.toml"],
     ),
     writer(
         "compare",
-        [
-            "compare log.csv other.csv --urdf a.urdf --report page.html",
-            "compare log.csv other.csv --urdf a.urdf --report page.html --prior tight",
-        ],
+        "compare log.csv other.csv --urdf a.urdf --report page.html",
+        ["", "--prior tight"],
     ),
     writer(
         "plan",
-        [
-            "plan a.urdf --support foot --poses 5 --cop-box 0.2 --candidates 50 --seed 1 --out \
-             plan.csv --report page.html",
-            "plan a.urdf --support foot --poses 5 --cop-box 0.2 --candidates 50 --seed 2 --out \
-             plan.csv --report page.html",
-        ],
+        "plan a.urdf --support foot --poses 5 --cop-box 0.2 --candidates 50 --out plan.csv \
+         --report page.html",
+        SEEDS,
     ),
     writer(
         "generate, Rust",
-        [
-            "generate a.urdf --support foot --lang rust --name leg --out out",
-            "generate a.urdf --support foot --lang rust --name leg --model model.toml --out out",
-        ],
+        "generate a.urdf --support foot --lang rust --name leg --out out",
+        ["", "--model model.toml"],
     ),
     writer(
         "generate, C",
-        [
-            "generate a.urdf --support foot --lang c --scalar f64 --name leg --layout cmake --out \
-             out",
-            "generate a.urdf --support foot --lang c --scalar f32 --name leg --layout cmake --out \
-             out",
-        ],
+        "generate a.urdf --support foot --lang c --name leg --layout cmake --out out",
+        ["--scalar f64", "--scalar f32"],
     ),
-    Writer {
-        name: "fleet",
-        versions: [
-            "fleet a.urdf --data logs --store parts --out table.csv --report fleet.html \
-             --prior-out prior.toml --only parameters",
-            "fleet a.urdf --data logs --store parts --out table.csv --report fleet.html \
-             --prior-out prior.toml --only parameters --prior cad",
-        ],
-        cleared: Some("parts"),
-    },
     writer(
-        "demo",
-        [
-            "demo --keep kept --out demo.html --seed 1",
-            "demo --keep kept --out demo.html --seed 2",
-        ],
+        "fleet",
+        "fleet a.urdf --data logs --store parts --out table.csv --report fleet.html \
+         --prior-out prior.toml --only parameters",
+        ["", "--prior cad"],
     ),
+    writer("demo", "demo --keep kept --out demo.html", SEEDS),
 ];
 
+/// A folder of the fleet's rows: they are written once and never again.
+const STORE: &str = "parts";
+
+/// A folder with `a.urdf`, two logs of it, `model.toml` fitted to the first, and that one as the log
+/// of a fleet.
+pub fn inputs() -> Folder {
+    let folder = Folder::with("two_link");
+    fs::rename(folder.join("two_link.urdf"), folder.join("a.urdf")).expect("the robot");
+    folder.stdout("simulate a.urdf --support foot --poses 60 --noise 0.0005 --out log.csv");
+    folder.stdout("fit a.urdf --data log.csv --out model.toml");
+    let other = "simulate a.urdf --support foot --poses 60 --noise 0.0005 --seed 2 --out other.csv";
+    folder.stdout(other);
+    for name in ["log.csv", "log.csv.toml"] {
+        folder.write(&format!("logs/robot=1/day=1/{name}"), folder.read(name));
+    }
+    folder
+}
+
 /// A folder in which one command is killed.
-pub struct Victim<'p> {
-    program: &'p Path,
-    folder: tempfile::TempDir,
+pub struct Victim {
+    folder: Folder,
     writer: Writer,
     /// What each version writes, beside what it reads.
     whole: [BTreeMap<PathBuf, Vec<u8>>; 2],
     took: Duration,
 }
 
-impl<'p> Victim<'p> {
+impl Victim {
     /// Write what the command reads, and run both versions to their end.
     ///
     /// # Panics
     /// When a command fails.
-    pub fn new(program: &'p Path, writer: Writer) -> Victim<'p> {
+    pub fn new(writer: Writer) -> Victim {
         let mut victim = Victim {
-            program,
-            folder: tempfile::tempdir().expect("a folder"),
+            folder: inputs(),
             writer,
             whole: Default::default(),
             took: Duration::ZERO,
         };
-        victim.inputs();
+        let log = "simulate a.urdf --support foot --poses 60 --noise 0.0005 --out";
+        // As many as a prior between robots needs.
+        for robot in 2..=6 {
+            let day = format!("logs/robot={robot}/day=1");
+            fs::create_dir_all(victim.folder.join(&day)).expect("a folder");
+            let line = format!("{log} {day}/log.csv --seed {robot}");
+            victim.folder.stdout(&line);
+        }
         for version in [0, 1] {
+            victim.clear();
             let begun = Instant::now();
-            victim.complete(version);
+            victim.folder.stdout(&writer.line(version));
             victim.took = begun.elapsed();
-            victim.whole[version] = files(victim.at());
+            victim.whole[version] = victim.files();
         }
         assert_ne!(victim.whole[0], victim.whole[1], "{}", writer.name);
         victim
     }
 
-    fn at(&self) -> &Path {
-        self.folder.path()
-    }
-
-    fn inputs(&self) {
-        let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
-        fs::copy(urdf, self.at().join("a.urdf")).expect("the robot");
-        let log = "simulate a.urdf --support foot --poses 60 --noise 0.0005 --out";
-        self.to_its_end(&format!("{log} log.csv"));
-        if self.writer.versions[1].contains("model.toml") {
-            self.to_its_end("fit a.urdf --data log.csv --out model.toml");
-        }
-        if self.writer.name == "compare" {
-            self.to_its_end(&format!("{log} other.csv --seed 2"));
-        }
-        if self.writer.name != "fleet" {
-            return;
-        }
-        // As many as a prior between robots needs.
-        for robot in 1..=6 {
-            let day = format!("logs/robot={robot}/day=1");
-            fs::create_dir_all(self.at().join(&day)).expect("a folder");
-            self.to_its_end(&format!("{log} {day}/log.csv --seed {robot}"));
-        }
-    }
-
-    fn start(&self, line: &str) -> Child {
-        let mut command = Command::new(self.program);
-        command.current_dir(self.at()).args(line.split(' '));
+    fn start(&self, version: usize) -> Child {
+        let mut command = self.folder.command(&self.writer.line(version));
         command.stdout(Stdio::null()).stderr(Stdio::null());
         command.spawn().expect("the command starts")
     }
 
-    fn to_its_end(&self, line: &str) {
-        let status = self.start(line).wait().expect("the command ends");
-        assert!(status.success(), "{line}: {status}");
-    }
-
     fn clear(&self) {
-        if let Some(folder) = self.writer.cleared {
-            let _ = fs::remove_dir_all(self.at().join(folder));
-        }
+        let _ = fs::remove_dir_all(self.folder.join(STORE));
     }
 
-    /// Run a version to its end.
-    fn complete(&self, version: usize) {
-        self.clear();
-        self.to_its_end(self.writer.versions[version]);
+    /// All files but for temporary ones.
+    fn files(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+        let mut files = self.folder.files();
+        files.retain(|path, _| !is_temporary(path));
+        files
     }
 
     /// Kill the command `times` times, half of the kills towards its end, where it writes; how
@@ -236,8 +200,8 @@ impl<'p> Victim<'p> {
             let version = usize::from(rng.random_bool(0.5));
             let from = if rng.random_bool(0.5) { 0.8 } else { 0.0 };
             self.clear();
-            let before = files(self.at());
-            let mut child = self.start(self.writer.versions[version]);
+            let before = self.files();
+            let mut child = self.start(version);
             std::thread::sleep(self.took.mul_f64(rng.random_range(from..1.02)));
             let killed = child.kill();
             let status = child.wait().map_err(|error| error.to_string())?;
@@ -250,7 +214,7 @@ impl<'p> Victim<'p> {
 
     /// Whether every file that is there after a kill is whole, and none is gone.
     fn look(&self, before: &BTreeMap<PathBuf, Vec<u8>>) -> Result<(), String> {
-        let now = files(self.at());
+        let now = self.files();
         let is_whole = |(name, bytes): &(&PathBuf, &Vec<u8>)| {
             let mut versions = self.whole.iter();
             versions.any(|whole| whole.get(*name) == Some(*bytes))
@@ -270,19 +234,4 @@ impl<'p> Victim<'p> {
 fn is_temporary(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.starts_with(".sesc-")
-}
-
-/// All files of a folder and of those in it, by name, but for temporary ones.
-fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            found.extend(files(&path));
-        } else if !is_temporary(&path) {
-            let bytes = fs::read(&path).expect("a file");
-            found.insert(path, bytes);
-        }
-    }
-    found
 }

@@ -9,6 +9,7 @@
 //! effects that the diagnosis tries. Tests ask a few such questions, `cargo xtask
 //! study` some hundred.
 
+pub mod child;
 pub mod command;
 pub mod contacts;
 pub mod diagnoser;
