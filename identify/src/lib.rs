@@ -50,6 +50,8 @@ pub mod simulate;
 pub mod skeleton;
 pub mod stance;
 mod svd;
+#[cfg(test)]
+mod tests;
 #[doc(hidden)]
 pub mod threads;
 mod tolerances;

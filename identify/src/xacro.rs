@@ -124,10 +124,8 @@ mod tests {
         let minute = Duration::from_secs(60);
         let moment = Duration::from_millis(200);
         assert_eq!(shell("cat; echo text", minute).unwrap(), "text\n");
-        let endless = shell(
-            "while :; do echo 0123456789012345678901234567890123456789; done",
-            minute,
-        );
+        let endless = "while :; do echo 0123456789012345678901234567890123456789; done";
+        let endless = shell(endless, minute);
         assert_eq!(endless.unwrap_err(), "xacro makes more than 64 MiB of it");
         let chatty =
             "i=0; while [ $i -lt 20000 ]; do echo warning >&2; i=$((i+1)); done; echo text";
@@ -140,18 +138,13 @@ mod tests {
             let said = shell(slow, moment).unwrap_err();
             assert_eq!(said, "xacro did not end within 0.2 s", "{slow}");
         }
-        let said = shell(
+        let failed = shell(
             "echo first >&2; echo 'no\u{1b}[1m such' >&2; exit 2",
             minute,
         );
-        assert_eq!(
-            said.unwrap_err(),
-            "xacro does not expand it: no\\u{1b}[1m such"
-        );
-        assert!(
-            shell("printf '\\377'", minute)
-                .unwrap_err()
-                .contains("UTF-8")
-        );
+        let expected = "xacro does not expand it: no\\u{1b}[1m such";
+        assert_eq!(failed.unwrap_err(), expected);
+        let latin = shell("printf '\\377'", minute);
+        assert!(latin.unwrap_err().contains("UTF-8"));
     }
 }

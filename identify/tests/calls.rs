@@ -19,6 +19,16 @@ fn stance() -> Stance {
     Stance::new(Robot::parse(OP2, "op2.urdf").unwrap()).on("r_sole")
 }
 
+/// A log of the left knee alone, while other joints stand at zero.
+fn still(knee: Vec<f64>) -> Table {
+    let joints = stance().robot.description.dofs();
+    joints.iter().fold(Table::new("run"), |table, dof| {
+        let is_knee = dof.joint == "l_knee";
+        let values = knee.iter().map(|q| if is_knee { *q } else { 0.0 });
+        table.numbers(&dof.joint, values.collect::<Vec<f64>>())
+    })
+}
+
 /// What is simulated in memory is predicted from memory, to the last bit.
 #[test]
 fn simulated_logs_are_predicted_without_a_file() {
@@ -72,43 +82,28 @@ fn every_long_call_stops_when_told() {
     let simulation = simulate::Request::new(model.clone(), 9);
     let prediction = predict::Request::new(stance.clone(), &log);
     let planning = plan::Request::new(stance.robot.clone(), model, 3, region);
-    let stopped = |watch: &Once, error: Option<Error>| {
-        let kind = error.expect("the call was stopped").kind();
+    let calls: [&dyn Fn(&mut Once) -> Option<Error>; 3] = [
+        &|watch| simulate(&simulation, watch).err(),
+        &|watch| predict(&prediction, watch).err(),
+        &|watch| plan(&planning, watch).err(),
+    ];
+    for call in calls {
+        let mut watch = Once(0);
+        let kind = call(&mut watch).expect("the call was stopped").kind();
         assert_eq!((kind, watch.0), (ErrorKind::Interrupted, 1));
-    };
-    let mut watch = Once(0);
-    let error = simulate(&simulation, &mut watch).err();
-    stopped(&watch, error);
-    let mut watch = Once(0);
-    let error = predict(&prediction, &mut watch).err();
-    stopped(&watch, error);
-    let mut watch = Once(0);
-    let error = plan(&planning, &mut watch).err();
-    stopped(&watch, error);
+    }
 }
 
 #[test]
 fn errors_say_what_kind_where_and_what_to_set() {
-    let log = |knee: f64| {
-        let joints = stance().robot.description.dofs();
-        let table = joints.iter().fold(Table::new("run"), |table, dof| {
-            table.numbers(
-                &dof.joint,
-                vec![0.0, if dof.joint == "l_knee" { knee } else { 0.0 }],
-            )
-        });
-        LogSource::from(table)
-    };
+    let log = |knee: f64| LogSource::from(still(vec![0.0, knee]));
     let error = |stance: Stance, log: LogSource| {
         predict(&predict::Request::new(stance, log), &mut ()).unwrap_err()
     };
     let degrees = error(stance(), log(45.0));
     assert_eq!(degrees.kind(), ErrorKind::Log);
     assert_eq!((degrees.file(), degrees.line()), (Some("run"), Some(2)));
-    assert!(
-        degrees.to_string().contains("give `angles` or put"),
-        "{degrees}"
-    );
+    assert!(degrees.to_string().contains("give `angles` or put"));
     let shell = degrees.worded(|setting| match setting {
         Setting::Angles => "--degrees".to_string(),
         other => panic!("{other:?} has nothing to do with it"),
@@ -117,22 +112,15 @@ fn errors_say_what_kind_where_and_what_to_set() {
 
     let nowhere = error(Stance::new(stance().robot), log(0.0));
     assert_eq!(nowhere.kind(), ErrorKind::Request);
-    assert!(
-        nowhere
-            .to_string()
-            .starts_with("no support link given; add `support`")
-    );
+    let said = nowhere.to_string();
+    assert!(said.starts_with("no support link given; add `support`"));
     let unknown = error(stance().on("sole"), log(0.0));
-    assert_eq!(
-        (unknown.kind(), unknown.kind().name()),
-        (ErrorKind::Model, "model")
-    );
+    assert_eq!(unknown.kind(), ErrorKind::Model);
+    assert_eq!(unknown.kind().name(), "model");
     assert!(unknown.model().is_some());
     let gone = error(stance(), LogSource::from("gone.csv"));
-    assert_eq!(
-        (gone.kind(), gone.file()),
-        (ErrorKind::Read, Some("gone.csv"))
-    );
+    assert_eq!(gone.kind(), ErrorKind::Read);
+    assert_eq!(gone.file(), Some("gone.csv"));
     for error in [degrees, nowhere, unknown, gone] {
         assert!(!error.to_string().contains("--"), "{error}");
     }
@@ -152,11 +140,7 @@ fn warnings_reach_whoever_watches() {
         }
     }
     let mut ear = Ear::default();
-    let joints = stance().robot.description.dofs();
-    let table = joints.iter().fold(Table::new("run"), |table, dof| {
-        table.numbers(&dof.joint, vec![0.0])
-    });
-    let log = table.numbers("note", vec![1.0]);
+    let log = still(vec![0.0]).numbers("note", vec![1.0]);
     predict(&predict::Request::new(stance(), log), &mut ear).unwrap();
     assert_eq!(ear.0, ["run: column `note` is no joint and is ignored"]);
 }
@@ -172,5 +156,6 @@ fn calls_are_owned_and_send() {
     send::<predict::Predictions>();
     send::<simulate::Request>();
     send::<LogSource>();
+    send::<PostureReader>();
     send::<Error>();
 }

@@ -62,10 +62,8 @@ mod tests {
 
     #[test]
     fn what_is_hidden_is_spelled_out() {
-        assert_eq!(
-            visible("a\u{1b}[2J\u{202e}b\n"),
-            "a\\u{1b}[2J\\u{202e}b\\u{a}"
-        );
+        let spelled = "a\\u{1b}[2J\\u{202e}b\\u{a}";
+        assert_eq!(visible("a\u{1b}[2J\u{202e}b\n"), spelled);
         assert_eq!(visible_lines("a\u{9b}\n"), "a\\u{9b}\n");
         assert_eq!(visible("機械 \u{200d} é"), "機械 \u{200d} é");
     }

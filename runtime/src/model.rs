@@ -383,6 +383,3 @@ impl<R: v1::SensorEffects> CorrectCop for R {
         <R as v1::Robot>::correct_cop(reading)
     }
 }
-
-#[cfg(test)]
-mod tests;

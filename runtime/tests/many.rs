@@ -110,12 +110,7 @@ fn unequal_lengths_are_refused_and_nothing_is_written() {
         assert_eq!(found, Err(error));
         let found = TwoLinkFoot::regressor_cop_many(Simd::best(), &q, &mut rows);
         assert_eq!(found, Err(error));
-        assert!(com.as_flattened().iter().all(|x| *x == -9.0));
-        assert!(
-            rows.as_flattened()
-                .as_flattened()
-                .iter()
-                .all(|x| *x == -9.0)
-        );
+        assert!(com.iter().all(|com| *com == [-9.0; 3]));
+        assert!(rows.iter().all(|rows| *rows == [[-9.0; 7]; 2]));
     }
 }

@@ -279,12 +279,9 @@ mod tests {
         let mut said = Vec::new();
         for done in 0..=420 {
             // The first half from a store, the rest at ten seconds each.
-            let seconds = 10 * u64::saturating_sub(done, 210);
-            said.extend(lines.line(progress(done, 420), Duration::from_secs(seconds)));
-            assert_eq!(
-                lines.line(progress(done, 420), Duration::from_secs(seconds)),
-                None
-            );
+            let after = Duration::from_secs(10 * u64::saturating_sub(done, 210));
+            said.extend(lines.line(progress(done, 420), after));
+            assert_eq!(lines.line(progress(done, 420), after), None);
         }
         assert_eq!(
             said,

@@ -178,17 +178,12 @@ mod tests {
                         1.5 2.5 3.5\n\
                         head   torso\n";
         assert_eq!(fitted(text, 18), expected);
-        let narrow = fitted(text, 12);
-        assert!(
-            narrow.lines().all(|line| line.chars().count() <= 12),
-            "{narrow}"
-        );
         let wide = "a  bb  c\n─  ──  ─────\n1  22  three four five\n";
-        assert!(
-            fitted(wide, 14)
-                .lines()
-                .all(|line| line.chars().count() <= 14)
-        );
+        for (text, width) in [(text, 12), (wide, 14)] {
+            let narrow = fitted(text, width);
+            let mut lines = narrow.lines();
+            assert!(lines.all(|line| line.chars().count() <= width), "{narrow}");
+        }
     }
 
     #[test]
@@ -196,12 +191,8 @@ mod tests {
         let text = "  joint  the axis of l_knee moves to its parent  and more of it\n";
         for width in 20..70 {
             let fitted = fitted(text, width);
-            let words = |text: &str| {
-                text.split_whitespace()
-                    .map(str::to_string)
-                    .collect::<Vec<_>>()
-            };
-            assert_eq!(words(&fitted), words(text), "{width}");
+            let words = fitted.split_whitespace();
+            assert!(words.eq(text.split_whitespace()), "{width}");
             for line in fitted.lines() {
                 assert!(line.starts_with("  ") && line.chars().count() <= width);
             }

@@ -95,51 +95,31 @@ fn held_out(report: &DemoReport) -> Vec<Shown> {
 #[cfg(test)]
 mod tests {
     use super::super::html::{SCRIPT, SCRIPT_HASH};
-    use super::super::tests::{report, still};
+    use super::super::tests::{report, says, still};
     use super::page as demo;
     use sesc_model::hash::fnv1a;
 
     #[test]
-    fn the_page_says_the_numbers() {
-        let page = demo(&report(), &[], "sesc demo").unwrap();
-        for text in [
-            "0.72 mm",
-            "3.93 mm",
-            "4.93 mm",
-            "±30°",
-            "42 <small>of 63</small>",
-            "4.4 × 10⁻¹⁶",
-            "500 others",
-        ] {
-            assert!(page.contains(text), "{text}");
-        }
+    fn the_page_says_the_numbers_escapes_names_and_stands_alone() {
+        let made = |report| demo(&report, &[], "sesc demo").unwrap();
+        let page = made(report());
+        let numbers = ["0.72 mm", "3.93 mm", "4.93 mm", "±30°", "500 others"];
+        says(&page, &numbers);
+        let counts = ["42 <small>of 63</small>", "4.4 × 10⁻¹⁶"];
+        says(&page, &counts);
         assert_eq!(page.matches("class=\"ok\">within").count(), 1);
         assert_eq!(page.matches("class=\"bad\">exceeded").count(), 1);
-        assert!(page.contains("functions disagree with the reference"));
+        says(&page, &["functions disagree with the reference"]);
         let mut fine = report();
         fine.functions.truncate(1);
-        assert!(
-            demo(&fine, &[], "sesc demo")
-                .unwrap()
-                .contains("functions agree with the reference")
-        );
-    }
-
-    #[test]
-    fn names_are_escaped() {
-        let page = demo(&report(), &[], "sesc demo").unwrap();
+        says(&made(fine), &["functions agree with the reference"]);
         for raw in ["op<2>", "<b>&", "<l_knee>"] {
             assert!(!page.contains(raw), "{raw}");
         }
-        assert!(page.contains("op&lt;2&gt;") && page.contains("&lt;l_knee&gt;"));
-    }
-
-    #[test]
-    fn the_page_stands_alone_and_is_the_same_every_time() {
-        let page = demo(&report(), &[], "sesc demo").unwrap();
+        says(&page, &["op&lt;2&gt;", "&lt;l_knee&gt;"]);
         still(&page, 1);
         assert_eq!(page.matches("<svg ").count(), 9);
-        assert_eq!(page, demo(&report(), &[], "sesc demo").unwrap());
+        assert_eq!(page, made(report()));
     }
 
     /// The script whose SHA-256 pages name, by a hash that is at hand.
@@ -150,20 +130,17 @@ mod tests {
     fn a_page_may_run_its_own_script_and_load_nothing() {
         assert!(SCRIPT.concat().len() < 150_000);
         let page = demo(&report(), &[], "sesc demo").unwrap();
-        let (_, policy) = page
-            .split_once("Content-Security-Policy\" content=\"")
-            .unwrap();
+        let head = "Content-Security-Policy\" content=\"";
+        let (_, policy) = page.split_once(head).unwrap();
         let (policy, _) = policy.split_once('"').unwrap();
         // That it is the hash of the script, `cargo test --test pages` checks.
         let known = fnv1a(0, (SCRIPT.concat() + SCRIPT_HASH).as_bytes());
         assert_eq!(
             known, KNOWN,
-            "the script changed: `cargo test --test pages` says its hash"
+            "the script changed: see `cargo test --test pages`"
         );
-        assert_eq!(
-            policy,
-            format!("default-src 'none'; style-src 'unsafe-inline'; script-src '{SCRIPT_HASH}'")
-        );
+        let own = "default-src 'none'; style-src 'unsafe-inline'; script-src";
+        assert_eq!(policy, format!("{own} '{SCRIPT_HASH}'"));
         for handler in ["onclick=", "onload=", "javascript:", " style=\""] {
             assert!(!page.contains(handler), "{handler}");
         }

@@ -210,19 +210,8 @@ mod tests {
 
     #[test]
     fn millimetres_have_sensible_digits() {
-        let shown = [
-            0.00393,
-            0.0123456,
-            -0.2282,
-            1e-9,
-            -1e-9,
-            0.009_999,
-            f64::NAN,
-        ]
-        .map(mm);
-        assert_eq!(
-            shown,
-            ["3.93", "12.3", "-228.2", "0.00", "0.00", "10.0", NO_NUMBER]
-        );
+        let shown = [0.00393, 0.0123456, -0.2282, 1e-9, -1e-9, 0.009_999].map(mm);
+        assert_eq!(shown, ["3.93", "12.3", "-228.2", "0.00", "0.00", "10.0"]);
+        assert_eq!(mm(f64::NAN), NO_NUMBER);
     }
 }

@@ -4,7 +4,16 @@ use super::{CopRow, DemoReport, Errors, FunctionRow, HeightRow, LengthRow};
 
 /// OP2-like numbers under names that need escaping.
 pub fn report() -> DemoReport {
-    let length = |body: &str, joint: &str, cad_m: f64, full_m: f64, unseen: &str| LengthRow {
+    let function =
+        |name: &str, [mul, add]: [usize; 2], [worst_error_m, bound_m]: [f64; 2]| FunctionRow {
+            name: name.to_string(),
+            mul,
+            add,
+            sin_cos: 20,
+            worst_error_m,
+            bound_m,
+        };
+    let length = |[body, joint, unseen]: [&str; 3], cad_m: f64, full_m: f64| LengthRow {
         body: body.to_string(),
         joint: joint.to_string(),
         cad_m,
@@ -28,38 +37,16 @@ pub fn report() -> DemoReport {
         noise_m: 0.00493,
         held_out: 500,
         functions: vec![
-            FunctionRow {
-                name: "com".to_string(),
-                mul: 80,
-                add: 78,
-                sin_cos: 20,
-                worst_error_m: 4.4e-16,
-                bound_m: 8.9e-15,
-            },
-            FunctionRow {
-                name: "regressor".to_string(),
-                mul: 218,
-                add: 106,
-                sin_cos: 20,
-                worst_error_m: 2e-12,
-                bound_m: 1e-12,
-            },
+            function("com", [80, 78], [4.4e-16, 8.9e-15]),
+            function("regressor", [218, 106], [2e-12, 1e-12]),
         ],
         lengths: vec![
-            length("<b>&\"foot\"", "", 0.034, 0.014, "its height"),
+            length(["<b>&\"foot\"", "", "its height"], 0.034, 0.014),
+            length(["r_knee_link", "pitch", "along pitch"], 0.084, 0.085),
             length(
-                "r_knee_link",
-                "r_ank_pitch",
-                0.084,
-                0.085,
-                "along the axis of r_ank_pitch",
-            ),
-            length(
-                "a_link_with_a_very_long_name",
-                "j",
+                ["a_link_with_a_very_long_name", "j", "along j"],
                 0.002,
                 0.015,
-                "along the axis of j",
             ),
         ],
         errors: Errors {
@@ -73,17 +60,14 @@ pub fn report() -> DemoReport {
         },
         cop: (1..=26)
             .map(|k| {
-                let truth = [0.1 * wave(k), 0.05 + 0.07 * wave(k + 3)];
+                let truth @ [x, y] = [0.1 * wave(k), 0.05 + 0.07 * wave(k + 3)];
                 CopRow {
                     pose: k,
                     q: vec![wave(k)],
-                    measured: [
-                        truth[0] + 0.005 * wave(k + 1),
-                        truth[1] - 0.004 * wave(k + 2),
-                    ],
+                    measured: [x + 0.005 * wave(k + 1), y - 0.004 * wave(k + 2)],
                     truth,
                     cad: truth,
-                    identified: [truth[0] + 0.0007 * wave(k + 5), truth[1]],
+                    identified: [x + 0.0007 * wave(k + 5), y],
                 }
             })
             .collect(),
@@ -119,16 +103,17 @@ pub fn still(page: &str, scripts: usize) -> String {
     assert_eq!(count, scripts);
     let outside = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
     let outside = outside.replace("http-equiv", "");
-    for reference in [
-        "http",
-        "src=",
-        "href",
-        "@import",
-        "url(",
-        "eval(",
-        "innerHTML",
-    ] {
+    let references = "http src= href @import url( eval( innerHTML";
+    for reference in references.split(' ') {
         assert!(!outside.contains(reference), "{reference}");
     }
     out
+}
+
+/// Asserts that a text holds all of these words.
+#[track_caller]
+pub fn says(text: &str, words: &[&str]) {
+    for word in words {
+        assert!(text.contains(word), "`{word}` is not in: {text}");
+    }
 }

@@ -204,6 +204,7 @@ mod tests {
     use sesc_model::Snapping;
 
     use crate::robot::Robot;
+    use crate::tests::says;
 
     use super::*;
 
@@ -221,21 +222,21 @@ mod tests {
         Robot::parse(&(urdf + "</robot>"), "r.urdf").unwrap()
     }
 
-    fn other(feet: &[&str], feet_said: &Feet) -> Result<Option<String>, String> {
-        let model = robot(feet)
-            .model(feet[0], Snapping::default(), None)
-            .unwrap();
-        let found = feet_said.of(&Sidecar::default(), &model);
+    /// What the caller says of feet.
+    fn feet(both: Option<bool>, other: Option<&str>) -> Feet {
+        let other = other.map(str::to_string);
+        Feet { both, other }
+    }
+
+    fn other(names: &[&str]) -> Result<Option<String>, String> {
+        let model = robot(names).model(names[0], Snapping::default(), None);
+        let found = feet(Some(true), None).of(&Sidecar::default(), &model.unwrap());
         let found = found.map_err(|error| error.to_string())?;
         Ok(found.map(|found| found.name))
     }
 
     #[test]
     fn the_other_sole_is_the_one_that_is_called_alike() {
-        let both = Feet {
-            both: Some(true),
-            other: None,
-        };
         for feet in [
             ["r_sole", "l_sole", "l_soles"],
             ["left_foot", "right_foot", "third_toe"],
@@ -245,87 +246,58 @@ mod tests {
             ["leg_left_6_link", "leg_right_6_link", "leg_right_7_link"],
             ["sole_one", "sole_two", "head"],
         ] {
-            assert_eq!(other(&feet, &both).unwrap().as_deref(), Some(feet[1]));
+            assert_eq!(other(&feet).unwrap().as_deref(), Some(feet[1]));
         }
-        let said = other(&["foot_a", "foot_b", "foot_c"], &both).unwrap_err();
-        assert!(
-            said.contains("no link is plainly the other sole to `foot_a`")
-                && said.contains("(the robot has foot_b, foot_c, pelvis)"),
-            "{said}"
-        );
-    }
-
-    /// Feet of three or more are points unless something says that they are flat.
-    #[test]
-    fn two_of_many_feet_need_soles() {
-        let both = Feet {
-            both: Some(true),
-            other: None,
-        };
-        let said = other(&["lfoot", "rfoot", "foot"], &both).unwrap_err();
-        assert!(
-            said.contains("2 of the robot's 3 feet") && said.contains("`lfoot@40mm`"),
-            "{said}"
-        );
+        let plainly = "no link is plainly the other sole to `foot_a`";
+        let words = [plainly, "(the robot has foot_b, foot_c, pelvis)"];
+        says(other(&["foot_a", "foot_b", "foot_c"]).unwrap_err(), &words);
+        // Feet of three or more are points unless something says that they are flat.
+        let words = ["2 of the robot's 3 feet", "`lfoot@40mm`"];
+        says(other(&["lfoot", "rfoot", "foot"]).unwrap_err(), &words);
     }
 
     /// The sole of the other side is at the height of the support's.
     #[test]
     fn a_support_by_its_height_has_a_mirror() {
-        let both = Feet {
-            both: Some(true),
-            other: None,
-        };
-        for feet in [["r_foot", "l_foot", "toe"], ["lfoot", "rfoot", "foot"]] {
-            let model = robot(&feet)
-                .model(&format!("{}@40mm", feet[0]), Snapping::default(), None)
-                .unwrap();
+        let both = feet(Some(true), None);
+        for names in [["r_foot", "l_foot", "toe"], ["lfoot", "rfoot", "foot"]] {
+            let support = format!("{}@40mm", names[0]);
+            let model = robot(&names).model(&support, Snapping::default(), None);
+            let model = model.unwrap();
             let found = both.of(&Sidecar::default(), &model).unwrap().unwrap();
-            assert_eq!(found.name, format!("{}@40mm", feet[1]));
-            assert_eq!(model.tree.links[found.link].name, feet[1]);
+            assert_eq!(found.name, format!("{}@40mm", names[1]));
+            assert_eq!(model.tree.links[found.link].name, names[1]);
             assert_eq!(found.below_m, 0.04);
         }
     }
 
     #[test]
     fn what_the_caller_says_wins_over_the_sidecar() {
-        let feet = ["r_sole", "l_sole", "toe"];
-        let model = robot(&feet)
-            .model("r_sole", Snapping::default(), None)
-            .unwrap();
-        let sidecar = |both_feet: Option<bool>, other: Option<&str>| Sidecar {
-            both_feet,
-            other_foot: other.map(str::to_string),
-            ..Sidecar::default()
-        };
-        let of = |feet: Feet, sidecar: Sidecar| {
-            let found = feet.of(&sidecar, &model).unwrap();
-            found.map(|found| found.name)
-        };
-        let none = Feet::default();
-        assert_eq!(of(none.clone(), sidecar(None, None)), None);
-        assert_eq!(of(none.clone(), sidecar(Some(false), None)), None);
-        let named = of(none.clone(), sidecar(Some(true), None));
-        assert_eq!(named.as_deref(), Some("l_sole"));
-        assert_eq!(of(none, sidecar(None, Some("toe"))).as_deref(), Some("toe"));
-        let off = Feet {
-            both: Some(false),
-            other: None,
-        };
-        assert_eq!(of(off, sidecar(Some(true), Some("toe"))), None);
-        let toe = Feet {
-            both: None,
-            other: Some("toe".into()),
-        };
-        let found = of(toe, sidecar(Some(false), None));
-        assert_eq!(found.as_deref(), Some("toe"));
-        for (name, why) in [("hand", "is no link"), ("r_sole", "does not move")] {
-            let said = Feet {
-                both: None,
-                other: Some(name.into()),
+        let robot = robot(&["r_sole", "l_sole", "toe"]);
+        let model = robot.model("r_sole", Snapping::default(), None).unwrap();
+        type Said<'a> = (Option<bool>, Option<&'a str>);
+        let of = |(both, other): Said, (both_feet, other_foot): Said| {
+            let sidecar = Sidecar {
+                both_feet,
+                other_foot: other_foot.map(str::to_string),
+                ..Sidecar::default()
             };
-            let error = said.of(&sidecar(None, None), &model).unwrap_err();
-            assert!(error.to_string().contains(why), "{error}");
+            let found = feet(both, other).of(&sidecar, &model);
+            found.map(|found| found.map(|found| found.name))
+        };
+        let none = (None, None);
+        for (caller, sidecar, sole) in [
+            (none, none, None),
+            (none, (Some(false), None), None),
+            (none, (Some(true), None), Some("l_sole")),
+            (none, (None, Some("toe")), Some("toe")),
+            ((Some(false), None), (Some(true), Some("toe")), None),
+            ((None, Some("toe")), (Some(false), None), Some("toe")),
+        ] {
+            assert_eq!(of(caller, sidecar).unwrap().as_deref(), sole);
+        }
+        for (name, why) in [("hand", "is no link"), ("r_sole", "does not move")] {
+            says(of((None, Some(name)), none).unwrap_err(), &[why]);
         }
     }
 }

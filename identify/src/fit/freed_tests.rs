@@ -14,17 +14,7 @@ use crate::logs::{Block, Table};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
-
-/// Two skewed joints: flat CoP sees 6 directions, 2 per posture.
-const SKEW: &str = "<robot name='skew'>\
-    <link name='foot'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/></inertial></link>\
-    <joint name='hip' type='revolute'><parent link='foot'/><child link='thigh'/>\
-    <origin xyz='0 0 0.1'/><axis xyz='0.3 0.8 0.2'/><limit lower='-2' upper='2'/></joint>\
-    <link name='thigh'><inertial><origin xyz='0.05 0.1 0.2'/><mass value='3'/></inertial></link>\
-    <joint name='knee' type='revolute'><parent link='thigh'/><child link='shank'/>\
-    <origin xyz='0.02 0.01 0.4'/><axis xyz='0.9 -0.2 0.3'/><limit lower='-2' upper='2'/></joint>\
-    <link name='shank'><inertial><origin xyz='0.1 -0.05 0.3'/><mass value='4'/></inertial></link>\
-    </robot>";
+use crate::tests::SKEW;
 
 /// AR(1) noise of deviation `std` (m) that lasts `tau` seconds, in rows `step` seconds apart.
 fn lasting(rows: usize, step: f64, (std, tau): (f64, f64), rng: &mut ChaCha8Rng) -> Vec<f64> {
@@ -56,9 +46,8 @@ fn deviations(x: &DMatrix<f64>, step: f64, noise: [(f64, f64); 2]) -> Vec<Option
         let own = parts.eigenvectors.row(k);
         let pairs = parts.eigenvalues.iter().zip(own.iter());
         let pairs = pairs.map(|(value, part)| (value, part * part));
-        let unseen = pairs
-            .clone()
-            .any(|(value, part)| *value < least && part > 1e-9);
+        let mut all = pairs.clone();
+        let unseen = all.any(|(value, part)| *value < least && part > 1e-9);
         let seen = pairs.filter(|(value, _)| **value >= least);
         let variance: f64 = seen.map(|(value, part)| part / value).sum();
         (!unseen).then_some(variance.sqrt())
@@ -85,9 +74,9 @@ fn each_axis_counts_by_its_own_noise_where_that_lasts() {
     let block = Block {
         line: (2..).take(t.len()).collect(),
         pose: (0..).take(t.len()).collect(),
-        q: (0..t.len())
-            .flat_map(|k| [joints[0][k], joints[1][k]])
-            .collect(),
+        q: DMatrix::from_fn(2, t.len(), |j, k| joints[j][k])
+            .as_slice()
+            .into(),
         ..Block::default()
     };
     let mut measurement = Measurement::new(&robot, "foot", Snapping::default()).unwrap();
@@ -121,12 +110,8 @@ fn each_axis_counts_by_its_own_noise_where_that_lasts() {
         };
         let found = fit(&request, &mut ()).unwrap().identification;
         for (k, (parameter, truth)) in found.parameters.iter().zip(&truth).enumerate() {
-            assert_eq!(
-                parameter.std.is_some(),
-                expected[k].is_some(),
-                "{}",
-                parameter.name
-            );
+            let is_seen = parameter.std.is_some();
+            assert_eq!(is_seen, expected[k].is_some(), "{}", parameter.name);
             if let (Some(std), Some(expected)) = (parameter.std, expected[k]) {
                 sums[k][0] += ((parameter.value - truth) / expected).powi(2);
                 sums[k][1] += (std / expected).powi(2);
@@ -137,10 +122,8 @@ fn each_axis_counts_by_its_own_noise_where_that_lasts() {
         .iter()
         .zip(&expected)
         .filter(|(_, known)| known.is_some());
-    let seen: Vec<[f64; 2]> = seen
-        .map(|(sums, _)| sums.map(|sum| (sum / FITS as f64).sqrt()))
-        .collect();
-    println!("errors and deviations over those expected: {seen:.2?}");
+    let seen = seen.map(|(sums, _)| sums.map(|sum| (sum / FITS as f64).sqrt()));
+    let seen: Vec<[f64; 2]> = seen.collect();
     assert_eq!(seen.len(), 6);
     for [off, said] in seen {
         // An RMS of 60 is known to 9 %.

@@ -323,13 +323,7 @@ mod tests {
 
     use super::super::{Request, gather};
     use crate::logs::LogSource;
-    use crate::robot::Robot;
-
-    const ROD: &str = "<robot name='rod'><link name='foot'/>\
-        <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
-        <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
-        <link name='leg'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial></link>\
-        </robot>";
+    use crate::robot::{ROD, Robot};
 
     /// A log of which opening number `odd` gives something else.
     fn gathered(odd: usize, breaks: bool) -> (usize, Option<String>) {
@@ -355,10 +349,8 @@ mod tests {
             ..Request::default()
         };
         let error = gather(&request, &mut ()).err();
-        (
-            opened.load(Ordering::Relaxed),
-            error.map(|error| format!("{error:?}")),
-        )
+        let error = error.map(|error| format!("{error:?}"));
+        (opened.load(Ordering::Relaxed), error)
     }
 
     /// Also in the last pass, which looks for postures to reach once more.

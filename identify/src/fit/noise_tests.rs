@@ -17,17 +17,7 @@ use crate::observations::grouping::Grouping;
 use crate::observations::noise::NoiseSource;
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
-
-/// Two skewed joints: flat CoP sees 6 directions, 2 per posture.
-const SKEW: &str = "<robot name='skew'>\
-    <link name='foot'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/></inertial></link>\
-    <joint name='hip' type='revolute'><parent link='foot'/><child link='thigh'/>\
-    <origin xyz='0 0 0.1'/><axis xyz='0.3 0.8 0.2'/><limit lower='-2' upper='2'/></joint>\
-    <link name='thigh'><inertial><origin xyz='0.05 0.1 0.2'/><mass value='3'/></inertial></link>\
-    <joint name='knee' type='revolute'><parent link='thigh'/><child link='shank'/>\
-    <origin xyz='0.02 0.01 0.4'/><axis xyz='0.9 -0.2 0.3'/><limit lower='-2' upper='2'/></joint>\
-    <link name='shank'><inertial><origin xyz='0.1 -0.05 0.3'/><mass value='4'/></inertial></link>\
-    </robot>";
+use crate::tests::{SKEW, says};
 const RANK: usize = 6;
 
 /// Any numbers, the same every time.
@@ -75,9 +65,8 @@ impl Skew {
         let mut measurement = self.measurement();
         let mut gathered = Gathered::new(self.truth.len(), 4);
         for block in blocks {
-            gathered
-                .push(&mut measurement, block, "log.csv", None)
-                .unwrap();
+            let pushed = gathered.push(&mut measurement, block, "log.csv", None);
+            pushed.unwrap();
         }
         gathered
     }
@@ -88,19 +77,15 @@ impl Skew {
     }
 }
 
-/// Rows of a block, in another order.
-fn sorted(block: &Block) -> Block {
-    let mut order: Vec<usize> = (0..block.len()).collect();
-    order.sort_by_key(|&k| block.pose[k]);
+/// These rows of a block, in this order.
+fn chosen(block: &Block, rows: &[usize]) -> Block {
     let reading = block.reading.as_ref().unwrap();
+    let q = |k: &usize| [block.q[2 * k], block.q[2 * k + 1]];
     Block {
-        line: order.iter().map(|&k| block.line[k]).collect(),
-        pose: order.iter().map(|&k| block.pose[k]).collect(),
-        q: order
-            .iter()
-            .flat_map(|&k| [block.q[2 * k], block.q[2 * k + 1]])
-            .collect(),
-        reading: Some(order.iter().map(|&k| reading[k]).collect()),
+        line: rows.iter().map(|&k| block.line[k]).collect(),
+        pose: rows.iter().map(|&k| block.pose[k]).collect(),
+        q: rows.iter().flat_map(q).collect(),
+        reading: Some(rows.iter().map(|&k| reading[k]).collect()),
         ..Block::default()
     }
 }
@@ -123,21 +108,12 @@ fn poses_that_come_back_are_repeats() {
     for (pose, reading) in block.pose.iter().zip(block.reading.as_ref().unwrap()) {
         groups.entry(*pose).or_default().push((*reading).into());
     }
-    let means: Vec<Vector2<f64>> = groups
-        .values()
-        .map(|all| all.iter().sum::<Vector2<f64>>() / all.len() as f64)
-        .collect();
-    let pure: f64 = groups
-        .values()
-        .zip(&means)
-        .flat_map(|(all, mean)| all.iter().map(move |y| (y - mean).norm_squared()))
-        .sum();
-    let first = Block {
-        q: block.q[..2 * POSES].to_vec(),
-        pose: (0..POSES as i64).collect(),
-        line: vec![1; POSES],
-        ..Block::default()
-    };
+    let mean = |all: &Vec<Vector2<f64>>| all.iter().sum::<Vector2<f64>>() / all.len() as f64;
+    let means: Vec<Vector2<f64>> = groups.values().map(mean).collect();
+    let pairs = groups.values().zip(&means);
+    let pure = pairs.flat_map(|(all, mean)| all.iter().map(move |y| (y - mean).norm_squared()));
+    let pure: f64 = pure.sum();
+    let first = chosen(&block, &(0..POSES).collect::<Vec<_>>());
     let rows = skew.measurement().rows(&first).unwrap().matrix.dense();
     let means = DVector::from_iterator(2 * POSES, means.iter().flat_map(|m| [m.x, m.y]));
     let fit = rows.clone().svd(true, true).solve(&means, 1e-9).unwrap();
@@ -157,19 +133,12 @@ fn poses_that_come_back_are_repeats() {
     assert!((found.noise_floor - floor).abs() < 1e-12);
 
     // In the order of poses, or cut in two, they tell the same.
-    let of_sorted = skew.gather(&[&sorted(&block)]).repeats;
+    let mut order: Vec<usize> = (0..block.len()).collect();
+    order.sort_by_key(|&k| block.pose[k]);
+    let of_sorted = skew.gather(&[&chosen(&block, &order)]).repeats;
     assert!((of_sorted.pure().both().0 - pure).abs() < 1e-12 * pure);
     assert_eq!((of_sorted.pure().both().1, of_sorted.postures), (24, 6));
-    let [early, late] = [0..7, 7..18].map(|range| Block {
-        line: block.line[range.clone()].to_vec(),
-        pose: block.pose[range.clone()].to_vec(),
-        q: block.q[2 * range.start..2 * range.end].to_vec(),
-        reading: block
-            .reading
-            .as_ref()
-            .map(|all| all[range.clone()].to_vec()),
-        ..Block::default()
-    });
+    let [early, late] = [0..7, 7..18].map(|rows| chosen(&block, &rows.collect::<Vec<_>>()));
     let cut = skew.gather(&[&early, &late]);
     assert_eq!(cut.repeats, gathered.repeats);
     // Repeats keep together in their fold.
@@ -189,17 +158,11 @@ fn other_postures_of_one_number_are_others() {
     let poses: Vec<_> = (0..20).map(again).collect();
     let block = skew.log(&poses, &[0.002; 20], &mut ChaCha8Rng::seed_from_u64(2));
     let gathered = skew.gather(&[&block]);
-    assert_eq!(
-        (gathered.repeats.pure().both().1, gathered.repeats.postures),
-        (0, 20)
-    );
+    let repeats = &gathered.repeats;
+    assert_eq!((repeats.pure().both().1, repeats.postures), (0, 20));
     assert_eq!(gathered.moved, 10);
-    let found = skew.identify(&gathered);
-    let said = found.warnings.join("\n");
-    assert!(
-        said.contains("10 rows share the `pose` of an earlier row"),
-        "{said}"
-    );
+    let words = "10 rows share the `pose` of an earlier row";
+    says(skew.identify(&gathered).warnings.join("\n"), &[words]);
 }
 
 #[test]
@@ -210,20 +173,14 @@ fn more_postures_than_can_be_known_are_said() {
     let mut measurement = skew.measurement();
     let mut gathered = Gathered::new(skew.truth.len(), 4);
     gathered.postures = Grouping::up_to(4);
-    gathered
-        .push(&mut measurement, &block, "log.csv", None)
-        .unwrap();
+    let pushed = gathered.push(&mut measurement, &block, "log.csv", None);
+    pushed.unwrap();
     gathered.end_log_without(0, Folding::default());
     // Four come back; two are met twice as if they were others.
-    assert_eq!(
-        (gathered.repeats.pure().both().1, gathered.repeats.postures),
-        (8, 8)
-    );
-    let said = skew.identify(&gathered).warnings.join("\n");
-    assert!(
-        said.contains("more than 200000 postures in a log"),
-        "{said}"
-    );
+    let repeats = &gathered.repeats;
+    assert_eq!((repeats.pure().both().1, repeats.postures), (8, 8));
+    let words = "more than 200000 postures in a log";
+    says(skew.identify(&gathered).warnings.join("\n"), &[words]);
 }
 
 /// Share of 95 % intervals that hold the truth, of 500 logs.
@@ -237,41 +194,32 @@ fn coverage(poses: &[(i64, [f64; 2])]) -> (f64, Identification) {
         for (parameter, truth) in found.parameters.iter().zip(&skew.truth) {
             if let Some(std) = parameter.std {
                 all += 1;
-                inside += usize::from((parameter.value - truth).abs() < 1.96 * std);
+                inside += u32::from((parameter.value - truth).abs() < 1.96 * std);
             }
         }
         last = Some(found);
     }
     assert_eq!(all, 500 * RANK);
-    (
-        f64::from(inside as u32) / f64::from(all as u32),
-        last.unwrap(),
-    )
+    (f64::from(inside) / all as f64, last.unwrap())
 }
 
-/// Twelve degrees of freedom and no more: three postures, which settle six
-/// directions, three times each. Normal intervals of such a noise hold 92.6 %.
+/// Twelve degrees of freedom and no more: three postures, which settle six directions, three times
+/// each; normal intervals of such a noise hold 92.6 %. Then twelve of repeats, and more of
+/// residuals that are of one size with them.
 #[test]
 fn intervals_are_honest_when_few_repeats_tell_the_noise() {
-    let poses: Vec<_> = (0..9).map(|k| ((k % 3) as i64, posture(k % 3))).collect();
-    let (share, found) = coverage(&poses);
-    println!("repeats alone: {share:.4} of the intervals hold the truth");
+    let of = |rows: usize, poses: usize| {
+        let visit = |k: usize| ((k % poses) as i64, posture(k % poses));
+        let (share, found) = coverage(&(0..rows).map(visit).collect::<Vec<_>>());
+        assert!((0.93..=0.97).contains(&share), "{rows}: {share}");
+        found
+    };
+    let found = of(9, 3);
     assert_eq!((found.rank, found.noise_df), (RANK, Some(12.0)));
     assert_eq!(found.noise_source, NoiseSource::Repeats);
-    assert!((0.93..=0.97).contains(&share), "{share}");
-}
-
-/// Twelve of repeats, and more of residuals that are of one size with them.
-#[test]
-fn few_repeats_are_not_taken_alone() {
-    let poses: Vec<_> = (0..26)
-        .map(|k| ((k % 20) as i64, posture(k % 20)))
-        .collect();
-    let (share, found) = coverage(&poses);
-    println!("repeats and residuals: {share:.4} of the intervals hold the truth");
+    let found = of(26, 20);
     assert_eq!(found.lack_of_fit.unwrap().df_noise, Some(12.0));
     assert_eq!(found.noise_df, Some((2 * 26 - RANK) as f64));
-    assert!((0.93..=0.97).contains(&share), "{share}");
 }
 
 /// A knee that hardly moves is seen at 1e-4 of the rest: a row that is said to be
@@ -290,11 +238,8 @@ fn a_row_said_to_be_exact_hides_no_other() {
     assert!(solve(&weighted, 1.0, &skew.truth, None).rank < RANK);
     let found = skew.identify(&gathered);
     assert_eq!(found.rank, RANK);
-    let said = found.warnings.join("\n");
-    assert!(
-        said.contains("1 rows state deviations below 1e-9 m"),
-        "{said}"
-    );
+    let words = "1 rows state deviations below 1e-9 m";
+    says(found.warnings.join("\n"), &[words]);
     for (parameter, truth) in found.parameters.iter().zip(&skew.truth) {
         if let Some(std) = parameter.std {
             assert!(std.is_finite() && (parameter.value - truth).abs() < 4.0 * std + 1e-6);

@@ -551,10 +551,8 @@ mod tests {
             let again = Part::from_bytes(&bytes, "monday.part").unwrap();
             assert_eq!(again.gathered.folds, part.gathered.folds);
             assert_eq!((again.postures(), again.support.as_str()), (20, "foot"));
-            assert_eq!(
-                (again.options, again.urdf),
-                (part.options, part.urdf.clone())
-            );
+            assert_eq!(again.options, part.options);
+            assert_eq!(again.urdf, part.urdf);
         }
     }
 

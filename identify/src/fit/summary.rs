@@ -286,10 +286,8 @@ mod tests {
             });
             height(params, &all.collect::<Vec<_>>())
         };
-        assert_eq!(
-            (found(&params).name.as_str(), found(&params).value),
-            ("a.b.z", 3.0)
-        );
+        assert_eq!(found(&params).name, "a.b.z");
+        assert_eq!(found(&params).value, 3.0);
         // Another parameter is then third, or last.
         for order in [[2, 0, 1], [0, 2, 1]] {
             let other = order.map(|k: usize| params[k].clone());

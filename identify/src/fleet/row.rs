@@ -365,14 +365,10 @@ mod tests {
             sorted.join(" ")
         };
         assert_eq!(of(&["10", "9", "1", "12", "2"]), "1 2 9 10 12");
-        assert_eq!(
-            of(&["2031-05-10", "2030-12-31", "2031-05-09"]),
-            "2030-12-31 2031-05-09 2031-05-10"
-        );
-        assert_eq!(
-            of(&["week 10", "week 9b", "week 9"]),
-            "week 9 week 9b week 10"
-        );
+        let days = of(&["2031-05-10", "2030-12-31", "2031-05-09"]);
+        assert_eq!(days, "2030-12-31 2031-05-09 2031-05-10");
+        let weeks = of(&["week 10", "week 9b", "week 9"]);
+        assert_eq!(weeks, "week 9 week 9b week 10");
         // Equal numbers are told apart by how they are written, whatever comes first.
         assert_eq!(of(&["01", "1", "001", ""]), of(&["1", "", "001", "01"]));
     }

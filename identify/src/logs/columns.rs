@@ -414,6 +414,7 @@ pub(super) fn numbers<'a>(row: &'a Row, columns: Written) -> impl Iterator<Item 
 mod tests {
     use super::*;
     use crate::logs::tests::dofs;
+    use crate::tests::says;
 
     fn header(names: &str) -> Vec<String> {
         names.split(',').map(str::to_string).collect()
@@ -451,8 +452,7 @@ mod tests {
             ("hip,cop_x,COP-y", "did you mean `COP-y` for `cop_y`?"),
         ] {
             let error = Columns::of(&header(names), &dofs(&["hip"]), Readings::Required);
-            let message = error.unwrap_err();
-            assert!(message.contains(words), "{names}: {message}");
+            says(error.unwrap_err(), &[words]);
         }
     }
 
@@ -471,22 +471,13 @@ mod tests {
             assert!(check_joints(&dofs(&[name])).is_err(), "{name}");
         }
         let text = columns_text();
-        assert!(
-            text.lines().all(|line| line.chars().count() <= LINE),
-            "{text}"
-        );
+        assert!(text.lines().all(|line| line.chars().count() <= LINE));
         // Lines are broken where a meaning is long.
-        let words: Vec<&str> = text.split_whitespace().collect();
-        let text = words.join(" ");
+        let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
         for column in COLUMNS {
-            let said = format!(
-                "{} {} {}",
-                column.names.join(", "),
-                column.unit,
-                column.meaning
-            );
-            let said: Vec<&str> = said.split_whitespace().collect();
-            assert!(text.contains(&said.join(" ")), "{said:?} is not in {text}");
+            let names = column.names.join(", ");
+            let said = format!("{names} {} {}", column.unit, column.meaning);
+            says(words(&text), &[&words(&said)]);
         }
     }
 

@@ -80,6 +80,7 @@ impl Recording {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::says;
 
     fn at(t: Option<Vec<f64>>) -> Recording {
         let track = Track {
@@ -98,26 +99,17 @@ mod tests {
 
     #[test]
     fn stamps_are_those_of_the_log_where_they_can_be() {
+        const SECOND: u64 = 1_000_000_000;
         let stamps = |t: [f64; 3]| at(Some(t.to_vec())).stamps();
-        assert_eq!(
-            at(None).stamps().unwrap(),
-            [0, 1_000_000_000, 2_000_000_000]
-        );
+        assert_eq!(at(None).stamps().unwrap(), [0, SECOND, 2 * SECOND]);
         let today = stamps([1.7e9, 1.7e9 + 0.5, 1.7e9 + 1.0]).unwrap();
         assert_eq!(today[1], 1_700_000_000_500_000_000);
-        assert_eq!(
-            stamps([-2.0, 0.0, 0.5]).unwrap(),
-            [0, 2_000_000_000, 2_500_000_000]
-        );
+        let early = stamps([-2.0, 0.0, 0.5]).unwrap();
+        assert_eq!(early, [0, 2 * SECOND, 5 * SECOND / 2]);
         // Milliseconds since 1970: the day is lost, the order is not.
-        assert_eq!(
-            stamps([1.7e12, 1.7e12 + 5.0, 1.7e12]).unwrap()[1],
-            5_000_000_000
-        );
+        let milli = stamps([1.7e12, 1.7e12 + 5.0, 1.7e12]).unwrap();
+        assert_eq!(milli[1], 5 * SECOND);
         let said = stamps([0.0, 1.0, 3e9]).unwrap_err().to_string();
-        assert!(
-            said.contains("3.000e9 s") && said.contains("`t` in seconds"),
-            "{said}"
-        );
+        says(said, &["3.000e9 s", "`t` in seconds"]);
     }
 }

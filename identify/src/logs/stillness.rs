@@ -235,7 +235,7 @@ mod tests {
             found.extend(cutter.reading(k));
         }
         found.extend(cutter.end());
-        let said: Vec<(i64, Vec<i32>)> = found.into_iter().map(|p| (p.pose, p.readings)).collect();
+        let said: Vec<_> = found.into_iter().map(|p| (p.pose, p.readings)).collect();
         assert_eq!(said, [(0, vec![0]), (1, vec![1]), (2, vec![2])]);
     }
 

@@ -375,6 +375,7 @@ impl Stamps {
 mod tests {
     use super::*;
     use crate::logs::tests::dofs;
+    use crate::tests::says;
 
     fn warnings(limits: &[(f64, f64)], angles: Angles, rows: &[Vec<f64>]) -> String {
         let mut joints = dofs(&["a", "b", "c"][..limits.len()]);
@@ -384,7 +385,11 @@ mod tests {
         let mut suspicions = Suspicions::new("f", &joints, angles);
         suspicions.see(&Block {
             line: vec![0; rows.len()],
-            q: rows.concat(),
+            q: rows
+                .iter()
+                .flat_map(|row| &row[..limits.len()])
+                .copied()
+                .collect(),
             ..Block::default()
         });
         let mut warnings = Vec::new();
@@ -395,38 +400,22 @@ mod tests {
     }
 
     #[test]
-    fn whole_angles_look_like_degrees() {
-        let rows: Vec<Vec<f64>> = (0..30).map(|k| vec![f64::from(k % 6)]).collect();
-        let said = warnings(&[(-6.0, 6.0)], Angles::Rad, &rows);
-        assert!(
-            said.contains("whole numbers") && said.contains("give `angles` or"),
-            "{said}"
-        );
-        let rows: Vec<Vec<f64>> = (0..30).map(|k| vec![f64::from(k) / 31.0]).collect();
-        assert_eq!(warnings(&[(-6.0, 6.0)], Angles::Rad, &rows), "");
-    }
-
-    #[test]
-    fn radians_read_in_degrees_are_noticed() {
-        let rows: Vec<Vec<f64>> = (1..40)
-            .map(|k| vec![(f64::from(k) / 20.0).to_radians()])
-            .collect();
-        let said = warnings(&[(-2.0, 2.0)], Angles::Deg, &rows);
-        assert!(said.contains("radians"), "{said}");
-    }
-
-    #[test]
-    fn swapped_columns_are_named_both() {
-        let rows: Vec<Vec<f64>> = (0..40)
-            .map(|k| vec![1.0 + f64::from(k) / 80.0, -0.1])
-            .collect();
-        let said = warnings(&[(-0.5, 0.5), (-0.5, 2.0)], Angles::Rad, &rows);
-        assert!(said.contains("`a`") && said.contains("`b`"), "{said}");
-        assert_eq!(said.lines().count(), 1, "{said}");
-        assert_eq!(
-            warnings(&[(-0.5, 2.0), (-0.5, 0.5)], Angles::Rad, &rows),
-            ""
-        );
+    fn angles_in_another_unit_and_swapped_columns_are_noticed() {
+        let column = |q: &dyn Fn(f64) -> f64| -> Vec<Vec<f64>> {
+            (1..40).map(|k| vec![q(f64::from(k)), -0.1]).collect()
+        };
+        let wide = [(-6.0, 6.0), (-0.5, 0.5)];
+        let of = |limits, angles, q: &dyn Fn(f64) -> f64| warnings(limits, angles, &column(q));
+        let whole = of(&wide[..1], Angles::Rad, &|k| k % 6.0);
+        says(whole, &["whole numbers", "give `angles` or"]);
+        assert_eq!(of(&wide[..1], Angles::Rad, &|k| k / 41.0), "");
+        let radians = of(&[(-2.0, 2.0)], Angles::Deg, &|k| (k / 20.0).to_radians());
+        says(radians, &["radians"]);
+        let beyond = |k: f64| 1.0 + k / 80.0;
+        let swapped = of(&[(-0.5, 0.5), (-0.5, 2.0)], Angles::Rad, &beyond);
+        says(&swapped, &["`a`", "`b`"]);
+        assert_eq!(swapped.lines().count(), 1, "{swapped}");
+        assert_eq!(of(&[(-0.5, 2.0), (-0.5, 0.5)], Angles::Rad, &beyond), "");
     }
 
     /// Two joints that swing at 0.4 and 0.3 Hz, rows `step` seconds apart, stamped in units of
@@ -464,10 +453,7 @@ mod tests {
         }
         assert_eq!(stamps.other_unit(), None);
         assert_eq!(stamps.all_the_same(), None);
-    }
-
-    #[test]
-    fn one_stamp_for_all_rows_is_said() {
+        // One stamp for all rows.
         let mut stamps = Stamps::new(&dofs(&["a"]));
         for k in 0..40 {
             stamps.see(&[7.0], &[f64::from(k)]);

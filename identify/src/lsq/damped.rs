@@ -153,12 +153,7 @@ mod tests {
             At::new(x, &residual, &slopes)
         };
         let found = minimise(at(vec![-1.2, 1.0]), &[1.0, 1.0], at);
-        assert!(
-            found.value < SETTLED,
-            "{} at {:?}",
-            found.value,
-            found.unknowns
-        );
+        assert!(found.value < SETTLED, "{:?}", found.unknowns);
         assert!(found.unknowns.iter().all(|x| (x - 1.0).abs() < 0.05));
     }
 

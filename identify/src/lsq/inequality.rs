@@ -252,6 +252,7 @@ fn nearest(face: &Face, below: &Linear) -> Result<Vec<usize>, NoAnswer> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::noise;
 
     fn rows(matrix: DMatrix<f64>, right: &[f64]) -> Linear {
         Linear {
@@ -263,29 +264,19 @@ mod tests {
     /// The point of a triangle nearest to (2, 2, 2): worked out by hand.
     #[test]
     fn the_nearest_point_of_a_simplex() {
+        let sums = DMatrix::from_fn(2, 3, |row, _| [1.0, 2.0][row]);
+        let signs = DMatrix::from_fn(4, 3, |row, column| match (row, column) {
+            (3, 0) => 5.0,
+            _ => -f64::from(u8::from(row == column)),
+        });
         let problem = |cap: f64, at: [f64; 3]| ConstrainedProblem {
             squares: rows(DMatrix::identity(3, 3), &at),
-            equal: rows(
-                DMatrix::from_row_slice(2, 3, &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0]),
-                &[1.0, 2.0],
-            ),
-            at_most: rows(
-                DMatrix::from_row_slice(
-                    4,
-                    3,
-                    &[
-                        -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 5.0, 0.0, 0.0,
-                    ],
-                ),
-                &[0.0, 0.0, 0.0, 5.0 * cap],
-            ),
+            equal: rows(sums.clone(), &[1.0, 2.0]),
+            at_most: rows(signs.clone(), &[0.0, 0.0, 0.0, 5.0 * cap]),
         };
         let near = |found: &Answer, v: [f64; 3]| {
-            assert!(
-                (&found.v - DVector::from_column_slice(&v)).amax() < 1e-14,
-                "{}",
-                found.v
-            );
+            let off = &found.v - DVector::from_column_slice(&v);
+            assert!(off.amax() < 1e-14, "{}", found.v);
         };
         let third = 1.0 / 3.0;
         let free = problem(1.0, [2.0; 3]).solve().unwrap();
@@ -296,10 +287,8 @@ mod tests {
         assert_eq!(capped.active, [3]);
         let corner = problem(1.0, [5.0, -4.0, -4.0]).solve().unwrap();
         near(&corner, [1.0, 0.0, 0.0]);
-        assert_eq!(
-            problem(-0.1, [2.0; 3]).solve().unwrap_err(),
-            NoAnswer::Infeasible
-        );
+        let empty = problem(-0.1, [2.0; 3]).solve().unwrap_err();
+        assert_eq!(empty, NoAnswer::Infeasible);
         let mut torn = problem(1.0, [2.0; 3]);
         torn.equal.right[1] = 2.1;
         assert_eq!(torn.solve().unwrap_err(), NoAnswer::Contradiction);
@@ -307,13 +296,8 @@ mod tests {
     /// Karush, Kuhn and Tucker's conditions, on problems drawn at random.
     #[test]
     fn no_direction_is_better() {
-        let mut state = 7_u64;
-        let mut draw = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
-        };
+        // Within half of one.
+        let mut draw = noise(12_f64.sqrt().recip());
         let mut felt = 0;
         for _ in 0..30 {
             let n = 8;
@@ -333,22 +317,13 @@ mod tests {
             let face = problem.equal.stacked(&problem.at_most, &active);
             let a = &problem.squares.matrix;
             let slope = a.transpose() * (&problem.squares.right - a * &v);
-            let multipliers = face
-                .matrix
-                .transpose()
-                .svd(true, true)
-                .solve(&slope, 1e-12)
-                .unwrap();
-            let rest = face.matrix.transpose() * &multipliers - &slope;
-            assert!(
-                rest.amax() < 1e-9 * slope.amax().max(1.0),
-                "{}",
-                rest.amax()
-            );
-            assert!(
-                multipliers.iter().skip(2).all(|m| *m > -1e-6),
-                "{multipliers}"
-            );
+            let columns = face.matrix.transpose();
+            let svd = columns.clone().svd(true, true);
+            let multipliers = svd.solve(&slope, 1e-12).unwrap();
+            let rest = (columns * &multipliers - &slope).amax();
+            assert!(rest < 1e-9 * slope.amax().max(1.0), "{rest}");
+            let mut of_bounds = multipliers.iter().skip(2);
+            assert!(of_bounds.all(|m| *m > -1e-6), "{multipliers}");
         }
         assert!(felt > 20, "{felt} bounds felt");
     }

@@ -266,15 +266,11 @@ mod tests {
     fn degrees_jitter_as_degrees() {
         let row =
             |postures: &mut Grouping<()>, q: f64| postures.of_row((1, ""), &[q, 30.0], DOWN).1;
+        let (same, moved) = (Visit::Same, Visit::Moved);
         let mut degrees = Grouping::of_any_unit();
-        assert_eq!(
-            [5.0, 5.1, 8.0].map(|q| row(&mut degrees, q)),
-            [Visit::Same, Visit::Same, Visit::Moved]
-        );
+        let visits = [5.0, 5.1, 8.0].map(|q| row(&mut degrees, q));
+        assert_eq!(visits, [same, same, moved]);
         let mut turns = Grouping::default();
-        assert_eq!(
-            [5.0, 5.1].map(|q| row(&mut turns, q)),
-            [Visit::Same, Visit::Moved]
-        );
+        assert_eq!([5.0, 5.1].map(|q| row(&mut turns, q)), [same, moved]);
     }
 }

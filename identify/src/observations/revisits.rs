@@ -133,11 +133,8 @@ mod tests {
         let sizes = [(0, 2.9), (1, 2.0), (0, 3.0), (2, 1.0), (0, 2.5), (1, 1.9)];
         let rows = DMatrix::from_fn(12, 3, |row, column| {
             let (direction, size) = sizes[row / 2];
-            if row % 2 == 0 && column == direction {
-                size
-            } else {
-                0.0
-            }
+            let is_along = row % 2 == 0 && column == direction;
+            if is_along { size } else { 0.0 }
         });
         assert_eq!(spread(&rows, 3), [2, 1, 3]);
         assert_eq!(spread(&rows, 9).len(), 6);
@@ -155,10 +152,8 @@ mod tests {
         assert!(asked.poses.iter().all(|pose| poses.contains(pose)));
         let again = Again::among(Untold::Noise, &rows, &poses, Some(&slow));
         assert_eq!(again, Some(asked));
-        assert_eq!(
-            Again::among(Untold::Noise, &rows, &poses, Some(&fast)),
-            None
-        );
+        let again = Again::among(Untold::Noise, &rows, &poses, Some(&fast));
+        assert_eq!(again, None);
         assert_eq!(Again::among(Untold::Noise, &rows, &poses[..9], None), None);
         let of_visits = Again::among(Untold::Visits, &rows, &poses, None).unwrap();
         assert!(of_visits.sentence.contains("leaving each in between"));

@@ -192,27 +192,21 @@ mod tests {
         let std = Matrix2::from_diagonal(&Vector2::new(1e-6, 4e-6));
         // Edges at 20 mm; 15 + 1 + 2 · 1 mm along x, 12 + 1 + 2 · 2 mm along y.
         assert!((square.violation(Vector2::new(0.015, 0.012), &std, 2.0) + 0.002).abs() < 1e-12);
-        assert_eq!(
-            square.sentence(),
-            "|x|, |y| <= 20.0 mm, 1.0 mm from its edge"
-        );
+        let said = "|x|, |y| <= 20.0 mm, 1.0 mm from its edge";
+        assert_eq!(square.sentence(), said);
     }
 
     #[test]
     fn a_sole_is_the_hull_of_its_points() {
         let sole = Region::sole("0,0; 0.1,0; 0.05,0.02; 0.1,0.05; 0,0.05", 0.0).unwrap();
-        assert_eq!(
-            sole.corners,
-            [[0.0, 0.0], [0.1, 0.0], [0.1, 0.05], [0.0, 0.05]]
-        );
+        let corners = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.05], [0.0, 0.05]];
+        assert_eq!(sole.corners, corners);
         assert_eq!(sole.bounds(), [(0.0, 0.1), (0.0, 0.05)]);
         let outside = sole.violation(Vector2::new(0.12, 0.02), &Matrix2::zeros(), 2.0);
         assert!((outside - 0.02).abs() < 1e-15);
         let flat = ["0,0; 1,0", "0,0; 1,0; 2,0"];
-        for bad in ["0,0; 1,x; 1,1", "0,0; NaN,1; 1,1", "0;1;2"]
-            .iter()
-            .chain(&flat)
-        {
+        let odd = ["0,0; 1,x; 1,1", "0,0; NaN,1; 1,1", "0;1;2"];
+        for bad in odd.into_iter().chain(flat) {
             assert!(Region::sole(bad, 0.0).is_err(), "{bad}");
         }
         let said = Region::sole("gone.csv", 0.0).unwrap_err().to_string();

@@ -198,26 +198,17 @@ mod tests {
         assert_eq!(first.pose.origin, Vector3::new(1.0, 2.0, 3.0));
         for link in ["b", "c", "d", "e"] {
             let named = |note: &String| note.ends_with(&format!(": {link}"));
-            assert!(
-                geometry.notes.iter().any(named),
-                "{link}: {:?}",
-                geometry.notes
-            );
+            assert!(geometry.notes.iter().any(named), "{link}");
         }
     }
 
     #[test]
     fn reach_is_that_of_the_solid() {
         let slanted = Vector3::new(0.6, 0.0, 0.8);
-        let cylinder = Solid::Cylinder {
-            radius: 0.1,
-            half: 0.5,
-        };
+        let (radius, half) = (0.1, 0.5);
+        let cylinder = Solid::Cylinder { radius, half };
         assert!((cylinder.reach(&slanted) - (0.06 + 0.4)).abs() < 1e-15);
-        let capsule = Solid::Capsule {
-            radius: 0.1,
-            half: 0.5,
-        };
+        let capsule = Solid::Capsule { radius, half };
         assert!((capsule.reach(&slanted) - 0.5).abs() < 1e-15);
         let mut cut = description();
         cut.text.truncate(20);

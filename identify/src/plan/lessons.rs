@@ -88,19 +88,14 @@ mod tests {
     #[test]
     fn deviations_after_all_postures_are_those_of_one_fit() {
         let regressor = DMatrix::from_fn(4, 12, |i, j| ((i * 31 + j * j * 7) as f64 * 0.61).sin());
-        let prior = DMatrix::from_fn(
-            4,
-            4,
-            |i, j| if i == j { 0.5 } else { 0.05 * (i + j) as f64 },
-        );
+        let entry = |i: usize, j: usize| if i == j { 0.5 } else { 0.05 * (i + j) as f64 };
+        let prior = DMatrix::from_fn(4, 4, entry);
         let (noise, order) = (0.2, [4, 0, 3]);
         let steps = deviations(&regressor, &prior, noise, &order);
         assert_eq!(steps.len(), 4);
         let own = |count: usize| {
-            let columns: Vec<usize> = order[..count]
-                .iter()
-                .flat_map(|k| [2 * k, 2 * k + 1])
-                .collect();
+            let columns = order[..count].iter().flat_map(|k| [2 * k, 2 * k + 1]);
+            let columns: Vec<usize> = columns.collect();
             let rows = regressor.select_columns(&columns) / noise;
             let information =
                 (&prior * prior.transpose()).try_inverse().unwrap() + &rows * rows.transpose();
@@ -109,11 +104,8 @@ mod tests {
         for (count, step) in steps.iter().enumerate() {
             let expected = own(count);
             for (k, std) in step.iter().enumerate() {
-                let expected = expected[(k, k)].sqrt();
-                assert!(
-                    (std / expected - 1.0).abs() < 1e-9,
-                    "{count} {k}: {std} {expected}"
-                );
+                let off = std / expected[(k, k)].sqrt() - 1.0;
+                assert!(off.abs() < 1e-9, "{count} {k}: {off}");
             }
         }
     }

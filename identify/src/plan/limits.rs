@@ -327,10 +327,8 @@ mod tests {
     #[test]
     fn ranges_of_joints_by_name_have_the_faults_of_a_file() {
         let limits = Limits::of_joints([("knee", (-0.5, 9.0)), ("lift", (0.1, 0.2))], &dofs());
-        assert_eq!(
-            limits.unwrap().ranges,
-            [(-0.5, 2.0), (0.1, 0.2), (-1.0, 1.0)]
-        );
+        let ranges = [(-0.5, 2.0), (0.1, 0.2), (-1.0, 1.0)];
+        assert_eq!(limits.unwrap().ranges, ranges);
         let cases = [
             ("kne", (0.0, 1.0), "no joint `kne`"),
             ("knee", (1.0, -1.0), "`knee`: lower 1 is above upper -1"),

@@ -198,47 +198,39 @@ mod tests {
             let parameters = named(name).parameters.iter();
             parameters.map(|p| (p.name, p.unit)).collect()
         };
-        assert_eq!(
-            parameters("joint_offset"),
-            [("offset_rad", "rad"), ("offset_m", "m")]
-        );
+        let both = [("offset_rad", "rad"), ("offset_m", "m")];
+        assert_eq!(parameters("joint_offset"), both);
         assert_eq!(parameters("joint_sign"), []);
         assert_eq!(parameters("payload")[0], ("mass_kg", "kg"));
-        assert_eq!(named("joint_offset").target.to_string(), "joint");
-        assert_eq!(named("backlash").target.to_string(), "joint or all");
-        assert_eq!(named("joint_swap").target.to_string(), "two joints");
-        assert_eq!(named("payload").target.to_string(), "link");
-        assert_eq!(named("cell_gain").target.to_string(), "cell");
-        assert_eq!(named("sensor_offset").target.to_string(), "-");
-        assert_eq!(
-            named("units").target.to_string(),
-            "degrees, millimetres, centimetres"
-        );
+        for (name, target) in [
+            ("joint_offset", "joint"),
+            ("backlash", "joint or all"),
+            ("joint_swap", "two joints"),
+            ("payload", "link"),
+            ("cell_gain", "cell"),
+            ("sensor_offset", "-"),
+            ("units", "degrees, millimetres, centimetres"),
+        ] {
+            assert_eq!(named(name).target.to_string(), target);
+        }
     }
 
     #[test]
     fn an_effect_of_a_file_is_said_in_words_with_its_name() {
-        for (effect, target, said) in [
+        for (label, said) in [
+            ("joint_offset:l_knee", "an offset of l_knee"),
+            ("backlash:all", "backlash in every joint"),
+            ("sensor_axes:flip_x", "a flipped x axis of the sensor"),
             (
-                "joint_offset",
-                "l_knee",
-                "an offset of l_knee (joint_offset:l_knee)",
+                "joint_swap:l_el,r_el",
+                "encoders of l_el and r_el plugged into each other's channel",
             ),
-            ("backlash", "all", "backlash in every joint (backlash:all)"),
-            (
-                "sensor_axes",
-                "flip_x",
-                "a flipped x axis of the sensor (sensor_axes:flip_x)",
-            ),
-            (
-                "joint_swap",
-                "l_el,r_el",
-                "encoders of l_el and r_el plugged into each other's channel (joint_swap:l_el,r_el)",
-            ),
-            ("ground_slope", "-", "a slope of the ground (ground_slope)"),
-            ("of_tomorrow", "l_knee", "of_tomorrow:l_knee"),
         ] {
-            assert_eq!(subject(effect, target), said);
+            let (effect, target) = label.split_once(':').unwrap();
+            assert_eq!(subject(effect, target), format!("{said} ({label})"));
         }
+        let slope = "a slope of the ground (ground_slope)";
+        assert_eq!(subject("ground_slope", "-"), slope);
+        assert_eq!(subject("of_tomorrow", "l_knee"), "of_tomorrow:l_knee");
     }
 }

@@ -219,17 +219,17 @@ mod tests {
 
     #[test]
     fn a_name_is_a_stem_and_a_unit() {
-        let told = |name: &str| (Unit::stem(name), Unit::of(name).shown().1);
-        assert_eq!(told("force_x_n"), ("force x".to_string(), "N"));
-        assert_eq!(told("offset_x_m"), ("offset x".to_string(), "mm"));
-        assert_eq!(
-            told("stiffness_nm_per_rad"),
-            ("stiffness".to_string(), "Nm/rad")
-        );
-        assert_eq!(told("delay_s"), ("delay".to_string(), "ms"));
-        assert_eq!(told("mass_kg"), ("mass".to_string(), "g"));
-        assert_eq!(told("yaw_rad"), ("yaw".to_string(), "°"));
-        assert_eq!(told("slope_x"), ("slope x".to_string(), ""));
+        for (name, stem, unit) in [
+            ("force_x_n", "force x", "N"),
+            ("offset_x_m", "offset x", "mm"),
+            ("stiffness_nm_per_rad", "stiffness", "Nm/rad"),
+            ("delay_s", "delay", "ms"),
+            ("mass_kg", "mass", "g"),
+            ("yaw_rad", "yaw", "°"),
+            ("slope_x", "slope x", ""),
+        ] {
+            assert_eq!((&*Unit::stem(name), Unit::of(name).shown().1), (stem, unit));
+        }
         assert_eq!(Unit::of("m"), Unit::One);
     }
 

@@ -60,54 +60,34 @@ fn files_that_belong_together_appear_together() {
 
 #[cfg(unix)]
 #[test]
-fn a_link_stays_a_link() {
-    let folder = Folder::new("link");
-    let link = folder.0.join("link");
-    write(&folder.0.join("a.txt"), "old").unwrap();
-    std::os::unix::fs::symlink(folder.0.join("a.txt"), &link).unwrap();
-    write(&link, "new").unwrap();
-    assert!(link.is_symlink());
-    assert_eq!(fs::read_to_string(folder.0.join("a.txt")).unwrap(), "new");
-}
+fn links_and_permissions_are_kept_and_protected_files_stay() {
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
 
-#[cfg(unix)]
-#[test]
-fn planted_links_are_not_followed() {
-    let folder = Folder::new("planted");
-    let precious = folder.0.join("precious");
-    fs::write(&precious, "old").unwrap();
+    let folder = Folder::new("mode");
+    let [path, link] = ["a.txt", "link"].map(|name| folder.0.join(name));
+    let protect = |mode| fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+    fs::write(&path, "old").unwrap();
+    symlink(&path, &link).unwrap();
+    protect(0o600);
+    write(&link, "new").unwrap();
+    let mode = || fs::metadata(&path).unwrap().permissions().mode() & 0o777;
+    assert!(link.is_symlink() && mode() == 0o600);
+    protect(0o444);
+    let error = write(&path, "newer").unwrap_err();
+    assert!(format!("{error:?}").contains("write-protected"));
+    assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+    assert_eq!(folder.names(), ["a.txt", "link"]);
+    // Links that were planted where unfinished files stand are not followed.
     for k in 0..1000 {
         let name = format!(".sesc-{}-{k}.part", std::process::id());
-        std::os::unix::fs::symlink(&precious, folder.0.join(name)).unwrap();
+        symlink(&path, folder.0.join(name)).unwrap();
     }
     let pair = [("a.h", "1"), ("a.c", "2")];
     let pair = pair.map(|(name, text)| (folder.0.join(name), text.to_string()));
     write_all_if_changed(&pair).unwrap();
-    assert_eq!(fs::read_to_string(&precious).unwrap(), "old");
-    assert_eq!(fs::read_to_string(folder.0.join("a.c")).unwrap(), "2");
-    assert!(!folder.0.join("a.c").is_symlink());
-}
-
-#[cfg(unix)]
-#[test]
-fn permissions_are_kept_and_protected_files_stay() {
-    use std::os::unix::fs::PermissionsExt as _;
-
-    let folder = Folder::new("mode");
-    let path = folder.0.join("a.txt");
-    fs::write(&path, "old").unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
-    write(&path, "new").unwrap();
-    let mode = || fs::metadata(&path).unwrap().permissions().mode() & 0o777;
-    assert_eq!(mode(), 0o600);
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
-    let error = write(&path, "newer").unwrap_err();
-    assert!(
-        format!("{error:?}").contains("write-protected"),
-        "{error:?}"
-    );
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
-    assert_eq!(folder.names(), ["a.txt"]);
+    assert_eq!(fs::read_to_string(&pair[1].0).unwrap(), "2");
+    assert!(!pair[1].0.is_symlink());
 }
 
 /// A rename onto `/dev/stdout` takes away the file that a shell appends to.
@@ -162,25 +142,19 @@ fn what_is_read_and_what_is_written_are_compared_where_they_really_are() {
         access.writes(written.iter().cloned()).check()
     };
     assert!(check(&[at("b.urdf"), at("missing")]).is_ok());
+    let refused = |written: &[PathBuf], words: &str| {
+        assert!(check(written).unwrap_err().contains(words), "{written:?}");
+    };
     let again = folder.0.join("..").join(folder.0.file_name().unwrap());
-    assert!(
-        check(&[again.join("a.urdf")])
-            .unwrap_err()
-            .contains("is read here")
-    );
-    assert!(check(&[at("l.csv.toml")]).unwrap_err().contains("sidecar"));
-    let twice = [at("new/x"), again.join("new/x")];
-    assert!(check(&twice).unwrap_err().contains("two outputs"));
+    refused(&[again.join("a.urdf")], "is read here");
+    refused(&[at("l.csv.toml")], "sidecar");
+    refused(&[at("new/x"), again.join("new/x")], "two outputs");
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink(at("a.urdf"), at("link")).unwrap();
-        assert!(check(&[at("link")]).unwrap_err().contains("is read here"));
+        refused(&[at("link")], "is read here");
         std::os::unix::fs::symlink(&folder.0, at("here")).unwrap();
-        assert!(
-            check(&[at("here/a.urdf")])
-                .unwrap_err()
-                .contains("is read here")
-        );
+        refused(&[at("here/a.urdf")], "is read here");
     }
 }
 

@@ -268,23 +268,6 @@ mod tests {
     const OLD: &str = "robot = \"r\"\nhash = \"h\"\nsupport = \"foot\"\nparameters = []\n";
 
     #[test]
-    fn a_file_of_a_newer_format_is_refused_whatever_else_is_in_it() {
-        for text in [
-            format!("format = 2\n{OLD}"),
-            format!("format = 2\n{OLD}data = \"of another kind\"\n"),
-        ] {
-            let error = ModelFile::parse(&text, "model.toml")
-                .unwrap_err()
-                .to_string();
-            assert!(error.contains("format 2"), "{error}");
-            assert!(error.contains("up to 1"), "{error}");
-        }
-        for text in [format!("format = 0\n{OLD}"), format!("format = -1\n{OLD}")] {
-            assert!(ModelFile::parse(&text, "model.toml").is_err(), "{text}");
-        }
-    }
-
-    #[test]
     fn a_file_that_says_no_format_has_the_first_and_is_written_so() {
         let file = ModelFile::parse(OLD, "model.toml").unwrap();
         let first = ModelFile::parse(&format!("format = 1\n{OLD}"), "model.toml").unwrap();

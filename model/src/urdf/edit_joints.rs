@@ -249,14 +249,10 @@ mod tests {
             assert_eq!(line(&text, k), line(&expected, k));
         }
         assert_eq!(edit_joints(&original(), &[]).unwrap(), TEXT);
-    }
-
-    #[test]
-    fn a_quaternion_becomes_roll_pitch_and_yaw() {
+        // A quaternion becomes roll, pitch and yaw.
         let text = edit_joints(&original(), &[shift("m", 0.1)]).unwrap();
-        let read = parse(&text, "r.urdf").unwrap();
-        let rpy = read.joints[3].origin.rpy;
-        assert!((rpy[2] - 0.1 - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        let yaw = parse(&text, "r.urdf").unwrap().joints[3].origin.rpy[2];
+        assert!((yaw - 0.1 - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert_eq!(text.matches("quat_xyzw").count(), 1);
     }
 
@@ -270,20 +266,17 @@ mod tests {
         let loads = [on("e", 0.3), on("a&b", 0.1), on("e", 0.2)];
         let text = add_loads(&original(), &loads).unwrap();
         let read = parse(&text, "r.urdf").unwrap();
-        let names: Vec<&str> = read.links[5..]
-            .iter()
-            .map(|link| link.name.as_str())
-            .collect();
+        let names = [5, 6, 7].map(|k: usize| read.links[k].name.as_str());
         assert_eq!(names, ["payload_e_2", "payload_a&b", "payload_e_3"]);
+        assert_eq!(read.links.len(), 8);
         assert_eq!(read.joints[4].origin.xyz, loads[0].at_m);
         assert_eq!(read.joints[5].parent, "a&b");
         assert_eq!(read.links[7].inertial.mass_kg, 0.2);
         // What was there stands around it as it did.
         let (before, after) = TEXT.split_at(TEXT.rfind("\r\n</robot>").unwrap());
         assert!(text.starts_with(before) && text.ends_with(after));
-        assert!(
-            text.contains("\r\n  <link name=\"payload_e_2\">\r\n    <inertial>\r\n      <mass")
-        );
+        let first = "\r\n  <link name=\"payload_e_2\">\r\n    <inertial>\r\n      <mass";
+        assert!(text.contains(first));
         assert_eq!(add_loads(&original(), &[]).unwrap(), TEXT);
     }
 }

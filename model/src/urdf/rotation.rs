@@ -88,19 +88,12 @@ mod tests {
     #[test]
     fn quarter_turns_are_exact() {
         let h = std::f64::consts::FRAC_1_SQRT_2;
+        for axis in 0..3 {
+            let (mut quaternion, mut rpy) = ([0.0, 0.0, 0.0, h], [0.0; 3]);
+            (quaternion[axis], rpy[axis]) = (h, FRAC_PI_2);
+            assert_eq!(rpy_of_quaternion(quaternion), Some(rpy));
+        }
         assert_eq!(rpy_of_quaternion([0.0, 0.0, 0.0, 1.0]), Some([0.0; 3]));
-        assert_eq!(
-            rpy_of_quaternion([0.0, 0.0, h, h]),
-            Some([0.0, 0.0, FRAC_PI_2])
-        );
-        assert_eq!(
-            rpy_of_quaternion([h, 0.0, 0.0, h]),
-            Some([FRAC_PI_2, 0.0, 0.0])
-        );
-        assert_eq!(
-            rpy_of_quaternion([0.0, h, 0.0, h]),
-            Some([0.0, FRAC_PI_2, 0.0])
-        );
         assert_eq!(rpy_of_quaternion([0.0; 4]), None);
     }
 

@@ -200,11 +200,8 @@ mod tests {
             to_columns(&rows, width, count, columns.each_mut());
             for (k, column) in columns.iter().enumerate() {
                 for (row, value) in column.iter().enumerate() {
-                    let wanted = if row < count {
-                        rows[row * width + k]
-                    } else {
-                        0.0
-                    };
+                    let read = || rows[row * width + k];
+                    let wanted = if row < count { read() } else { 0.0 };
                     assert_eq!(*value, wanted, "row {row} of {count}, of {width} numbers");
                 }
             }
@@ -221,11 +218,9 @@ mod tests {
             to_rows(columns, &factors, &mut rows, width, count);
             for (place, value) in rows.iter().enumerate() {
                 let (row, k) = (place / width, place % width);
-                let wanted = if row < count && k < LINE {
-                    columns[k][row] * factors[k]
-                } else {
-                    0.0
-                };
+                let written = || columns[k][row] * factors[k];
+                let is_written = row < count && k < LINE;
+                let wanted = if is_written { written() } else { 0.0 };
                 assert_eq!(*value, wanted, "row {row} of {count}, of {width} numbers");
             }
         }

@@ -2,41 +2,9 @@
 
 use sesc_model::effects::{self, Catalog, EffectContext, PostureContext};
 use sesc_model::tape::{Kernels, Tape, Values};
-use sesc_model::{Function, Given, Model, Snapping, urdf};
+use sesc_model::{Function, Given, Model};
 
-const GRAVITY: f64 = 9.80665;
-
-/// An inverted pendulum: `rod` rotates about y, 0.05 m above the sole.
-const PENDULUM: &str = r#"<robot name="pendulum">
-    <link name="foot"><inertial><mass value="0.5"/><origin xyz="0.01 0.02 0.02"/></inertial></link>
-    <link name="rod"><inertial><mass value="2"/><origin xyz="0 0 0.4"/></inertial></link>
-    <joint name="ankle" type="revolute"><parent link="foot"/><child link="rod"/>
-        <origin xyz="0 0 0.05"/><axis xyz="0 1 0"/>
-        <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
-</robot>"#;
-
-/// A lift that carries an arm with a skewed axis, and a hand that follows, with LOAD.
-const LIFT: &str = r#"<robot name="lift">
-    <link name="base"><inertial><mass value="3"/><origin xyz="0.01 0 0.1"/></inertial></link>
-    <link name="mast"><inertial><mass value="1"/><origin xyz="0 0.1 0.2"/></inertial></link>
-    <link name="arm"><inertial><mass value="0.8"/><origin xyz="0.2 0 0.05"/>
-        <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/></inertial></link>
-    <link name="hand"><inertial><mass value="0.4"/><origin xyz="0.1 0.02 0"/></inertial></link>
-    <joint name="rail" type="prismatic"><parent link="base"/><child link="mast"/>
-        <axis xyz="0.1 0 1"/><limit lower="0" upper="0.4" effort="1" velocity="1"/></joint>
-    <joint name="shoulder" type="revolute"><parent link="mast"/><child link="arm"/>
-        <origin xyz="0 0 0.3" rpy="0.3 0.2 0.1"/><axis xyz="1 2 0.5"/>
-        <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
-    <joint name="wrist" type="revolute"><parent link="arm"/><child link="hand"/>
-        <origin xyz="0.4 0 0"/><axis xyz="0 1 0"/>
-        <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
-    LOAD
-</robot>"#;
-
-fn model(text: &str, support: &str) -> Model {
-    let description = urdf::parse(text, "robot.urdf").unwrap();
-    Model::new(&description, support, Snapping::Off).unwrap()
-}
+use crate::{GRAVITY, LIFT, PENDULUM, model};
 
 /// How the joints are and move.
 struct Motion<'a> {
@@ -56,12 +24,9 @@ fn reading(
 ) -> [f64; 2] {
     let mut context = EffectContext::new(model, &[], true, Catalog::standard());
     context.moving = true;
-    let instances = effects::instances(&context);
+    let mut instances = effects::instances(&context).into_iter();
     let label = format!("{effect}:{target}");
-    let instance = instances
-        .into_iter()
-        .find(|one| one.label(&context) == label);
-    let instance = instance.unwrap();
+    let instance = instances.find(|one| one.label(&context) == label).unwrap();
     let unknowns = instance.effect.unknowns(&context, &instance.target, values);
     let layout = PostureContext::of(model);
     let mut posture = vec![0.0; layout.len()];
@@ -170,10 +135,8 @@ fn a_load_in_space_is_that_of_a_urdf_which_has_it() {
     };
     let zmp = |model: &Model, moves: bool| {
         let still = [0.0; 3];
-        let (rates, gains) = match moves {
-            true => (motion.rates, motion.gains),
-            false => (&still[..], &still[..]),
-        };
+        let of = |moving| if moves { moving } else { &still[..] };
+        let (rates, gains) = (of(motion.rates), of(motion.gains));
         let program = model.program(Function::Zmp, Given::Positions).unwrap();
         let params = model.cad_params();
         let arguments = [motion.q, rates, gains, &params].map(Values::Shared);
@@ -184,10 +147,8 @@ fn a_load_in_space_is_that_of_a_urdf_which_has_it() {
     // The CoM along the path of the joints, differentiated.
     let height = |t: f64| {
         let moves = motion.rates.iter().zip(motion.gains).zip(motion.q);
-        let q: Vec<f64> = moves
-            .map(|((v, a), q)| q + t * v + 0.5 * t * t * a)
-            .collect();
-        bare.com_by_sum(&q)[2]
+        let q = moves.map(|((v, a), q)| q + t * v + 0.5 * t * t * a);
+        bare.com_by_sum(&q.collect::<Vec<_>>())[2]
     };
     let step = 1e-3;
     let lift = (height(step) - 2.0 * height(0.0) + height(-step)) / (step * step) / GRAVITY;

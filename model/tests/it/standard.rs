@@ -39,11 +39,7 @@ fn both_feet_share_their_parameters() {
     for (robot, supports) in ROBOTS {
         let [left, right] = models(robot, supports);
         let shift = left.params_from(&right);
-        assert!(
-            shift.unexplained < 1e-12,
-            "{robot}: {:.1e}",
-            shift.unexplained
-        );
+        assert!(shift.unexplained < 1e-12, "{robot}");
         let there = DVector::from_vec(right.cad_params());
         let here = DVector::from_vec(left.cad_params());
         let error = (&shift.matrix * there + &shift.offset - here).amax();

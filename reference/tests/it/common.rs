@@ -1,10 +1,46 @@
 //! Robots and postures that several tests share.
 
-use sesc_reference::{Error, ErrorKind, Reference, Robot};
+use sesc_reference::{Error, ErrorKind, Reference, Robot, World};
 
-/// Reads a robot from its links and joints alone.
-pub fn robot(body: &str) -> Robot {
-    Robot::from_urdf(&format!("<robot name='test'>{body}</robot>")).expect("the test robot reads")
+/// Reads a robot from lines: URDF, `link NAME MASS_KG COM_M`, or `KIND NAME PARENT CHILD` of a
+/// joint, behind which `|` stand the attributes of its origin, and its axis, limit and mimic.
+pub fn robot(text: &str) -> Robot {
+    Robot::from_urdf(&urdf("name='test'", text)).expect("the test robot reads")
+}
+
+/// The URDF of such lines with these attributes of the robot.
+pub fn urdf(attributes: &str, text: &str) -> String {
+    let element = |line: &str| {
+        let mut parts = line.split('|').map(str::trim);
+        let words: Vec<&str> = parts.next().unwrap().split_whitespace().collect();
+        match words[..] {
+            ["link", name, kg, x, y, z] => format!(
+                "<link name='{name}'><inertial><origin xyz='{x} {y} {z}'/><mass value='{kg}'/>\
+                 </inertial></link>"
+            ),
+            [kind, name, parent, child] if !kind.starts_with('<') => format!(
+                "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>\
+                 <origin {}/>{}</joint>",
+                parts.next().unwrap_or_default(),
+                parts.next().unwrap_or_default()
+            ),
+            _ => line.to_owned(),
+        }
+    };
+    let elements: String = text
+        .trim()
+        .lines()
+        .map(|line| element(line.trim()))
+        .collect();
+    format!("<robot {attributes}>{elements}</robot>")
+}
+
+/// Asserts that numbers are as near as that, each to its own.
+#[track_caller]
+pub fn near<const N: usize>(found: [f64; N], expected: [f64; N], tolerance: f64) {
+    let squares = found.iter().zip(expected).map(|(a, b)| (a - b) * (a - b));
+    let error = squares.sum::<f64>().sqrt();
+    assert!(error < tolerance, "{found:?} is not {expected:?}");
 }
 
 /// What an error is about, of a call that must have one.
@@ -12,102 +48,27 @@ pub fn kind<T>(found: Result<T, Error>) -> ErrorKind {
     found.err().expect("this call is refused").kind()
 }
 
-/// A link with mass.
-pub fn link(name: &str, mass_kg: f64, com_m: [f64; 3]) -> String {
-    let [x, y, z] = com_m;
-    format!(
-        "<link name='{name}'><inertial><origin xyz='{x} {y} {z}'/><mass value='{mass_kg}'/>\
-         </inertial></link>"
-    )
-}
-
-/// A joint; `more` holds axis, limit and mimic.
-pub fn joint(
-    name: &str,
-    kind: &str,
-    parent: &str,
-    child: &str,
-    origin: &str,
-    more: &str,
-) -> String {
-    format!(
-        "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>\
-         <origin {origin}/>{more}</joint>"
-    )
-}
-
 /// A tree with every way of moving: branches, skewed axes, a prismatic joint, a mimic, a
 /// fixed joint, a massless link. Root `torso`; four revolute joints, one prismatic,
 /// one mimic.
 pub fn bushy() -> Robot {
     robot(
-        &[
-            link("torso", 3.0, [0.02, -0.01, 0.1]),
-            link("thigh", 1.1, [0.01, 0.02, -0.2]),
-            link("shin", 0.7, [-0.01, 0.005, -0.15]),
-            link("foot", 0.3, [0.03, 0.0, -0.02]),
-            "<link name='sole'/>".to_owned(),
-            link("arm", 0.5, [0.1, 0.03, 0.02]),
-            link("piston", 0.2, [0.0, 0.04, 0.01]),
-            link("finger", 0.05, [0.02, 0.01, 0.0]),
-            joint(
-                "hip",
-                "revolute",
-                "torso",
-                "thigh",
-                "xyz='0 -0.1 -0.1' rpy='0.1 0.2 -0.3'",
-                "<axis xyz='1 2 -1'/>",
-            ),
-            joint(
-                "knee",
-                "revolute",
-                "thigh",
-                "shin",
-                "xyz='0.01 0 -0.4'",
-                "<axis xyz='0 1 0.1'/>",
-            ),
-            joint(
-                "ankle",
-                "continuous",
-                "shin",
-                "foot",
-                "xyz='0 0.01 -0.3' rpy='0 0.5 0'",
-                "<axis xyz='0.3 1 0'/>",
-            ),
-            joint(
-                "flange",
-                "fixed",
-                "foot",
-                "sole",
-                "xyz='0.05 0 -0.05' rpy='0.02 -0.5 0.4'",
-                "",
-            ),
-            joint(
-                "shoulder",
-                "revolute",
-                "torso",
-                "arm",
-                "xyz='0 0.2 0.3' rpy='1.5 0 0'",
-                "<axis xyz='1 1 1'/>",
-            ),
-            joint(
-                "slide",
-                "prismatic",
-                "arm",
-                "piston",
-                "xyz='0.2 0 0' rpy='0 0 0.7'",
-                "<axis xyz='1 0.5 0'/>",
-            ),
-            joint(
-                "curl",
-                "revolute",
-                "piston",
-                "finger",
-                "xyz='0.1 0 0'",
-                "<axis xyz='0 0 1'/><mimic joint='shoulder' multiplier='-0.7' offset='0.2'/>",
-            ),
-        ]
-        .concat(),
+        "link torso 3.0 0.02 -0.01 0.1
+         link thigh 1.1 0.01 0.02 -0.2
+         link shin 0.7 -0.01 0.005 -0.15
+         link foot 0.3 0.03 0.0 -0.02
+         <link name='sole'/>
+         link arm 0.5 0.1 0.03 0.02
+         link piston 0.2 0.0 0.04 0.01
+         link finger 0.05 0.02 0.01 0.0
+         revolute hip torso thigh | xyz='0 -0.1 -0.1' rpy='0.1 0.2 -0.3' | <axis xyz='1 2 -1'/>
+         revolute knee thigh shin | xyz='0.01 0 -0.4' | <axis xyz='0 1 0.1'/>
+         continuous ankle shin foot | xyz='0 0.01 -0.3' rpy='0 0.5 0' | <axis xyz='0.3 1 0'/>
+         fixed flange foot sole | xyz='0.05 0 -0.05' rpy='0.02 -0.5 0.4'
+         revolute shoulder torso arm | xyz='0 0.2 0.3' rpy='1.5 0 0' | <axis xyz='1 1 1'/>
+         prismatic slide arm piston | xyz='0.2 0 0' rpy='0 0 0.7' | <axis xyz='1 0.5 0'/>
+         revolute curl piston finger | xyz='0.1 0 0' | <axis xyz='0 0 1'/>\
+         <mimic joint='shoulder' multiplier='-0.7' offset='0.2'/>",
     )
 }
 
@@ -136,19 +97,9 @@ pub fn postures(reference: &Reference, count: usize) -> Vec<Vec<f64>> {
 /// foot: at `q` it stands at x = 0.5 sin q, z = 0.1 + 0.5 cos q.
 pub fn leaning() -> Robot {
     robot(
-        &[
-            "<link name='foot'/>".to_owned(),
-            link("stick", LEANING_KG, [0.0, 0.0, LEANING_M]),
-            joint(
-                "ankle",
-                "continuous",
-                "foot",
-                "stick",
-                "xyz='0 0 0.1'",
-                "<axis xyz='0 1 0'/>",
-            ),
-        ]
-        .concat(),
+        "<link name='foot'/>
+         link stick 2 0 0 0.5
+         continuous ankle foot stick | xyz='0 0 0.1' | <axis xyz='0 1 0'/>",
     )
 }
 
@@ -158,18 +109,21 @@ pub const LEANING_M: f64 = 0.5;
 /// The same thing, described from the stick down: the foot is the ankle's child.
 pub fn leaning_from_above() -> Robot {
     robot(
-        &[
-            link("stick", LEANING_KG, [0.0, 0.0, LEANING_M]),
-            "<link name='foot'/>".to_owned(),
-            joint(
-                "ankle",
-                "continuous",
-                "stick",
-                "foot",
-                "",
-                "<axis xyz='0 -1 0'/>",
-            ),
-        ]
-        .concat(),
+        "link stick 2 0 0 0.5
+         <link name='foot'/>
+         continuous ankle stick foot | | <axis xyz='0 -1 0'/>",
     )
+}
+
+/// The leaning stick as it stands on its foot.
+pub fn stick() -> World {
+    World::new(&leaning(), "foot").unwrap()
+}
+
+/// The tree and its reference on its sole, and its virtual robot.
+pub fn bushy_on_sole() -> (Robot, Reference, World) {
+    let robot = bushy();
+    let reference = Reference::new(&robot, "sole").unwrap();
+    let world = World::new(&robot, "sole").unwrap();
+    (robot, reference, world)
 }

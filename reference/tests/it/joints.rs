@@ -2,65 +2,49 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::common::{bushy, joint, link, postures, robot};
+use crate::common::{bushy, near, postures, robot, urdf};
 use nalgebra::Vector3;
-use sesc_reference::{ErrorKind, Reference};
-
-fn assert_near(found: Vector3<f64>, expected: [f64; 3]) {
-    let error = (found - Vector3::from(expected)).norm();
-    assert!(error < 1e-15, "{found} is not {expected:?}");
-}
+use sesc_reference::{ErrorKind, Reference, Robot};
 
 #[test]
 fn a_skewed_axis_is_made_a_unit_axis() {
     // A third of a turn about the space diagonal takes x to y, y to z, z to x.
     let robot = robot(
-        &[
-            "<link name='base'/>".to_owned(),
-            link("arm", 2.0, [0.1, 0.2, 0.3]),
-            joint(
-                "j",
-                "revolute",
-                "base",
-                "arm",
-                "xyz='1 0 0'",
-                "<axis xyz='7 7 7'/>",
-            ),
-        ]
-        .concat(),
+        "<link name='base'/>
+         link arm 2 0.1 0.2 0.3
+         revolute j base arm | xyz='1 0 0' | <axis xyz='7 7 7'/>",
     );
     let reference = Reference::new(&robot, "base").unwrap();
-    assert_near(reference.com(&[TAU / 3.0]), [1.3, 0.1, 0.2]);
-    assert_near(reference.com(&[-TAU / 3.0]), [1.2, 0.3, 0.1]);
+    for (q, com) in [(TAU / 3.0, [1.3, 0.1, 0.2]), (-TAU / 3.0, [1.2, 0.3, 0.1])] {
+        near(reference.com(&[q]).into(), com, 1e-15);
+    }
 }
 
 #[test]
 fn an_origin_turns_by_roll_then_pitch_then_yaw() {
-    // Roll takes y to z; pitch then takes z to x; yaw then takes x to y.
     let quarter = FRAC_PI_2;
-    let arm = |origin: &str, version: &str| {
-        let body = [
-            "<link name='base'/>".to_owned(),
-            link("arm", 1.0, [0.0, 1.0, 0.0]),
-            joint("j", "fixed", "base", "arm", origin, ""),
-        ]
-        .concat();
-        let text = format!("<robot name='r' {version}>{body}</robot>");
-        let robot = sesc_reference::Robot::from_urdf(&text).unwrap();
-        Reference::new(&robot, "base").unwrap().com(&[])
-    };
-    assert_near(arm(&format!("rpy='{quarter} 0 0'"), ""), [0.0, 0.0, 1.0]);
-    assert_near(
-        arm(&format!("rpy='{quarter} {quarter} 0'"), ""),
-        [1.0, 0.0, 0.0],
-    );
-    assert_near(
-        arm(&format!("rpy='{quarter} {quarter} {quarter}'"), ""),
-        [0.0, 1.0, 0.0],
-    );
-    // The quaternion of any length, heeded from version 1.1 on: y to z to x.
-    assert_near(arm("quat_xyzw='3 3 3 3'", "version='1.1'"), [0.0, 0.0, 1.0]);
-    assert_near(arm("quat_xyzw='3 3 3 3'", ""), [0.0, 1.0, 0.0]);
+    for (origin, version, com) in [
+        // Roll takes y to z; pitch then takes z to x; yaw then takes x to y.
+        (format!("rpy='{quarter} 0 0'"), "", [0.0, 0.0, 1.0]),
+        (format!("rpy='{quarter} {quarter} 0'"), "", [1.0, 0.0, 0.0]),
+        (
+            format!("rpy='{quarter} {quarter} {quarter}'"),
+            "",
+            [0.0, 1.0, 0.0],
+        ),
+        // The quaternion of any length, heeded from version 1.1 on: y to z to x.
+        (
+            "quat_xyzw='3 3 3 3'".into(),
+            "version='1.1'",
+            [0.0, 0.0, 1.0],
+        ),
+        ("quat_xyzw='3 3 3 3'".into(), "", [0.0, 1.0, 0.0]),
+    ] {
+        let arm = format!("<link name='base'/>\nlink arm 1 0 1 0\nfixed j base arm | {origin}");
+        let robot = Robot::from_urdf(&urdf(&format!("name='r' {version}"), &arm)).unwrap();
+        let reference = Reference::new(&robot, "base").unwrap();
+        near(reference.com(&[]).into(), com, 1e-15);
+    }
 }
 
 /// urdf-rs would round the pitch of these to ±90°.
@@ -72,18 +56,11 @@ fn quaternions_near_upright_keep_their_angles() {
             let turn = nalgebra::UnitQuaternion::from_euler_angles(0.3, pitch, -1.1);
             let Quaternion { coords } = turn.into_inner();
             let [x, y, z, w]: [f64; 4] = coords.into();
-            let text = format!(
-                "<robot name='r' version='1.1'><link name='base'/><link name='arm'/>{}</robot>",
-                joint(
-                    "j",
-                    "fixed",
-                    "base",
-                    "arm",
-                    &format!("quat_xyzw='{x} {y} {z} {w}'"),
-                    ""
-                )
+            let arm = format!(
+                "<link name='base'/><link name='arm'/>
+                 fixed j base arm | quat_xyzw='{x} {y} {z} {w}'"
             );
-            let read = sesc_reference::Robot::from_urdf(&text).unwrap();
+            let read = Robot::from_urdf(&urdf("name='r' version='1.1'", &arm)).unwrap();
             let error = read.joints()[0].origin.rotation.matrix() - Rotation3::from(turn).matrix();
             assert!(error.norm() < 1e-15, "{pitch}: {error}");
         }
@@ -93,82 +70,35 @@ fn quaternions_near_upright_keep_their_angles() {
 #[test]
 fn a_slide_moves_along_its_axis() {
     let robot = robot(
-        &[
-            link("base", 1.0, [0.0, 0.0, 0.0]),
-            link("lift", 3.0, [0.0, 0.1, 0.0]),
-            joint(
-                "j",
-                "prismatic",
-                "base",
-                "lift",
-                "xyz='0 0 1'",
-                "<axis xyz='0 3 4'/>",
-            ),
-        ]
-        .concat(),
+        "link base 1 0 0 0
+         link lift 3 0 0.1 0
+         prismatic j base lift | xyz='0 0 1' | <axis xyz='0 3 4'/>",
     );
     let reference = Reference::new(&robot, "base").unwrap();
-    assert_near(reference.com(&[0.5]), [0.0, 0.75 * 0.4, 0.75 * 1.4]);
+    let com = [0.0, 0.75 * 0.4, 0.75 * 1.4];
+    near(reference.com(&[0.5]).into(), com, 1e-15);
     // From the lift, the base goes the other way.
     let from_lift = Reference::new(&robot, "lift").unwrap();
-    assert_near(
-        from_lift.com(&[0.5]),
-        [0.0, 0.75 * 0.1 - 0.25 * 0.3, -0.25 * 1.4],
-    );
+    let com = [0.0, 0.75 * 0.1 - 0.25 * 0.3, -0.25 * 1.4];
+    near(from_lift.com(&[0.5]).into(), com, 1e-15);
     let jacobian = reference.com_jacobian(&[0.5]);
     assert!((jacobian.column(0) - Vector3::new(0.0, 0.45, 0.6)).norm() < 1e-12);
 }
 
 #[test]
 fn a_mimic_follows_through_chains() {
-    let z = "<axis xyz='0 0 1'/>";
-    let follow = |what: &str| format!("{z}<mimic {what}/>");
-    let arm = |name: &str| link(name, 1.0, [1.0, 0.0, 0.0]);
     // All on the base, so that each shows its own angle. Followers come first.
-    let robot = robot(
-        &[
-            "<link name='base'/>".to_owned(),
-            arm("a"),
-            arm("b"),
-            arm("c"),
-            arm("d"),
-            arm("e"),
-            joint(
-                "last",
-                "revolute",
-                "base",
-                "a",
-                "",
-                &follow("joint='middle' multiplier='-2' offset='0.1'"),
-            ),
-            joint(
-                "middle",
-                "revolute",
-                "base",
-                "b",
-                "",
-                &follow("joint='lead' multiplier='0.5' offset='0.3'"),
-            ),
-            joint("lead", "revolute", "base", "c", "", z),
-            joint(
-                "rigid",
-                "fixed",
-                "base",
-                "d",
-                "",
-                &follow("joint='nowhere'"),
-            ),
-            joint(
-                "held",
-                "revolute",
-                "base",
-                "e",
-                "",
-                &follow("joint='rigid' multiplier='5' offset='0.7'"),
-            ),
-        ]
-        .concat(),
-    );
+    let z = "<axis xyz='0 0 1'/>";
+    let links = ["a", "b", "c", "d", "e"].map(|name| format!("link {name} 1 1 0 0\n"));
+    let robot = robot(&format!(
+        "<link name='base'/>
+         {}revolute last base a | | {z}<mimic joint='middle' multiplier='-2' offset='0.1'/>
+         revolute middle base b | | {z}<mimic joint='lead' multiplier='0.5' offset='0.3'/>
+         revolute lead base c | | {z}
+         fixed rigid base d | | {z}<mimic joint='nowhere'/>
+         revolute held base e | | {z}<mimic joint='rigid' multiplier='5' offset='0.7'/>",
+        links.concat()
+    ));
     let reference = Reference::new(&robot, "base").unwrap();
     assert_eq!(reference.joint_names(), ["lead"]);
     let lead: f64 = 0.4;
@@ -198,11 +128,8 @@ fn every_support_sees_the_same_point() {
         let l = robot.link_index(&link.name).unwrap();
         for q in postures(&torso, 20) {
             let seen = torso.link_poses(&q)[l] * nalgebra::Point3::from(other.com(&q));
-            assert!(
-                (seen.coords - torso.com(&q)).norm() < 1e-14,
-                "{}",
-                link.name
-            );
+            let error = seen.coords - torso.com(&q);
+            assert!(error.norm() < 1e-14, "{}", link.name);
             let own = other.link_poses(&q)[l];
             assert!((own.to_homogeneous() - nalgebra::Matrix4::identity()).norm() < 1e-14);
         }
@@ -281,29 +208,12 @@ fn the_jacobian_is_the_slope_of_the_com_on_every_support() {
 
 #[test]
 fn a_free_joint_must_carry_no_mass_away() {
-    let body = [
-        "<link name='world'/>".to_owned(),
-        link("base", 2.0, [0.1, 0.0, 0.0]),
-        link("arm", 1.0, [0.0, 0.2, 0.0]),
-        joint(
-            "free",
-            "floating",
-            "world",
-            "base",
-            "xyz='5 6 7' rpy='0.1 0.2 0.3'",
-            "",
-        ),
-        joint(
-            "j",
-            "revolute",
-            "base",
-            "arm",
-            "xyz='0 0 0.5'",
-            "<axis xyz='0 0 1'/>",
-        ),
-    ]
-    .concat();
-    let floating = robot(&body);
+    let body = "<link name='world'/>
+        link base 2 0.1 0 0
+        link arm 1 0 0.2 0
+        floating free world base | xyz='5 6 7' rpy='0.1 0.2 0.3'
+        revolute j base arm | xyz='0 0 0.5' | <axis xyz='0 0 1'/>";
+    let floating = robot(body);
     let reference = Reference::new(&floating, "base").unwrap();
     // Ten metres of way to the root and back cost a digit.
     let error = reference.com(&[FRAC_PI_2]) - Vector3::new(0.0, 0.0, 0.5 / 3.0);
@@ -320,38 +230,20 @@ fn a_free_joint_must_carry_no_mass_away() {
 
 #[test]
 fn ranges_have_width() {
-    let j = |kind: &str, n: usize, more: &str| {
-        joint(&format!("j{n}"), kind, "base", &format!("l{n}"), "", more)
-    };
-    let links: String = (0..9).map(|n| format!("<link name='l{n}'/>")).collect();
-    let body = [
-        link("base", 1.0, [0.0; 3]),
-        links,
-        j("revolute", 0, "<limit lower='-0.5' upper='1'/>"),
-        j("revolute", 1, ""),
-        j("revolute", 2, "<limit effort='1' velocity='1'/>"),
-        j("revolute", 3, "<limit lower='0.2' upper='0.2'/>"),
-        j("continuous", 4, "<limit lower='-1' upper='1'/>"),
-        j("prismatic", 5, ""),
-        j("prismatic", 6, "<limit lower='0' upper='0.3'/>"),
-        j("revolute", 7, "<limit lower='-1'/>"),
-        j("revolute", 8, "<limit lower='-inf' upper='inf'/>"),
-    ]
-    .concat();
-    let limits = Reference::new(&robot(&body), "base").unwrap().limits();
     let full = (-PI, PI);
-    assert_eq!(
-        limits,
-        [
-            (-0.5, 1.0),
-            full,
-            full,
-            full,
-            full,
-            (-1.0, 1.0),
-            (0.0, 0.3),
-            (-1.0, 0.0),
-            full
-        ]
-    );
+    for (kind, limit, range) in [
+        ("revolute", "<limit lower='-0.5' upper='1'/>", (-0.5, 1.0)),
+        ("revolute", "", full),
+        ("revolute", "<limit effort='1' velocity='1'/>", full),
+        ("revolute", "<limit lower='0.2' upper='0.2'/>", full),
+        ("continuous", "<limit lower='-1' upper='1'/>", full),
+        ("prismatic", "", (-1.0, 1.0)),
+        ("prismatic", "<limit lower='0' upper='0.3'/>", (0.0, 0.3)),
+        ("revolute", "<limit lower='-1'/>", (-1.0, 0.0)),
+        ("revolute", "<limit lower='-inf' upper='inf'/>", full),
+    ] {
+        let joint = format!("link base 1 0 0 0\n<link name='l'/>\n{kind} j base l | | {limit}");
+        let limits = Reference::new(&robot(&joint), "base").unwrap().limits();
+        assert_eq!(limits, [range], "{kind} {limit}");
+    }
 }

@@ -3,7 +3,6 @@
 mod common;
 mod dynamics;
 mod joints;
-mod op2;
 mod pendulum;
 mod rank;
 mod reading;

@@ -1,6 +1,6 @@
 //! Regressor columns by definition, and how many of them data can tell apart.
 
-use crate::common::{bushy, joint, link, postures, robot};
+use crate::common::{bushy, bushy_on_sole, postures, robot};
 use nalgebra::{DMatrix, DVector};
 use sesc_reference::{Reference, Robot, numeric_rank};
 
@@ -18,8 +18,7 @@ fn ranks(robot: &Robot, support: &str) -> (usize, usize) {
 
 #[test]
 fn columns_are_the_com_of_unit_parameters() {
-    let robot = bushy();
-    let reference = Reference::new(&robot, "sole").unwrap();
+    let (robot, reference, _) = bushy_on_sole();
     for q in postures(&reference, 10) {
         let columns = reference.standard_columns(&q);
         for k in 0..columns.ncols() {
@@ -42,85 +41,64 @@ fn rank_is_three_and_two_per_revolute_and_one_per_prismatic_joint() {
     let robot = bushy();
     for link in robot.links() {
         let expected = 3 + 2 * 5 + 1;
-        assert_eq!(
-            ranks(&robot, &link.name),
-            (expected, expected - 1),
-            "{}",
-            link.name
-        );
+        let found = ranks(&robot, &link.name);
+        assert_eq!(found, (expected, expected - 1), "{}", link.name);
     }
 }
 
 #[test]
-fn parallel_axes_are_told_apart() {
-    let y = "<axis xyz='0 1 0'/>";
-    let body = [
-        link("a", 1.0, [0.0; 3]),
-        "<link name='b'/><link name='c'/>".to_owned(),
-        joint("j", "revolute", "a", "b", "xyz='0 0 1'", y),
-        joint("k", "revolute", "b", "c", "xyz='0 0 1'", y),
-    ]
-    .concat();
-    // Massless links count as well.
-    assert_eq!(ranks(&robot(&body), "a"), (7, 6));
-    // A parallelogram: the second joint undoes the first and adds nothing.
-    let tie = format!("{y}<mimic joint='j' multiplier='-1'/>");
-    let k = joint("k", "revolute", "b", "c", "xyz='0 0 1'", y);
-    let tied = body.replace(&k, &k.replace(y, &tie));
-    assert_eq!(ranks(&robot(&tied), "a"), (5, 4));
-}
-
-#[test]
-fn a_vertical_prismatic_joint_is_not_observable_on_flat_ground() {
-    let lift = |axis: &str| {
-        let body = [
-            link("a", 1.0, [0.0; 3]),
-            "<link name='b'/><link name='c'/>".to_owned(),
-            joint("lift", "prismatic", "a", "b", "", axis),
-            joint("turn", "revolute", "b", "c", "", "<axis xyz='0 1 0'/>"),
-        ];
-        ranks(&robot(&body.concat()), "a")
+fn ranks_of_small_robots_are_counted_by_hand() {
+    let of = |links: &str, joints: &str, support: &str| {
+        ranks(&robot(&format!("{links}\n{joints}")), support)
     };
-    assert_eq!(lift("<axis xyz='0 0 1'/>"), (6, 4));
-    assert_eq!(lift("<axis xyz='0.1 0 1'/>"), (6, 5));
-}
-
-#[test]
-fn fingers_that_slide_in_step_count_once() {
+    // Massless links count as well.
+    let links = "link a 1 0 0 0\n<link name='b'/><link name='c'/>";
     let y = "<axis xyz='0 1 0'/>";
-    let body = [
-        link("a", 1.0, [0.0; 3]),
-        "<link name='b'/><link name='c'/>".to_owned(),
-        joint("left", "prismatic", "a", "b", "", y),
-        joint(
-            "right",
-            "prismatic",
-            "a",
-            "c",
-            "",
-            "<axis xyz='0 -1 0'/><mimic joint='left'/>",
+    for (joints, expected) in [
+        // Parallel axes are told apart.
+        (
+            format!("revolute j a b|xyz='0 0 1'|{y}\nrevolute k b c|xyz='0 0 1'|{y}"),
+            (7, 6),
         ),
-    ];
-    assert_eq!(ranks(&robot(&body.concat()), "a"), (4, 3));
-}
-
-/// Fixed joints add nothing; the support's own body gives the three constants.
-#[test]
-fn a_rigid_robot_has_three_parameters() {
-    let body = [
-        link("a", 1.0, [0.1, 0.2, 0.3]),
-        link("b", 1.0, [0.1, 0.2, 0.3]),
-        joint("weld", "fixed", "a", "b", "xyz='1 2 3' rpy='1 2 3'", ""),
-    ];
-    assert_eq!(ranks(&robot(&body.concat()), "b"), (3, 2));
+        // A parallelogram: the second joint undoes the first and adds nothing.
+        (
+            format!(
+                "revolute j a b|xyz='0 0 1'|{y}\n\
+                 revolute k b c|xyz='0 0 1'|{y}<mimic joint='j' multiplier='-1'/>"
+            ),
+            (5, 4),
+        ),
+        // A vertical prismatic joint is not observable on flat ground, a leaning one is.
+        (
+            format!("prismatic lift a b||<axis xyz='0 0 1'/>\nrevolute turn b c||{y}"),
+            (6, 4),
+        ),
+        (
+            format!("prismatic lift a b||<axis xyz='0.1 0 1'/>\nrevolute turn b c||{y}"),
+            (6, 5),
+        ),
+        // Fingers that slide in step count once.
+        (
+            format!(
+                "prismatic left a b||{y}\n\
+                 prismatic right a c||<axis xyz='0 -1 0'/><mimic joint='left'/>"
+            ),
+            (4, 3),
+        ),
+    ] {
+        assert_eq!(of(links, &joints, "a"), expected, "{joints}");
+    }
+    // Fixed joints add nothing; the support's own body gives the three constants.
+    let rigid = "link a 1 0.1 0.2 0.3\nlink b 1 0.1 0.2 0.3";
+    let weld = "fixed weld a b | xyz='1 2 3' rpy='1 2 3'";
+    assert_eq!(of(rigid, weld, "b"), (3, 2));
 }
 
 /// The CoM functions of robots with the same joints and any positive masses
 /// fill a space of the rank's dimension, although their fractions sum to one.
 #[test]
 fn the_sum_to_one_costs_no_dimension() {
-    let robot = bushy();
-    let reference = Reference::new(&robot, "sole").unwrap();
+    let (robot, reference, _) = bushy_on_sole();
     let postures = postures(&reference, 40);
     let rows = reference.stacked_columns(&postures, XYZ);
     let own = reference.standard_parameters();
@@ -140,7 +118,7 @@ fn the_sum_to_one_costs_no_dimension() {
             parameters
                 .iter()
                 .step_by(4)
-                .all(|&fraction| fraction >= 0.0)
+                .all(|fraction| *fraction >= 0.0)
         );
         functions.push(&rows * parameters - &rows * &own);
     }

@@ -1,12 +1,12 @@
 //! What is forgiven in a file, and what is not.
 
-use crate::common::{joint, kind, robot};
+use crate::common::{kind, robot, urdf};
 use sesc_reference::{Error, ErrorKind, Reference, Robot};
 
 const PAIR: &str = "<link name='a'><inertial><mass value='1'/></inertial></link><link name='b'/>";
 
 fn read(body: &str) -> Result<Robot, Error> {
-    Robot::from_urdf(&format!("<robot name='r'>{body}</robot>"))
+    Robot::from_urdf(&urdf("name='r'", body))
 }
 
 /// An error with all that caused it.
@@ -70,7 +70,8 @@ fn numbers_are_kept_to_the_last_bit() {
 
 #[test]
 fn mistakes_are_named() {
-    let j = |kind: &str, more: &str| format!("{PAIR}{}", joint("j", kind, "a", "b", "", more));
+    let j = |kind: &str, more: &str| format!("{PAIR}\n{kind} j a b | | {more}");
+    let fixed = |joint: &str| format!("{}\nfixed {joint}", j("fixed", ""));
     let cases = [
         ("", "no links"),
         ("<link name='a'/><link name='a'/>", "link `a` appears twice"),
@@ -110,35 +111,11 @@ fn mistakes_are_named() {
         ),
         (&j("revolute", "<mimic joint='j'/>"), "mimics itself"),
         (&j("revolute", "<mimic/>"), "missing field `joint`"),
-        (
-            &j("revolute", "").replace("child link='b'", "child link='c'"),
-            "there is no link `c`",
-        ),
-        (
-            &j("revolute", "").replace("child link='b'", "child link='a'"),
-            "do not form one tree",
-        ),
-        (
-            &format!(
-                "{}<joint name='j' type='fixed'><parent link='b'/><child link='a'/></joint>",
-                j("fixed", "")
-            ),
-            "joint `j` appears twice",
-        ),
-        (
-            &format!(
-                "{}<joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint>",
-                j("fixed", "")
-            ),
-            "closed circle",
-        ),
-        (
-            &format!(
-                "{}<joint name='k' type='fixed'><parent link='a'/><child link='b'/></joint>",
-                j("fixed", "")
-            ),
-            "link `b` hangs on both `j` and `k`",
-        ),
+        (&format!("{PAIR}\nrevolute j a c"), "there is no link `c`"),
+        (&format!("{PAIR}\nrevolute j a a"), "do not form one tree"),
+        (&fixed("j b a"), "joint `j` appears twice"),
+        (&fixed("k b a"), "closed circle"),
+        (&fixed("k a b"), "link `b` hangs on both `j` and `k`"),
     ];
     for (body, message) in cases {
         let error = chain(&read(body).expect_err(body));
@@ -158,24 +135,13 @@ fn mistakes_are_named() {
     let error = Robot::from_urdf("<sdf/>").unwrap_err();
     assert_eq!(error.kind(), ErrorKind::NotARobot);
     assert!(error.to_string().contains("<sdf>"), "{error}");
-    let two = "<robot version='1.1'><link name='a'/><link name='b'/>";
-    let both = format!(
-        "{two}{}</robot>",
-        joint(
-            "j",
-            "fixed",
-            "a",
-            "b",
-            "rpy='0 0 0' quat_xyzw='0 0 0 1'",
-            ""
-        )
-    );
-    assert_eq!(kind(Robot::from_urdf(&both)), ErrorKind::TwoOrientations);
-    let zero = format!(
-        "{two}{}</robot>",
-        joint("j", "fixed", "a", "b", "quat_xyzw='0 0 0 0'", "")
-    );
-    assert_eq!(kind(Robot::from_urdf(&zero)), ErrorKind::NoQuaternion);
+    let turned = |origin: &str| {
+        let pair = format!("<link name='a'/><link name='b'/>\nfixed j a b | {origin}");
+        kind(Robot::from_urdf(&urdf("version='1.1'", &pair)))
+    };
+    let both = turned("rpy='0 0 0' quat_xyzw='0 0 0 1'");
+    assert_eq!(both, ErrorKind::TwoOrientations);
+    assert_eq!(turned("quat_xyzw='0 0 0 0'"), ErrorKind::NoQuaternion);
     assert_eq!(kind(Robot::from_file("no such file")), ErrorKind::File);
 }
 

@@ -1,45 +1,29 @@
 //! Each imperfection against its own formula.
 
-use std::f64::consts::FRAC_PI_2;
-
-use crate::common::{bushy, kind, postures};
+use crate::common::{bushy_on_sole, kind, near, postures, stick};
 use nalgebra::{Point3, Rotation3, Vector3};
-use sesc_reference::{ErrorKind, Reference, World};
-
-fn assert_near(found: [f64; 2], expected: [f64; 2]) {
-    let error = (found[0] - expected[0]).hypot(found[1] - expected[1]);
-    assert!(error < 1e-15, "{found:?} is not {expected:?}");
-}
-
-#[test]
-fn a_true_world_reads_the_com() {
-    let robot = bushy();
-    let world = World::new(&robot, "sole").unwrap();
-    let reference = Reference::new(&robot, "sole").unwrap();
-    for q in postures(&reference, 20) {
-        let com = reference.com(&q);
-        assert_eq!(world.com(&q), com);
-        assert_eq!(world.cop(&q), [com.x, com.y]);
-    }
-}
+use sesc_reference::ErrorKind;
 
 #[test]
 fn joints_are_scaled_then_shifted() {
-    let robot = bushy();
-    let reference = Reference::new(&robot, "sole").unwrap();
-    let world = World::new(&robot, "sole")
-        .unwrap()
+    let (_, reference, plain) = bushy_on_sole();
+    let world = plain
+        .clone()
         .joint_offset("shoulder", 0.1)
         .unwrap()
         .joint_scale("shoulder", 1.2)
         .unwrap()
         .joint_offset("knee", -0.05)
         .unwrap();
+    let index = |joint: &str| reference.robot().dof_index(joint).unwrap();
     for q in postures(&reference, 20) {
+        // A world without faults reads the CoM.
+        let com = reference.com(&q);
+        assert_eq!((plain.com(&q), plain.cop(&q)), (com, [com.x, com.y]));
         let mut bent = q.clone();
-        bent[reference.robot().dof_index("shoulder").unwrap()] *= 1.2;
-        bent[reference.robot().dof_index("shoulder").unwrap()] += 0.1;
-        bent[reference.robot().dof_index("knee").unwrap()] -= 0.05;
+        bent[index("shoulder")] *= 1.2;
+        bent[index("shoulder")] += 0.1;
+        bent[index("knee")] -= 0.05;
         assert_eq!(world.true_posture(&q), bent);
         assert_eq!(world.com(&q), reference.com(&bent));
     }
@@ -47,13 +31,11 @@ fn joints_are_scaled_then_shifted() {
 
 #[test]
 fn a_payload_is_one_more_mass() {
-    let robot = bushy();
-    let reference = Reference::new(&robot, "sole").unwrap();
+    let (robot, reference, plain) = bushy_on_sole();
     let arm = robot.link_index("arm").unwrap();
     let at = [0.1, -0.2, 0.05];
     for mass in [0.4, -0.1] {
-        let world = World::new(&robot, "sole").unwrap();
-        let world = world.payload("arm", mass, at).unwrap();
+        let world = plain.clone().payload("arm", mass, at).unwrap();
         for q in postures(&reference, 20) {
             let place = reference.link_poses(&q)[arm] * Point3::from(at);
             let total = reference.total_mass();
@@ -62,8 +44,7 @@ fn a_payload_is_one_more_mass() {
         }
     }
     // A payload on the massless sole, then another one, then none.
-    let world = World::new(&robot, "sole").unwrap();
-    let world = world.payload("sole", 0.0, at).unwrap();
+    let world = plain.payload("sole", 0.0, at).unwrap();
     let world = world.payload("sole", 0.2, [0.0; 3]).unwrap();
     let world = world.payload("sole", 0.2, [0.1, 0.0, 0.0]).unwrap();
     let sole = &world.robot().links()[robot.link_index("sole").unwrap()];
@@ -73,13 +54,9 @@ fn a_payload_is_one_more_mass() {
 
 #[test]
 fn slope_shifts_by_height() {
-    let robot = bushy();
-    let reference = Reference::new(&robot, "sole").unwrap();
+    let (_, reference, world) = bushy_on_sole();
     let slope = [0.05, -0.02];
-    let world = World::new(&robot, "sole")
-        .unwrap()
-        .ground_slope(slope)
-        .unwrap();
+    let world = world.ground_slope(slope).unwrap();
     // The same by turning the whole scene level: gravity straight down meets
     // the tilted sole plane through the origin.
     let gravity = Vector3::new(slope[0], slope[1], -1.0);
@@ -88,7 +65,8 @@ fn slope_shifts_by_height() {
     for q in postures(&reference, 20) {
         let com = reference.com(&q);
         let cop = world.cop(&q);
-        assert_near(cop, [com.x + com.z * slope[0], com.y + com.z * slope[1]]);
+        let shifted = [com.x + com.z * slope[0], com.y + com.z * slope[1]];
+        near(cop, shifted, 1e-15);
         let turned = level * com;
         let drop = normal.dot(&turned) / normal.z;
         let ground = level.inverse() * (turned - Vector3::z() * drop);
@@ -97,42 +75,60 @@ fn slope_shifts_by_height() {
 }
 
 #[test]
-fn the_sensor_turns_then_shifts() {
-    let robot = bushy();
-    let world = World::new(&robot, "sole").unwrap();
-    let bent = world
-        .clone()
-        .sensor_offset([0.01, 0.02])
-        .sensor_rotation(FRAC_PI_2);
-    for q in postures(&Reference::new(&robot, "sole").unwrap(), 20) {
-        let [x, y] = world.cop(&q);
-        assert_near(bent.cop(&q), [-y + 0.01, x + 0.02]);
-    }
-}
-
-#[test]
 fn mistakes_are_named() {
-    let world = World::new(&bushy(), "sole").unwrap();
-    let error = world.clone().joint_offset("curl", 0.1).unwrap_err();
+    let (_, _, world) = bushy_on_sole();
+    let on = || world.clone();
+    let error = on().joint_offset("curl", 0.1).unwrap_err();
     assert!(error.to_string().contains("`curl`"), "{error}");
-    assert_eq!(
-        kind(world.clone().joint_scale("flange", 1.1)),
-        ErrorKind::UnknownJoint
-    );
-    assert_eq!(
-        kind(world.clone().payload("hand", 0.1, [0.0; 3])),
-        ErrorKind::UnknownLink
-    );
-    assert_eq!(
-        kind(world.clone().payload("arm", -0.5, [0.0; 3])),
-        ErrorKind::Payload
-    );
-    assert_eq!(
-        kind(world.clone().gravity([0.0, 1.0, 0.0])),
-        ErrorKind::Gravity
-    );
-    assert_eq!(
-        kind(world.ground_slope([f64::NAN, 0.0])),
-        ErrorKind::Gravity
-    );
+    let error = on().link_mass("arm", 0.0, [0.0; 3]).unwrap_err();
+    assert!(error.to_string().contains("mass factor"), "{error}");
+    let bent = || {
+        stick()
+            .bending_link("ankle", [1.0, 0.0, 0.0], 50.0)
+            .unwrap()
+    };
+    for (wrong, expected) in [
+        (on().joint_scale("flange", 1.1), ErrorKind::UnknownJoint),
+        (on().joint_sign("flange"), ErrorKind::UnknownJoint),
+        (on().joint_swap("hip", "curl"), ErrorKind::UnknownJoint),
+        (
+            on().gear_error("tail", 0.1, 1.0, 0.0),
+            ErrorKind::UnknownJoint,
+        ),
+        (on().payload("hand", 0.1, [0.0; 3]), ErrorKind::UnknownLink),
+        (
+            on().external_force("hand", [0.0; 3]),
+            ErrorKind::UnknownLink,
+        ),
+        (on().payload("arm", -0.5, [0.0; 3]), ErrorKind::Payload),
+        (on().gravity([0.0, 1.0, 0.0]), ErrorKind::Gravity),
+        (on().ground_slope([f64::NAN, 0.0]), ErrorKind::Gravity),
+        (
+            bent().joint_offset("ankle hinge", 0.1),
+            ErrorKind::HiddenJoint,
+        ),
+        (
+            bent().bending_link("ankle", [0.0, 1.0, 0.0], 50.0),
+            ErrorKind::Duplicate,
+        ),
+        (
+            stick().bending_link("ankle", [0.0; 3], 50.0),
+            ErrorKind::Value,
+        ),
+        (stick().joint_compliance("ankle", 0.0), ErrorKind::Value),
+        (stick().joint_compliance_all(-3.0), ErrorKind::Value),
+        (stick().backlash("ankle", f64::NAN), ErrorKind::Value),
+        (stick().backlash_all(f64::INFINITY), ErrorKind::Value),
+        (stick().cable("ankle", 0.0, 0.1), ErrorKind::Value),
+        (
+            stick().hanging_load("stick", -0.1, [0.0; 3], 0.1),
+            ErrorKind::Value,
+        ),
+        (
+            stick().loose_mass("stick", 0.1, [0.0; 3], [0.0; 3], 0.1),
+            ErrorKind::Value,
+        ),
+    ] {
+        assert_eq!(kind(wrong), expected);
+    }
 }

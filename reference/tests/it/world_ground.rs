@@ -1,21 +1,13 @@
 //! Pulls, inertia, delays and the order of a log under the sole.
 
-use crate::common::{LEANING_KG, bushy, joint, leaning, link, postures, robot};
-use sesc_reference::{GRAVITY, Reference, Robot, Track, World};
-
-fn near(found: [f64; 2], expected: [f64; 2], tolerance: f64) {
-    let error = (found[0] - expected[0]).hypot(found[1] - expected[1]);
-    assert!(error < tolerance, "{found:?} is not {expected:?}");
-}
+use crate::common::{LEANING_KG, bushy_on_sole, near, postures, robot, stick};
+use sesc_reference::{GRAVITY, Robot, Track, World};
 
 #[test]
 fn a_pull_overturns_by_its_height() {
-    let world = World::new(&leaning(), "foot").unwrap();
     // Upright, pulled sideways at the top: 0.6 m above the sole.
-    let at = [0.0, 0.0, 0.5];
-    let pulled = world
-        .external_force_at("stick", [1.0, -2.0, 0.0], at)
-        .unwrap();
+    let (force, at) = ([1.0, -2.0, 0.0], [0.0, 0.0, 0.5]);
+    let pulled = stick().external_force_at("stick", force, at).unwrap();
     let weight = LEANING_KG * GRAVITY;
     near(pulled.cop(&[0.0]), [0.6 / weight, -1.2 / weight], 1e-15);
     // The axes are the sole's, whatever the link does.
@@ -29,9 +21,7 @@ fn a_pull_overturns_by_its_height() {
 
 #[test]
 fn a_pull_straight_down_is_a_payload() {
-    let robot = bushy();
-    let reference = Reference::new(&robot, "sole").unwrap();
-    let world = World::new(&robot, "sole").unwrap();
+    let (_, reference, world) = bushy_on_sole();
     for mass in [0.3, -0.1] {
         let force = [0.0, 0.0, -mass * GRAVITY];
         let pulled = world.clone().external_force("arm", force).unwrap();
@@ -44,44 +34,31 @@ fn a_pull_straight_down_is_a_payload() {
 
 #[test]
 fn a_pull_on_a_slope_meets_the_tilted_plane() {
-    let world = World::new(&leaning(), "foot").unwrap();
-    let pulled = world
+    let pulled = stick()
         .ground_slope([0.1, 0.0])
         .unwrap()
         .external_force("stick", [0.5, 0.0, -1.0])
         .unwrap();
     // Forces at (0, 0.6) and (0, 0.1): where their sum meets z = 0.
     let level = (1.0_f64 + 0.01).sqrt();
-    let (x, z) = (
-        LEANING_KG * GRAVITY * 0.1 / level,
-        LEANING_KG * GRAVITY / level,
-    );
+    let [x, z] = [0.1, 1.0].map(|part| LEANING_KG * GRAVITY * part / level);
     let expected = (x * 0.6 + 0.5 * 0.1) / (z + 1.0);
     near(pulled.cop(&[0.0]), [expected, 0.0], 1e-15);
 }
 
 /// A mass of 1 kg, 0.4 m up, on a prismatic joint along x.
-fn cart() -> Robot {
-    robot(
-        &[
-            "<link name='floor'/>".to_owned(),
-            link("cart", 1.0, [0.0, 0.0, 0.4]),
-            joint(
-                "rail",
-                "prismatic",
-                "floor",
-                "cart",
-                "",
-                "<axis xyz='1 0 0'/>",
-            ),
-        ]
-        .concat(),
-    )
+fn cart() -> World {
+    let cart = robot(
+        "<link name='floor'/>
+         link cart 1 0 0 0.4
+         prismatic rail floor cart | | <axis xyz='1 0 0'/>",
+    );
+    World::new(&cart, "floor").unwrap()
 }
 
 #[test]
 fn a_swinging_mass_throws_the_cop_beyond_itself() {
-    let world = World::new(&cart(), "floor").unwrap();
+    let world = cart();
     let rate = 2.0_f64;
     let times: Vec<f64> = (0..20).map(|i| 0.17 * f64::from(i)).collect();
     let track = Track::moving(times.clone(), move |t| vec![0.05 * (rate * t).sin()]);
@@ -91,17 +68,14 @@ fn a_swinging_mass_throws_the_cop_beyond_itself() {
         let x = 0.05 * (rate * t).sin();
         near(still.cop, [x, 0.0], 1e-15);
         // x - a h / g with a = -rate² x; differences of 1 ms leave 1e-9.
-        near(
-            moving.cop,
-            [x * (1.0 + 0.4 * rate * rate / GRAVITY), 0.0],
-            1e-8,
-        );
+        let thrown = x * (1.0 + 0.4 * rate * rate / GRAVITY);
+        near(moving.cop, [thrown, 0.0], 1e-8);
     }
 }
 
 #[test]
 fn late_angles_belong_to_an_earlier_reading() {
-    let world = World::new(&cart(), "floor").unwrap().time_delay(0.1);
+    let world = cart().time_delay(0.1);
     let motion = |t: f64| vec![0.05 * (3.0 * t).sin() + 0.01 * t];
     let times: Vec<f64> = (0..10).map(|i| 0.3 * f64::from(i)).collect();
     let track = Track::moving(times.clone(), motion);
@@ -123,14 +97,14 @@ fn samples_of_a_parabola_are_a_parabola() {
         .collect();
     let postures: Vec<_> = times.iter().map(|&t| vec![parabola(t)]).collect();
     for delay in [0.03, -0.03] {
-        let world = World::new(&cart(), "floor").unwrap().time_delay(delay);
+        let world = cart().time_delay(delay);
         let track = Track::sampled(times.clone(), postures.clone());
         for (t, reading) in times.iter().zip(&world.readings(&track)) {
             near(reading.cop, [parabola(t + delay), 0.0], 1e-15);
         }
     }
     // Two samples are a line, one is a place.
-    let world = World::new(&cart(), "floor").unwrap().time_delay(0.5);
+    let world = cart().time_delay(0.5);
     let two = Track::sampled(vec![0.0, 1.0], vec![vec![0.0], vec![0.02]]);
     near(world.readings(&two)[0].cop, [0.01, 0.0], 1e-17);
     let one = Track::sampled(vec![3.0], vec![vec![0.02]]);
@@ -139,7 +113,7 @@ fn samples_of_a_parabola_are_a_parabola() {
 
 #[test]
 fn drift_runs_from_the_first_pose_number_to_the_last() {
-    let world = World::new(&cart(), "floor").unwrap();
+    let world = cart();
     let world = world.sensor_drift([0.01, -0.02]);
     let track = Track::still(vec![vec![0.0]; 4]).numbered(vec![3.0, 4.0, 8.0, 13.0]);
     let found: Vec<[f64; 2]> = world.readings(&track).iter().map(|r| r.cop).collect();
@@ -152,23 +126,18 @@ fn drift_runs_from_the_first_pose_number_to_the_last() {
 
 #[test]
 fn outliers_are_as_many_and_as_far_as_asked() {
-    let world = World::new(&cart(), "floor").unwrap();
+    let world = cart();
     let track = Track::still(vec![vec![0.0]; 38]);
     let jumps = |seed| -> Vec<[f64; 2]> {
         let world = world.clone().cop_outliers(0.13, 0.01, seed).unwrap();
         world.readings(&track).iter().map(|r| r.cop).collect()
     };
     let found = jumps(1);
-    let far: Vec<f64> = found
-        .iter()
-        .map(|[x, y]| x.hypot(*y))
-        .filter(|far| *far > 0.0)
-        .collect();
+    let far = found.iter().map(|[x, y]| x.hypot(*y));
+    let far: Vec<f64> = far.filter(|far| *far > 0.0).collect();
     assert_eq!(far.len(), 5, "13 % of 38");
-    assert!(
-        far.iter().all(|far| (0.006..0.015).contains(far)),
-        "{far:?}"
-    );
+    let wide = |far: &f64| (0.006..0.015).contains(far);
+    assert!(far.iter().all(wide), "{far:?}");
     assert_eq!(found, jumps(1));
     assert_ne!(found, jumps(2));
 }

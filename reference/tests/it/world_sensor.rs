@@ -1,7 +1,7 @@
 //! Cells under a sole and what is written down.
 
-use crate::common::{bushy, kind, leaning, postures};
-use sesc_reference::{ErrorKind, Reference, Track, World};
+use crate::common::{bushy_on_sole, kind, near, postures, stick};
+use sesc_reference::{ErrorKind, Track, World};
 
 /// Half the length and half the width of the rectangle of cells, m.
 const X: f64 = 0.04;
@@ -10,18 +10,12 @@ const CELLS: [[f64; 2]; 4] = [[X, Y], [X, -Y], [-X, -Y], [-X, Y]];
 
 /// A stick that stands on cells; its lean puts the CoP at `0.5 sin q`, 0.
 fn standing() -> World {
-    let world = World::new(&leaning(), "foot").unwrap();
-    world.cells(&CELLS).unwrap()
+    stick().cells(&CELLS).unwrap()
 }
 
 fn loads(world: &World, q: f64) -> Vec<f64> {
     let track = Track::still(vec![vec![q]]);
     world.readings(&track).remove(0).cells_n
-}
-
-fn near(found: [f64; 2], expected: [f64; 2]) {
-    let error = (found[0] - expected[0]).hypot(found[1] - expected[1]);
-    assert!(error < 1e-14, "{found:?} is not {expected:?}");
 }
 
 #[test]
@@ -30,7 +24,7 @@ fn true_cells_carry_the_weight_and_keep_the_cop() {
     let weight = world.nominal_weight();
     for q in [-0.2, -0.05, 0.0, 0.03, 0.1] {
         let x = 0.5 * f64::sin(q);
-        near(world.cop(&[q]), [x, 0.0]);
+        near(world.cop(&[q]), [x, 0.0], 1e-14);
         let loads = loads(&world, q);
         assert!((loads.iter().sum::<f64>() - weight).abs() < 1e-12);
         // A plate: the front pair shares what the lever gives it.
@@ -38,10 +32,8 @@ fn true_cells_carry_the_weight_and_keep_the_cop() {
         assert!((loads[1] - loads[0]).abs() < 1e-12);
         assert!((loads[2] - weight / 4.0 * (1.0 - x / X)).abs() < 1e-12);
     }
-    assert!(
-        loads(&standing(), -0.2)[0] < 0.0,
-        "outside the cells the front must pull"
-    );
+    // Outside the cells the front must pull.
+    assert!(loads(&world, -0.2)[0] < 0.0);
 }
 
 #[test]
@@ -50,17 +42,11 @@ fn a_cell_that_would_pull_lifts_off() {
     let world = standing().payload("foot", 0.0, [0.0; 3]).unwrap();
     let (x, y) = (0.6 * X, 0.7 * Y);
     let world = world.link_mass("stick", 1.0, [x, y, 0.0]).unwrap();
-    near(world.cop(&[0.0]), [x, y]);
+    near(world.cop(&[0.0]), [x, y], 1e-14);
     let weight = world.nominal_weight();
-    let found = loads(&world, 0.0);
     // Rear right free; the others by their moments alone.
     let expected = [0.65, 0.15, 0.0, 0.2].map(|share| share * weight);
-    for (found, expected) in found.iter().zip(expected) {
-        assert!(
-            (found - expected).abs() < 1e-12,
-            "{found} is not {expected}"
-        );
-    }
+    near(loads(&world, 0.0).try_into().unwrap(), expected, 1e-12);
 }
 
 #[test]
@@ -73,20 +59,24 @@ fn each_cell_has_its_own_faults() {
         [X * excess / sum, Y * excess / sum]
     };
     let gain = world.clone().cell_gain(1, 1.2).unwrap();
-    near(gain.cop(&[0.0]), moved(1.2 * quarter));
     assert!((loads(&gain, 0.0)[0] - 1.2 * quarter).abs() < 1e-12);
-    let zero = world.clone().cell_offset(1, 0.7).unwrap();
-    near(zero.cop(&[0.0]), moved(quarter + 0.7));
-    let exponent = world.clone().cell_exponent(1, 0.9).unwrap();
-    near(
-        exponent.cop(&[0.0]),
-        moved(4.0 * quarter * 0.25_f64.powf(0.9)),
-    );
-    let full = world.clone().cell_saturation(1, 3.0).unwrap();
-    near(full.cop(&[0.0]), moved(3.0 * (quarter / 3.0).tanh()));
+    for (wrong, felt) in [
+        (gain, 1.2 * quarter),
+        (world.clone().cell_offset(1, 0.7).unwrap(), quarter + 0.7),
+        (
+            world.clone().cell_exponent(1, 0.9).unwrap(),
+            4.0 * quarter * 0.25_f64.powf(0.9),
+        ),
+        (
+            world.clone().cell_saturation(1, 3.0).unwrap(),
+            3.0 * (quarter / 3.0).tanh(),
+        ),
+    ] {
+        near(wrong.cop(&[0.0]), moved(felt), 1e-14);
+    }
     // The third cell is the rear right one.
-    let [x, y] = moved(1.2 * quarter);
-    near(world.cell_gain(3, 1.2).unwrap().cop(&[0.0]), [-x, -y]);
+    let third = world.cell_gain(3, 1.2).unwrap();
+    near(third.cop(&[0.0]), moved(1.2 * quarter).map(|x| -x), 1e-14);
 }
 
 #[test]
@@ -100,17 +90,20 @@ fn a_payload_shows_in_the_sum_of_cells() {
 }
 
 #[test]
-fn gain_then_turn_then_shift() {
-    let robot = bushy();
-    let world = World::new(&robot, "sole").unwrap();
+fn the_sensor_has_gain_then_turn_then_shift_then_axes_and_units() {
+    let (_, reference, world) = bushy_on_sole();
     let bent = world
         .clone()
         .sensor_offset([0.01, 0.02])
         .sensor_rotation(std::f64::consts::FRAC_PI_2)
         .sensor_gain([2.0, 0.5]);
-    for q in postures(&Reference::new(&robot, "sole").unwrap(), 10) {
+    let written = world.clone().sensor_offset([0.001, 0.0]);
+    let written = written.sensor_axes(true, [1.0, -1.0]).sensor_unit(1000.0);
+    for q in postures(&reference, 20) {
         let [x, y] = world.cop(&q);
-        near(bent.cop(&q), [-0.5 * y + 0.01, 2.0 * x + 0.02]);
+        near(bent.cop(&q), [-0.5 * y + 0.01, 2.0 * x + 0.02], 1e-14);
+        let metres = written.cop(&q).map(|c| c / 1000.0);
+        near(metres, [y, -x - 0.001], 1e-14);
     }
 }
 
@@ -124,25 +117,8 @@ fn cells_report_what_is_wrong_behind_them() {
 }
 
 #[test]
-fn axes_and_units_come_last() {
-    let robot = bushy();
-    let world = World::new(&robot, "sole")
-        .unwrap()
-        .sensor_offset([0.001, 0.0]);
-    let written = world
-        .clone()
-        .sensor_axes(true, [1.0, -1.0])
-        .sensor_unit(1000.0);
-    for q in postures(&Reference::new(&robot, "sole").unwrap(), 10) {
-        let [x, y] = world.cop(&q);
-        let found = written.cop(&q);
-        near(found.map(|c| c / 1000.0), [y, -x]);
-    }
-}
-
-#[test]
 fn cells_that_cannot_carry_are_refused() {
-    let world = World::new(&leaning(), "foot").unwrap();
+    let world = stick();
     let line = [[0.0, 0.0], [0.01, 0.01], [0.02, 0.02]];
     assert_eq!(kind(world.clone().cells(&line)), ErrorKind::Cells);
     assert_eq!(kind(world.clone().cells(&[])), ErrorKind::Cells);

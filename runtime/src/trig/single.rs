@@ -146,14 +146,6 @@ mod tests {
     }
 
     #[test]
-    fn accurate_over_the_whole_domain() {
-        let two_turns = core::f32::consts::TAU.to_bits();
-        assert_accurate("|x| <= 2 pi", worst((0..=two_turns).step_by(1009)));
-        let domain = LIMIT_RAD_F32.to_bits();
-        assert_accurate("|x| <= 2^10", worst((two_turns..=domain).step_by(101)));
-    }
-
-    #[test]
     fn accurate_all_over_the_domain() {
         // With SESC_EXHAUSTIVE set while compiling: every f32, two minutes in release.
         let step = match option_env!("SESC_EXHAUSTIVE") {
@@ -163,7 +155,7 @@ mod tests {
         let two_turns = core::f32::consts::TAU.to_bits();
         assert_accurate("|x| <= 2 pi", worst((0..=two_turns).step_by(step)));
         let beyond = two_turns..=LIMIT_RAD_F32.to_bits();
-        assert_accurate("|x| <= 2^10", worst(beyond.step_by(step)));
+        assert_accurate("|x| <= 2^10", worst(beyond.step_by(step.min(101))));
     }
 
     #[test]

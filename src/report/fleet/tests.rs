@@ -7,6 +7,7 @@ use sesc_identify::skeleton::Skeleton;
 use sesc_model::Snapping;
 
 use super::*;
+use crate::report::tests::says;
 
 fn row(robot: &str, day: &str, effects: &str) -> Row {
     let json = format!(
@@ -18,20 +19,22 @@ fn row(robot: &str, day: &str, effects: &str) -> Row {
     serde_json::from_str(&json).unwrap()
 }
 
+/// An effect of one value, at this target.
+fn effect(name: &str, target: &str, parameter: &str, value: f64) -> String {
+    format!(
+        r#"{{"effect": "{name}", "target": "{target}", "evidence": 90.0,
+            "parameters": {{"{parameter}": {{"value": {value}, "std": 0.001}}}}}}"#
+    )
+}
+
 fn fleet() -> Fleet {
-    let offset = |value: f64| {
-        format!(
-            r#"{{"effect": "joint_offset", "target": "l_<knee>", "evidence": 90.0,
-                "parameters": {{"offset_rad": {{"value": {value}, "std": 0.001}}}}}}"#
-        )
-    };
+    let offset = |value: f64| effect("joint_offset", "l_<knee>", "offset_rad", value);
     let mut fleet = Fleet::default();
     for (k, robot) in ["r1", "r<2>", "r3", "r4"].iter().enumerate() {
-        for day in ["1", "2"] {
-            fleet
-                .rows
-                .push(row(robot, day, &offset(0.05 + 1e-4 * k as f64)));
-        }
+        let offset = offset(0.05 + 1e-4 * k as f64);
+        fleet
+            .rows
+            .extend(["1", "2"].map(|day| row(robot, day, &offset)));
     }
     fleet
 }
@@ -57,10 +60,7 @@ fn pages_of_robots_with_long_names_have_short_names_of_their_own() {
     assert!(names[1..].iter().all(|name| name.len() < 220), "{names:?}");
     assert_ne!(names[1], names[2]);
     for name in &names {
-        assert!(
-            all.fleet.contains(&format!("href=\"fleet/{name}\"")),
-            "{name}"
-        );
+        says(&all.fleet, &[&format!("href=\"fleet/{name}\"")]);
     }
     let path = page_of_robot(std::path::Path::new("fleet.html"), &format!("{long}1"));
     assert_eq!(path.file_name().unwrap().to_str(), Some(names[1]));
@@ -71,71 +71,47 @@ fn the_page_says_what_robots_share_and_escapes_names() {
     let fleet = fleet();
     let (all, text) = shown(&fleet, None, "my fleet.html", ROBOTS);
     let page = all.fleet;
-    for part in [
-        "4 robots share joint_offset:l_&lt;knee&gt;",
-        "offset 2.87",
-        "1 shared effect, no change",
-    ] {
-        assert!(page.contains(part), "{part}\n{page}");
-    }
+    let shared = "4 robots share joint_offset:l_&lt;knee&gt;";
+    says(
+        &page,
+        &[shared, "offset 2.87", "1 shared effect, no change"],
+    );
     assert!(!page.contains("<knee>") && !page.contains("r<2>"));
     // Every robot is linked to a page of its own, whatever its name.
     let names: Vec<&str> = all.robots.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["r1.html", "r3.html", "r4.html", "r~3c2~3e.html"]);
     for name in names {
-        assert!(
-            page.contains(&format!("href=\"my%20fleet/{name}\"")),
-            "{name}"
-        );
+        says(&page, &[&format!("href=\"my%20fleet/{name}\"")]);
     }
     let own = &all.robots[3].1;
-    for part in [
+    let parts = [
         "<h1>r&lt;2&gt;</h1>",
         "href=\"../my%20fleet.html\"",
         "4 robots share",
         // 0.0501 rad ± 0.001 rad on both days.
         "<td>2.87 ± 0.06</td><td>2.87 ± 0.06</td>",
-    ] {
-        assert!(own.contains(part), "{part}\n{own}");
-    }
+    ];
+    says(own, &parts);
     assert!(!own.contains("<knee>") && !own.contains("r<2>"));
-    assert!(
-        text.contains("4 robots, 8 rows") && text.contains("4 robots share"),
-        "{text}"
-    );
+    says(&text, &["4 robots, 8 rows", "4 robots share"]);
 }
 
 #[test]
 fn every_size_is_told_in_the_unit_that_people_read() {
-    let effect = |name: &str, parameter: &str, value: f64| {
-        format!(
-            r#"{{"effect": "{name}", "target": "trunk", "evidence": 90.0,
-                "parameters": {{"{parameter}": {{"value": {value}, "std": 0.001}}}}}}"#
-        )
-    };
     let all = [
-        effect("payload", "mass_kg", 0.2),
-        effect("external_force", "force_x_n", 1.5),
-        effect("time_delay", "delay_s", 0.025),
-        effect("joint_compliance", "stiffness_nm_per_rad", 40.0),
-        effect("joint_scale", "scale", 1.05),
+        ("payload", "mass_kg", 0.2),
+        ("external_force", "force_x_n", 1.5),
+        ("time_delay", "delay_s", 0.025),
+        ("joint_compliance", "stiffness_nm_per_rad", 40.0),
+        ("joint_scale", "scale", 1.05),
     ];
+    let all = all.map(|(name, parameter, value)| effect(name, "trunk", parameter, value));
     let mut fleet = Fleet::default();
     fleet.rows.push(row("r1", "1", &all.join(",")));
     let (pages, _) = shown(&fleet, None, "fleet.html", ROBOTS);
-    let page = &pages.robots[0].1;
-    for text in [
-        "mass, g",
-        "200.00 ± 1.00",
-        "force x, N",
-        "1.50 ± 0.00",
-        "delay, ms",
-        "25.00 ± 1.00",
-        "stiffness, Nm&#x2f;rad",
-        ">scale<",
-    ] {
-        assert!(page.contains(text), "{text}\n{page}");
-    }
+    let words = "mass, g|200.00 ± 1.00|force x, N|1.50 ± 0.00|delay, ms|25.00 ± 1.00|\
+                 stiffness, Nm&#x2f;rad|>scale<";
+    says(&pages.robots[0].1, &words.split('|').collect::<Vec<_>>());
 }
 
 /// The robot stands on the page of a robot whose last result is of its URDF, and on no other.
@@ -145,25 +121,21 @@ fn the_page_of_a_robot_shows_what_is_suspected_on_it() {
     let robot = Robot::parse(urdf, "robot.urdf").unwrap();
     let model = robot.model("foot", Snapping::default(), None).unwrap();
     let drawn = Skeleton::of(&model, &robot.description, None);
-    let offset = r#"{"effect": "joint_offset", "target": "knee", "evidence": 90.0,
-        "parameters": {"offset_rad": {"value": 0.05, "std": 0.001}}}"#;
+    let offset = effect("joint_offset", "knee", "offset_rad", 0.05);
     let mut fleet = Fleet::default();
     for (name, hash) in [("r1", drawn.hash.as_str()), ("r2", "another")] {
-        let mut own = row(name, "1", offset);
+        let mut own = row(name, "1", &offset);
         own.urdf_hash = hash.to_string();
         fleet.rows.push(own);
     }
     let (all, _) = shown(&fleet, Some(&drawn), "fleet.html", ROBOTS);
     let [first, second] = [&all.robots[0].1, &all.robots[1].1];
     assert_eq!(first.matches("<svg ").count(), 2);
-    assert!(
-        first.contains("Orange: <code>joint_offset:knee</code>."),
-        "{first}"
-    );
+    says(first, &["Orange: <code>joint_offset:knee</code>."]);
     assert_eq!(second.matches("<svg ").count(), 0);
     for (page, hash) in [(first, drawn.hash.as_str()), (second, "another")] {
-        assert!(page.contains(&format!("<dd>hash {hash}</dd>")), "{page}");
-        assert!(page.contains("log with hash 0") && page.contains("<pre>sesc fleet</pre>"));
+        let own = format!("<dd>hash {hash}</dd>");
+        says(page, &[&own, "log with hash 0", "<pre>sesc fleet</pre>"]);
     }
     assert!(all.fleet.contains("2 logs, 1 to 1"), "{}", all.fleet);
 }
@@ -193,14 +165,13 @@ fn robots_without_a_page_of_their_own_have_no_links() {
     let (pages, _) = shown(&fleet, None, "fleet.html", 2);
     let names: Vec<&str> = pages.robots.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names.len(), 2);
-    let mut links: Vec<&str> = pages.fleet.split("href=\"fleet/").skip(1).collect();
+    let links: Vec<&str> = pages.fleet.split("href=\"fleet/").skip(1).collect();
     assert!(!links.is_empty());
-    for link in &mut links {
+    for link in links {
         let (name, _) = link.split_once('"').unwrap();
         assert!(names.contains(&name), "{name}");
     }
-    let said = "2 of them have a page of their own";
-    assert!(pages.fleet.contains(said), "{}", pages.fleet);
+    says(&pages.fleet, &["2 of them have a page of their own"]);
 }
 
 /// A row of which the data are not sound agrees with nothing, whatever its verdict.
@@ -211,8 +182,5 @@ fn a_row_with_a_finding_is_not_fine() {
     let mut stuck = sound.clone();
     let finding = r#"{"kind": "encoder_stuck", "target": "knee", "sentence": "It is stuck."}"#;
     stuck.health = vec![serde_json::from_str(finding).unwrap()];
-    assert_eq!(
-        [line::line(&sound).bad, line::line(&stuck).bad],
-        [false, true]
-    );
+    assert!(!line::line(&sound).bad && line::line(&stuck).bad);
 }

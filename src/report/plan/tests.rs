@@ -6,7 +6,7 @@ use super::{page, text};
 use crate::OP2_URDF;
 use crate::report::next_steps::{WithSteps, Worded, worded};
 use crate::report::table::mm;
-use crate::report::tests::still;
+use crate::report::tests::{says, still};
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::next_steps::NextStep;
 use sesc_identify::plan::balance::Region;
@@ -39,15 +39,19 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     found.robot = "op<2>".to_string();
     found.joints[3].joint = "<hip>".to_string();
     found.joints[3].used = [0.0, 0.0];
-    let html = page(
-        &found,
-        &next(&found),
-        &skeleton,
-        "poses.csv",
-        "sesc plan 'a<b>.urdf'",
-    )
-    .unwrap();
-    for words in [
+    let next = next(&found);
+    let made = || {
+        page(
+            &found,
+            &next,
+            &skeleton,
+            "poses.csv",
+            "sesc plan 'a<b>.urdf'",
+        )
+        .unwrap()
+    };
+    let html = made();
+    let words = [
         "op&lt;2&gt;",
         "<code>&lt;hip&gt;</code>",
         "sesc plan &#x27;a&lt;b&gt;.urdf&#x27;",
@@ -59,45 +63,33 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
         "a sole of 4 corners",
         "25 postures to take, of 120",
         &format!("hash {}</dd>", found.hash),
-    ] {
-        assert!(html.contains(words), "{words}");
-    }
+        "<code>cop_x</code>",
+        "Fit the log",
+        "<span>1 next</span>",
+        "\\u003c/script\\u003e\\u003chip\\u003e\\\\u{2028}",
+    ];
+    says(&html, &words);
     // What to record, under which names, in every voice.
-    let said: String = text(&found, &next(&found))
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join(" ");
-    let next = next(&found);
+    let said = text(&found, &next);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     let json = serde_json::to_value(WithSteps {
         found: &found,
         next_steps: &next,
     });
     let json = json.unwrap();
-    for (k, words) in [
-        "`cop_x`, `cop_y` (m, in the frame of `r_sole`)",
-        "Fit the log",
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    let record = "`cop_x`, `cop_y` (m, in the frame of `r_sole`)";
+    for (k, words) in [record, "Fit the log"].into_iter().enumerate() {
         let step = &next[k];
-        assert!(step.what.contains(words), "{words}");
-        assert!(
-            said.contains(&format!("{}: {}.", step.what, step.why)),
-            "{said}"
-        );
+        says(&step.what, &[words]);
+        says(&said, &[&format!("{}: {}.", step.what, step.why)]);
         assert_eq!(json["next_steps"][k]["what"], step.what.as_str());
     }
     let steps = found.next_steps();
     let support = Some("r_sole".to_string());
     assert_eq!(steps[1], NextStep::Fit { support });
-    assert!(html.contains("<code>cop_x</code>") && html.contains("Fit the log"));
     // Without shapes nothing is said of collisions but that they are not checked.
-    assert!(
-        !found.collision_checked && !said.contains("self-collision"),
-        "{said}"
-    );
-    assert!(said.contains("not checked"));
+    assert!(!found.collision_checked && !said.contains("self-collision"));
+    says(&said, &["not checked"]);
     // Two of the robot, three of the plan, and a contact sheet.
     assert_eq!(html.matches("<svg ").count(), 2 + 3 + 25);
     // A dot per posture in the sole plane.
@@ -108,25 +100,11 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     assert_eq!(found.lessons.len(), 25);
     assert!(found.lessons.iter().all(|own| own.after < own.before));
     let said = format!("from {} to {} mm", mm(first.before), mm(first.after));
-    assert!(
-        html.contains(&said) && html.contains("<span>1 next</span>"),
-        "{said}"
-    );
+    says(&html, &[&said]);
     assert_eq!(html.matches("<small>").count(), 25 + 3);
-    assert!(html.contains("\\u003c/script\\u003e\\u003chip\\u003e\\\\u{2028}"));
     assert!(!html.contains("NaN") && !html.contains("op<2>") && !html.contains("<hip>"));
     still(&html, 2);
-    assert_eq!(
-        html,
-        page(
-            &found,
-            &next,
-            &skeleton,
-            "poses.csv",
-            "sesc plan 'a<b>.urdf'"
-        )
-        .unwrap()
-    );
+    assert_eq!(html, made());
 }
 
 /// Too few postures for a fit without a prior: no number is made up.
@@ -135,8 +113,8 @@ fn a_plan_that_leaves_directions_open_says_so() {
     let (found, skeleton) = small("free", 10);
     assert!(found.expected_error.is_none() && found.curve.is_empty());
     let html = page(&found, &next(&found), &skeleton, "poses.csv", "sesc plan").unwrap();
-    assert!(html.contains("10 postures tell 20 of 42 directions"));
-    assert!(html.contains("these postures leave directions open"));
+    let open = "these postures leave directions open";
+    says(&html, &["10 postures tell 20 of 42 directions", open]);
     let (told, _) = small("free", 30);
     assert_eq!(told.curve[0].postures, 21);
     let last = told.curve.last().unwrap();

@@ -1,9 +1,8 @@
 //! Logs as the diagnosis takes them: means, noise, places, worked out by hand.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
-use super::{Bench, NOISE, diagnosed, gauss};
+use super::{Bench, NOISE, diagnosed, gauss, says};
 use crate::diagnose::Verdict;
 use crate::logs::{Options, Readings};
 use crate::observations::noise::NoiseSource;
@@ -18,10 +17,6 @@ fn read(log: &str, sidecar: &str, noise: Option<f64>) -> Result<Postures, String
     let path = folder.path().join("log.csv");
     std::fs::write(&path, log).unwrap();
     std::fs::write(folder.path().join("log.toml"), sidecar).unwrap();
-    of_file(&path, noise)
-}
-
-fn of_file(path: &Path, noise: Option<f64>) -> Result<Postures, String> {
     let taking = Taking {
         options: Options {
             readings: Readings::Required,
@@ -33,7 +28,22 @@ fn of_file(path: &Path, noise: Option<f64>) -> Result<Postures, String> {
         noise,
         floor: 1e-4,
     };
-    Postures::read(path, &Bench::skew().model, &taking, &mut ()).map_err(|error| error.to_string())
+    let read = Postures::read(&path, &Bench::skew().model, &taking, &mut ());
+    read.map_err(|error| error.to_string())
+}
+
+/// A log of 300 postures, each read so often, twice as noisy on y.
+fn noisy(bench: &Bench, readings: usize, seed: u64) -> String {
+    let mut gauss = gauss(seed);
+    let mut log = format!("{HEADER}\n");
+    for (k, q) in bench.postures(300, 1).chunks(2).enumerate() {
+        let [x, y] = bench.world().cop(q);
+        for _ in 0..readings {
+            let (x, y) = (x + NOISE * gauss(), y + 2.0 * NOISE * gauss());
+            let _ = writeln!(log, "{k},{},{},{x},{y}", q[0], q[1]);
+        }
+    }
+    log
 }
 
 fn near(a: f64, b: f64) {
@@ -101,11 +111,8 @@ fn sessions_numbered_alike_are_not_averaged() {
         near(data.q[2 * k + 1], if k < 5 { 0.1 } else { 0.4 });
         near(data.reading[2 * k], if k < 5 { 0.01 } else { 0.02 });
     }
-    let said = data.warnings[0].to_string();
-    assert!(
-        said.contains("5 rows share the `pose` of an earlier row"),
-        "{said}"
-    );
+    let words = "5 rows share the `pose` of an earlier row";
+    says(&data.warnings[0], &[words]);
 }
 
 /// Five degrees of freedom on each axis, or nothing is known of the noise.
@@ -149,12 +156,8 @@ fn stated_deviations_are_of_single_readings() {
     near(data.std[2], floored(alike));
     // Four rows of one pose: σ/√4.
     let rows = "\n1,0,0,0.01,0,0.004,0.004".repeat(4);
-    let data = read(
-        &format!("{header}{rows}\n2,0,0,0,0,0.004,0.004\n"),
-        "",
-        None,
-    )
-    .unwrap();
+    let four = format!("{header}{rows}\n2,0,0,0,0,0.004,0.004\n");
+    let data = read(&four, "", None).unwrap();
     near(data.std[0], floored(0.002));
     near(data.std[2], floored(0.004));
     // What the user says is of single readings, too, and rescales what the log says.
@@ -185,36 +188,21 @@ fn repeats_that_scatter_more_than_is_stated_are_believed() {
     let mut log = format!("{HEADER},cop_x_std,cop_y_std\n");
     for k in 0..20 {
         let [x, y] = [0.01, 0.02].map(|cop| cop + if k % 2 == 0 { -2e-3 } else { 2e-3 });
-        let _ = writeln!(
-            log,
-            "{},0,{},{x},{y},0.001,0.001",
-            k / 2,
-            0.1 * f64::from(k / 2)
-        );
+        let pose = k / 2;
+        let q = 0.1 * f64::from(pose);
+        let _ = writeln!(log, "{pose},0,{q},{x},{y},0.001,0.001");
     }
     let data = read(&log, "", None).unwrap();
     assert_eq!(data.noise_source, NoiseSource::Repeats);
     // Of a mean of two: √8 mm / √2.
     near(data.noise, 2e-3);
-    assert!(
-        data.warnings[0].to_string().contains("scatter 2.8 times"),
-        "{:?}",
-        data.warnings
-    );
+    says(&data.warnings[0], &["scatter 2.8 times"]);
 }
 
 #[test]
 fn without_any_word_on_noise_free_masses_tell() {
     let bench = Bench::skew();
-    let q = bench.postures(300, 1);
-    let mut gauss = gauss(1);
-    let mut log = format!("{HEADER}\n");
-    for (k, q) in q.chunks(2).enumerate() {
-        let [x, y] = bench.world().cop(q);
-        let (x, y) = (x + NOISE * gauss(), y + 2.0 * NOISE * gauss());
-        let _ = writeln!(log, "{k},{},{},{x},{y}", q[0], q[1]);
-    }
-    let data = read(&log, "", None).unwrap();
+    let data = read(&noisy(&bench, 1, 1), "", None).unwrap();
     assert_eq!(data.noise_source, NoiseSource::Residuals);
     let problem = bench.problem(data, "tight");
     // Each axis has its own; a median of 300 sizes scatters by 6.7 %.
@@ -235,30 +223,16 @@ fn without_any_word_on_noise_free_masses_tell() {
 #[test]
 fn repeats_tell_the_noise_of_each_axis() {
     let bench = Bench::skew();
-    let q = bench.postures(300, 1);
-    let mut gauss = gauss(2);
-    let mut log = format!("{HEADER}\n");
-    for (k, q) in q.chunks(2).enumerate() {
-        for _ in 0..2 {
-            let [x, y] = bench.world().cop(q);
-            let (x, y) = (x + NOISE * gauss(), y + 2.0 * NOISE * gauss());
-            let _ = writeln!(log, "{k},{},{},{x},{y}", q[0], q[1]);
-        }
-    }
-    let data = read(&log, "", None).unwrap();
+    let data = read(&noisy(&bench, 2, 2), "", None).unwrap();
     assert_eq!(data.noise_source, NoiseSource::Repeats);
     let problem = bench.problem(data, "tight");
     for axis in 0..2 {
         // Of a mean of two, beside 0.1 mm.
         let expected = ((axis + 1) as f64 * NOISE / 2_f64.sqrt()).hypot(1e-4);
         let own = problem.weight.iter().skip(axis).step_by(2);
-        own.for_each(|w| {
-            assert!(
-                (w * expected - 1.0).abs() < 0.15,
-                "{axis}: {}",
-                w * expected
-            )
-        });
+        for ratio in own.map(|w| w * expected) {
+            assert!((ratio - 1.0).abs() < 0.15, "{axis}: {ratio}");
+        }
     }
 }
 
@@ -317,10 +291,8 @@ fn rates_and_accelerations_come_from_rows_around() {
             assert!((at(layout.rate(0)) - rate).abs() < 1e-9);
             let off = at(layout.acceleration(0)) - acceleration;
             let part = off / acceleration;
-            assert!(
-                (least..=most).contains(&part) || off.abs() < most.min(1e-7),
-                "{part}"
-            );
+            let is_within = (least..=most).contains(&part) || off.abs() < most.min(1e-7);
+            assert!(is_within, "{part}");
             assert_eq!(at(layout.rate(1)), 0.0);
         }
     }
@@ -336,10 +308,8 @@ fn a_drift_runs_from_the_least_time_to_the_largest() {
     let data = read(&log, "", Some(NOISE)).unwrap();
     let layout = sesc_model::effects::PostureContext::with_joints(2);
     for (k, t) in times.iter().enumerate() {
-        near(
-            data.posture_context[k * layout.len() + layout.place()],
-            (t - 1.0) / 4.0,
-        );
+        let place = data.posture_context[k * layout.len() + layout.place()];
+        near(place, (t - 1.0) / 4.0);
     }
 }
 
@@ -375,12 +345,10 @@ fn rows_on_another_foot_are_left_out_and_counted() {
     let data = read(log, "", Some(NOISE)).unwrap();
     assert_eq!(data.pose, [1, 3]);
     assert_eq!(data.reading, [0.01, 0.02, 0.05, 0.06]);
-    let said = data.warnings[0].to_string();
-    assert!(said.contains("1 rows stand on another link"), "{said}");
-    let log = log.replace("foot", "thigh");
-    let refusal = read(&log, "", Some(NOISE)).unwrap_err();
-    assert!(refusal.contains("no posture stands on `foot`"), "{refusal}");
-    assert!(refusal.contains("another link by `support`"), "{refusal}");
+    says(&data.warnings[0], &["1 rows stand on another link"]);
+    let refusal = read(&log.replace("foot", "thigh"), "", Some(NOISE)).unwrap_err();
+    let words = ["no posture stands on `foot`", "another link by `support`"];
+    says(refusal, &words);
 }
 
 #[test]
@@ -391,9 +359,7 @@ fn numbers_that_are_none_are_refused_by_place() {
             cells[column] = word;
             let log = format!("{HEADER}\n1,0,0,0,0\n2,{}\n", cells.join(","));
             let refusal = read(&log, "", None).unwrap_err();
-            for part in ["log.csv:3", name, "not finite", "mend"] {
-                assert!(refusal.contains(part), "{part}: {refusal}");
-            }
+            says(refusal, &["log.csv:3", name, "not finite", "mend"]);
         }
     }
 }

@@ -95,7 +95,6 @@ fn deviations_of_two_logs_are_those_of_noise_that_lasts() {
             squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
         }
     }
-    println!("{squares:.2?}");
     for square in squares {
         // 1 ± 3 √(2/LOGS)
         assert!((square - 1.0).abs() < 0.25, "{squares:?}");
@@ -143,37 +142,29 @@ fn each_of_several_logs_is_worth_what_its_own_noise_says() {
 #[test]
 fn deviations_are_those_of_noise_that_lasts() {
     let bench = Bench::skew();
-    let (world, q) = (bench.world(), swing());
     let correlation = correlation();
     let rows_per_sample = correlation.rows_per_sample;
-    let clean: Vec<f64> = q.chunks_exact(2).flat_map(|q| world.cop(q)).collect();
     // Squares of gain x and y, then of offset x and y, in the deviations that are stated, and of
     // the gain in those of white noise.
     let (mut squares, mut as_white) = ([0.0; 4], 0.0);
     for seed in 0..LOGS {
-        let noise = noise(seed);
-        let reading: Vec<f64> = clean.iter().zip(noise).map(|(x, e)| x + e).collect();
-        let mut data = Postures::given(2, &q, &reading, NOISE, 0.0);
-        data.t = Some((0..ROWS).map(|k| STEP_S * k as f64).collect());
-        let mut problem = bench.certain(data);
+        let mut problem = bench.certain(log(&bench, 0..ROWS, seed));
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&problem, name, "-"));
         problem.correlate_noise(&[correlation; 2]);
         let found = words::values(&problem, &problem.fit(&terms, None, ALL)).concat();
         for (k, (found, truth)) in found.iter().zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
             squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
         }
-        problem.correlate_noise(
-            &[Correlation {
-                process: None,
-                ..correlation
-            }; 2],
-        );
+        let white = Correlation {
+            process: None,
+            ..correlation
+        };
+        problem.correlate_noise(&[white; 2]);
         // Readings are widened twice now: the deviation is √(rows per sample) times as large.
         let again = words::values(&problem, &problem.fit(&terms, None, ALL)).concat();
         let std = again[0].std / rows_per_sample.sqrt();
         as_white += ((again[0].value - 1.0) / std).powi(2) / LOGS as f64;
     }
-    println!("{squares:.2?}, as white {as_white:.2}");
     for square in squares {
         // 1 ± 3 √(2/LOGS)
         assert!((square - 1.0).abs() < 0.25, "{squares:?}");
@@ -186,16 +177,10 @@ fn deviations_are_those_of_noise_that_lasts() {
 #[test]
 fn intervals_hold_where_how_long_noise_lasts_is_estimated() {
     let bench = Bench::skew();
-    let (world, q) = (bench.world(), swing());
-    let clean: Vec<f64> = q.chunks_exact(2).flat_map(|q| world.cop(q)).collect();
-    let t: Vec<f64> = (0..ROWS).map(|k| STEP_S * k as f64).collect();
-    let (mut all, mut hold, mut squares, mut worth) = (0, 0, 0.0, Vec::new());
+    let (mut all, mut hold) = (0, 0);
     for seed in 0..LOGS {
-        let noise = noise(seed);
-        let reading: Vec<f64> = clean.iter().zip(noise).map(|(x, e)| x + e).collect();
-        let mut data = Postures::given(2, &q, &reading, NOISE, 0.0);
-        data.t = Some(t.clone());
-        let plain = bench.certain(data);
+        let plain = bench.certain(log(&bench, 0..ROWS, seed));
+        let t = plain.data.t.clone().unwrap();
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&plain, name, "-"));
         let mut problem = plain.clone();
         let mut fit = problem.fit(&terms, None, ALL);
@@ -212,26 +197,14 @@ fn intervals_hold_where_how_long_noise_lasts_is_estimated() {
             problem = plain.clone();
             problem.correlate_noise(&axes);
             fit = problem.fit(&terms, None, ALL);
-            worth.push(axes[0].rows_per_sample);
         }
         let found = words::values(&problem, &fit).concat();
         for found in &found[..2] {
-            let off = (found.value - 1.0) / found.std;
-            squares += off * off;
             all += 1;
-            hold += usize::from(off.abs() < 1.96);
+            hold += usize::from((found.value - 1.0).abs() < 1.96 * found.std);
         }
     }
-    worth.sort_by(f64::total_cmp);
-    println!(
-        "{hold} of {all} hold, mean square {:.2}; rows a sample {:.2}, truth {:.2}",
-        squares / all as f64,
-        worth[worth.len() / 2],
-        correlation().rows_per_sample
-    );
     // 95 % ± 3 √(0.95 · 0.05/600)
-    assert!(
-        (0.923..=0.977).contains(&(hold as f64 / all as f64)),
-        "{hold}"
-    );
+    let share = hold as f64 / all as f64;
+    assert!((0.923..=0.977).contains(&share), "{hold}");
 }

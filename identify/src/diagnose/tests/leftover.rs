@@ -28,11 +28,8 @@ fn a_function_of_a_joint_goes_with_the_position_of_that_joint() {
         let fit = problem.fit(&[], None, ALL);
         assert!(Misfit::of(&problem, &fit).is_clear(), "{joint}");
         let found = suspects(&problem, &fit);
-        assert_eq!(
-            found[0].0,
-            Suspect::Position(joint.to_string()),
-            "{found:?}"
-        );
+        let position = Suspect::Position(joint.to_string());
+        assert_eq!(found[0].0, position, "{found:?}");
         // More than noise alone gives to anything, see below.
         assert!(found[0].1 > 0.5 && found.len() <= 3, "{found:?}");
     }

@@ -15,6 +15,8 @@ mod request;
 mod verdict;
 mod view;
 
+use std::sync::Arc;
+
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -26,13 +28,15 @@ use super::diagnosis::find;
 use super::findings::{About, Explained};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem};
-use super::words;
+use super::{Request, words};
 use crate::fit::prior::{Prior, Tolerance, Tolerances};
+use crate::logs::{LogSource, Table};
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
+use crate::simulate::Simulator;
+use crate::tests::{SKEW, says};
 
 const OP2_URDF: &str = include_str!("../../../../robots/op2/op2.urdf");
-use crate::simulate::Simulator;
 
 /// Standard deviation of a reading, m.
 const NOISE: f64 = 5e-4;
@@ -40,17 +44,6 @@ const NOISE: f64 = 5e-4;
 const BALANCED: f64 = 0.03;
 /// Within ±30° of zero.
 const RANGE: f64 = 0.52;
-
-/// Two skewed joints on a foot: every effect moves both axes.
-const SKEW: &str = "<robot name='skew'>\
-    <link name='foot'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/></inertial></link>\
-    <joint name='hip' type='revolute'><parent link='foot'/><child link='thigh'/>\
-    <origin xyz='0 0 0.1'/><axis xyz='0.3 0.8 0.2'/><limit lower='-0.6' upper='0.6'/></joint>\
-    <link name='thigh'><inertial><origin xyz='0.05 0.1 0.2'/><mass value='3'/></inertial></link>\
-    <joint name='knee' type='revolute'><parent link='thigh'/><child link='shank'/>\
-    <origin xyz='0.02 0.01 0.4'/><axis xyz='0.9 -0.2 0.3'/><limit lower='-1' upper='1'/></joint>\
-    <link name='shank'><inertial><origin xyz='0.1 -0.05 0.3'/><mass value='4'/></inertial></link>\
-    </robot>";
 
 /// A robot, its model and its virtual twin.
 struct Bench {
@@ -135,23 +128,56 @@ impl Bench {
             default: nothing,
             ..Tolerances::default()
         };
-        Problem::new(
-            &self.model,
-            data,
-            &Prior::Cad(certain),
-            &Catalog::standard(),
-        )
-        .unwrap()
+        self.of(data, &Prior::Cad(certain))
     }
 
     fn problem(&self, data: Postures, prior: &str) -> Problem<'_> {
-        let prior = Prior::named(prior, &self.model).unwrap();
-        Problem::new(&self.model, data, &prior, &Catalog::standard()).unwrap()
+        self.of(data, &Prior::named(prior, &self.model).unwrap())
+    }
+
+    fn of(&self, data: Postures, prior: &Prior) -> Problem<'_> {
+        Problem::new(&self.model, data, prior, &Catalog::standard()).unwrap()
     }
 
     fn diagnose(&self, data: Postures, prior: &str) -> Explained {
         diagnosed(&mut self.problem(data, prior))
     }
+}
+
+/// Angle by which the hip stands further than its encoder reads, rad.
+const HIP: f64 = 0.05;
+
+/// Postures and the log of the skewed robot with that offset.
+fn off_hip() -> (Vec<f64>, Postures) {
+    let bench = Bench::skew();
+    let q = bench.postures(60, 3);
+    let world = bench.world().joint_offset("hip", HIP).unwrap();
+    let data = bench.log(&world, &q, 3);
+    (q, data)
+}
+
+/// The columns of a log of the skewed robot.
+fn table(q: &[f64], data: &Postures) -> Table {
+    let of = |values: &[f64], from: usize| -> Vec<f64> {
+        values.iter().skip(from).step_by(2).copied().collect()
+    };
+    Table::new("log.csv")
+        .numbers("hip", of(q, 0))
+        .numbers("knee", of(q, 1))
+        .numbers("cop_x", of(&data.reading, 0))
+        .numbers("cop_y", of(&data.reading, 1))
+}
+
+/// A request for the skewed robot.
+fn request(log: impl Into<LogSource>) -> Request {
+    let robot = Robot::parse(SKEW, "skew.urdf").unwrap();
+    let mut request = Request::new(Arc::new(robot), log);
+    request.support = Some("foot".into());
+    request.prior = "tight".into();
+    request.noise = Some(NOISE);
+    request.floor = 0.0;
+    request.corrected_urdf = true;
+    request
 }
 
 fn about() -> About<'static> {

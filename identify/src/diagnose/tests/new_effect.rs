@@ -1,7 +1,5 @@
 //! A new effect is one file and one line in a catalog: these come from outside.
 
-use std::sync::Arc;
-
 use sesc_model::effects::{
     Carry, Catalog, Effect, EffectContext, EffectId, Experiment, Measured, Parameter, Stage,
     Target, UrdfEdit,
@@ -9,14 +7,12 @@ use sesc_model::effects::{
 use sesc_model::expr::Id;
 use sesc_model::urdf::Shift;
 
-use super::{Bench, NOISE, SKEW};
+use super::{Bench, SKEW, request, says, table};
 use crate::diagnose::experiment::carried;
 use crate::diagnose::hypothesis::{Term, effect_terms};
 use crate::diagnose::problem::{ALL, Problem};
-use crate::diagnose::{Report, Request, Verdict, diagnose};
+use crate::diagnose::{Report, Verdict, diagnose};
 use crate::fit::prior::Prior;
-use crate::logs::Table;
-use crate::robot::Robot;
 
 /// `φ_j = q_j + k (1 − cos 3 q_j)`: an eccentric gear wheel.
 struct Eccentric;
@@ -62,10 +58,6 @@ impl Effect for Eccentric {
 
     fn load_share(&self, unknowns: &[f64]) -> f64 {
         2.0 * unknowns[0]
-    }
-
-    fn dead_band(&self) -> Option<f64> {
-        None
     }
 
     fn in_experiment(&self, experiment: Experiment, _: &Target) -> Carry {
@@ -126,38 +118,16 @@ fn effects() -> Catalog {
 
 const THROW: f64 = 0.06;
 
-/// Readings of the skewed robot whose knee has an eccentric gear wheel.
-fn log() -> Table {
+/// The report on the skewed robot whose knee has an eccentric gear wheel.
+fn report(effects: Catalog) -> Report {
     let bench = Bench::skew();
     let q = bench.postures(80, 3);
     let knee = bench.joint("knee");
-    let bent: Vec<f64> = q
-        .chunks_exact(2)
-        .flat_map(|q| {
-            let mut bent = q.to_vec();
-            bent[knee] += THROW * (1.0 - (3.0 * q[knee]).cos());
-            bent
-        })
-        .collect();
-    let data = bench.log(&bench.world(), &bent, 5);
-    let column = |values: &[f64], from: usize| -> Vec<f64> {
-        values.iter().skip(from).step_by(2).copied().collect()
-    };
-    Table::new("log.csv")
-        .numbers("hip", column(&q, bench.joint("hip")))
-        .numbers("knee", column(&q, knee))
-        .numbers("cop_x", column(&data.reading, 0))
-        .numbers("cop_y", column(&data.reading, 1))
-}
-
-fn report(effects: Catalog) -> Report {
-    let robot = Robot::parse(SKEW, "skew.urdf").unwrap();
-    let mut request = Request::new(Arc::new(robot), log());
-    request.support = Some("foot".into());
-    request.prior = "tight".into();
-    request.noise = Some(NOISE);
-    request.floor = 0.0;
-    request.corrected_urdf = true;
+    let mut bent = q.clone();
+    for at in (knee..q.len()).step_by(2) {
+        bent[at] += THROW * (1.0 - (3.0 * q[at]).cos());
+    }
+    let mut request = request(table(&q, &bench.log(&bench.world(), &bent, 5)));
     request.effects = effects;
     diagnose(&request, &mut ()).unwrap()
 }
@@ -168,17 +138,10 @@ fn an_effect_from_outside_is_found_said_and_written() {
     let said = &found.diagnosis;
     assert_eq!(said.verdict, Verdict::Named, "{}", said.sentence);
     let step = &said.steps[0];
-    assert_eq!(
-        (step.effect, step.target.as_str()),
-        ("joint_eccentric", "knee")
-    );
+    assert_eq!((step.effect, &*step.target), ("joint_eccentric", "knee"));
     let throw = &step.parameters["throw_rad"];
     assert!((throw.value - THROW).abs() < 4.0 * throw.std, "{throw:?}");
-    assert!(
-        said.sentence.contains("an eccentric gear wheel in knee"),
-        "{}",
-        said.sentence
-    );
+    says(&said.sentence, &["an eccentric gear wheel in knee"]);
     let record = &found.model_file.effects[0];
     assert_eq!(record.effect, "joint_eccentric");
     // The URDF holds what the effect says that it can hold.
@@ -187,18 +150,10 @@ fn an_effect_from_outside_is_found_said_and_written() {
     assert_ne!(corrected.text, SKEW);
     // Without it in the catalog it cannot be named.
     let without = report(Catalog::standard()).diagnosis;
-    assert!(
-        without
-            .steps
-            .iter()
-            .all(|step| step.effect != "joint_eccentric")
-    );
-    assert!(
-        without.last.rmse > 1.02 * said.last.rmse,
-        "{} {}",
-        without.last.rmse,
-        said.last.rmse
-    );
+    let mut steps = without.steps.iter();
+    assert!(steps.all(|step| step.effect != "joint_eccentric"));
+    let [bad, good] = [without.last.rmse, said.last.rmse];
+    assert!(bad > 1.02 * good, "{bad} {good}");
 }
 
 #[test]
@@ -213,35 +168,27 @@ fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
         let wanted = |t: &Term| t.name() == name && t.target_name(&problem.context) == target;
         terms.find(wanted).unwrap()
     };
-    let eccentric = of("joint_eccentric", "knee");
+    let eccentric = [of("joint_eccentric", "knee")];
     // The penalty counts its unknown, and two kinds more to choose from.
-    let offset = of("joint_offset", "knee");
-    let own = problem.penalty(std::slice::from_ref(&eccentric));
-    assert!((own - problem.penalty(std::slice::from_ref(&offset))).abs() < 1e-12);
-    assert!(own > plain.penalty(std::slice::from_ref(&offset)));
+    let offset = [of("joint_offset", "knee")];
+    let own = problem.penalty(&eccentric);
+    assert!((own - problem.penalty(&offset)).abs() < 1e-12);
+    assert!(own > plain.penalty(&offset));
     // A fit stays near its bound, and says that it was touched.
-    let violation = eccentric.bound_violation(&problem.context, &[0.21]);
+    let violation = eccentric[0].bound_violation(&problem.context, &[0.21]);
     assert!((violation[0] - 1.0).abs() < 1e-9);
-    let fit = problem.fit(std::slice::from_ref(&eccentric), Some(&[0.05]), ALL);
+    let fit = problem.fit(&eccentric, Some(&[0.05]), ALL);
     assert!(fit.unknowns[0].abs() < 0.2);
-    assert_eq!(eccentric.effect().unwrap().effect.load_share(&[0.25]), 0.5);
+    let effect = eccentric[0].effect().unwrap().effect;
+    assert_eq!(effect.load_share(&[0.25]), 0.5);
     // Experiments scale it, or leave it out.
-    let terms = [eccentric.clone()];
     let context = &problem.context;
-    let turned = carried(Experiment::Turned, context, context, &terms);
-    assert_eq!(turned.columns, [(0, -1.0)]);
-    assert!(
-        carried(Experiment::Untouched, context, context, &terms)
-            .terms
-            .is_empty()
-    );
+    let within = |experiment| carried(experiment, context, context, &eccentric);
+    assert_eq!(within(Experiment::Turned).columns, [(0, -1.0)]);
+    assert!(within(Experiment::Untouched).terms.is_empty());
     // Only the loose one has sides to choose.
-    let loose = of("joint_loose", "all");
-    assert!(problem.slack_joints(&terms).is_empty());
-    assert_eq!(
-        problem.slack_joints(std::slice::from_ref(&loose)),
-        [(0, 0), (1, 0)]
-    );
-    let fit = problem.fit(std::slice::from_ref(&loose), None, ALL);
-    assert!(fit.sides.is_some());
+    let loose = [of("joint_loose", "all")];
+    assert!(problem.slack_joints(&eccentric).is_empty());
+    assert_eq!(problem.slack_joints(&loose), [(0, 0), (1, 0)]);
+    assert!(problem.fit(&loose, None, ALL).sides.is_some());
 }

@@ -37,11 +37,7 @@ const OTHERS: [&str; 5] = [
 /// The robot with this hidden, in an experiment.
 fn hide(world: World, label: &str, offset: f64, experiment: &Experiment) -> World {
     // Ground and tether stay in the room while the robot turns.
-    let turned = if *experiment == Experiment::Turned {
-        -1.0
-    } else {
-        1.0
-    };
+    let turned = [1.0, -1.0][usize::from(*experiment == Experiment::Turned)];
     let (effect, target) = label.split_once(':').unwrap_or((label, ""));
     match effect {
         "joint_offset" => world.joint_offset(target, offset),
@@ -96,10 +92,8 @@ fn the_first_experiment_splits_the_class() {
                 problem: taken(&model, &world, q, 500 + seed),
                 experiment,
             };
-            let after = find(&mut problem, &[further], &about(), &mut ())
-                .unwrap()
-                .diagnosis;
-            let after = after.indistinguishable;
+            let after = find(&mut problem, &[further], &about(), &mut ()).unwrap();
+            let after = after.diagnosis.indistinguishable;
             let gone = before.iter().filter(|rival| !after.contains(rival)).count();
             let remains = after.contains(&truth);
             let said = next.proposals[0].splits;
@@ -145,10 +139,8 @@ fn logs_together_are_one_log() {
         let alone = first.fit(&own, None, ALL);
         let both = together(&first, alone.clone(), &[second]);
         let (ours, expected) = (both.score(), at_once.score());
-        assert!(
-            (ours - expected).abs() < 0.05,
-            "{effect}: {ours}, not {expected}"
-        );
+        let off = (ours - expected).abs();
+        assert!(off < 0.05, "{effect}: {ours}, not {expected}");
         for k in 0..both.unknowns.len() {
             let std = at_once.covariance[(k, k)].sqrt();
             let off = (both.unknowns[k] - at_once.unknowns[k]).abs();
@@ -219,7 +211,6 @@ fn what_is_stated_about_settled_masses_is_of_all_logs() {
     let both = stated(&[further], &first);
     let [a, b] = [one, other].map(|(_, std)| std.powi(-2));
     let (value, std) = ((a * one.0 + b * other.0) / (a + b), (a + b).powf(-0.5));
-    println!("{one:?} {other:?} {both:?}, expected {value} {std}");
     assert!((both.1 / std - 1.0).abs() < 0.05, "{both:?} {std}");
     assert!((both.0 - value).abs() < 0.3 * std, "{both:?} {value}");
     assert!((both.0 - 0.2).abs() < 4.0 * both.1, "{both:?}");

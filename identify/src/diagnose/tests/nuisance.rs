@@ -51,10 +51,8 @@ impl Case {
 }
 
 fn close(a: f64, b: f64, relative: f64) {
-    assert!(
-        (a - b).abs() <= relative * (1.0 + a.abs().max(b.abs())),
-        "{a:e} is not {b:e}"
-    );
+    let scale = 1.0 + a.abs().max(b.abs());
+    assert!((a - b).abs() <= relative * scale, "{a:e} is not {b:e}");
 }
 
 #[test]
@@ -75,11 +73,8 @@ fn chi2_and_projections_are_those_of_the_dense_covariance() {
         }
         // log det (S + A P Aᵀ) = log det S + log det A
         let noise: f64 = case.std.iter().map(|s| 2.0 * s.ln()).sum();
-        close(
-            nuisance.log_det + noise,
-            case.covariance().determinant().ln(),
-            1e-9,
-        );
+        let dense = case.covariance().determinant().ln();
+        close(nuisance.log_det + noise, dense, 1e-9);
         // The gain of a Kalman filter, and what it leaves unknown.
         let shift = &case.rows * &case.prior;
         let expected = shift.tr_mul(&(&inverse * &case.gap));
@@ -90,17 +85,11 @@ fn chi2_and_projections_are_those_of_the_dense_covariance() {
                 close(nuisance.covariance()[(k, j)], left[(k, j)], 1e-9);
             }
         }
-        close(
-            nuisance.directions(),
-            DIRECTIONS as f64 - left.trace(),
-            1e-9,
-        );
+        let directions = DIRECTIONS as f64 - left.trace();
+        close(nuisance.directions(), directions, 1e-9);
         let shifted = &shift * &expected;
-        for (row, ours) in nuisance
-            .shift(&nuisance.posterior_mean(&gap))
-            .iter()
-            .enumerate()
-        {
+        let ours = nuisance.shift(&nuisance.posterior_mean(&gap));
+        for (row, ours) in ours.iter().enumerate() {
             close(*ours, shifted[row] / case.std[row], 1e-9);
         }
     }
@@ -110,11 +99,8 @@ fn chi2_and_projections_are_those_of_the_dense_covariance() {
 fn without_a_prior_masses_take_nothing_and_with_a_wide_one_all_they_can() {
     let none = Case::new(1e-9);
     let gap = none.gap.component_div(&none.std);
-    close(
-        gap.dot(&none.nuisance().project_out_one(&gap)),
-        gap.norm_squared(),
-        1e-12,
-    );
+    let rest = gap.dot(&none.nuisance().project_out_one(&gap));
+    close(rest, gap.norm_squared(), 1e-12);
     assert!(none.nuisance().is_negligible());
     assert!(none.nuisance().directions() < 1e-12);
     let wide = Case::new(1e5);
@@ -140,10 +126,7 @@ fn weights_of_rows_come_on_top() {
     let all = case.nuisance().reweighted(&keep);
     let few = fewer.nuisance();
     let own = gap.rows(4, ROWS - 4).into_owned();
-    close(
-        kept.dot(&all.project_out_one(&kept)),
-        own.dot(&few.project_out_one(&own)),
-        1e-12,
-    );
+    let fewer = own.dot(&few.project_out_one(&own));
+    close(kept.dot(&all.project_out_one(&kept)), fewer, 1e-12);
     close(all.log_det, few.log_det, 1e-12);
 }

@@ -1,16 +1,13 @@
 //! What to change: signs and ticks by closed forms, sentences of every effect.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use sesc_model::effects::{Catalog, EffectContext, EncoderMap, instances};
 
-use super::{Bench, NOISE, SKEW};
+use super::{Bench, HIP, off_hip, request, table};
 use crate::diagnose::remedy::{Change, Servo, Step};
-use crate::diagnose::{Report, Request, Suspect, Verdict, diagnose};
-use crate::logs::Table;
+use crate::diagnose::{Report, Suspect, Verdict, diagnose};
 use crate::next_steps::NextStep;
-use crate::robot::Robot;
 
 /// q = s u (n − z)
 fn reading(servo: Servo, ticks: f64) -> f64 {
@@ -39,48 +36,23 @@ fn a_corrected_servo_reads_the_true_angle() {
             }
         }
     }
-    let nowhere = EncoderMap {
-        scale: 0.0,
-        offset: 0.1,
-    };
-    assert_eq!(Servo::default().corrected(nowhere), None);
+    let map = |scale: f64, offset: f64| EncoderMap { scale, offset };
+    assert_eq!(Servo::default().corrected(map(0.0, 0.1)), None);
+    // A positive offset lowers the zero of a servo that counts forward.
+    for (sign, zero) in [(1, 2031), (-1, 2065)] {
+        let old = Servo {
+            sign,
+            ..Servo::default()
+        };
+        let new = old.corrected(map(1.0, 1.517_f64.to_radians())).unwrap();
+        assert_eq!(new.zero, zero);
+    }
 }
 
-#[test]
-fn a_positive_offset_lowers_the_zero_of_a_servo_that_counts_forward() {
-    let offset = 1.517_f64.to_radians();
-    let map = EncoderMap { scale: 1.0, offset };
-    let zero = |servo: Servo| servo.corrected(map).unwrap().zero;
-    assert_eq!(zero(Servo::default()), 2031);
-    let backwards = Servo {
-        sign: -1,
-        ..Servo::default()
-    };
-    assert_eq!(zero(backwards), 2065);
-}
-
-const OFFSET: f64 = 0.05;
-
-/// The skewed robot whose hip stands 0.05 rad further than its encoder reads.
+/// The report on the skewed robot whose hip is off.
 fn report(servos: &[(&str, Servo)]) -> Report {
-    let bench = Bench::skew();
-    let q = bench.postures(60, 3);
-    let world = bench.world().joint_offset("hip", OFFSET).unwrap();
-    let data = bench.log(&world, &q, 3);
-    let column = |values: &[f64], from: usize| -> Vec<f64> {
-        values.iter().skip(from).step_by(2).copied().collect()
-    };
-    let log = Table::new("log.csv")
-        .numbers("hip", column(&q, 0))
-        .numbers("knee", column(&q, 1))
-        .numbers("cop_x", column(&data.reading, 0))
-        .numbers("cop_y", column(&data.reading, 1));
-    let robot = Robot::parse(SKEW, "skew.urdf").unwrap();
-    let mut request = Request::new(Arc::new(robot), log);
-    request.support = Some("foot".into());
-    request.noise = Some(NOISE);
-    request.floor = 0.0;
-    request.corrected_urdf = true;
+    let (q, data) = off_hip();
+    let mut request = request(table(&q, &data));
     request.servos = servos.iter().map(|(j, s)| ((*j).to_string(), *s)).collect();
     diagnose(&request, &mut ()).unwrap()
 }
@@ -89,10 +61,10 @@ fn report(servos: &[(&str, Servo)]) -> Report {
 fn an_offset_is_told_by_sign_ticks_and_urdf_lines() {
     // Truth is reading plus offset in the robot that was bent.
     let bench = Bench::skew();
-    let hidden = bench.world().joint_offset("hip", OFFSET).unwrap();
+    let hidden = bench.world().joint_offset("hip", HIP).unwrap();
     let (told, truth) = (
         hidden.cop(&[0.2, -0.1]),
-        bench.world().cop(&[0.2 + OFFSET, -0.1]),
+        bench.world().cop(&[0.2 + HIP, -0.1]),
     );
     assert!((0..2).all(|axis| (told[axis] - truth[axis]).abs() < 1e-12));
 
@@ -100,19 +72,12 @@ fn an_offset_is_told_by_sign_ticks_and_urdf_lines() {
     let step = &found.diagnosis.steps[0];
     let (remedy, estimate) = (&step.remedy, step.parameters["offset_rad"].value);
     assert_eq!((step.effect, step.target.as_str()), ("joint_offset", "hip"));
-    assert_eq!(
-        remedy.sentence,
-        format!(
-            "true angle of hip = reading + {:.3}°",
-            estimate.to_degrees()
-        )
-    );
+    let degrees = estimate.to_degrees();
+    let said = format!("true angle of hip = reading + {degrees:.3}°");
+    assert_eq!(remedy.sentence, said);
+    let change = |before, after| Some(Change { before, after });
     let after = (2048.0 - estimate * 4096.0 / TAU).round() as i32;
-    let change = Change {
-        before: 2048,
-        after,
-    };
-    assert_eq!(remedy.servo_zero, Some(change));
+    assert_eq!(remedy.servo_zero, change(2048, after));
     assert_eq!(remedy.servo_words(), [format!("zero 2048 → {after}")]);
     // The elements after are those of the corrected URDF.
     let urdf = remedy.urdf.as_ref().unwrap();
@@ -130,8 +95,7 @@ fn an_offset_is_told_by_sign_ticks_and_urdf_lines() {
     };
     let remedy = &report(&[("hip", servo)]).diagnosis.steps[0].remedy;
     let after = (500.0 + estimate * 1024.0 / TAU).round() as i32;
-    let change = Change { before: 500, after };
-    assert_eq!(remedy.servo_zero, Some(change));
+    assert_eq!(remedy.servo_zero, change(500, after));
 }
 
 #[test]
@@ -158,13 +122,9 @@ fn every_effect_says_what_to_change() {
             if !whole && !way {
                 assert!(names.iter().all(|n| sentence.contains(n)), "{sentence}");
             }
-            let numbers = effect.parameters(&context, target).len();
-            if numbers > 0 {
-                assert!(
-                    sentence.contains(|c: char| c.is_ascii_digit()),
-                    "{sentence}"
-                );
-            }
+            let has_digits = sentence.contains(|c: char| c.is_ascii_digit());
+            let numbers = effect.parameters(&context, target);
+            assert!(has_digits || numbers.is_empty(), "{sentence}");
             let held = effect.urdf_edit(&name, &|_| 0.1).is_some();
             assert!(held || !effect.urdf_gap().is_empty());
             said.insert(effect.id());
@@ -178,16 +138,18 @@ fn every_effect_says_what_to_change() {
 fn the_name_of_a_joint_chooses_no_advice() {
     let mut found = report(&[]).diagnosis;
     found.verdict = Verdict::Unexplained;
+    let mut advice = |suspects: Vec<Suspect>| {
+        found.suspects = suspects;
+        found.next_steps().swap_remove(0)
+    };
     for joint in ["moment", "load", "position", "place in the log"] {
         let joint = joint.to_string();
-        found.suspects = vec![Suspect::Position(joint.clone())];
-        assert_eq!(found.next_steps()[0], NextStep::CheckJoint { joint });
+        let position = Suspect::Position(joint.clone());
+        assert_eq!(advice(vec![position]), NextStep::CheckJoint { joint });
     }
     let joint = "r_knee".to_string();
-    found.suspects = vec![Suspect::Moment(joint.clone())];
-    assert_eq!(found.next_steps()[0], NextStep::CheckLoad { joint });
-    found.suspects = vec![Suspect::Place];
-    assert_eq!(found.next_steps()[0], NextStep::CheckRecording);
-    found.suspects.clear();
-    assert_eq!(found.next_steps()[0], NextStep::CheckContact);
+    let moment = Suspect::Moment(joint.clone());
+    assert_eq!(advice(vec![moment]), NextStep::CheckLoad { joint });
+    assert_eq!(advice(vec![Suspect::Place]), NextStep::CheckRecording);
+    assert_eq!(advice(Vec::new()), NextStep::CheckContact);
 }

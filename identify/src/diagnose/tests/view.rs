@@ -45,11 +45,7 @@ fn the_named_joint_stands_first_and_its_gap_lies_on_a_straight_line() {
         for point in &row.points {
             // The offset is known to about a twentieth, masses to 0.2 %.
             let error = (point.change - off(point.posture)).abs();
-            assert!(
-                error < 0.06 * largest,
-                "{axis} {}: {error:e}",
-                point.posture
-            );
+            assert!(error < 0.06 * largest, "{axis}: {error:e}");
         }
     }
     // The knee turns about y: it moves x by millimetres, far more than the noise.

@@ -87,11 +87,8 @@ mod tests {
                 let found = others.weighted.residual_sum(&params);
                 assert!((found - 4.0 * own).abs() < 1e-12 * own, "{found} {own}");
                 // As they are, those that have no deviations count four times.
-                let last = if k + 1 == folds {
-                    0.0
-                } else {
-                    3.0 * sum(folds - 1)
-                };
+                let others_last = f64::from(u8::from(k + 1 < folds));
+                let last = others_last * 3.0 * sum(folds - 1);
                 let found = others.plain().residual_sum(&params);
                 assert!((found - (4.0 * own - last)).abs() < 1e-12 * own);
                 assert_eq!(others.weighted.rows(), 5 * (folds as u64 - 1));

@@ -7,6 +7,7 @@ mod written;
 use super::super::tests::{dofs, log, read_file};
 use super::write::{Cdr, joint_state};
 use super::*;
+use crate::tests::says;
 
 /// A record: opcode, length, content.
 fn record(opcode: u8, content: &[u8]) -> Vec<u8> {
@@ -154,28 +155,24 @@ fn what_chunks_of_zeros_unpack_to_is_counted_over_the_file() {
         |count: usize| file(&[empty(400_000).repeat(count), chunk(&records(), "zstd")].concat());
     read(&of(2), "").unwrap();
     assert!(of(3).len() < 20_000);
-    let said = read(&of(3), "").unwrap_err().to_string();
-    assert!(said.contains("claims to unpack to 399996"), "{said}");
+    says(
+        read(&of(3), "").unwrap_err(),
+        &["claims to unpack to 399996"],
+    );
 }
 
 #[test]
 fn stretches_of_rest_become_postures() {
     let (expected, warnings) = read(&file(&records()), "").unwrap();
     // 20 states of 25 ms: ten readings, the last not confirmed, one in the air.
-    assert!(
-        warnings[0].to_string().contains("1 of 30 readings"),
-        "{warnings:?}"
-    );
+    says(&warnings[0], &["1 of 30 readings"]);
     let (first, second): (Vec<i64>, Vec<i64>) = expected.pose.iter().partition(|p| **p == 0);
     assert!((8..=9).contains(&first.len()), "{:?}", expected.pose);
     assert!(second.len() >= 9 && second.iter().all(|pose| *pose == 1));
     assert_eq!(expected.q[..2], [0.25, 0.5]);
     assert!((expected.q[expected.q.len() - 1] + 0.5).abs() < 1e-9);
     let [x, y] = expected.reading.as_ref().unwrap()[0];
-    assert!(
-        (x - 0.01).abs() < 1e-15 && (y - 0.02).abs() < 1e-15,
-        "{x} {y}"
-    );
+    assert!((x - 0.01).abs() < 1e-15 && (y - 0.02).abs() < 1e-15);
     assert_eq!(&*expected.support.as_ref().unwrap()[0], "sole");
     assert!((expected.t.as_ref().unwrap()[0] - 10.001).abs() < 1e-9);
     for compression in ["", "lz4", "zstd"] {
@@ -201,23 +198,18 @@ fn claims_of_records_and_chunks_are_held_against_their_bytes() {
     short[25] = short[25].wrapping_sub(1);
     let mut long = unchecked(records(), "lz4");
     long[25] = long[25].wrapping_add(1);
+    let nested = chunk(&chunk(&records(), ""), "lz4");
+    let one_more = "a record of 67108865 bytes, more than 64 MiB";
     for (records, word) in [
-        (
-            claim((64 << 20) + 1),
-            "a record of 67108865 bytes, more than 64 MiB",
-        ),
+        (claim((64 << 20) + 1), one_more),
         (claim(u64::MAX), "more than 64 MiB"),
         (chunk(&claim(1 << 40), "lz4"), "more than 64 MiB"),
-        (
-            chunk(&chunk(&records(), ""), "lz4"),
-            "a chunk within a chunk",
-        ),
+        (nested, "a chunk within a chunk"),
         (chunk(&records(), "brotli"), "`brotli`; repack it"),
         (short, "damaged"),
         (long, "damaged"),
     ] {
-        let said = read(&file(&records), "").unwrap_err().to_string();
-        assert!(said.contains(word), "{said}");
+        says(read(&file(&records), "").unwrap_err(), &[word]);
     }
 }
 
@@ -247,40 +239,31 @@ fn faults_say_what_to_do() {
     ];
     let both = [records(), second.concat()].concat();
     let stray = [channel(30, 9, "/chatter", "cdr"), message(30, 1.0, &[])].concat();
+    let still = file(&[head, states.clone()].concat());
+    let cut = &whole[..whole.len() - 20];
+    let elsewhere = "topic = '/nowhere'";
     for (bytes, sidecar, words) in [
+        (cut, "", &["cut off", "mcap recover"][..]),
+        (&whole[..200], "", &["cut off"]),
         (
-            whole[..whole.len() - 20].to_vec(),
-            "",
-            &["cut off", "mcap recover"][..],
-        ),
-        (whole[..200].to_vec(), "", &["cut off"]),
-        (
-            file(&stray),
+            &file(&stray),
             "",
             &["no sensor_msgs/msg/JointState", "/chatter"],
         ),
+        (&still, "", &["no posture is held", "0.02 rad/s"]),
+        (&file(&[ros1, states].concat()), "", &["`ros1`", "ROS 2"]),
         (
-            file(&[head, states.clone()].concat()),
+            &file(&both),
             "",
-            &["no posture is held", "0.02 rad/s"],
+            &["`/sole/wrench` and on `/left`", "topic"],
         ),
-        (file(&[ros1, states].concat()), "", &["`ros1`", "ROS 2"]),
-        (file(&both), "", &["`/sole/wrench` and on `/left`", "topic"]),
-        (
-            whole.clone(),
-            "topic = '/nowhere'",
-            &["`/nowhere`", "/sole/wrench"],
-        ),
+        (&whole, elsewhere, &["`/nowhere`", "/sole/wrench"]),
     ] {
-        let message = read(&bytes, sidecar).unwrap_err().to_string();
-        for word in words {
-            assert!(message.contains(word), "`{word}` not in: {message}");
-        }
+        says(read(bytes, sidecar).unwrap_err(), words);
     }
     assert!(read(&file(&both), "topic = '/sole/wrench'").is_ok());
     let mut damaged = recording("");
     let at = damaged.len() / 2;
     damaged[at] ^= 1;
-    let said = read(&damaged, "").unwrap_err().to_string();
-    assert!(said.contains("damaged"), "{said}");
+    says(read(&damaged, "").unwrap_err(), &["damaged"]);
 }

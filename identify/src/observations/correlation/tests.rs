@@ -201,26 +201,18 @@ fn the_spread_of_a_sum_is_that_of_the_dense_covariance() {
         let mean = |w: usize| lasting + (1.0 - lasting) / windows[w].len() as f64;
         let dense = DMatrix::from_fn(t.len(), t.len(), |k, l| {
             let (a, b) = (window(k), window(l));
-            let own = match a == b {
-                // d_k and d_l of one window sum to nothing.
-                true => {
-                    (1.0 - lasting) * (f64::from(u8::from(k == l)) - 1.0 / windows[a].len() as f64)
-                }
-                false => 0.0,
-            };
-            let apart = (middle(a) - middle(b)).abs();
-            let alike = match a == b {
-                true => 1.0,
-                false => share * (-apart / 0.12).exp(),
-            };
-            own + alike * (mean(a) * mean(b)).sqrt()
+            if a != b {
+                let apart = (middle(a) - middle(b)).abs();
+                return share * (-apart / 0.12).exp() * (mean(a) * mean(b)).sqrt();
+            }
+            // d_k and d_l of one window sum to nothing.
+            let own = f64::from(u8::from(k == l)) - 1.0 / windows[a].len() as f64;
+            (1.0 - lasting) * own + mean(a)
         });
         let expected = z.tr_mul(&dense) * &z;
         let found = process.spread(&t, &z);
-        assert!(
-            (&found - &expected).amax() < 1e-9 * expected.amax(),
-            "{rows}: {found} {expected}"
-        );
+        let off = (&found - &expected).amax();
+        assert!(off < 1e-9 * expected.amax(), "{rows}: {found} {expected}");
     }
 }
 

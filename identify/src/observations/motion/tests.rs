@@ -1,4 +1,5 @@
 use super::*;
+use crate::tests::noise as sequence;
 
 /// A joint that swings, with stamps that jitter by a third of an interval.
 fn swing(interval: f64, seconds: f64, hertz: f64) -> (Vec<f64>, Vec<f64>) {
@@ -7,22 +8,14 @@ fn swing(interval: f64, seconds: f64, hertz: f64) -> (Vec<f64>, Vec<f64>) {
     let t: Vec<f64> = (0..count)
         .map(|k| k as f64 * interval + jitter(k))
         .collect();
-    let q = t
-        .iter()
-        .map(|t| 0.3 * (std::f64::consts::TAU * hertz * t).sin());
-    let q = q.collect();
+    let at = |t: &f64| 0.3 * (std::f64::consts::TAU * hertz * t).sin();
+    let q = t.iter().map(at).collect();
     (t, q)
 }
 
 /// Uniform noise of deviation `std` from a fixed sequence.
 fn noise(count: usize, std: f64) -> Vec<f64> {
-    let mut state = 1_u64;
-    let mut draw = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * std * 12_f64.sqrt()
-    };
+    let mut draw = sequence(std);
     (0..count).map(|_| draw()).collect()
 }
 
@@ -90,11 +83,8 @@ fn logs_with_long_intervals_know_no_accelerations() {
 fn edges_have_no_window_unless_the_robot_stands() {
     let mut t: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
     t.iter_mut().skip(100).for_each(|t| *t += 5.0);
-    let q: Vec<f64> = t
-        .iter()
-        .enumerate()
-        .map(|(k, t)| if k < 100 { (3.0 * t).sin() } else { 0.1 })
-        .collect();
+    let at = |k: usize| if k < 100 { (3.0 * t[k]).sin() } else { 0.1 };
+    let q: Vec<f64> = (0..t.len()).map(at).collect();
     let (plan, motion) = planned(&t, &q, 1, Wanted::All);
     for (row, known) in motion.known.iter().enumerate() {
         let whole = row >= 100 || row.min(99 - row) >= 9;
@@ -115,16 +105,12 @@ fn deviations_are_those_of_the_noise() {
     let q: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
     let plan = Plan::of(&t, &q, 1).unwrap();
     assert!(plan.half > 0.5, "{plan:?}");
-    let motion = plan
-        .motion((&t, &q, 1), 100..t.len() - 100, Wanted::All)
-        .unwrap();
+    let rows = 100..t.len() - 100;
+    let motion = plan.motion((&t, &q, 1), rows, Wanted::All).unwrap();
     let w = std::f64::consts::TAU * 0.25;
-    let off: Vec<f64> = motion
-        .gains
-        .iter()
-        .zip(&t[100..])
-        .map(|(gain, t)| gain + 0.3 * w * w * (w * t).sin())
-        .collect();
+    let off = motion.gains.iter().zip(&t[100..]);
+    let off = off.map(|(gain, t)| gain + 0.3 * w * w * (w * t).sin());
+    let off: Vec<f64> = off.collect();
     let ratio = rms(&off) / rms(&motion.gains_std);
     assert!((0.85..1.15).contains(&ratio), "{ratio}");
     // Noise alone moves no joint.
@@ -134,13 +120,14 @@ fn deviations_are_those_of_the_noise() {
 /// Encoders that write ticks bend no acceleration: what is left is noise that averages out.
 #[test]
 fn ticks_leave_accelerations_as_large_as_they_are() {
-    for (step, hertz) in [
+    let rates = [
         (0.01, 0.7),
         (0.02, 0.7),
         (0.05, 0.7),
         (0.1, 0.3),
         (0.01, 0.2),
-    ] {
+    ];
+    for (step, hertz) in rates {
         let (t, q) = swing(step, 120.0, hertz);
         let q = ticks(&q);
         let (_, motion) = planned(&t, &q, 1, Wanted::All);
@@ -180,11 +167,7 @@ fn what_windows_bend_is_taken_back() {
             }
             let (share, bent) = (product / square, bent / square);
             assert!((share - 1.0).abs() < 0.002, "{hertz} Hz: {share}");
-            let expected = if joint == 0 {
-                0.004..0.01
-            } else {
-                -0.001..0.001
-            };
+            let expected = [0.004..0.01, -0.001..0.001][joint].clone();
             assert!(expected.contains(&(1.0 - bent)), "{hertz} Hz: {bent}");
         }
     }
@@ -226,15 +209,11 @@ fn accelerations_change_as_those_of_a_swing_do() {
             }
             told += usize::from(jerk != 0.0);
             let off = jerk + 0.3 * w.powi(3) * (w * t).cos();
-            assert!(
-                off.abs() < within * 0.3 * w.powi(3) || jerk == 0.0,
-                "{step} s, row {k}"
-            );
+            let is_near = off.abs() < within * 0.3 * w.powi(3);
+            assert!(is_near || jerk == 0.0, "{step} s, row {k}");
             let off = snap - 0.3 * w.powi(4) * (w * t).sin();
-            assert!(
-                off.abs() < 3.0 * within * 0.3 * w.powi(4) || jerk == 0.0,
-                "{step} s, row {k}"
-            );
+            let is_near = off.abs() < 3.0 * within * 0.3 * w.powi(4);
+            assert!(is_near || jerk == 0.0, "{step} s, row {k}");
         }
         assert!(within == 0.0 || told > 500, "{told}");
         // In some rows alone, whose neighbours are seen.
@@ -266,8 +245,8 @@ fn rows_at_the_ends_are_smooth_too() {
             .collect();
         assert!(ends.len() > beside, "{step} s: {}", ends.len());
         let off = |read: &[f64]| {
-            let off: Vec<f64> = ends.iter().map(|k| read[*k] - truth[*k]).collect();
-            rms(&off)
+            let off = ends.iter().map(|k| read[*k] - truth[*k]);
+            rms(&off.collect::<Vec<f64>>())
         };
         let (own, ticks) = (off(&smooth.q), off(&q));
         assert!(own < 0.5 * ticks, "{step} s: {own} of {ticks}");

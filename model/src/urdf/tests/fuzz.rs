@@ -26,39 +26,14 @@ const GOOD: &str = r#"<?xml version="1.0" encoding="utf-8"?>
 
 /// Pieces that change the meaning of what surrounds them.
 const PIECES: [&str; 32] = [
-    "<",
-    ">",
-    "/",
-    "\"",
-    "'",
-    "=",
-    "&",
-    ";",
-    "<!--",
-    "-->",
-    "<![CDATA[",
-    "]]>",
-    "<?",
-    "?>",
-    "<!DOCTYPE ",
-    "[",
-    "</robot>",
-    "<robot>",
-    "<link name=\"x\"/>",
-    "<joint>",
-    "</joint>",
-    " xmlns:a=\"b\"",
-    "a:",
-    "nan",
-    "-inf",
-    "1e999",
-    "${",
-    "$(",
-    "\0",
-    "\u{feff}",
-    "é",
-    "base",
+    "<", ">", "/", "\"", "'", "=", "&", ";", "<!--", "-->", "[", "]]>", "<?", "?>", "</robot>",
+    "<robot>", "<joint>", "</joint>", "a:", "nan", "-inf", "1e999", "${", "$(", "\0", "\u{feff}",
+    "é", "base", LINK, SPACE, TYPE, DATA,
 ];
+const LINK: &str = "<link name=\"x\"/>";
+const SPACE: &str = " xmlns:a=\"b\"";
+const TYPE: &str = "<!DOCTYPE ";
+const DATA: &str = "<![CDATA[";
 
 /// The generator of Knuth's MMIX; its high bits.
 struct Draw(u64);
@@ -128,10 +103,8 @@ fn damage_is_survived() {
     let mut draw = Draw(2);
     let (mut loaded, mut refused) = (0, 0);
     for round in 0..20_000 {
-        let bytes = match round % 2 {
-            0 => damaged(&mut draw),
-            _ => reworded(&mut draw),
-        };
+        let alter = [damaged, reworded][round % 2];
+        let bytes = alter(&mut draw);
         match attempt(&bytes) {
             Ok(description) => {
                 loaded += 1;

@@ -49,19 +49,12 @@ pub(super) fn is_read_by_both(own: &Description) {
     assert_eq!(own.joints.len(), read.joints().len(), "{text}");
     for (own, other) in own.joints.iter().zip(read.joints()) {
         let link = |index: usize| &read.links()[index].name;
-        assert_eq!(
-            (&own.name, own.joint_type.name()),
-            (&other.name, other.kind.as_str())
-        );
-        assert_eq!(
-            (&own.parent, &own.child),
-            (link(other.parent), link(other.child))
-        );
-        assert_eq!(
-            bits(own.origin.xyz),
-            bits(other.origin.translation.vector.into()),
-            "{text}"
-        );
+        assert_eq!(own.name, other.name);
+        assert_eq!(own.joint_type.name(), other.kind.as_str());
+        assert_eq!(own.parent, *link(other.parent));
+        assert_eq!(own.child, *link(other.child));
+        let xyz = other.origin.translation.vector.into();
+        assert_eq!(bits(own.origin.xyz), bits(xyz), "{text}");
         let error = rotation(&own.origin).matrix() - other.origin.rotation.matrix();
         assert!(error.norm() < 1e-14, "{error}\n{text}");
         if own.joint_type.is_single() {
@@ -72,14 +65,10 @@ pub(super) fn is_read_by_both(own: &Description) {
             assert_eq!((own.limit.lower, own.limit.upper), other.limits, "{text}");
         }
         let mimic = |joint: &str, k: f64, o: f64| (joint.to_owned(), k.to_bits(), o.to_bits());
-        let ours = own
-            .mimic
-            .as_ref()
-            .map(|own| mimic(&own.joint, own.multiplier, own.offset));
-        let theirs = other
-            .mimic
-            .as_ref()
-            .map(|one| mimic(&one.master, one.multiplier, one.offset));
+        let ours = own.mimic.as_ref();
+        let ours = ours.map(|own| mimic(&own.joint, own.multiplier, own.offset));
+        let theirs = other.mimic.as_ref();
+        let theirs = theirs.map(|one| mimic(&one.master, one.multiplier, one.offset));
         assert_eq!(ours, theirs, "{text}");
     }
 }
@@ -107,6 +96,15 @@ fn jointed(attributes: &str, children: &str) -> Description {
     )))
 }
 
+/// Asserts that a joint of this type and these parts draws one note that holds these words.
+#[track_caller]
+fn notes(kind: &str, parts: &str, words: &str) -> Description {
+    let found = jointed(&format!("type='{kind}'"), parts);
+    assert_eq!(found.notes.len(), 1, "{:?}", found.notes);
+    assert!(found.notes[0].contains(words), "{:?}", found.notes);
+    found
+}
+
 fn bits(values: [f64; 3]) -> [u64; 3] {
     values.map(f64::to_bits)
 }
@@ -115,10 +113,10 @@ fn bits(values: [f64; 3]) -> [u64; 3] {
 fn missing_files_and_directories_are_named() {
     let error = read(Path::new("no/such/robot.urdf")).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Missing);
+    let said = error.to_string();
     assert!(
-        error
-            .to_string()
-            .starts_with("no/such/robot.urdf: no such file")
+        said.starts_with("no/such/robot.urdf: no such file"),
+        "{said}"
     );
     let error = read(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Directory);
@@ -132,51 +130,33 @@ fn too_much_text_is_refused() {
 
 #[test]
 fn missing_parts_have_defaults() {
-    let description = jointed("type='revolute'", "");
-    let robot = &description;
+    let words = "test.urdf:3: joint `elbow`: no lower and upper limit; taken as unlimited";
+    let robot = notes("revolute", "", words);
     let joint = &robot.joints[0];
     assert_eq!(joint.axis, [1.0, 0.0, 0.0]);
-    assert_eq!(joint.origin.xyz, [0.0; 3]);
-    assert_eq!(joint.origin.rpy, [0.0; 3]);
+    assert_eq!(joint.origin, Origin::default());
     assert_eq!(joint.limit.lower, f64::NEG_INFINITY);
     assert_eq!(joint.limit.upper, f64::INFINITY);
     assert_eq!(robot.links[0].inertial.mass_kg, 1.0);
     assert_eq!(robot.links[0].inertial.inertia, [0.0; 6]);
     assert_eq!(robot.links[1].inertial.mass_kg, 0.0);
-    assert_eq!(
-        description.notes,
-        ["test.urdf:3: joint `elbow`: no lower and upper limit; taken as unlimited"]
-    );
     let joint = &jointed("type='prismatic'", "<limit upper='0.5'/>").joints[0];
     assert_eq!((joint.limit.lower, joint.limit.upper), (0.0, 0.5));
     assert_eq!((joint.limit.effort, joint.limit.velocity), (0.0, 0.0));
-}
-
-#[test]
-fn partial_origins_keep_what_they_have() {
-    let joint = &jointed("type='fixed'", "<origin rpy='0 0 1'/>").joints[0];
-    assert_eq!(
-        (joint.origin.xyz, joint.origin.rpy),
-        ([0.0; 3], [0.0, 0.0, 1.0])
-    );
-    let joint = &jointed("type='fixed'", "<origin xyz='1 2 3'/>").joints[0];
-    assert_eq!(
-        (joint.origin.xyz, joint.origin.rpy),
-        ([1.0, 2.0, 3.0], [0.0; 3])
-    );
+    // Partial origins keep what they have.
+    for (origin, xyz, rpy) in [
+        ("<origin rpy='0 0 1'/>", [0.0; 3], [0.0, 0.0, 1.0]),
+        ("<origin xyz='1 2 3'/>", [1.0, 2.0, 3.0], [0.0; 3]),
+    ] {
+        let found = jointed("type='fixed'", origin).joints[0].origin;
+        assert_eq!((found.xyz, found.rpy), (xyz, rpy));
+    }
 }
 
 #[test]
 fn numbers_survive_to_the_last_bit() {
-    let values = [
-        0.1 + 0.2,
-        -0.0,
-        5e-324,
-        1.7976931348623157e5,
-        1e-7,
-        123456.78901234567,
-    ];
-    let [a, b, c, d, e, f] = values;
+    let [a, b, c] = [0.1 + 0.2, -0.0, 5e-324];
+    let [d, e, f] = [1.7976931348623157e5, 1e-7, 123456.78901234567];
     let joint = &jointed(
         "type='continuous'",
         &format!("<origin xyz='{a} {b:?} {c:e}' rpy='{d} {e} {f}'/><axis xyz='{a} {a} {e}'/>"),
@@ -185,10 +165,7 @@ fn numbers_survive_to_the_last_bit() {
     assert_eq!(bits(joint.origin.xyz), [a, b, c].map(f64::to_bits));
     assert_eq!(bits(joint.origin.rpy), [d, e, f].map(f64::to_bits));
     assert_eq!(bits(joint.axis), [a, a, e].map(f64::to_bits));
-}
-
-#[test]
-fn numbers_may_be_written_in_every_usual_way() {
+    // They may be written in every usual way.
     let joint = &jointed(
         "type='prismatic'",
         "<origin xyz='\t1e-3\n  +.5\r\n-2.E1 '/><axis xyz='0 0 -2'/><limit lower=' -inf' upper='1E0 '/>",
@@ -196,10 +173,8 @@ fn numbers_may_be_written_in_every_usual_way() {
     .joints[0];
     assert_eq!(joint.origin.xyz, [0.001, 0.5, -20.0]);
     assert_eq!(joint.axis, [0.0, 0.0, -2.0]);
-    assert_eq!(
-        (joint.limit.lower, joint.limit.upper),
-        (f64::NEG_INFINITY, 1.0)
-    );
+    assert_eq!(joint.limit.lower, f64::NEG_INFINITY);
+    assert_eq!(joint.limit.upper, 1.0);
 }
 
 #[test]
@@ -228,32 +203,16 @@ fn joints_keep_document_order_and_may_precede_links() {
 
 #[test]
 fn any_name_will_do() {
-    let mut names: Vec<String> = [
-        "arm.l/2-3",
-        "left  arm",
-        " padded ",
-        "bras_é",
-        "機械",
-        "🤖",
-        "fn",
-        "a'b\"c<d>&e",
-        "$",
-        "{}",
-        "-->",
-    ]
-    .map(str::to_owned)
-    .to_vec();
+    let odd = "arm.l/2-3|left  arm| padded |bras_é|機械|🤖|fn|a'b\"c<d>&e|$|{}|-->";
+    let mut names: Vec<String> = odd.split('|').map(str::to_owned).collect();
     // Every character that XML allows, in blocks: two further XML readers
     // stand between here and the result.
     let allowed = (0x20..=0x10ffff_u32)
         .filter_map(char::from_u32)
         .filter(|c| !crate::text::is_hidden(*c) && !matches!(c, '\u{fffe}' | '\u{ffff}'));
     let all: Vec<char> = allowed.collect();
-    names.extend(
-        all.chunks(200)
-            .step_by(7)
-            .map(|block| format!("n{}", block.iter().collect::<String>())),
-    );
+    let name = |block: &[char]| format!("n{}", block.iter().collect::<String>());
+    names.extend(all.chunks(200).step_by(7).map(name));
     names.truncate(limits::LINKS - 1);
     let body: String = names
         .iter()
@@ -266,11 +225,9 @@ fn any_name_will_do() {
         })
         .collect();
     let description = load(&robot(&body));
-    for (link, name) in description.links[1..].iter().zip(&names) {
-        assert_eq!(link.name, *name);
-    }
-    for (joint, name) in description.joints.iter().zip(&names) {
-        assert_eq!(joint.child, *name);
+    let read = description.links[1..].iter().zip(&description.joints);
+    for ((link, joint), name) in read.zip(&names) {
+        assert_eq!((&link.name, &joint.child), (name, name));
     }
 }
 
@@ -283,14 +240,9 @@ fn only_direct_children_are_the_robots() {
          <material name='m'/><unknown/><xacro:property name='p' value='${1}'/><xacro:macro name='m'><link/></xacro:macro>",
     ));
     assert_eq!(description.links.len(), 1);
-    assert_eq!(
-        description.notes,
-        ["test.urdf:6: `xacro:property`: a leftover of xacro, ignored with all such"]
-    );
-}
-
-#[test]
-fn calls_of_macros_are_parts_that_are_missing() {
+    let leftover = "test.urdf:6: `xacro:property`: a leftover of xacro, ignored with all such";
+    assert_eq!(description.notes, [leftover]);
+    // Calls of macros are parts that are missing.
     for call in [
         "<xacro:leg m='50'/>",
         "<xacro:include filename='a'/>",
@@ -320,12 +272,10 @@ fn robot_tools_write_xml_of_their_own() {
 
 #[test]
 fn what_does_not_move_needs_no_axis_and_no_master() {
-    let description = jointed("type='fixed'", "<axis xyz='0 0 0'/>\n<mimic joint='gone'/>");
+    let parts = "<axis xyz='0 0 0'/>\n<mimic joint='gone'/>";
+    let words = "test.urdf:4: joint `elbow`: a fixed joint does not move; its mimic is ignored";
+    let description = notes("fixed", parts, words);
     assert!(description.joints[0].mimic.is_none());
-    assert_eq!(
-        description.notes,
-        ["test.urdf:4: joint `elbow`: a fixed joint does not move; its mimic is ignored"]
-    );
     jointed("type='floating'", "<axis xyz='0 0 0'/>");
     jointed("type='planar'", "<axis xyz='0 0 1'/>");
 }
@@ -362,34 +312,44 @@ fn quaternions_count_from_version_1_1() {
     assert_eq!(old.joints[0].origin.rpy, [0.0; 3]);
     assert!(old.notes[0].contains(":4: joint `j`: origin quat_xyzw is ignored"));
     let new = load(&text.replace("name=\"r\"", "name=\"r\" version=\"1.1\""));
-    assert_eq!(
-        new.joints[0].origin.rpy,
-        [0.0, 0.0, std::f64::consts::FRAC_PI_2]
-    );
+    let quarter = std::f64::consts::FRAC_PI_2;
+    assert_eq!(new.joints[0].origin.rpy, [0.0, 0.0, quarter]);
     assert!(new.notes.is_empty());
 }
 
 #[test]
 fn what_is_odd_but_harmless_is_noted() {
-    let note = |description: Description| description.notes.join("\n");
-    let limits = "<limit lower='-90' upper='90'/>";
-    assert!(note(jointed("type='revolute'", limits)).contains("limit 90 rad; is it in degrees?"));
+    let degrees = "<limit lower='-90' upper='90'/>";
+    notes("revolute", degrees, "limit 90 rad; is it in degrees?");
     let turn = "<limit lower='-1e16' upper='1e16'/><origin rpy='0 0 90'/>";
-    let found = note(jointed("type='revolute'", turn));
-    assert!(
-        !found.contains("limit") && found.contains("origin rpy holds 90 rad; is it in degrees?")
+    notes(
+        "revolute",
+        turn,
+        "origin rpy holds 90 rad; is it in degrees?",
     );
     let twice = "<axis xyz='0 0 1'/>\n<axis xyz='0 0 1'/>";
-    assert!(
-        note(jointed("type='continuous'", twice))
-            .contains(":4: joint `elbow`: a second <axis>, the same")
+    notes(
+        "continuous",
+        twice,
+        ":4: joint `elbow`: a second <axis>, the same",
     );
+    // Limits the wrong way round mean none.
+    for limits in ["<limit lower='2' upper='1'/>", "<limit lower='1'/>"] {
+        let limit = notes("revolute", limits, "taken as unlimited").joints[0]
+            .limit
+            .clone();
+        assert_eq!(
+            (limit.lower, limit.upper),
+            (f64::NEG_INFINITY, f64::INFINITY)
+        );
+    }
     let broken = "<limit lower='0' upper='1' effort='1 Nm' velocity='nan'/>";
     assert_eq!(jointed("type='revolute'", broken).notes.len(), 2);
     let inertia = robot("").replace("<mass", "<inertia ixx='-nan(ind)' iyy='2'/><mass");
     let description = load(&inertia);
     assert_eq!(description.links[0].inertial.inertia[3], 2.0);
-    assert!(note(description).contains("link `base`: inertia ixx is `-nan(ind)`; taken as 0"));
+    let said = description.notes.join("\n");
+    assert!(said.contains("link `base`: inertia ixx is `-nan(ind)`; taken as 0"));
 }
 
 #[test]
@@ -442,23 +402,6 @@ fn one_fault_gives_one_complaint() {
         );
         let text = text.replacen(old, new, 1);
         assert_eq!(refuse(&text).lines().count(), 1, "{}", refuse(&text));
-    }
-}
-
-#[test]
-fn limits_the_wrong_way_round_mean_none() {
-    for limits in ["<limit lower='2' upper='1'/>", "<limit lower='1'/>"] {
-        let description = jointed("type='revolute'", limits);
-        let limit = &description.joints[0].limit;
-        assert_eq!(
-            (limit.lower, limit.upper),
-            (f64::NEG_INFINITY, f64::INFINITY)
-        );
-        assert!(
-            description.notes[0].contains("taken as unlimited"),
-            "{:?}",
-            description.notes
-        );
     }
 }
 

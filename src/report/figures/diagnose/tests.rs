@@ -2,6 +2,7 @@
 
 use super::{arrows, confusion, course, predicted, regions, rest, spread, trends, waterfall};
 use crate::report::svg::tests::sound;
+use crate::report::tests::says;
 use sesc_identify::diagnose::view::{
     DiagnosisView, Middle, Point, Posture, Predicted, PredictedPoint, Region, Regions, Spread,
     Stage, StageKind, Trend,
@@ -143,10 +144,7 @@ fn figures_of_nothing_and_of_no_numbers() {
 #[test]
 fn strong_differences_are_dark_and_small_maps_numbered() {
     let svg = confusion(&[vec![0.0, 3.0], vec![3.0, 0.0]]);
-    assert!(
-        svg.contains("3.0") && svg.contains("fill-opacity=\"0.45\""),
-        "{svg}"
-    );
+    says(&svg, &["3.0", "fill-opacity=\"0.45\""]);
     let many = vec![vec![3.0; 20]; 20];
     assert!(!confusion(&many).contains("3.0"));
 }

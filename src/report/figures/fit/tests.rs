@@ -25,18 +25,11 @@ fn figures_of_nothing_and_of_no_numbers() {
         cad: 0.0,
         source: "data",
     };
-    sound(&changes(&[
-        parameter.clone(),
-        ParameterFound {
-            std: Some(0.01),
-            ..parameter
-        },
-    ]));
-    sound(&correlation(&[
-        vec![1.0, 0.5],
-        vec![f64::NAN, 1.0],
-        vec![-0.99, 0.2, 1.0],
-    ]));
+    let mut other = parameter.clone();
+    other.std = Some(0.01);
+    sound(&changes(&[parameter, other]));
+    let rows = [vec![1.0, 0.5], vec![f64::NAN, 1.0], vec![-0.99, 0.2, 1.0]];
+    sound(&correlation(&rows));
     let residual = Residual {
         pose: 0,
         support: String::new(),
@@ -53,9 +46,5 @@ fn figures_of_nothing_and_of_no_numbers() {
 #[test]
 fn strong_correlations_are_coloured() {
     let svg = correlation(&[vec![1.0], vec![0.95, 1.0], vec![0.05, -0.5, 1.0]]);
-    let tree = roxmltree::Document::parse(&svg).unwrap();
-    let squares = tree
-        .descendants()
-        .filter(|node| node.attribute("fill-opacity").is_some());
-    assert_eq!(squares.count(), 2);
+    assert_eq!(svg.matches("fill-opacity=").count(), 2);
 }

@@ -51,21 +51,17 @@ fn drawn_joints_are_where_the_reference_has_them() {
         let links: Vec<&str> = description.link_names().collect();
         for svg in pictured(&skeleton, &q, Marks::default()).views() {
             let tree = roxmltree::Document::parse(&svg).unwrap();
-            let view = tree
-                .descendants()
-                .find_map(|node| node.attribute("data-view"));
-            let view: Vec<f64> = (view.unwrap().split(' '))
-                .map(|x| x.parse().unwrap())
-                .collect();
+            let mut nodes = tree.descendants();
+            let view = nodes.find_map(|node| node.attribute("data-view")).unwrap();
+            let view = view.split(' ').map(|x| x.parse().unwrap());
+            let view: Vec<f64> = view.collect();
             let along = |from: usize, at: [f64; 3]| -> f64 {
                 (0..3).map(|i| view[from + i] * at[i]).sum::<f64>() * view[9]
             };
             let mut compared = 0;
             for joint in tree.descendants().filter(|n| n.has_attribute("data-j")) {
-                let name = joint
-                    .first_element_child()
-                    .and_then(|title| title.text())
-                    .unwrap();
+                let title = joint.first_element_child().unwrap();
+                let name = title.text().unwrap();
                 let own = description.joints.iter().find(|j| j.name == name).unwrap();
                 let child = links.iter().position(|link| *link == own.child).unwrap();
                 let at = poses[child].translation.vector.into();
@@ -100,26 +96,22 @@ fn what_is_suspected_is_marked_and_named() {
     };
     for svg in pictured(&skeleton, &q, marks).views() {
         let texts = sound(&svg);
-        assert!(texts.iter().any(|text| text == "r_hip_pitch"));
-        assert!(texts.iter().any(|text| text == "<and> another"));
-        assert!(texts.iter().any(|text| text == "head_tilt_link"));
+        for name in ["r_hip_pitch", "<and> another", "head_tilt_link"] {
+            assert!(texts.iter().any(|text| text == name), "{name}");
+        }
         assert_eq!(svg.matches("class=\"orange\" cx").count(), 1, "one joint");
         let orange = svg.matches("class=\"orange\" d").count();
         let blue = svg.matches("class=\"blue\" d").count();
-        assert!(
-            (1..=2).contains(&orange) && blue == 1,
-            "a link, an arrow: {orange}, {blue}"
-        );
+        // A link, an arrow.
+        assert!((1..=2).contains(&orange) && blue == 1, "{orange}, {blue}");
     }
     let all = Marks {
         every_joint: true,
         ..Marks::default()
     };
     let [front, _] = pictured(&skeleton, &q, all).views();
-    assert_eq!(
-        front.matches("class=\"orange\" cx").count(),
-        skeleton.bodies.len() - 1
-    );
+    let marked = front.matches("class=\"orange\" cx").count();
+    assert_eq!(marked, skeleton.bodies.len() - 1);
 }
 
 #[test]

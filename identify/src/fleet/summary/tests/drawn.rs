@@ -56,6 +56,18 @@ impl Drawn {
         StandardNormal.sample(&mut self.random)
     }
 
+    /// Rows of a robot on some days.
+    pub fn rows(
+        &mut self,
+        robot: usize,
+        days: impl RangeBounds<usize>,
+    ) -> impl Iterator<Item = &mut Row> {
+        let name = format!("r{robot:02}");
+        let is_on = move |day: &str| days.contains(&day.parse::<usize>().unwrap());
+        let rows = self.rows.iter_mut();
+        rows.filter(move |row| row.robot == name && is_on(&row.day))
+    }
+
     /// An offset of a robot's joint on some days.
     pub fn offset(&mut self, robot: usize, joint: &str, size: f64, days: impl RangeBounds<usize>) {
         for k in 0..self.rows.len() {

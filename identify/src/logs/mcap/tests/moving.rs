@@ -11,17 +11,12 @@ use super::*;
 use crate::diagnose::{Verdict, diagnose};
 use crate::fit::{self, fit};
 use crate::robot::Robot;
+use crate::tests::noise;
 
-/// Two skewed joints on a foot: every mass moves both axes.
-const SKEW: &str = "<robot name='skew'>\
-    <link name='sole'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/></inertial></link>\
-    <joint name='hip' type='revolute'><parent link='sole'/><child link='thigh'/>\
-    <origin xyz='0 0 0.1'/><axis xyz='0.3 0.8 0.2'/><limit lower='-0.6' upper='0.6'/></joint>\
-    <link name='thigh'><inertial><origin xyz='0.05 0.1 0.2'/><mass value='3'/></inertial></link>\
-    <joint name='knee' type='revolute'><parent link='thigh'/><child link='shank'/>\
-    <origin xyz='0.02 0.01 0.4'/><axis xyz='0.9 -0.2 0.3'/><limit lower='-1' upper='1'/></joint>\
-    <link name='shank'><inertial><origin xyz='0.1 -0.05 0.3'/><mass value='4'/></inertial></link>\
-    </robot>";
+/// The skewed robot on a sole.
+fn skew() -> String {
+    crate::tests::SKEW.replace("foot", "sole")
+}
 
 /// Standard deviation of a reading, m.
 const NOISE: f64 = 2e-4;
@@ -37,21 +32,8 @@ fn swing(t: f64) -> Vec<f64> {
 }
 
 fn moments(step: f64) -> Vec<f64> {
-    let count = (SECONDS / step) as usize;
-    (0..count)
-        .map(|k| 100.0 + 0.004 + step * k as f64)
-        .collect()
-}
-
-/// Uniform, of deviation NOISE.
-fn noise() -> impl FnMut() -> f64 {
-    let mut state = 1_u64;
-    move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * NOISE * 12_f64.sqrt()
-    }
+    let at = |k: usize| 100.0 + 0.004 + step * k as f64;
+    (0..(SECONDS / step) as usize).map(at).collect()
 }
 
 /// What announces joint states on topics from 10 on, and points on 20.
@@ -75,13 +57,11 @@ fn recorded() -> Vec<u8> {
         }
     }
     let times = moments(READINGS_S);
-    let twin = Twin::from_urdf(SKEW).unwrap();
+    let twin = Twin::from_urdf(&skew()).unwrap();
     let track = Track::moving(times.clone(), swing);
-    let readings = World::new(&twin, "sole")
-        .unwrap()
-        .unsettled()
-        .readings(&track);
-    let mut noise = noise();
+    let world = World::new(&twin, "sole").unwrap().unsettled();
+    let readings = world.readings(&track);
+    let mut noise = noise(NOISE);
     for (t, reading) in times.iter().zip(readings) {
         let data = in_plane(stamp(*t), "sole", reading.cop.map(|x| x + noise()));
         messages.push((*t, message(20, *t, &data)));
@@ -114,11 +94,8 @@ fn where_nothing_is_held_every_reading_is_a_row_at_its_own_joints() {
         for (k, t) in block.t.as_ref().unwrap().iter().enumerate() {
             for (q, truth) in block.q[2 * k..2 * k + 2].iter().zip(swing(*t)) {
                 // 3/128 (ω Δt)⁴ within, (ω Δt)³/16 where one message lies beyond; stamps in ns.
-                let within = if t - 100.0 < 0.05 || t - 100.0 > SECONDS - 0.05 {
-                    1e-5
-                } else {
-                    1e-6
-                };
+                let is_at_end = t - 100.0 < 0.05 || t - 100.0 > SECONDS - 0.05;
+                let within = if is_at_end { 1e-5 } else { 1e-6 };
                 assert!((q - truth).abs() < within, "{t}: {q}, not {truth}");
             }
         }
@@ -135,12 +112,7 @@ fn a_recording_with_stays_is_read_by_them_unless_all_rows_are_asked_for() {
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     let (all, _) = read_by(&path, Stays::Moving).unwrap();
     // 30 readings, one in the air, the last after the last joint state but one.
-    assert!(
-        all.len() >= 28 && stays.len() < 20,
-        "{} {}",
-        all.len(),
-        stays.len()
-    );
+    assert!(all.len() >= 28 && stays.len() < 20, "{}", stays.len());
     assert!(all.pose.windows(2).all(|pair| pair[0] != pair[1]));
 }
 
@@ -148,7 +120,7 @@ fn a_recording_with_stays_is_read_by_them_unless_all_rows_are_asked_for() {
 #[test]
 fn a_moving_recording_is_fitted_and_diagnosed_by_the_zmp() {
     let (_folder, path) = log("walk.mcap", &recorded(), "");
-    let robot = Arc::new(Robot::parse(SKEW, "skew.urdf").unwrap());
+    let robot = Arc::new(Robot::parse(&skew(), "skew.urdf").unwrap());
     let model = robot.model("sole", Snapping::default(), None).unwrap();
     let request = fit::Request {
         robot: Some(Arc::clone(&robot)),
@@ -161,10 +133,8 @@ fn a_moving_recording_is_fitted_and_diagnosed_by_the_zmp() {
     let found = fit(&request, &mut ()).unwrap().identification;
     assert!(found.motion.used, "{:?}", found.motion);
     let share = found.motion.share.unwrap();
-    assert!(
-        (share.value - 1.0).abs() < 4.0 * share.std + 0.02,
-        "{share:?}"
-    );
+    let off = (share.value - 1.0).abs();
+    assert!(off < 4.0 * share.std + 0.02, "{share:?}");
     for (parameter, truth) in found.parameters.iter().zip(model.cad_params()) {
         let Some(std) = parameter.std else { continue };
         let off = (parameter.value - truth).abs();
@@ -174,14 +144,9 @@ fn a_moving_recording_is_fitted_and_diagnosed_by_the_zmp() {
     let mut request = crate::diagnose::Request::new(robot, path.as_path());
     request.support = Some("sole".into());
     request.noise = Some(NOISE);
-    let report = diagnose(&request, &mut ()).unwrap();
-    assert_eq!(
-        report.diagnosis.verdict,
-        Verdict::None,
-        "{}",
-        report.diagnosis.sentence
-    );
-    assert!(report.diagnosis.motion.used);
+    let found = diagnose(&request, &mut ()).unwrap().diagnosis;
+    assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
+    assert!(found.motion.used);
 }
 
 /// The encoder of the knee stops after 52,000 of 60,000 readings: rows are looked at to the end.
@@ -194,8 +159,8 @@ fn an_encoder_that_stops_late_in_a_long_recording_is_found() {
         let t = 0.01 * k as f64;
         [0.35 * (1.1 * t).sin(), 0.5 * (0.9 * t + 1.0).sin()]
     };
-    let world = World::new(&Twin::from_urdf(SKEW).unwrap(), "sole").unwrap();
-    let (mut noise, mut records) = (noise(), head(&["/joint_states"]));
+    let world = World::new(&Twin::from_urdf(&skew()).unwrap(), "sole").unwrap();
+    let (mut noise, mut records) = (noise(NOISE), head(&["/joint_states"]));
     for k in 0..ROWS {
         let (t, q) = (at(k), posture(k));
         let read = [q[0], posture(k.min(STOPS))[1]];
@@ -203,18 +168,14 @@ fn an_encoder_that_stops_late_in_a_long_recording_is_found() {
         let data = in_plane(stamp(t), "sole", world.cop(&q).map(|x| x + noise()));
         records.extend(message(20, t, &data));
     }
-    let robot = Arc::new(Robot::parse(SKEW, "skew.urdf").unwrap());
+    let robot = Arc::new(Robot::parse(&skew(), "skew.urdf").unwrap());
     let log = crate::logs::LogSource::bytes("long.mcap", file(&records));
     let mut request = crate::diagnose::Request::new(robot, log);
     request.support = Some("sole".into());
     // With a joint that stops, the other one is slow at its turns.
     request.stays = Stays::Moving;
     let found = crate::diagnose::look(&request, &mut ()).unwrap();
-    let names: Vec<(&str, &str)> = found
-        .iter()
-        .map(|finding| (finding.kind.name(), finding.target.as_str()))
-        .collect();
-    assert_eq!(names, [("encoder_stuck", "knee")]);
-    let said = &found[0].sentence;
-    assert!(said.contains("rows that were looked at"), "{said}");
+    let names = found.iter().map(|one| (one.kind.name(), &*one.target));
+    assert_eq!(names.collect::<Vec<_>>(), [("encoder_stuck", "knee")]);
+    says(&found[0].sentence, &["rows that were looked at"]);
 }
