@@ -51,7 +51,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define op2_r_sole_SOURCE
 #include "op2_r_sole.h"
-#ifndef op2_r_sole_PAIR_edaca3f5468f38b1
+#ifndef op2_r_sole_PAIR_28572a0b578202e1
 #error "op2_r_sole.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -1076,11 +1076,8 @@ void op2_r_sole_com_jacobian(
     op2_r_sole_com_jacobian_core(0, q, q, q, r, jac);
 }
 
-op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
-    int of_sines,
+void op2_r_sole_com_velocity(
     const op2_r_sole_real q[],
-    const op2_r_sole_real sin_q[],
-    const op2_r_sole_real cos_q[],
     const op2_r_sole_real qd[],
     const op2_r_sole_real r[],
     op2_r_sole_real velocity[restrict 3])
@@ -1088,19 +1085,15 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
+    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
     const float t_r_el_x = (c_r_el * r[41]) - (s_r_el * r[42]);
     const float e1 = (s_r_el * r[41]) + (c_r_el * r[42]);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + t_r_el_x;
+    const float e2 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    if (of_sines != 0) {
-        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    } else {
-        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
-    }
+    op2_r_sole_sincos(e2, &s_r_sho_roll, &c_r_sho_roll);
     const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
     const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     /* r_sho_pitch */
@@ -1108,7 +1101,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float t_r_sho_pitch_x = (c_r_sho_pitch * v_r_sho_pitch_x)
         - (s_r_sho_pitch * v_r_sho_pitch_y);
     const float t_r_sho_pitch_y = (s_r_sho_pitch * v_r_sho_pitch_x)
@@ -1116,19 +1109,15 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
+    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
     const float t_l_el_x = (c_l_el * r[35]) + (s_l_el * r[36]);
     const float t_l_el_y = (s_l_el * r[35]) - (c_l_el * r[36]);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + t_l_el_x;
+    const float e3 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    if (of_sines != 0) {
-        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    } else {
-        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
-    }
+    op2_r_sole_sincos(e3, &s_l_sho_roll, &c_l_sho_roll);
     const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
     const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     /* l_sho_pitch */
@@ -1136,7 +1125,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float t_l_sho_pitch_x = (c_l_sho_pitch * v_l_sho_pitch_x)
         + (s_l_sho_pitch * v_l_sho_pitch_y);
     const float t_l_sho_pitch_y = (c_l_sho_pitch * v_l_sho_pitch_y)
@@ -1144,14 +1133,14 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float t_l_ank_roll_x = (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float t_l_ank_roll_y = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float t_l_ank_pitch_x = (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float t_l_ank_pitch_y = (c_l_ank_pitch * v_l_ank_pitch_y) - (s_l_ank_pitch * r[27]);
     /* l_knee */
@@ -1159,7 +1148,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
     const float t_l_knee_x = (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float t_l_knee_y = (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     /* l_hip_pitch */
@@ -1167,7 +1156,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float t_l_hip_pitch_x = (s_l_hip_pitch * v_l_hip_pitch_x)
         + (c_l_hip_pitch * v_l_hip_pitch_y);
     const float t_l_hip_pitch_y = (c_l_hip_pitch * v_l_hip_pitch_x)
@@ -1177,7 +1166,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float t_l_hip_roll_x = (c_l_hip_roll * v_l_hip_roll_x) + (s_l_hip_roll * v_l_hip_roll_y);
     const float t_l_hip_roll_y = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     /* l_hip_yaw */
@@ -1185,20 +1174,20 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float t_l_hip_yaw_x = (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float t_l_hip_yaw_y = (c_l_hip_yaw * v_l_hip_yaw_y) - (s_l_hip_yaw * v_l_hip_yaw_x);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
     const float t_head_tilt_x = (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float t_head_tilt_y = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     /* head_pan */
     const float v_head_pan_x = r[15] + t_head_tilt_x;
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
     const float t_head_pan_x = (c_head_pan * v_head_pan_x) - (s_head_pan * r[16]);
     const float t_head_pan_y = (s_head_pan * v_head_pan_x) + (c_head_pan * r[16]);
     /* r_hip_yaw */
@@ -1209,7 +1198,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float t_r_hip_yaw_x = (s_r_hip_yaw * v_r_hip_yaw_x) + (c_r_hip_yaw * v_r_hip_yaw_y);
     const float t_r_hip_yaw_y = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     /* r_hip_roll */
@@ -1217,7 +1206,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float t_r_hip_roll_x = (s_r_hip_roll * v_r_hip_roll_x) + (c_r_hip_roll * v_r_hip_roll_y);
     const float t_r_hip_roll_y = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     /* r_hip_pitch */
@@ -1225,7 +1214,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float t_r_hip_pitch_x = (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
     const float t_r_hip_pitch_y = (s_r_hip_pitch * v_r_hip_pitch_x)
@@ -1235,7 +1224,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
     const float t_r_knee_x = (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float t_r_knee_y = (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     /* r_ank_pitch */
@@ -1243,7 +1232,7 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float t_r_ank_pitch_x = (c_r_ank_pitch * v_r_ank_pitch_y)
         - (s_r_ank_pitch * v_r_ank_pitch_x);
     const float t_r_ank_pitch_y = (c_r_ank_pitch * v_r_ank_pitch_x)
@@ -1253,32 +1242,32 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
     const float t_r_ank_roll_x = (c_r_ank_roll * v_r_ank_roll_x) + (s_r_ank_roll * v_r_ank_roll_y);
     const float t_r_ank_roll_y = (c_r_ank_roll * v_r_ank_roll_y) - (s_r_ank_roll * v_r_ank_roll_x);
     /* r_el */
-    const float e2 = qd[19] * e1;
-    const float e3 = qd[19] * t_r_el_x;
+    const float e4 = qd[19] * e1;
+    const float e5 = qd[19] * t_r_el_x;
     /* r_sho_roll */
-    const float e4 = (c_r_sho_roll * e2) + (qd[18] * t_r_sho_roll_y);
-    const float dt_r_sho_roll_y = (qd[18] * t_r_sho_roll_x) - (s_r_sho_roll * e2);
+    const float e6 = (c_r_sho_roll * e4) + (qd[18] * t_r_sho_roll_y);
+    const float dt_r_sho_roll_y = (qd[18] * t_r_sho_roll_x) - (s_r_sho_roll * e4);
     /* r_sho_pitch */
-    const float dt_r_sho_pitch_x = (s_r_sho_pitch * e4) - (c_r_sho_pitch * e3)
+    const float dt_r_sho_pitch_x = (s_r_sho_pitch * e6) - (c_r_sho_pitch * e5)
         - (qd[17] * t_r_sho_pitch_y);
     const float dt_r_sho_pitch_y = (qd[17] * t_r_sho_pitch_x)
-        - ((s_r_sho_pitch * e3) + (c_r_sho_pitch * e4));
+        - ((s_r_sho_pitch * e5) + (c_r_sho_pitch * e6));
     /* l_el */
-    const float e5 = qd[10] * t_l_el_y;
+    const float e7 = qd[10] * t_l_el_y;
     const float dt_l_el_y = qd[10] * t_l_el_x;
     /* l_sho_roll */
-    const float e6 = (c_l_sho_roll * e5) + (qd[9] * t_l_sho_roll_y);
-    const float dt_l_sho_roll_y = (qd[9] * t_l_sho_roll_x) - (s_l_sho_roll * e5);
+    const float e8 = (c_l_sho_roll * e7) + (qd[9] * t_l_sho_roll_y);
+    const float dt_l_sho_roll_y = (qd[9] * t_l_sho_roll_x) - (s_l_sho_roll * e7);
     /* l_sho_pitch */
-    const float dt_l_sho_pitch_x = (c_l_sho_pitch * dt_l_el_y) - (s_l_sho_pitch * e6)
+    const float dt_l_sho_pitch_x = (c_l_sho_pitch * dt_l_el_y) - (s_l_sho_pitch * e8)
         + (qd[8] * t_l_sho_pitch_y);
     /* l_ank_roll */
     const float dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
-    const float e7 = qd[7] * t_l_ank_roll_x;
+    const float e9 = qd[7] * t_l_ank_roll_x;
     /* l_ank_pitch */
     const float dt_l_ank_pitch_x = (s_l_ank_pitch * dt_l_ank_roll_x) + (qd[6] * t_l_ank_pitch_y);
     const float dt_l_ank_pitch_y = (c_l_ank_pitch * dt_l_ank_roll_x) - (qd[6] * t_l_ank_pitch_x);
@@ -1293,9 +1282,9 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float dt_l_hip_pitch_y = (c_l_hip_pitch * dt_l_knee_x) - (s_l_hip_pitch * dt_l_knee_y)
         - (qd[4] * t_l_hip_pitch_x);
     /* l_hip_roll */
-    const float dt_l_hip_roll_x = (s_l_hip_roll * dt_l_hip_pitch_x) - (c_l_hip_roll * e7)
+    const float dt_l_hip_roll_x = (s_l_hip_roll * dt_l_hip_pitch_x) - (c_l_hip_roll * e9)
         + (qd[3] * t_l_hip_roll_y);
-    const float dt_l_hip_roll_y = (s_l_hip_roll * e7) + (c_l_hip_roll * dt_l_hip_pitch_x)
+    const float dt_l_hip_roll_y = (s_l_hip_roll * e9) + (c_l_hip_roll * dt_l_hip_pitch_x)
         - (qd[3] * t_l_hip_roll_x);
     /* l_hip_yaw */
     const float dt_l_hip_yaw_x = (c_l_hip_yaw * dt_l_hip_pitch_y) + (s_l_hip_yaw * dt_l_hip_roll_x)
@@ -1303,16 +1292,16 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     const float dt_l_hip_yaw_y = (c_l_hip_yaw * dt_l_hip_roll_x) - (s_l_hip_yaw * dt_l_hip_pitch_y)
         - (qd[2] * t_l_hip_yaw_x);
     /* head_tilt */
-    const float e8 = qd[1] * t_head_tilt_y;
+    const float e10 = qd[1] * t_head_tilt_y;
     const float dt_head_tilt_y = qd[1] * t_head_tilt_x;
     /* head_pan */
-    const float dt_head_pan_y = (qd[0] * t_head_pan_x) - (s_head_pan * e8);
+    const float dt_head_pan_y = (qd[0] * t_head_pan_x) - (s_head_pan * e10);
     /* r_hip_yaw */
-    const float dv_r_hip_yaw_x = dt_l_sho_pitch_x - ((c_head_pan * e8) + (qd[0] * t_head_pan_y))
+    const float dv_r_hip_yaw_x = dt_l_sho_pitch_x - ((c_head_pan * e10) + (qd[0] * t_head_pan_y))
         + dt_r_sho_pitch_x + dt_l_hip_yaw_x;
     const float dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y + dt_l_hip_yaw_y;
     const float dv_r_hip_yaw_z = dt_head_tilt_y
-        - ((s_l_sho_pitch * dt_l_el_y) + (c_l_sho_pitch * e6) + (qd[8] * t_l_sho_pitch_x))
+        - ((s_l_sho_pitch * dt_l_el_y) + (c_l_sho_pitch * e8) + (qd[8] * t_l_sho_pitch_x))
         + dt_r_sho_pitch_y + dt_l_hip_roll_y;
     const float dt_r_hip_yaw_x = (s_r_hip_yaw * dv_r_hip_yaw_x) + (c_r_hip_yaw * dv_r_hip_yaw_y)
         + (qd[11] * t_r_hip_yaw_y);
@@ -1348,39 +1337,23 @@ op2_r_sole_SHARED void op2_r_sole_com_velocity_core(
     velocity[2] = dt_r_ank_roll_y;
 }
 
-void op2_r_sole_com_velocity(
+void op2_r_sole_gravity_moments(
     const op2_r_sole_real q[],
-    const op2_r_sole_real qd[],
-    const op2_r_sole_real r[],
-    op2_r_sole_real velocity[restrict 3])
-{
-    op2_r_sole_com_velocity_core(0, q, q, q, qd, r, velocity);
-}
-
-op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
-    int of_sines,
-    const op2_r_sole_real q[],
-    const op2_r_sole_real sin_q[],
-    const op2_r_sole_real cos_q[],
     const op2_r_sole_real r[],
     op2_r_sole_real moments[restrict op2_r_sole_DOF])
 {
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
+    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
     const float t_r_el_x = (c_r_el * r[41]) - (s_r_el * r[42]);
     const float e1 = (s_r_el * r[41]) + (c_r_el * r[42]);
     /* r_sho_roll */
     const float v_r_sho_roll_y = r[40] + t_r_el_x;
+    const float e2 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    if (of_sines != 0) {
-        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    } else {
-        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
-    }
+    op2_r_sole_sincos(e2, &s_r_sho_roll, &c_r_sho_roll);
     const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
     const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
     /* r_sho_pitch */
@@ -1388,7 +1361,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float t_r_sho_pitch_x = (c_r_sho_pitch * v_r_sho_pitch_x)
         - (s_r_sho_pitch * v_r_sho_pitch_y);
     const float t_r_sho_pitch_y = (s_r_sho_pitch * v_r_sho_pitch_x)
@@ -1396,19 +1369,15 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
+    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
     const float t_l_el_x = (c_l_el * r[35]) + (s_l_el * r[36]);
     const float t_l_el_y = (s_l_el * r[35]) - (c_l_el * r[36]);
     /* l_sho_roll */
     const float v_l_sho_roll_y = r[34] + t_l_el_x;
+    const float e3 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    if (of_sines != 0) {
-        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    } else {
-        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
-    }
+    op2_r_sole_sincos(e3, &s_l_sho_roll, &c_l_sho_roll);
     const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
     const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
     /* l_sho_pitch */
@@ -1416,7 +1385,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float t_l_sho_pitch_x = (c_l_sho_pitch * v_l_sho_pitch_x)
         + (s_l_sho_pitch * v_l_sho_pitch_y);
     const float t_l_sho_pitch_y = (c_l_sho_pitch * v_l_sho_pitch_y)
@@ -1424,14 +1393,14 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float t_l_ank_roll_x = (s_l_ank_roll * r[29]) + (c_l_ank_roll * r[30]);
     const float t_l_ank_roll_y = (c_l_ank_roll * r[29]) - (s_l_ank_roll * r[30]);
     /* l_ank_pitch */
     const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float t_l_ank_pitch_x = (c_l_ank_pitch * r[27]) + (s_l_ank_pitch * v_l_ank_pitch_y);
     const float t_l_ank_pitch_y = (c_l_ank_pitch * v_l_ank_pitch_y) - (s_l_ank_pitch * r[27]);
     /* l_knee */
@@ -1439,7 +1408,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
     const float t_l_knee_x = (c_l_knee * v_l_knee_x) - (s_l_knee * v_l_knee_y);
     const float t_l_knee_y = (s_l_knee * v_l_knee_x) + (c_l_knee * v_l_knee_y);
     /* l_hip_pitch */
@@ -1447,7 +1416,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float t_l_hip_pitch_x = (s_l_hip_pitch * v_l_hip_pitch_x)
         + (c_l_hip_pitch * v_l_hip_pitch_y);
     const float t_l_hip_pitch_y = (c_l_hip_pitch * v_l_hip_pitch_x)
@@ -1457,7 +1426,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float t_l_hip_roll_x = (c_l_hip_roll * v_l_hip_roll_x) + (s_l_hip_roll * v_l_hip_roll_y);
     const float t_l_hip_roll_y = (c_l_hip_roll * v_l_hip_roll_y) - (s_l_hip_roll * v_l_hip_roll_x);
     /* l_hip_yaw */
@@ -1465,20 +1434,20 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float t_l_hip_yaw_x = (c_l_hip_yaw * v_l_hip_yaw_x) + (s_l_hip_yaw * v_l_hip_yaw_y);
     const float t_l_hip_yaw_y = (c_l_hip_yaw * v_l_hip_yaw_y) - (s_l_hip_yaw * v_l_hip_yaw_x);
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
     const float t_head_tilt_x = (c_head_tilt * r[17]) + (s_head_tilt * r[18]);
     const float t_head_tilt_y = (s_head_tilt * r[17]) - (c_head_tilt * r[18]);
     /* head_pan */
     const float v_head_pan_x = r[15] + t_head_tilt_x;
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
     const float t_head_pan_x = (c_head_pan * v_head_pan_x) - (s_head_pan * r[16]);
     const float t_head_pan_y = (s_head_pan * v_head_pan_x) + (c_head_pan * r[16]);
     /* r_hip_yaw */
@@ -1489,7 +1458,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float t_r_hip_yaw_x = (s_r_hip_yaw * v_r_hip_yaw_x) + (c_r_hip_yaw * v_r_hip_yaw_y);
     const float t_r_hip_yaw_y = (c_r_hip_yaw * v_r_hip_yaw_x) - (s_r_hip_yaw * v_r_hip_yaw_y);
     /* r_hip_roll */
@@ -1497,7 +1466,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float t_r_hip_roll_x = (s_r_hip_roll * v_r_hip_roll_x) + (c_r_hip_roll * v_r_hip_roll_y);
     const float t_r_hip_roll_y = (c_r_hip_roll * v_r_hip_roll_x) - (s_r_hip_roll * v_r_hip_roll_y);
     /* r_hip_pitch */
@@ -1505,7 +1474,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float t_r_hip_pitch_x = (c_r_hip_pitch * v_r_hip_pitch_x)
         - (s_r_hip_pitch * v_r_hip_pitch_y);
     const float t_r_hip_pitch_y = (s_r_hip_pitch * v_r_hip_pitch_x)
@@ -1515,7 +1484,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
     const float t_r_knee_x = (c_r_knee * v_r_knee_x) - (s_r_knee * v_r_knee_y);
     const float t_r_knee_y = (s_r_knee * v_r_knee_x) + (c_r_knee * v_r_knee_y);
     /* r_ank_pitch */
@@ -1523,7 +1492,7 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float t_r_ank_pitch_x = (c_r_ank_pitch * v_r_ank_pitch_y)
         - (s_r_ank_pitch * v_r_ank_pitch_x);
     const float t_r_ank_pitch_y = (c_r_ank_pitch * v_r_ank_pitch_x)
@@ -1533,14 +1502,14 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
     const float t_r_ank_roll_x = (c_r_ank_roll * v_r_ank_roll_x) + (s_r_ank_roll * v_r_ank_roll_y);
     /* r_ank_pitch */
-    const float e2 = c_r_ank_roll * s_r_ank_pitch;
+    const float e4 = c_r_ank_roll * s_r_ank_pitch;
     const float bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
     /* r_knee */
-    const float bz_r_knee_x = (bz_r_ank_pitch_y * s_r_knee) - (e2 * c_r_knee);
-    const float bz_r_knee_y = (bz_r_ank_pitch_y * c_r_knee) + (e2 * s_r_knee);
+    const float bz_r_knee_x = (bz_r_ank_pitch_y * s_r_knee) - (e4 * c_r_knee);
+    const float bz_r_knee_y = (bz_r_ank_pitch_y * c_r_knee) + (e4 * s_r_knee);
     /* r_hip_pitch */
     const float bz_r_hip_pitch_x = (bz_r_knee_x * c_r_hip_pitch) + (bz_r_knee_y * s_r_hip_pitch);
     const float bz_r_hip_pitch_y = (bz_r_knee_y * c_r_hip_pitch) - (bz_r_knee_x * s_r_hip_pitch);
@@ -1549,12 +1518,12 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     const float bz_r_hip_roll_y = (s_r_ank_roll * s_r_hip_roll) + (bz_r_hip_pitch_y * c_r_hip_roll);
     /* r_hip_yaw */
     const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * s_r_hip_yaw) + (bz_r_hip_pitch_x * c_r_hip_yaw);
-    const float e3 = (bz_r_hip_pitch_x * s_r_hip_yaw) - (bz_r_hip_roll_x * c_r_hip_yaw);
+    const float e5 = (bz_r_hip_pitch_x * s_r_hip_yaw) - (bz_r_hip_roll_x * c_r_hip_yaw);
     /* head_pan */
-    const float bz_head_pan_x = (bz_r_hip_yaw_x * c_head_pan) - (e3 * s_head_pan);
+    const float bz_head_pan_x = (bz_r_hip_yaw_x * c_head_pan) - (e5 * s_head_pan);
     /* l_hip_yaw */
-    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * c_l_hip_yaw) + (e3 * s_l_hip_yaw);
-    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * s_l_hip_yaw) - (e3 * c_l_hip_yaw);
+    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * c_l_hip_yaw) + (e5 * s_l_hip_yaw);
+    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * s_l_hip_yaw) - (e5 * c_l_hip_yaw);
     /* l_hip_roll */
     const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * c_l_hip_roll)
         - (bz_r_hip_roll_y * s_l_hip_roll);
@@ -1563,12 +1532,12 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
     /* l_hip_pitch */
     const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * s_l_hip_pitch)
         + (bz_l_hip_yaw_x * c_l_hip_pitch);
-    const float e4 = (bz_l_hip_yaw_x * s_l_hip_pitch) - (bz_l_hip_roll_y * c_l_hip_pitch);
+    const float e6 = (bz_l_hip_yaw_x * s_l_hip_pitch) - (bz_l_hip_roll_y * c_l_hip_pitch);
     /* l_knee */
-    const float bz_l_knee_x = (bz_l_hip_pitch_x * c_l_knee) - (e4 * s_l_knee);
-    const float e5 = (e4 * c_l_knee) + (bz_l_hip_pitch_x * s_l_knee);
+    const float bz_l_knee_x = (bz_l_hip_pitch_x * c_l_knee) - (e6 * s_l_knee);
+    const float e7 = (e6 * c_l_knee) + (bz_l_hip_pitch_x * s_l_knee);
     /* l_ank_pitch */
-    const float bz_l_ank_pitch_y = (bz_l_knee_x * s_l_ank_pitch) - (e5 * c_l_ank_pitch);
+    const float bz_l_ank_pitch_y = (bz_l_knee_x * s_l_ank_pitch) - (e7 * c_l_ank_pitch);
     /* l_sho_pitch */
     const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * c_l_sho_pitch)
         - (bz_r_hip_roll_y * s_l_sho_pitch);
@@ -1579,36 +1548,28 @@ op2_r_sole_SHARED void op2_r_sole_gravity_moments_core(
         + (bz_r_hip_roll_y * s_r_sho_pitch);
     const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * c_r_sho_pitch)
         - (bz_r_hip_yaw_x * s_r_sho_pitch);
-    moments[0] = (e3 * t_head_pan_x) + (bz_r_hip_yaw_x * t_head_pan_y);
+    moments[0] = (e5 * t_head_pan_x) + (bz_r_hip_yaw_x * t_head_pan_y);
     moments[1] = -((bz_r_hip_roll_y * t_head_tilt_x) - (bz_head_pan_x * t_head_tilt_y));
-    moments[2] = -((e3 * t_l_hip_yaw_x) + (bz_r_hip_yaw_x * t_l_hip_yaw_y));
+    moments[2] = -((e5 * t_l_hip_yaw_x) + (bz_r_hip_yaw_x * t_l_hip_yaw_y));
     moments[3] = (bz_r_hip_roll_y * t_l_hip_roll_x) - (bz_l_hip_yaw_y * t_l_hip_roll_y);
     moments[4] = (bz_l_hip_yaw_x * t_l_hip_pitch_x) - (bz_l_hip_roll_y * t_l_hip_pitch_y);
-    moments[5] = (e4 * t_l_knee_x) + (bz_l_hip_pitch_x * t_l_knee_y);
-    moments[6] = -((e5 * t_l_ank_pitch_x) + (bz_l_knee_x * t_l_ank_pitch_y));
+    moments[5] = (e6 * t_l_knee_x) + (bz_l_hip_pitch_x * t_l_knee_y);
+    moments[6] = -((e7 * t_l_ank_pitch_x) + (bz_l_knee_x * t_l_ank_pitch_y));
     moments[7] = (bz_l_hip_roll_x * t_l_ank_roll_x) - (bz_l_ank_pitch_y * t_l_ank_roll_y);
     moments[8] = (bz_r_hip_roll_y * t_l_sho_pitch_x) - (bz_r_hip_yaw_x * t_l_sho_pitch_y);
-    moments[9] = (e3 * t_l_sho_roll_x) + (bz_l_sho_pitch_y * t_l_sho_roll_y);
+    moments[9] = (e5 * t_l_sho_roll_x) + (bz_l_sho_pitch_y * t_l_sho_roll_y);
     moments[10] = -((bz_l_sho_pitch_x * t_l_el_x)
-        + (((e3 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y));
+        + (((e5 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y));
     moments[11] = (bz_r_hip_pitch_x * t_r_hip_yaw_x) - (bz_r_hip_roll_x * t_r_hip_yaw_y);
     moments[12] = -((s_r_ank_roll * t_r_hip_roll_x) + (bz_r_hip_pitch_y * t_r_hip_roll_y));
     moments[13] = -((bz_r_knee_y * t_r_hip_pitch_x) - (bz_r_knee_x * t_r_hip_pitch_y));
-    moments[14] = -((bz_r_ank_pitch_y * t_r_knee_x) + (e2 * t_r_knee_y));
+    moments[14] = -((bz_r_ank_pitch_y * t_r_knee_x) + (e4 * t_r_knee_y));
     moments[15] = c_r_ank_roll * t_r_ank_pitch_y;
     moments[16] = t_r_ank_roll_x;
     moments[17] = -((bz_r_hip_roll_y * t_r_sho_pitch_x) - (bz_r_hip_yaw_x * t_r_sho_pitch_y));
-    moments[18] = (e3 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y);
+    moments[18] = (e5 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y);
     moments[19] = (bz_r_sho_pitch_x * t_r_el_x)
-        - (((e3 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1);
-}
-
-void op2_r_sole_gravity_moments(
-    const op2_r_sole_real q[],
-    const op2_r_sole_real r[],
-    op2_r_sole_real moments[restrict op2_r_sole_DOF])
-{
-    op2_r_sole_gravity_moments_core(0, q, q, q, r, moments);
+        - (((e5 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1);
 }
 
 void op2_r_sole_regressor(
@@ -4152,7 +4113,190 @@ void op2_r_sole_com_velocity_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real velocity[restrict 3])
 {
-    op2_r_sole_com_velocity_core(1, sin_q, sin_q, cos_q, qd, r, velocity);
+    /* r_el */
+    const float t_r_el_x = (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
+    const float e1 = (sin_q[19] * r[41]) + (cos_q[19] * r[42]);
+    /* r_sho_roll */
+    const float v_r_sho_roll_y = r[40] + t_r_el_x;
+    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
+    const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
+    /* r_sho_pitch */
+    const float v_r_sho_pitch_x = r[37] - e1;
+    const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const float t_r_sho_pitch_x = (cos_q[17] * v_r_sho_pitch_x) - (sin_q[17] * v_r_sho_pitch_y);
+    const float t_r_sho_pitch_y = (sin_q[17] * v_r_sho_pitch_x) + (cos_q[17] * v_r_sho_pitch_y);
+    /* l_el */
+    const float t_l_el_x = (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
+    const float t_l_el_y = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
+    /* l_sho_roll */
+    const float v_l_sho_roll_y = r[34] + t_l_el_x;
+    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
+    const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
+    /* l_sho_pitch */
+    const float v_l_sho_pitch_x = r[31] + t_l_el_y;
+    const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const float t_l_sho_pitch_x = (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y);
+    const float t_l_sho_pitch_y = (cos_q[8] * v_l_sho_pitch_y) - (sin_q[8] * v_l_sho_pitch_x);
+    /* l_ank_roll */
+    const float t_l_ank_roll_x = (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
+    const float t_l_ank_roll_y = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
+    /* l_ank_pitch */
+    const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const float t_l_ank_pitch_x = (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
+    const float t_l_ank_pitch_y = (cos_q[6] * v_l_ank_pitch_y) - (sin_q[6] * r[27]);
+    /* l_knee */
+    const float v_l_knee_x = r[25] + t_l_ank_pitch_x;
+    const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const float t_l_knee_x = (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
+    const float t_l_knee_y = (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
+    /* l_hip_pitch */
+    const float v_l_hip_pitch_x = r[23] + t_l_knee_x;
+    const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const float t_l_hip_pitch_x = (sin_q[4] * v_l_hip_pitch_x) + (cos_q[4] * v_l_hip_pitch_y);
+    const float t_l_hip_pitch_y = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
+    /* l_hip_roll */
+    const float v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+    const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const float t_l_hip_roll_x = (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
+    const float t_l_hip_roll_y = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
+    /* l_hip_yaw */
+    const float v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+    const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const float t_l_hip_yaw_x = (cos_q[2] * v_l_hip_yaw_x) + (sin_q[2] * v_l_hip_yaw_y);
+    const float t_l_hip_yaw_y = (cos_q[2] * v_l_hip_yaw_y) - (sin_q[2] * v_l_hip_yaw_x);
+    /* head_tilt */
+    const float t_head_tilt_x = (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
+    const float t_head_tilt_y = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
+    /* head_pan */
+    const float v_head_pan_x = r[15] + t_head_tilt_x;
+    const float t_head_pan_x = (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16]);
+    const float t_head_pan_y = (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]);
+    /* r_hip_yaw */
+    const float v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_l_hip_yaw_x;
+    const float v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_l_hip_yaw_y;
+    const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
+    const float t_r_hip_yaw_x = (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
+    const float t_r_hip_yaw_y = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
+    /* r_hip_roll */
+    const float v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const float t_r_hip_roll_x = (sin_q[12] * v_r_hip_roll_x) + (cos_q[12] * v_r_hip_roll_y);
+    const float t_r_hip_roll_y = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
+    /* r_hip_pitch */
+    const float v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+    const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const float t_r_hip_pitch_x = (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
+    const float t_r_hip_pitch_y = (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
+    /* r_knee */
+    const float v_r_knee_x = r[7] + t_r_hip_pitch_x;
+    const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const float t_r_knee_x = (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
+    const float t_r_knee_y = (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
+    /* r_ank_pitch */
+    const float v_r_ank_pitch_x = r[5] + t_r_knee_x;
+    const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const float t_r_ank_pitch_x = (cos_q[15] * v_r_ank_pitch_y) - (sin_q[15] * v_r_ank_pitch_x);
+    const float t_r_ank_pitch_y = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
+    /* r_ank_roll */
+    const float v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+    const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const float t_r_ank_roll_x = (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
+    const float t_r_ank_roll_y = (cos_q[16] * v_r_ank_roll_y) - (sin_q[16] * v_r_ank_roll_x);
+    /* r_el */
+    const float e2 = qd[19] * e1;
+    const float e3 = qd[19] * t_r_el_x;
+    /* r_sho_roll */
+    const float e4 = (c_r_sho_roll * e2) + (qd[18] * t_r_sho_roll_y);
+    const float dt_r_sho_roll_y = (qd[18] * t_r_sho_roll_x) - (s_r_sho_roll * e2);
+    /* r_sho_pitch */
+    const float dt_r_sho_pitch_x = (sin_q[17] * e4) - (cos_q[17] * e3) - (qd[17] * t_r_sho_pitch_y);
+    const float dt_r_sho_pitch_y = (qd[17] * t_r_sho_pitch_x)
+        - ((sin_q[17] * e3) + (cos_q[17] * e4));
+    /* l_el */
+    const float e5 = qd[10] * t_l_el_y;
+    const float dt_l_el_y = qd[10] * t_l_el_x;
+    /* l_sho_roll */
+    const float e6 = (c_l_sho_roll * e5) + (qd[9] * t_l_sho_roll_y);
+    const float dt_l_sho_roll_y = (qd[9] * t_l_sho_roll_x) - (s_l_sho_roll * e5);
+    /* l_sho_pitch */
+    const float dt_l_sho_pitch_x = (cos_q[8] * dt_l_el_y) - (sin_q[8] * e6)
+        + (qd[8] * t_l_sho_pitch_y);
+    /* l_ank_roll */
+    const float dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
+    const float e7 = qd[7] * t_l_ank_roll_x;
+    /* l_ank_pitch */
+    const float dt_l_ank_pitch_x = (sin_q[6] * dt_l_ank_roll_x) + (qd[6] * t_l_ank_pitch_y);
+    const float dt_l_ank_pitch_y = (cos_q[6] * dt_l_ank_roll_x) - (qd[6] * t_l_ank_pitch_x);
+    /* l_knee */
+    const float dt_l_knee_x = (cos_q[5] * dt_l_ank_pitch_x) - (sin_q[5] * dt_l_ank_pitch_y)
+        - (qd[5] * t_l_knee_y);
+    const float dt_l_knee_y = (sin_q[5] * dt_l_ank_pitch_x) + (cos_q[5] * dt_l_ank_pitch_y)
+        + (qd[5] * t_l_knee_x);
+    /* l_hip_pitch */
+    const float dt_l_hip_pitch_x = (sin_q[4] * dt_l_knee_x) + (cos_q[4] * dt_l_knee_y)
+        + (qd[4] * t_l_hip_pitch_y);
+    const float dt_l_hip_pitch_y = (cos_q[4] * dt_l_knee_x) - (sin_q[4] * dt_l_knee_y)
+        - (qd[4] * t_l_hip_pitch_x);
+    /* l_hip_roll */
+    const float dt_l_hip_roll_x = (sin_q[3] * dt_l_hip_pitch_x) - (cos_q[3] * e7)
+        + (qd[3] * t_l_hip_roll_y);
+    const float dt_l_hip_roll_y = (sin_q[3] * e7) + (cos_q[3] * dt_l_hip_pitch_x)
+        - (qd[3] * t_l_hip_roll_x);
+    /* l_hip_yaw */
+    const float dt_l_hip_yaw_x = (cos_q[2] * dt_l_hip_pitch_y) + (sin_q[2] * dt_l_hip_roll_x)
+        + (qd[2] * t_l_hip_yaw_y);
+    const float dt_l_hip_yaw_y = (cos_q[2] * dt_l_hip_roll_x) - (sin_q[2] * dt_l_hip_pitch_y)
+        - (qd[2] * t_l_hip_yaw_x);
+    /* head_tilt */
+    const float e8 = qd[1] * t_head_tilt_y;
+    const float dt_head_tilt_y = qd[1] * t_head_tilt_x;
+    /* head_pan */
+    const float dt_head_pan_y = (qd[0] * t_head_pan_x) - (sin_q[0] * e8);
+    /* r_hip_yaw */
+    const float dv_r_hip_yaw_x = dt_l_sho_pitch_x - ((cos_q[0] * e8) + (qd[0] * t_head_pan_y))
+        + dt_r_sho_pitch_x + dt_l_hip_yaw_x;
+    const float dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y + dt_l_hip_yaw_y;
+    const float dv_r_hip_yaw_z = dt_head_tilt_y
+        - ((sin_q[8] * dt_l_el_y) + (cos_q[8] * e6) + (qd[8] * t_l_sho_pitch_x)) + dt_r_sho_pitch_y
+        + dt_l_hip_roll_y;
+    const float dt_r_hip_yaw_x = (sin_q[11] * dv_r_hip_yaw_x) + (cos_q[11] * dv_r_hip_yaw_y)
+        + (qd[11] * t_r_hip_yaw_y);
+    const float dt_r_hip_yaw_y = (cos_q[11] * dv_r_hip_yaw_x) - (sin_q[11] * dv_r_hip_yaw_y)
+        - (qd[11] * t_r_hip_yaw_x);
+    /* r_hip_roll */
+    const float dt_r_hip_roll_x = (sin_q[12] * dt_r_hip_yaw_x) + (cos_q[12] * dv_r_hip_yaw_z)
+        + (qd[12] * t_r_hip_roll_y);
+    const float dt_r_hip_roll_y = (cos_q[12] * dt_r_hip_yaw_x) - (sin_q[12] * dv_r_hip_yaw_z)
+        - (qd[12] * t_r_hip_roll_x);
+    /* r_hip_pitch */
+    const float dt_r_hip_pitch_x = (cos_q[13] * dt_r_hip_yaw_y) - (sin_q[13] * dt_r_hip_roll_x)
+        - (qd[13] * t_r_hip_pitch_y);
+    const float dt_r_hip_pitch_y = (sin_q[13] * dt_r_hip_yaw_y) + (cos_q[13] * dt_r_hip_roll_x)
+        + (qd[13] * t_r_hip_pitch_x);
+    /* r_knee */
+    const float dt_r_knee_x = (cos_q[14] * dt_r_hip_pitch_x) - (sin_q[14] * dt_r_hip_pitch_y)
+        - (qd[14] * t_r_knee_y);
+    const float dt_r_knee_y = (sin_q[14] * dt_r_hip_pitch_x) + (cos_q[14] * dt_r_hip_pitch_y)
+        + (qd[14] * t_r_knee_x);
+    /* r_ank_pitch */
+    const float dt_r_ank_pitch_x = (cos_q[15] * dt_r_knee_y) - (sin_q[15] * dt_r_knee_x)
+        - (qd[15] * t_r_ank_pitch_y);
+    const float dt_r_ank_pitch_y = (cos_q[15] * dt_r_knee_x) + (sin_q[15] * dt_r_knee_y)
+        + (qd[15] * t_r_ank_pitch_x);
+    /* r_ank_roll */
+    const float dt_r_ank_roll_x = (cos_q[16] * dt_r_hip_roll_y) + (sin_q[16] * dt_r_ank_pitch_x)
+        + (qd[16] * t_r_ank_roll_y);
+    const float dt_r_ank_roll_y = (cos_q[16] * dt_r_ank_pitch_x) - (sin_q[16] * dt_r_hip_roll_y)
+        - (qd[16] * t_r_ank_roll_x);
+    velocity[0] = dt_r_ank_pitch_y;
+    velocity[1] = dt_r_ank_roll_x;
+    velocity[2] = dt_r_ank_roll_y;
 }
 
 void op2_r_sole_gravity_moments_sc(
@@ -4161,7 +4305,159 @@ void op2_r_sole_gravity_moments_sc(
     const op2_r_sole_real r[],
     op2_r_sole_real moments[restrict op2_r_sole_DOF])
 {
-    op2_r_sole_gravity_moments_core(1, sin_q, sin_q, cos_q, r, moments);
+    /* r_el */
+    const float t_r_el_x = (cos_q[19] * r[41]) - (sin_q[19] * r[42]);
+    const float e1 = (sin_q[19] * r[41]) + (cos_q[19] * r[42]);
+    /* r_sho_roll */
+    const float v_r_sho_roll_y = r[40] + t_r_el_x;
+    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    const float t_r_sho_roll_x = (c_r_sho_roll * v_r_sho_roll_y) - (s_r_sho_roll * r[39]);
+    const float t_r_sho_roll_y = (c_r_sho_roll * r[39]) + (s_r_sho_roll * v_r_sho_roll_y);
+    /* r_sho_pitch */
+    const float v_r_sho_pitch_x = r[37] - e1;
+    const float v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const float t_r_sho_pitch_x = (cos_q[17] * v_r_sho_pitch_x) - (sin_q[17] * v_r_sho_pitch_y);
+    const float t_r_sho_pitch_y = (sin_q[17] * v_r_sho_pitch_x) + (cos_q[17] * v_r_sho_pitch_y);
+    /* l_el */
+    const float t_l_el_x = (cos_q[10] * r[35]) + (sin_q[10] * r[36]);
+    const float t_l_el_y = (sin_q[10] * r[35]) - (cos_q[10] * r[36]);
+    /* l_sho_roll */
+    const float v_l_sho_roll_y = r[34] + t_l_el_x;
+    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    const float t_l_sho_roll_x = (c_l_sho_roll * v_l_sho_roll_y) - (s_l_sho_roll * r[33]);
+    const float t_l_sho_roll_y = (c_l_sho_roll * r[33]) + (s_l_sho_roll * v_l_sho_roll_y);
+    /* l_sho_pitch */
+    const float v_l_sho_pitch_x = r[31] + t_l_el_y;
+    const float v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const float t_l_sho_pitch_x = (cos_q[8] * v_l_sho_pitch_x) + (sin_q[8] * v_l_sho_pitch_y);
+    const float t_l_sho_pitch_y = (cos_q[8] * v_l_sho_pitch_y) - (sin_q[8] * v_l_sho_pitch_x);
+    /* l_ank_roll */
+    const float t_l_ank_roll_x = (sin_q[7] * r[29]) + (cos_q[7] * r[30]);
+    const float t_l_ank_roll_y = (cos_q[7] * r[29]) - (sin_q[7] * r[30]);
+    /* l_ank_pitch */
+    const float v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const float t_l_ank_pitch_x = (cos_q[6] * r[27]) + (sin_q[6] * v_l_ank_pitch_y);
+    const float t_l_ank_pitch_y = (cos_q[6] * v_l_ank_pitch_y) - (sin_q[6] * r[27]);
+    /* l_knee */
+    const float v_l_knee_x = r[25] + t_l_ank_pitch_x;
+    const float v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const float t_l_knee_x = (cos_q[5] * v_l_knee_x) - (sin_q[5] * v_l_knee_y);
+    const float t_l_knee_y = (sin_q[5] * v_l_knee_x) + (cos_q[5] * v_l_knee_y);
+    /* l_hip_pitch */
+    const float v_l_hip_pitch_x = r[23] + t_l_knee_x;
+    const float v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const float t_l_hip_pitch_x = (sin_q[4] * v_l_hip_pitch_x) + (cos_q[4] * v_l_hip_pitch_y);
+    const float t_l_hip_pitch_y = (cos_q[4] * v_l_hip_pitch_x) - (sin_q[4] * v_l_hip_pitch_y);
+    /* l_hip_roll */
+    const float v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+    const float v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const float t_l_hip_roll_x = (cos_q[3] * v_l_hip_roll_x) + (sin_q[3] * v_l_hip_roll_y);
+    const float t_l_hip_roll_y = (cos_q[3] * v_l_hip_roll_y) - (sin_q[3] * v_l_hip_roll_x);
+    /* l_hip_yaw */
+    const float v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+    const float v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const float t_l_hip_yaw_x = (cos_q[2] * v_l_hip_yaw_x) + (sin_q[2] * v_l_hip_yaw_y);
+    const float t_l_hip_yaw_y = (cos_q[2] * v_l_hip_yaw_y) - (sin_q[2] * v_l_hip_yaw_x);
+    /* head_tilt */
+    const float t_head_tilt_x = (cos_q[1] * r[17]) + (sin_q[1] * r[18]);
+    const float t_head_tilt_y = (sin_q[1] * r[17]) - (cos_q[1] * r[18]);
+    /* head_pan */
+    const float v_head_pan_x = r[15] + t_head_tilt_x;
+    const float t_head_pan_x = (cos_q[0] * v_head_pan_x) - (sin_q[0] * r[16]);
+    const float t_head_pan_y = (sin_q[0] * v_head_pan_x) + (cos_q[0] * r[16]);
+    /* r_hip_yaw */
+    const float v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+        + t_l_hip_yaw_x;
+    const float v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+        + t_l_hip_yaw_y;
+    const float v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y + t_l_hip_roll_y;
+    const float t_r_hip_yaw_x = (sin_q[11] * v_r_hip_yaw_x) + (cos_q[11] * v_r_hip_yaw_y);
+    const float t_r_hip_yaw_y = (cos_q[11] * v_r_hip_yaw_x) - (sin_q[11] * v_r_hip_yaw_y);
+    /* r_hip_roll */
+    const float v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+    const float v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const float t_r_hip_roll_x = (sin_q[12] * v_r_hip_roll_x) + (cos_q[12] * v_r_hip_roll_y);
+    const float t_r_hip_roll_y = (cos_q[12] * v_r_hip_roll_x) - (sin_q[12] * v_r_hip_roll_y);
+    /* r_hip_pitch */
+    const float v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+    const float v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const float t_r_hip_pitch_x = (cos_q[13] * v_r_hip_pitch_x) - (sin_q[13] * v_r_hip_pitch_y);
+    const float t_r_hip_pitch_y = (sin_q[13] * v_r_hip_pitch_x) + (cos_q[13] * v_r_hip_pitch_y);
+    /* r_knee */
+    const float v_r_knee_x = r[7] + t_r_hip_pitch_x;
+    const float v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const float t_r_knee_x = (cos_q[14] * v_r_knee_x) - (sin_q[14] * v_r_knee_y);
+    const float t_r_knee_y = (sin_q[14] * v_r_knee_x) + (cos_q[14] * v_r_knee_y);
+    /* r_ank_pitch */
+    const float v_r_ank_pitch_x = r[5] + t_r_knee_x;
+    const float v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const float t_r_ank_pitch_x = (cos_q[15] * v_r_ank_pitch_y) - (sin_q[15] * v_r_ank_pitch_x);
+    const float t_r_ank_pitch_y = (cos_q[15] * v_r_ank_pitch_x) + (sin_q[15] * v_r_ank_pitch_y);
+    /* r_ank_roll */
+    const float v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+    const float v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const float t_r_ank_roll_x = (cos_q[16] * v_r_ank_roll_x) + (sin_q[16] * v_r_ank_roll_y);
+    /* r_ank_pitch */
+    const float e2 = cos_q[16] * sin_q[15];
+    const float bz_r_ank_pitch_y = cos_q[16] * cos_q[15];
+    /* r_knee */
+    const float bz_r_knee_x = (bz_r_ank_pitch_y * sin_q[14]) - (e2 * cos_q[14]);
+    const float bz_r_knee_y = (bz_r_ank_pitch_y * cos_q[14]) + (e2 * sin_q[14]);
+    /* r_hip_pitch */
+    const float bz_r_hip_pitch_x = (bz_r_knee_x * cos_q[13]) + (bz_r_knee_y * sin_q[13]);
+    const float bz_r_hip_pitch_y = (bz_r_knee_y * cos_q[13]) - (bz_r_knee_x * sin_q[13]);
+    /* r_hip_roll */
+    const float bz_r_hip_roll_x = (bz_r_hip_pitch_y * sin_q[12]) - (sin_q[16] * cos_q[12]);
+    const float bz_r_hip_roll_y = (sin_q[16] * sin_q[12]) + (bz_r_hip_pitch_y * cos_q[12]);
+    /* r_hip_yaw */
+    const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * sin_q[11]) + (bz_r_hip_pitch_x * cos_q[11]);
+    const float e3 = (bz_r_hip_pitch_x * sin_q[11]) - (bz_r_hip_roll_x * cos_q[11]);
+    /* head_pan */
+    const float bz_head_pan_x = (bz_r_hip_yaw_x * cos_q[0]) - (e3 * sin_q[0]);
+    /* l_hip_yaw */
+    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * cos_q[2]) + (e3 * sin_q[2]);
+    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * sin_q[2]) - (e3 * cos_q[2]);
+    /* l_hip_roll */
+    const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * cos_q[3]) - (bz_r_hip_roll_y * sin_q[3]);
+    const float bz_l_hip_roll_y = (bz_r_hip_roll_y * cos_q[3]) + (bz_l_hip_yaw_y * sin_q[3]);
+    /* l_hip_pitch */
+    const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * sin_q[4]) + (bz_l_hip_yaw_x * cos_q[4]);
+    const float e4 = (bz_l_hip_yaw_x * sin_q[4]) - (bz_l_hip_roll_y * cos_q[4]);
+    /* l_knee */
+    const float bz_l_knee_x = (bz_l_hip_pitch_x * cos_q[5]) - (e4 * sin_q[5]);
+    const float e5 = (e4 * cos_q[5]) + (bz_l_hip_pitch_x * sin_q[5]);
+    /* l_ank_pitch */
+    const float bz_l_ank_pitch_y = (bz_l_knee_x * sin_q[6]) - (e5 * cos_q[6]);
+    /* l_sho_pitch */
+    const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[8]) - (bz_r_hip_roll_y * sin_q[8]);
+    const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * cos_q[8]) + (bz_r_hip_yaw_x * sin_q[8]);
+    /* r_sho_pitch */
+    const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[17]) + (bz_r_hip_roll_y * sin_q[17]);
+    const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * cos_q[17]) - (bz_r_hip_yaw_x * sin_q[17]);
+    moments[0] = (e3 * t_head_pan_x) + (bz_r_hip_yaw_x * t_head_pan_y);
+    moments[1] = -((bz_r_hip_roll_y * t_head_tilt_x) - (bz_head_pan_x * t_head_tilt_y));
+    moments[2] = -((e3 * t_l_hip_yaw_x) + (bz_r_hip_yaw_x * t_l_hip_yaw_y));
+    moments[3] = (bz_r_hip_roll_y * t_l_hip_roll_x) - (bz_l_hip_yaw_y * t_l_hip_roll_y);
+    moments[4] = (bz_l_hip_yaw_x * t_l_hip_pitch_x) - (bz_l_hip_roll_y * t_l_hip_pitch_y);
+    moments[5] = (e4 * t_l_knee_x) + (bz_l_hip_pitch_x * t_l_knee_y);
+    moments[6] = -((e5 * t_l_ank_pitch_x) + (bz_l_knee_x * t_l_ank_pitch_y));
+    moments[7] = (bz_l_hip_roll_x * t_l_ank_roll_x) - (bz_l_ank_pitch_y * t_l_ank_roll_y);
+    moments[8] = (bz_r_hip_roll_y * t_l_sho_pitch_x) - (bz_r_hip_yaw_x * t_l_sho_pitch_y);
+    moments[9] = (e3 * t_l_sho_roll_x) + (bz_l_sho_pitch_y * t_l_sho_roll_y);
+    moments[10] = -((bz_l_sho_pitch_x * t_l_el_x)
+        + (((e3 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll)) * t_l_el_y));
+    moments[11] = (bz_r_hip_pitch_x * t_r_hip_yaw_x) - (bz_r_hip_roll_x * t_r_hip_yaw_y);
+    moments[12] = -((sin_q[16] * t_r_hip_roll_x) + (bz_r_hip_pitch_y * t_r_hip_roll_y));
+    moments[13] = -((bz_r_knee_y * t_r_hip_pitch_x) - (bz_r_knee_x * t_r_hip_pitch_y));
+    moments[14] = -((bz_r_ank_pitch_y * t_r_knee_x) + (e2 * t_r_knee_y));
+    moments[15] = cos_q[16] * t_r_ank_pitch_y;
+    moments[16] = t_r_ank_roll_x;
+    moments[17] = -((bz_r_hip_roll_y * t_r_sho_pitch_x) - (bz_r_hip_yaw_x * t_r_sho_pitch_y));
+    moments[18] = (e3 * t_r_sho_roll_x) + (bz_r_sho_pitch_y * t_r_sho_roll_y);
+    moments[19] = (bz_r_sho_pitch_x * t_r_el_x)
+        - (((e3 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1);
 }
 
 void op2_r_sole_regressor_sc(
@@ -5085,7 +5381,7 @@ static int op2_r_sole_rounds_otherwise(op2_r_sole_real result)
 }
 #endif
 
-int op2_r_sole_selftest_edaca3f5468f38b1(void)
+int op2_r_sole_selftest_28572a0b578202e1(void)
 {
     static const op2_r_sole_real q[20] = {
         0.5581665f,
@@ -5202,5 +5498,5 @@ int op2_r_sole_selftest_edaca3f5468f38b1(void)
 
 int op2_r_sole_selftest(void)
 {
-    return op2_r_sole_selftest_edaca3f5468f38b1();
+    return op2_r_sole_selftest_28572a0b578202e1();
 }

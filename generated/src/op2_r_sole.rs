@@ -613,18 +613,426 @@ impl v1::Robot for Op2RSole {
 
     #[inline(always)]
     fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        let mut angles = *q;
-        angles[9] = q[9] - T::from_f64(0.785398163);
-        angles[18] = q[18] + T::from_f64(0.785398163);
-        Op2RSole::com_velocity_core(&v1::Positions::new(&angles), qd, r)
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
+        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let e2 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        let t_r_sho_pitch_x = c_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = s_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
+        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[34] + t_l_el_x;
+        let e3 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + t_l_el_y;
+        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        let t_l_sho_pitch_x = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
+        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
+        // l_ank_pitch
+        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
+        // l_knee
+        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
+        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
+        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
+        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        let t_l_hip_pitch_x = s_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
+        let t_l_hip_roll_y = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
+        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
+        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_l_hip_yaw_x;
+        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_l_hip_yaw_y;
+        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_l_hip_roll_y;
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
+        // r_hip_roll
+        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
+        let t_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        let t_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
+        let t_r_hip_pitch_y = s_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
+        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
+        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
+        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        let t_r_ank_pitch_x = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
+        let t_r_ank_pitch_y = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
+        let t_r_ank_roll_y = c_r_ank_roll
+            .mul_plus(v_r_ank_roll_y, -(s_r_ank_roll * v_r_ank_roll_x));
+        // r_el
+        let e4 = qd[19] * e1;
+        let e5 = qd[19] * t_r_el_x;
+        // r_sho_roll
+        let e6 = c_r_sho_roll.mul_plus(e4, qd[18] * t_r_sho_roll_y);
+        let dt_r_sho_roll_y = qd[18].mul_plus(t_r_sho_roll_x, -(s_r_sho_roll * e4));
+        // r_sho_pitch
+        let dt_r_sho_pitch_x = s_r_sho_pitch.mul_plus(e6, -(c_r_sho_pitch * e5));
+        let dt_r_sho_pitch_x = (-qd[17]).mul_plus(t_r_sho_pitch_y, dt_r_sho_pitch_x);
+        let dt_r_sho_pitch_y = s_r_sho_pitch.mul_plus(e5, c_r_sho_pitch * e6);
+        let dt_r_sho_pitch_y = qd[17].mul_plus(t_r_sho_pitch_x, -dt_r_sho_pitch_y);
+        // l_el
+        let e7 = qd[10] * t_l_el_y;
+        let dt_l_el_y = qd[10] * t_l_el_x;
+        // l_sho_roll
+        let e8 = c_l_sho_roll.mul_plus(e7, qd[9] * t_l_sho_roll_y);
+        let dt_l_sho_roll_y = qd[9].mul_plus(t_l_sho_roll_x, -(s_l_sho_roll * e7));
+        // l_sho_pitch
+        let dt_l_sho_pitch_x = c_l_sho_pitch.mul_plus(dt_l_el_y, -(s_l_sho_pitch * e8));
+        let dt_l_sho_pitch_x = qd[8].mul_plus(t_l_sho_pitch_y, dt_l_sho_pitch_x);
+        // l_ank_roll
+        let dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
+        let e9 = qd[7] * t_l_ank_roll_x;
+        // l_ank_pitch
+        let dt_l_ank_pitch_x = s_l_ank_pitch.mul_plus(dt_l_ank_roll_x, qd[6] * t_l_ank_pitch_y);
+        let dt_l_ank_pitch_y = c_l_ank_pitch.mul_plus(dt_l_ank_roll_x, -(qd[6] * t_l_ank_pitch_x));
+        // l_knee
+        let dt_l_knee_x = c_l_knee.mul_plus(dt_l_ank_pitch_x, -(s_l_knee * dt_l_ank_pitch_y));
+        let dt_l_knee_x = (-qd[5]).mul_plus(t_l_knee_y, dt_l_knee_x);
+        let dt_l_knee_y = s_l_knee.mul_plus(dt_l_ank_pitch_x, c_l_knee * dt_l_ank_pitch_y);
+        let dt_l_knee_y = qd[5].mul_plus(t_l_knee_x, dt_l_knee_y);
+        // l_hip_pitch
+        let dt_l_hip_pitch_x = s_l_hip_pitch.mul_plus(dt_l_knee_x, c_l_hip_pitch * dt_l_knee_y);
+        let dt_l_hip_pitch_x = qd[4].mul_plus(t_l_hip_pitch_y, dt_l_hip_pitch_x);
+        let dt_l_hip_pitch_y = c_l_hip_pitch.mul_plus(dt_l_knee_x, -(s_l_hip_pitch * dt_l_knee_y));
+        let dt_l_hip_pitch_y = (-qd[4]).mul_plus(t_l_hip_pitch_x, dt_l_hip_pitch_y);
+        // l_hip_roll
+        let dt_l_hip_roll_x = s_l_hip_roll.mul_plus(dt_l_hip_pitch_x, -(c_l_hip_roll * e9));
+        let dt_l_hip_roll_x = qd[3].mul_plus(t_l_hip_roll_y, dt_l_hip_roll_x);
+        let dt_l_hip_roll_y = s_l_hip_roll.mul_plus(e9, c_l_hip_roll * dt_l_hip_pitch_x);
+        let dt_l_hip_roll_y = (-qd[3]).mul_plus(t_l_hip_roll_x, dt_l_hip_roll_y);
+        // l_hip_yaw
+        let dt_l_hip_yaw_x = c_l_hip_yaw.mul_plus(dt_l_hip_pitch_y, s_l_hip_yaw * dt_l_hip_roll_x);
+        let dt_l_hip_yaw_x = qd[2].mul_plus(t_l_hip_yaw_y, dt_l_hip_yaw_x);
+        let dt_l_hip_yaw_y = c_l_hip_yaw
+            .mul_plus(dt_l_hip_roll_x, -(s_l_hip_yaw * dt_l_hip_pitch_y));
+        let dt_l_hip_yaw_y = (-qd[2]).mul_plus(t_l_hip_yaw_x, dt_l_hip_yaw_y);
+        // head_tilt
+        let e10 = qd[1] * t_head_tilt_y;
+        let dt_head_tilt_y = qd[1] * t_head_tilt_x;
+        // head_pan
+        let dt_head_pan_y = qd[0].mul_plus(t_head_pan_x, -(s_head_pan * e10));
+        // r_hip_yaw
+        let dv_r_hip_yaw_x = dt_l_sho_pitch_x
+            - c_head_pan.mul_plus(e10, qd[0] * t_head_pan_y) + dt_r_sho_pitch_x
+            + dt_l_hip_yaw_x;
+        let dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y
+            + dt_l_hip_yaw_y;
+        let p1 = s_l_sho_pitch.mul_plus(dt_l_el_y, c_l_sho_pitch * e8);
+        let dv_r_hip_yaw_z = dt_head_tilt_y - qd[8].mul_plus(t_l_sho_pitch_x, p1)
+            + dt_r_sho_pitch_y + dt_l_hip_roll_y;
+        let dt_r_hip_yaw_x = s_r_hip_yaw.mul_plus(dv_r_hip_yaw_x, c_r_hip_yaw * dv_r_hip_yaw_y);
+        let dt_r_hip_yaw_x = qd[11].mul_plus(t_r_hip_yaw_y, dt_r_hip_yaw_x);
+        let dt_r_hip_yaw_y = c_r_hip_yaw.mul_plus(dv_r_hip_yaw_x, -(s_r_hip_yaw * dv_r_hip_yaw_y));
+        let dt_r_hip_yaw_y = (-qd[11]).mul_plus(t_r_hip_yaw_x, dt_r_hip_yaw_y);
+        // r_hip_roll
+        let dt_r_hip_roll_x = s_r_hip_roll.mul_plus(dt_r_hip_yaw_x, c_r_hip_roll * dv_r_hip_yaw_z);
+        let dt_r_hip_roll_x = qd[12].mul_plus(t_r_hip_roll_y, dt_r_hip_roll_x);
+        let dt_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(dt_r_hip_yaw_x, -(s_r_hip_roll * dv_r_hip_yaw_z));
+        let dt_r_hip_roll_y = (-qd[12]).mul_plus(t_r_hip_roll_x, dt_r_hip_roll_y);
+        // r_hip_pitch
+        let dt_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(dt_r_hip_yaw_y, -(s_r_hip_pitch * dt_r_hip_roll_x));
+        let dt_r_hip_pitch_x = (-qd[13]).mul_plus(t_r_hip_pitch_y, dt_r_hip_pitch_x);
+        let dt_r_hip_pitch_y = s_r_hip_pitch
+            .mul_plus(dt_r_hip_yaw_y, c_r_hip_pitch * dt_r_hip_roll_x);
+        let dt_r_hip_pitch_y = qd[13].mul_plus(t_r_hip_pitch_x, dt_r_hip_pitch_y);
+        // r_knee
+        let dt_r_knee_x = c_r_knee.mul_plus(dt_r_hip_pitch_x, -(s_r_knee * dt_r_hip_pitch_y));
+        let dt_r_knee_x = (-qd[14]).mul_plus(t_r_knee_y, dt_r_knee_x);
+        let dt_r_knee_y = s_r_knee.mul_plus(dt_r_hip_pitch_x, c_r_knee * dt_r_hip_pitch_y);
+        let dt_r_knee_y = qd[14].mul_plus(t_r_knee_x, dt_r_knee_y);
+        // r_ank_pitch
+        let dt_r_ank_pitch_x = c_r_ank_pitch.mul_plus(dt_r_knee_y, -(s_r_ank_pitch * dt_r_knee_x));
+        let dt_r_ank_pitch_x = (-qd[15]).mul_plus(t_r_ank_pitch_y, dt_r_ank_pitch_x);
+        let dt_r_ank_pitch_y = c_r_ank_pitch.mul_plus(dt_r_knee_x, s_r_ank_pitch * dt_r_knee_y);
+        let dt_r_ank_pitch_y = qd[15].mul_plus(t_r_ank_pitch_x, dt_r_ank_pitch_y);
+        // r_ank_roll
+        let dt_r_ank_roll_x = c_r_ank_roll
+            .mul_plus(dt_r_hip_roll_y, s_r_ank_roll * dt_r_ank_pitch_x);
+        let dt_r_ank_roll_x = qd[16].mul_plus(t_r_ank_roll_y, dt_r_ank_roll_x);
+        let dt_r_ank_roll_y = c_r_ank_roll
+            .mul_plus(dt_r_ank_pitch_x, -(s_r_ank_roll * dt_r_hip_roll_y));
+        let dt_r_ank_roll_y = (-qd[16]).mul_plus(t_r_ank_roll_x, dt_r_ank_roll_y);
+        [dt_r_ank_pitch_y, dt_r_ank_roll_x, dt_r_ank_roll_y]
     }
 
     #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-        let mut angles = *q;
-        angles[9] = q[9] - T::from_f64(0.785398163);
-        angles[18] = q[18] + T::from_f64(0.785398163);
-        Op2RSole::gravity_moments_core(&v1::Positions::new(&angles), r)
+        // r_el
+        let (s_r_el, c_r_el) = q[19].sin_cos();
+        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
+        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
+        let e2 = q[18] + T::from_f64(0.785398163);
+        let (s_r_sho_roll, c_r_sho_roll) = e2.sin_cos();
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
+        let t_r_sho_pitch_x = c_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = s_r_sho_pitch
+            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
+        // l_el
+        let (s_l_el, c_l_el) = q[10].sin_cos();
+        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
+        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[34] + t_l_el_x;
+        let e3 = q[9] - T::from_f64(0.785398163);
+        let (s_l_sho_roll, c_l_sho_roll) = e3.sin_cos();
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + t_l_el_y;
+        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
+        let t_l_sho_pitch_x = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = c_l_sho_pitch
+            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
+        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
+        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
+        // l_ank_pitch
+        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
+        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
+        // l_knee
+        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
+        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
+        let (s_l_knee, c_l_knee) = q[5].sin_cos();
+        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
+        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
+        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
+        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
+        let t_l_hip_pitch_x = s_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = c_l_hip_pitch
+            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
+        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
+        let t_l_hip_roll_y = c_l_hip_roll
+            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
+        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
+        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
+        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let (s_head_pan, c_head_pan) = q[0].sin_cos();
+        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
+        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_l_hip_yaw_x;
+        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_l_hip_yaw_y;
+        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_l_hip_roll_y;
+        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
+        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
+        // r_hip_roll
+        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
+        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
+        let t_r_hip_roll_y = c_r_hip_roll
+            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
+        let t_r_hip_pitch_x = c_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
+        let t_r_hip_pitch_y = s_r_hip_pitch
+            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
+        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
+        let (s_r_knee, c_r_knee) = q[14].sin_cos();
+        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
+        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
+        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
+        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
+        let t_r_ank_pitch_x = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
+        let t_r_ank_pitch_y = c_r_ank_pitch
+            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
+        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
+        // r_ank_pitch
+        let e4 = c_r_ank_roll * s_r_ank_pitch;
+        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
+        // r_knee
+        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e4 * c_r_knee));
+        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e4 * s_r_knee);
+        // r_hip_pitch
+        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
+        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
+        // r_hip_roll
+        let bz_r_hip_roll_x = bz_r_hip_pitch_y
+            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
+        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
+        // r_hip_yaw
+        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
+        let e5 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
+        // head_pan
+        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
+        // l_hip_yaw
+        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e5 * s_l_hip_yaw);
+        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
+        // l_hip_roll
+        let bz_l_hip_roll_x = bz_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
+        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
+        // l_hip_pitch
+        let bz_l_hip_pitch_x = bz_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
+        let e6 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
+        // l_knee
+        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e6 * s_l_knee));
+        let e7 = e6.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
+        // l_ank_pitch
+        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e7 * c_l_ank_pitch));
+        // l_sho_pitch
+        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
+        let bz_l_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
+        // r_sho_pitch
+        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
+        let bz_r_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
+        let p1 = e5.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let p2 = e5.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        [
+            e5.mul_plus(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
+            -bz_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
+            -e5.mul_plus(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
+            bz_r_hip_roll_y.mul_plus(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y)),
+            bz_l_hip_yaw_x.mul_plus(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y)),
+            e6.mul_plus(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
+            -e7.mul_plus(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
+            bz_l_hip_roll_x.mul_plus(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y)),
+            bz_r_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y)),
+            e5.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -bz_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
+            bz_r_hip_pitch_x.mul_plus(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y)),
+            -s_r_ank_roll.mul_plus(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y),
+            -bz_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y)),
+            -bz_r_ank_pitch_y.mul_plus(t_r_knee_x, e4 * t_r_knee_y),
+            c_r_ank_roll * t_r_ank_pitch_y,
+            t_r_ank_roll_x,
+            -bz_r_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y)),
+            e5.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
+            bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
+        ]
     }
 
     #[inline(always)]
@@ -1244,18 +1652,195 @@ impl v1::SinCosRobot for Op2RSole {
         qd: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; 3] {
+        // r_el
+        let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
+        let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let t_r_sho_pitch_x = cos[17].mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
+        // l_el
+        let t_l_el_x = cos[10].mul_plus(r[35], sin[10] * r[36]);
+        let t_l_el_y = sin[10].mul_plus(r[35], -(cos[10] * r[36]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[34] + t_l_el_x;
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        let (mut sin_of, mut cos_of) = (*sin, *cos);
-        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
-        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
-        Op2RSole::com_velocity_core(&(&sin_of, &cos_of), qd, r)
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + t_l_el_y;
+        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+        let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
+        // l_ank_roll
+        let t_l_ank_roll_x = sin[7].mul_plus(r[29], cos[7] * r[30]);
+        let t_l_ank_roll_y = cos[7].mul_plus(r[29], -(sin[7] * r[30]));
+        // l_ank_pitch
+        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+        let t_l_ank_pitch_x = cos[6].mul_plus(r[27], sin[6] * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_y, -(sin[6] * r[27]));
+        // l_knee
+        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
+        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
+        let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, -(sin[5] * v_l_knee_y));
+        let t_l_knee_y = sin[5].mul_plus(v_l_knee_x, cos[5] * v_l_knee_y);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
+        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
+        let t_l_hip_pitch_x = sin[4].mul_plus(v_l_hip_pitch_x, cos[4] * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+        let t_l_hip_roll_x = cos[3].mul_plus(v_l_hip_roll_x, sin[3] * v_l_hip_roll_y);
+        let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+        let t_l_hip_yaw_x = cos[2].mul_plus(v_l_hip_yaw_x, sin[2] * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_y, -(sin[2] * v_l_hip_yaw_x));
+        // head_tilt
+        let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
+        let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
+        let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_l_hip_yaw_x;
+        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_l_hip_yaw_y;
+        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_l_hip_roll_y;
+        let t_r_hip_yaw_x = sin[11].mul_plus(v_r_hip_yaw_x, cos[11] * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
+        // r_hip_roll
+        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let t_r_hip_roll_x = sin[12].mul_plus(v_r_hip_roll_x, cos[12] * v_r_hip_roll_y);
+        let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+        let t_r_hip_pitch_x = cos[13].mul_plus(v_r_hip_pitch_x, -(sin[13] * v_r_hip_pitch_y));
+        let t_r_hip_pitch_y = sin[13].mul_plus(v_r_hip_pitch_x, cos[13] * v_r_hip_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
+        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
+        let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, -(sin[14] * v_r_knee_y));
+        let t_r_knee_y = sin[14].mul_plus(v_r_knee_x, cos[14] * v_r_knee_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
+        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
+        let t_r_ank_pitch_x = cos[15].mul_plus(v_r_ank_pitch_y, -(sin[15] * v_r_ank_pitch_x));
+        let t_r_ank_pitch_y = cos[15].mul_plus(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+        let t_r_ank_roll_x = cos[16].mul_plus(v_r_ank_roll_x, sin[16] * v_r_ank_roll_y);
+        let t_r_ank_roll_y = cos[16].mul_plus(v_r_ank_roll_y, -(sin[16] * v_r_ank_roll_x));
+        // r_el
+        let e2 = qd[19] * e1;
+        let e3 = qd[19] * t_r_el_x;
+        // r_sho_roll
+        let e4 = c_r_sho_roll.mul_plus(e2, qd[18] * t_r_sho_roll_y);
+        let dt_r_sho_roll_y = qd[18].mul_plus(t_r_sho_roll_x, -(s_r_sho_roll * e2));
+        // r_sho_pitch
+        let dt_r_sho_pitch_x = sin[17].mul_plus(e4, -(cos[17] * e3));
+        let dt_r_sho_pitch_x = (-qd[17]).mul_plus(t_r_sho_pitch_y, dt_r_sho_pitch_x);
+        let dt_r_sho_pitch_y = sin[17].mul_plus(e3, cos[17] * e4);
+        let dt_r_sho_pitch_y = qd[17].mul_plus(t_r_sho_pitch_x, -dt_r_sho_pitch_y);
+        // l_el
+        let e5 = qd[10] * t_l_el_y;
+        let dt_l_el_y = qd[10] * t_l_el_x;
+        // l_sho_roll
+        let e6 = c_l_sho_roll.mul_plus(e5, qd[9] * t_l_sho_roll_y);
+        let dt_l_sho_roll_y = qd[9].mul_plus(t_l_sho_roll_x, -(s_l_sho_roll * e5));
+        // l_sho_pitch
+        let dt_l_sho_pitch_x = cos[8].mul_plus(dt_l_el_y, -(sin[8] * e6));
+        let dt_l_sho_pitch_x = qd[8].mul_plus(t_l_sho_pitch_y, dt_l_sho_pitch_x);
+        // l_ank_roll
+        let dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
+        let e7 = qd[7] * t_l_ank_roll_x;
+        // l_ank_pitch
+        let dt_l_ank_pitch_x = sin[6].mul_plus(dt_l_ank_roll_x, qd[6] * t_l_ank_pitch_y);
+        let dt_l_ank_pitch_y = cos[6].mul_plus(dt_l_ank_roll_x, -(qd[6] * t_l_ank_pitch_x));
+        // l_knee
+        let dt_l_knee_x = cos[5].mul_plus(dt_l_ank_pitch_x, -(sin[5] * dt_l_ank_pitch_y));
+        let dt_l_knee_x = (-qd[5]).mul_plus(t_l_knee_y, dt_l_knee_x);
+        let dt_l_knee_y = sin[5].mul_plus(dt_l_ank_pitch_x, cos[5] * dt_l_ank_pitch_y);
+        let dt_l_knee_y = qd[5].mul_plus(t_l_knee_x, dt_l_knee_y);
+        // l_hip_pitch
+        let dt_l_hip_pitch_x = sin[4].mul_plus(dt_l_knee_x, cos[4] * dt_l_knee_y);
+        let dt_l_hip_pitch_x = qd[4].mul_plus(t_l_hip_pitch_y, dt_l_hip_pitch_x);
+        let dt_l_hip_pitch_y = cos[4].mul_plus(dt_l_knee_x, -(sin[4] * dt_l_knee_y));
+        let dt_l_hip_pitch_y = (-qd[4]).mul_plus(t_l_hip_pitch_x, dt_l_hip_pitch_y);
+        // l_hip_roll
+        let dt_l_hip_roll_x = sin[3].mul_plus(dt_l_hip_pitch_x, -(cos[3] * e7));
+        let dt_l_hip_roll_x = qd[3].mul_plus(t_l_hip_roll_y, dt_l_hip_roll_x);
+        let dt_l_hip_roll_y = sin[3].mul_plus(e7, cos[3] * dt_l_hip_pitch_x);
+        let dt_l_hip_roll_y = (-qd[3]).mul_plus(t_l_hip_roll_x, dt_l_hip_roll_y);
+        // l_hip_yaw
+        let dt_l_hip_yaw_x = cos[2].mul_plus(dt_l_hip_pitch_y, sin[2] * dt_l_hip_roll_x);
+        let dt_l_hip_yaw_x = qd[2].mul_plus(t_l_hip_yaw_y, dt_l_hip_yaw_x);
+        let dt_l_hip_yaw_y = cos[2].mul_plus(dt_l_hip_roll_x, -(sin[2] * dt_l_hip_pitch_y));
+        let dt_l_hip_yaw_y = (-qd[2]).mul_plus(t_l_hip_yaw_x, dt_l_hip_yaw_y);
+        // head_tilt
+        let e8 = qd[1] * t_head_tilt_y;
+        let dt_head_tilt_y = qd[1] * t_head_tilt_x;
+        // head_pan
+        let dt_head_pan_y = qd[0].mul_plus(t_head_pan_x, -(sin[0] * e8));
+        // r_hip_yaw
+        let dv_r_hip_yaw_x = dt_l_sho_pitch_x - cos[0].mul_plus(e8, qd[0] * t_head_pan_y)
+            + dt_r_sho_pitch_x + dt_l_hip_yaw_x;
+        let dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y
+            + dt_l_hip_yaw_y;
+        let p1 = sin[8].mul_plus(dt_l_el_y, cos[8] * e6);
+        let dv_r_hip_yaw_z = dt_head_tilt_y - qd[8].mul_plus(t_l_sho_pitch_x, p1)
+            + dt_r_sho_pitch_y + dt_l_hip_roll_y;
+        let dt_r_hip_yaw_x = sin[11].mul_plus(dv_r_hip_yaw_x, cos[11] * dv_r_hip_yaw_y);
+        let dt_r_hip_yaw_x = qd[11].mul_plus(t_r_hip_yaw_y, dt_r_hip_yaw_x);
+        let dt_r_hip_yaw_y = cos[11].mul_plus(dv_r_hip_yaw_x, -(sin[11] * dv_r_hip_yaw_y));
+        let dt_r_hip_yaw_y = (-qd[11]).mul_plus(t_r_hip_yaw_x, dt_r_hip_yaw_y);
+        // r_hip_roll
+        let dt_r_hip_roll_x = sin[12].mul_plus(dt_r_hip_yaw_x, cos[12] * dv_r_hip_yaw_z);
+        let dt_r_hip_roll_x = qd[12].mul_plus(t_r_hip_roll_y, dt_r_hip_roll_x);
+        let dt_r_hip_roll_y = cos[12].mul_plus(dt_r_hip_yaw_x, -(sin[12] * dv_r_hip_yaw_z));
+        let dt_r_hip_roll_y = (-qd[12]).mul_plus(t_r_hip_roll_x, dt_r_hip_roll_y);
+        // r_hip_pitch
+        let dt_r_hip_pitch_x = cos[13].mul_plus(dt_r_hip_yaw_y, -(sin[13] * dt_r_hip_roll_x));
+        let dt_r_hip_pitch_x = (-qd[13]).mul_plus(t_r_hip_pitch_y, dt_r_hip_pitch_x);
+        let dt_r_hip_pitch_y = sin[13].mul_plus(dt_r_hip_yaw_y, cos[13] * dt_r_hip_roll_x);
+        let dt_r_hip_pitch_y = qd[13].mul_plus(t_r_hip_pitch_x, dt_r_hip_pitch_y);
+        // r_knee
+        let dt_r_knee_x = cos[14].mul_plus(dt_r_hip_pitch_x, -(sin[14] * dt_r_hip_pitch_y));
+        let dt_r_knee_x = (-qd[14]).mul_plus(t_r_knee_y, dt_r_knee_x);
+        let dt_r_knee_y = sin[14].mul_plus(dt_r_hip_pitch_x, cos[14] * dt_r_hip_pitch_y);
+        let dt_r_knee_y = qd[14].mul_plus(t_r_knee_x, dt_r_knee_y);
+        // r_ank_pitch
+        let dt_r_ank_pitch_x = cos[15].mul_plus(dt_r_knee_y, -(sin[15] * dt_r_knee_x));
+        let dt_r_ank_pitch_x = (-qd[15]).mul_plus(t_r_ank_pitch_y, dt_r_ank_pitch_x);
+        let dt_r_ank_pitch_y = cos[15].mul_plus(dt_r_knee_x, sin[15] * dt_r_knee_y);
+        let dt_r_ank_pitch_y = qd[15].mul_plus(t_r_ank_pitch_x, dt_r_ank_pitch_y);
+        // r_ank_roll
+        let dt_r_ank_roll_x = cos[16].mul_plus(dt_r_hip_roll_y, sin[16] * dt_r_ank_pitch_x);
+        let dt_r_ank_roll_x = qd[16].mul_plus(t_r_ank_roll_y, dt_r_ank_roll_x);
+        let dt_r_ank_roll_y = cos[16].mul_plus(dt_r_ank_pitch_x, -(sin[16] * dt_r_hip_roll_y));
+        let dt_r_ank_roll_y = (-qd[16]).mul_plus(t_r_ank_roll_x, dt_r_ank_roll_y);
+        [dt_r_ank_pitch_y, dt_r_ank_roll_x, dt_r_ank_roll_y]
     }
 
     #[inline(always)]
@@ -1264,18 +1849,166 @@ impl v1::SinCosRobot for Op2RSole {
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; DOF] {
+        // r_el
+        let t_r_el_x = cos[19].mul_plus(r[41], -(sin[19] * r[42]));
+        let e1 = sin[19].mul_plus(r[41], cos[19] * r[42]);
+        // r_sho_roll
+        let v_r_sho_roll_y = r[40] + t_r_el_x;
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
+        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
+        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
+        // r_sho_pitch
+        let v_r_sho_pitch_x = r[37] - e1;
+        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+        let t_r_sho_pitch_x = cos[17].mul_plus(v_r_sho_pitch_x, -(sin[17] * v_r_sho_pitch_y));
+        let t_r_sho_pitch_y = sin[17].mul_plus(v_r_sho_pitch_x, cos[17] * v_r_sho_pitch_y);
+        // l_el
+        let t_l_el_x = cos[10].mul_plus(r[35], sin[10] * r[36]);
+        let t_l_el_y = sin[10].mul_plus(r[35], -(cos[10] * r[36]));
+        // l_sho_roll
+        let v_l_sho_roll_y = r[34] + t_l_el_x;
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        let (mut sin_of, mut cos_of) = (*sin, *cos);
-        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
-        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
-        Op2RSole::gravity_moments_core(&(&sin_of, &cos_of), r)
+        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
+        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
+        // l_sho_pitch
+        let v_l_sho_pitch_x = r[31] + t_l_el_y;
+        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+        let t_l_sho_pitch_x = cos[8].mul_plus(v_l_sho_pitch_x, sin[8] * v_l_sho_pitch_y);
+        let t_l_sho_pitch_y = cos[8].mul_plus(v_l_sho_pitch_y, -(sin[8] * v_l_sho_pitch_x));
+        // l_ank_roll
+        let t_l_ank_roll_x = sin[7].mul_plus(r[29], cos[7] * r[30]);
+        let t_l_ank_roll_y = cos[7].mul_plus(r[29], -(sin[7] * r[30]));
+        // l_ank_pitch
+        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+        let t_l_ank_pitch_x = cos[6].mul_plus(r[27], sin[6] * v_l_ank_pitch_y);
+        let t_l_ank_pitch_y = cos[6].mul_plus(v_l_ank_pitch_y, -(sin[6] * r[27]));
+        // l_knee
+        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
+        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
+        let t_l_knee_x = cos[5].mul_plus(v_l_knee_x, -(sin[5] * v_l_knee_y));
+        let t_l_knee_y = sin[5].mul_plus(v_l_knee_x, cos[5] * v_l_knee_y);
+        // l_hip_pitch
+        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
+        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
+        let t_l_hip_pitch_x = sin[4].mul_plus(v_l_hip_pitch_x, cos[4] * v_l_hip_pitch_y);
+        let t_l_hip_pitch_y = cos[4].mul_plus(v_l_hip_pitch_x, -(sin[4] * v_l_hip_pitch_y));
+        // l_hip_roll
+        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
+        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+        let t_l_hip_roll_x = cos[3].mul_plus(v_l_hip_roll_x, sin[3] * v_l_hip_roll_y);
+        let t_l_hip_roll_y = cos[3].mul_plus(v_l_hip_roll_y, -(sin[3] * v_l_hip_roll_x));
+        // l_hip_yaw
+        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
+        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+        let t_l_hip_yaw_x = cos[2].mul_plus(v_l_hip_yaw_x, sin[2] * v_l_hip_yaw_y);
+        let t_l_hip_yaw_y = cos[2].mul_plus(v_l_hip_yaw_y, -(sin[2] * v_l_hip_yaw_x));
+        // head_tilt
+        let t_head_tilt_x = cos[1].mul_plus(r[17], sin[1] * r[18]);
+        let t_head_tilt_y = sin[1].mul_plus(r[17], -(cos[1] * r[18]));
+        // head_pan
+        let v_head_pan_x = r[15] + t_head_tilt_x;
+        let t_head_pan_x = cos[0].mul_plus(v_head_pan_x, -(sin[0] * r[16]));
+        let t_head_pan_y = sin[0].mul_plus(v_head_pan_x, cos[0] * r[16]);
+        // r_hip_yaw
+        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
+            + t_l_hip_yaw_x;
+        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
+            + t_l_hip_yaw_y;
+        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
+            + t_l_hip_roll_y;
+        let t_r_hip_yaw_x = sin[11].mul_plus(v_r_hip_yaw_x, cos[11] * v_r_hip_yaw_y);
+        let t_r_hip_yaw_y = cos[11].mul_plus(v_r_hip_yaw_x, -(sin[11] * v_r_hip_yaw_y));
+        // r_hip_roll
+        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
+        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+        let t_r_hip_roll_x = sin[12].mul_plus(v_r_hip_roll_x, cos[12] * v_r_hip_roll_y);
+        let t_r_hip_roll_y = cos[12].mul_plus(v_r_hip_roll_x, -(sin[12] * v_r_hip_roll_y));
+        // r_hip_pitch
+        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
+        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+        let t_r_hip_pitch_x = cos[13].mul_plus(v_r_hip_pitch_x, -(sin[13] * v_r_hip_pitch_y));
+        let t_r_hip_pitch_y = sin[13].mul_plus(v_r_hip_pitch_x, cos[13] * v_r_hip_pitch_y);
+        // r_knee
+        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
+        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
+        let t_r_knee_x = cos[14].mul_plus(v_r_knee_x, -(sin[14] * v_r_knee_y));
+        let t_r_knee_y = sin[14].mul_plus(v_r_knee_x, cos[14] * v_r_knee_y);
+        // r_ank_pitch
+        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
+        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
+        let t_r_ank_pitch_x = cos[15].mul_plus(v_r_ank_pitch_y, -(sin[15] * v_r_ank_pitch_x));
+        let t_r_ank_pitch_y = cos[15].mul_plus(v_r_ank_pitch_x, sin[15] * v_r_ank_pitch_y);
+        // r_ank_roll
+        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
+        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+        let t_r_ank_roll_x = cos[16].mul_plus(v_r_ank_roll_x, sin[16] * v_r_ank_roll_y);
+        // r_ank_pitch
+        let e2 = cos[16] * sin[15];
+        let bz_r_ank_pitch_y = cos[16] * cos[15];
+        // r_knee
+        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(sin[14], -(e2 * cos[14]));
+        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(cos[14], e2 * sin[14]);
+        // r_hip_pitch
+        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(cos[13], bz_r_knee_y * sin[13]);
+        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(cos[13], -(bz_r_knee_x * sin[13]));
+        // r_hip_roll
+        let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_plus(sin[12], -(sin[16] * cos[12]));
+        let bz_r_hip_roll_y = sin[16].mul_plus(sin[12], bz_r_hip_pitch_y * cos[12]);
+        // r_hip_yaw
+        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(sin[11], bz_r_hip_pitch_x * cos[11]);
+        let e3 = bz_r_hip_pitch_x.mul_plus(sin[11], -(bz_r_hip_roll_x * cos[11]));
+        // head_pan
+        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(cos[0], -(e3 * sin[0]));
+        // l_hip_yaw
+        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(cos[2], e3 * sin[2]);
+        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(sin[2], -(e3 * cos[2]));
+        // l_hip_roll
+        let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_plus(cos[3], -(bz_r_hip_roll_y * sin[3]));
+        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(cos[3], bz_l_hip_yaw_y * sin[3]);
+        // l_hip_pitch
+        let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_plus(sin[4], bz_l_hip_yaw_x * cos[4]);
+        let e4 = bz_l_hip_yaw_x.mul_plus(sin[4], -(bz_l_hip_roll_y * cos[4]));
+        // l_knee
+        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(cos[5], -(e4 * sin[5]));
+        let e5 = e4.mul_plus(cos[5], bz_l_hip_pitch_x * sin[5]);
+        // l_ank_pitch
+        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(sin[6], -(e5 * cos[6]));
+        // l_sho_pitch
+        let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[8], -(bz_r_hip_roll_y * sin[8]));
+        let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[8], bz_r_hip_yaw_x * sin[8]);
+        // r_sho_pitch
+        let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[17], bz_r_hip_roll_y * sin[17]);
+        let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[17], -(bz_r_hip_yaw_x * sin[17]));
+        let p1 = e3.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let p2 = e3.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        [
+            e3.mul_plus(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
+            -bz_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
+            -e3.mul_plus(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
+            bz_r_hip_roll_y.mul_plus(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y)),
+            bz_l_hip_yaw_x.mul_plus(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y)),
+            e4.mul_plus(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
+            -e5.mul_plus(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
+            bz_l_hip_roll_x.mul_plus(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y)),
+            bz_r_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y)),
+            e3.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
+            -bz_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
+            bz_r_hip_pitch_x.mul_plus(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y)),
+            -sin[16].mul_plus(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y),
+            -bz_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y)),
+            -bz_r_ank_pitch_y.mul_plus(t_r_knee_x, e2 * t_r_knee_y),
+            cos[16] * t_r_ank_pitch_y,
+            t_r_ank_roll_x,
+            -bz_r_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y)),
+            e3.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
+            bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
+        ]
     }
 
     #[inline(always)]
@@ -2531,433 +3264,6 @@ impl Op2RSole {
         jacobian[1][19] = -by_r_sho_pitch_x.mul_plus(t_r_el_x, -(p5 * e1));
         let p6 = e7.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
         jacobian[2][19] = -bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p6 * e1));
-    }
-
-    #[inline(always)]
-    fn com_velocity_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        qd: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-    ) -> [T; 3] {
-        // r_el
-        let (s_r_el, c_r_el) = angles.sin_cos(19);
-        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
-        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
-        // r_sho_roll
-        let v_r_sho_roll_y = r[40] + t_r_el_x;
-        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
-        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - e1;
-        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
-        let t_r_sho_pitch_x = c_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-        let t_r_sho_pitch_y = s_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
-        // l_el
-        let (s_l_el, c_l_el) = angles.sin_cos(10);
-        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
-        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
-        // l_sho_roll
-        let v_l_sho_roll_y = r[34] + t_l_el_x;
-        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
-        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + t_l_el_y;
-        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
-        let t_l_sho_pitch_x = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-        let t_l_sho_pitch_y = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
-        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
-        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
-        // l_ank_pitch
-        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
-        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
-        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
-        // l_knee
-        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
-        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
-        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
-        let t_l_hip_pitch_x = s_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
-        let t_l_hip_pitch_y = c_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
-        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
-        let t_l_hip_roll_y = c_l_hip_roll
-            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
-        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
-        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
-        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
-        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-        // head_pan
-        let v_head_pan_x = r[15] + t_head_tilt_x;
-        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
-        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
-        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
-        // r_hip_yaw
-        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-            + t_l_hip_yaw_x;
-        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-            + t_l_hip_yaw_y;
-        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-            + t_l_hip_roll_y;
-        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
-        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
-        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
-        // r_hip_roll
-        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
-        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
-        let t_r_hip_roll_y = c_r_hip_roll
-            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
-        let t_r_hip_pitch_x = c_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
-        let t_r_hip_pitch_y = s_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
-        // r_knee
-        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
-        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
-        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
-        let t_r_ank_pitch_x = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
-        let t_r_ank_pitch_y = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
-        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
-        let t_r_ank_roll_y = c_r_ank_roll
-            .mul_plus(v_r_ank_roll_y, -(s_r_ank_roll * v_r_ank_roll_x));
-        // r_el
-        let e2 = qd[19] * e1;
-        let e3 = qd[19] * t_r_el_x;
-        // r_sho_roll
-        let e4 = c_r_sho_roll.mul_plus(e2, qd[18] * t_r_sho_roll_y);
-        let dt_r_sho_roll_y = qd[18].mul_plus(t_r_sho_roll_x, -(s_r_sho_roll * e2));
-        // r_sho_pitch
-        let dt_r_sho_pitch_x = s_r_sho_pitch.mul_plus(e4, -(c_r_sho_pitch * e3));
-        let dt_r_sho_pitch_x = (-qd[17]).mul_plus(t_r_sho_pitch_y, dt_r_sho_pitch_x);
-        let dt_r_sho_pitch_y = s_r_sho_pitch.mul_plus(e3, c_r_sho_pitch * e4);
-        let dt_r_sho_pitch_y = qd[17].mul_plus(t_r_sho_pitch_x, -dt_r_sho_pitch_y);
-        // l_el
-        let e5 = qd[10] * t_l_el_y;
-        let dt_l_el_y = qd[10] * t_l_el_x;
-        // l_sho_roll
-        let e6 = c_l_sho_roll.mul_plus(e5, qd[9] * t_l_sho_roll_y);
-        let dt_l_sho_roll_y = qd[9].mul_plus(t_l_sho_roll_x, -(s_l_sho_roll * e5));
-        // l_sho_pitch
-        let dt_l_sho_pitch_x = c_l_sho_pitch.mul_plus(dt_l_el_y, -(s_l_sho_pitch * e6));
-        let dt_l_sho_pitch_x = qd[8].mul_plus(t_l_sho_pitch_y, dt_l_sho_pitch_x);
-        // l_ank_roll
-        let dt_l_ank_roll_x = qd[7] * t_l_ank_roll_y;
-        let e7 = qd[7] * t_l_ank_roll_x;
-        // l_ank_pitch
-        let dt_l_ank_pitch_x = s_l_ank_pitch.mul_plus(dt_l_ank_roll_x, qd[6] * t_l_ank_pitch_y);
-        let dt_l_ank_pitch_y = c_l_ank_pitch.mul_plus(dt_l_ank_roll_x, -(qd[6] * t_l_ank_pitch_x));
-        // l_knee
-        let dt_l_knee_x = c_l_knee.mul_plus(dt_l_ank_pitch_x, -(s_l_knee * dt_l_ank_pitch_y));
-        let dt_l_knee_x = (-qd[5]).mul_plus(t_l_knee_y, dt_l_knee_x);
-        let dt_l_knee_y = s_l_knee.mul_plus(dt_l_ank_pitch_x, c_l_knee * dt_l_ank_pitch_y);
-        let dt_l_knee_y = qd[5].mul_plus(t_l_knee_x, dt_l_knee_y);
-        // l_hip_pitch
-        let dt_l_hip_pitch_x = s_l_hip_pitch.mul_plus(dt_l_knee_x, c_l_hip_pitch * dt_l_knee_y);
-        let dt_l_hip_pitch_x = qd[4].mul_plus(t_l_hip_pitch_y, dt_l_hip_pitch_x);
-        let dt_l_hip_pitch_y = c_l_hip_pitch.mul_plus(dt_l_knee_x, -(s_l_hip_pitch * dt_l_knee_y));
-        let dt_l_hip_pitch_y = (-qd[4]).mul_plus(t_l_hip_pitch_x, dt_l_hip_pitch_y);
-        // l_hip_roll
-        let dt_l_hip_roll_x = s_l_hip_roll.mul_plus(dt_l_hip_pitch_x, -(c_l_hip_roll * e7));
-        let dt_l_hip_roll_x = qd[3].mul_plus(t_l_hip_roll_y, dt_l_hip_roll_x);
-        let dt_l_hip_roll_y = s_l_hip_roll.mul_plus(e7, c_l_hip_roll * dt_l_hip_pitch_x);
-        let dt_l_hip_roll_y = (-qd[3]).mul_plus(t_l_hip_roll_x, dt_l_hip_roll_y);
-        // l_hip_yaw
-        let dt_l_hip_yaw_x = c_l_hip_yaw.mul_plus(dt_l_hip_pitch_y, s_l_hip_yaw * dt_l_hip_roll_x);
-        let dt_l_hip_yaw_x = qd[2].mul_plus(t_l_hip_yaw_y, dt_l_hip_yaw_x);
-        let dt_l_hip_yaw_y = c_l_hip_yaw
-            .mul_plus(dt_l_hip_roll_x, -(s_l_hip_yaw * dt_l_hip_pitch_y));
-        let dt_l_hip_yaw_y = (-qd[2]).mul_plus(t_l_hip_yaw_x, dt_l_hip_yaw_y);
-        // head_tilt
-        let e8 = qd[1] * t_head_tilt_y;
-        let dt_head_tilt_y = qd[1] * t_head_tilt_x;
-        // head_pan
-        let dt_head_pan_y = qd[0].mul_plus(t_head_pan_x, -(s_head_pan * e8));
-        // r_hip_yaw
-        let dv_r_hip_yaw_x = dt_l_sho_pitch_x
-            - c_head_pan.mul_plus(e8, qd[0] * t_head_pan_y) + dt_r_sho_pitch_x
-            + dt_l_hip_yaw_x;
-        let dv_r_hip_yaw_y = dt_head_pan_y + dt_l_sho_roll_y + dt_r_sho_roll_y
-            + dt_l_hip_yaw_y;
-        let p1 = s_l_sho_pitch.mul_plus(dt_l_el_y, c_l_sho_pitch * e6);
-        let dv_r_hip_yaw_z = dt_head_tilt_y - qd[8].mul_plus(t_l_sho_pitch_x, p1)
-            + dt_r_sho_pitch_y + dt_l_hip_roll_y;
-        let dt_r_hip_yaw_x = s_r_hip_yaw.mul_plus(dv_r_hip_yaw_x, c_r_hip_yaw * dv_r_hip_yaw_y);
-        let dt_r_hip_yaw_x = qd[11].mul_plus(t_r_hip_yaw_y, dt_r_hip_yaw_x);
-        let dt_r_hip_yaw_y = c_r_hip_yaw.mul_plus(dv_r_hip_yaw_x, -(s_r_hip_yaw * dv_r_hip_yaw_y));
-        let dt_r_hip_yaw_y = (-qd[11]).mul_plus(t_r_hip_yaw_x, dt_r_hip_yaw_y);
-        // r_hip_roll
-        let dt_r_hip_roll_x = s_r_hip_roll.mul_plus(dt_r_hip_yaw_x, c_r_hip_roll * dv_r_hip_yaw_z);
-        let dt_r_hip_roll_x = qd[12].mul_plus(t_r_hip_roll_y, dt_r_hip_roll_x);
-        let dt_r_hip_roll_y = c_r_hip_roll
-            .mul_plus(dt_r_hip_yaw_x, -(s_r_hip_roll * dv_r_hip_yaw_z));
-        let dt_r_hip_roll_y = (-qd[12]).mul_plus(t_r_hip_roll_x, dt_r_hip_roll_y);
-        // r_hip_pitch
-        let dt_r_hip_pitch_x = c_r_hip_pitch
-            .mul_plus(dt_r_hip_yaw_y, -(s_r_hip_pitch * dt_r_hip_roll_x));
-        let dt_r_hip_pitch_x = (-qd[13]).mul_plus(t_r_hip_pitch_y, dt_r_hip_pitch_x);
-        let dt_r_hip_pitch_y = s_r_hip_pitch
-            .mul_plus(dt_r_hip_yaw_y, c_r_hip_pitch * dt_r_hip_roll_x);
-        let dt_r_hip_pitch_y = qd[13].mul_plus(t_r_hip_pitch_x, dt_r_hip_pitch_y);
-        // r_knee
-        let dt_r_knee_x = c_r_knee.mul_plus(dt_r_hip_pitch_x, -(s_r_knee * dt_r_hip_pitch_y));
-        let dt_r_knee_x = (-qd[14]).mul_plus(t_r_knee_y, dt_r_knee_x);
-        let dt_r_knee_y = s_r_knee.mul_plus(dt_r_hip_pitch_x, c_r_knee * dt_r_hip_pitch_y);
-        let dt_r_knee_y = qd[14].mul_plus(t_r_knee_x, dt_r_knee_y);
-        // r_ank_pitch
-        let dt_r_ank_pitch_x = c_r_ank_pitch.mul_plus(dt_r_knee_y, -(s_r_ank_pitch * dt_r_knee_x));
-        let dt_r_ank_pitch_x = (-qd[15]).mul_plus(t_r_ank_pitch_y, dt_r_ank_pitch_x);
-        let dt_r_ank_pitch_y = c_r_ank_pitch.mul_plus(dt_r_knee_x, s_r_ank_pitch * dt_r_knee_y);
-        let dt_r_ank_pitch_y = qd[15].mul_plus(t_r_ank_pitch_x, dt_r_ank_pitch_y);
-        // r_ank_roll
-        let dt_r_ank_roll_x = c_r_ank_roll
-            .mul_plus(dt_r_hip_roll_y, s_r_ank_roll * dt_r_ank_pitch_x);
-        let dt_r_ank_roll_x = qd[16].mul_plus(t_r_ank_roll_y, dt_r_ank_roll_x);
-        let dt_r_ank_roll_y = c_r_ank_roll
-            .mul_plus(dt_r_ank_pitch_x, -(s_r_ank_roll * dt_r_hip_roll_y));
-        let dt_r_ank_roll_y = (-qd[16]).mul_plus(t_r_ank_roll_x, dt_r_ank_roll_y);
-        [dt_r_ank_pitch_y, dt_r_ank_roll_x, dt_r_ank_roll_y]
-    }
-
-    #[inline(always)]
-    fn gravity_moments_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        r: &[T; BASE_PARAMS],
-    ) -> [T; DOF] {
-        // r_el
-        let (s_r_el, c_r_el) = angles.sin_cos(19);
-        let t_r_el_x = c_r_el.mul_plus(r[41], -(s_r_el * r[42]));
-        let e1 = s_r_el.mul_plus(r[41], c_r_el * r[42]);
-        // r_sho_roll
-        let v_r_sho_roll_y = r[40] + t_r_el_x;
-        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
-        let t_r_sho_roll_x = c_r_sho_roll.mul_plus(v_r_sho_roll_y, -(s_r_sho_roll * r[39]));
-        let t_r_sho_roll_y = c_r_sho_roll.mul_plus(r[39], s_r_sho_roll * v_r_sho_roll_y);
-        // r_sho_pitch
-        let v_r_sho_pitch_x = r[37] - e1;
-        let v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
-        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
-        let t_r_sho_pitch_x = c_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, -(s_r_sho_pitch * v_r_sho_pitch_y));
-        let t_r_sho_pitch_y = s_r_sho_pitch
-            .mul_plus(v_r_sho_pitch_x, c_r_sho_pitch * v_r_sho_pitch_y);
-        // l_el
-        let (s_l_el, c_l_el) = angles.sin_cos(10);
-        let t_l_el_x = c_l_el.mul_plus(r[35], s_l_el * r[36]);
-        let t_l_el_y = s_l_el.mul_plus(r[35], -(c_l_el * r[36]));
-        // l_sho_roll
-        let v_l_sho_roll_y = r[34] + t_l_el_x;
-        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
-        let t_l_sho_roll_x = c_l_sho_roll.mul_plus(v_l_sho_roll_y, -(s_l_sho_roll * r[33]));
-        let t_l_sho_roll_y = c_l_sho_roll.mul_plus(r[33], s_l_sho_roll * v_l_sho_roll_y);
-        // l_sho_pitch
-        let v_l_sho_pitch_x = r[31] + t_l_el_y;
-        let v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
-        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
-        let t_l_sho_pitch_x = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_x, s_l_sho_pitch * v_l_sho_pitch_y);
-        let t_l_sho_pitch_y = c_l_sho_pitch
-            .mul_plus(v_l_sho_pitch_y, -(s_l_sho_pitch * v_l_sho_pitch_x));
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
-        let t_l_ank_roll_x = s_l_ank_roll.mul_plus(r[29], c_l_ank_roll * r[30]);
-        let t_l_ank_roll_y = c_l_ank_roll.mul_plus(r[29], -(s_l_ank_roll * r[30]));
-        // l_ank_pitch
-        let v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
-        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
-        let t_l_ank_pitch_x = c_l_ank_pitch.mul_plus(r[27], s_l_ank_pitch * v_l_ank_pitch_y);
-        let t_l_ank_pitch_y = c_l_ank_pitch.mul_plus(v_l_ank_pitch_y, -(s_l_ank_pitch * r[27]));
-        // l_knee
-        let v_l_knee_x = r[25] + t_l_ank_pitch_x;
-        let v_l_knee_y = r[26] + t_l_ank_pitch_y;
-        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
-        let t_l_knee_x = c_l_knee.mul_plus(v_l_knee_x, -(s_l_knee * v_l_knee_y));
-        let t_l_knee_y = s_l_knee.mul_plus(v_l_knee_x, c_l_knee * v_l_knee_y);
-        // l_hip_pitch
-        let v_l_hip_pitch_x = r[23] + t_l_knee_x;
-        let v_l_hip_pitch_y = r[24] + t_l_knee_y;
-        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
-        let t_l_hip_pitch_x = s_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, c_l_hip_pitch * v_l_hip_pitch_y);
-        let t_l_hip_pitch_y = c_l_hip_pitch
-            .mul_plus(v_l_hip_pitch_x, -(s_l_hip_pitch * v_l_hip_pitch_y));
-        // l_hip_roll
-        let v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-        let v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
-        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
-        let t_l_hip_roll_x = c_l_hip_roll.mul_plus(v_l_hip_roll_x, s_l_hip_roll * v_l_hip_roll_y);
-        let t_l_hip_roll_y = c_l_hip_roll
-            .mul_plus(v_l_hip_roll_y, -(s_l_hip_roll * v_l_hip_roll_x));
-        // l_hip_yaw
-        let v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-        let v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
-        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
-        let t_l_hip_yaw_x = c_l_hip_yaw.mul_plus(v_l_hip_yaw_x, s_l_hip_yaw * v_l_hip_yaw_y);
-        let t_l_hip_yaw_y = c_l_hip_yaw.mul_plus(v_l_hip_yaw_y, -(s_l_hip_yaw * v_l_hip_yaw_x));
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
-        let t_head_tilt_x = c_head_tilt.mul_plus(r[17], s_head_tilt * r[18]);
-        let t_head_tilt_y = s_head_tilt.mul_plus(r[17], -(c_head_tilt * r[18]));
-        // head_pan
-        let v_head_pan_x = r[15] + t_head_tilt_x;
-        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
-        let t_head_pan_x = c_head_pan.mul_plus(v_head_pan_x, -(s_head_pan * r[16]));
-        let t_head_pan_y = s_head_pan.mul_plus(v_head_pan_x, c_head_pan * r[16]);
-        // r_hip_yaw
-        let v_r_hip_yaw_x = r[13] + t_head_pan_x + t_l_sho_pitch_x + t_r_sho_pitch_x
-            + t_l_hip_yaw_x;
-        let v_r_hip_yaw_y = r[14] + t_head_pan_y + t_l_sho_roll_y + t_r_sho_roll_y
-            + t_l_hip_yaw_y;
-        let v_r_hip_yaw_z = t_head_tilt_y + t_l_sho_pitch_y + t_r_sho_pitch_y
-            + t_l_hip_roll_y;
-        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
-        let t_r_hip_yaw_x = s_r_hip_yaw.mul_plus(v_r_hip_yaw_x, c_r_hip_yaw * v_r_hip_yaw_y);
-        let t_r_hip_yaw_y = c_r_hip_yaw.mul_plus(v_r_hip_yaw_x, -(s_r_hip_yaw * v_r_hip_yaw_y));
-        // r_hip_roll
-        let v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-        let v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
-        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
-        let t_r_hip_roll_x = s_r_hip_roll.mul_plus(v_r_hip_roll_x, c_r_hip_roll * v_r_hip_roll_y);
-        let t_r_hip_roll_y = c_r_hip_roll
-            .mul_plus(v_r_hip_roll_x, -(s_r_hip_roll * v_r_hip_roll_y));
-        // r_hip_pitch
-        let v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-        let v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
-        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
-        let t_r_hip_pitch_x = c_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, -(s_r_hip_pitch * v_r_hip_pitch_y));
-        let t_r_hip_pitch_y = s_r_hip_pitch
-            .mul_plus(v_r_hip_pitch_x, c_r_hip_pitch * v_r_hip_pitch_y);
-        // r_knee
-        let v_r_knee_x = r[7] + t_r_hip_pitch_x;
-        let v_r_knee_y = r[8] + t_r_hip_pitch_y;
-        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
-        let t_r_knee_x = c_r_knee.mul_plus(v_r_knee_x, -(s_r_knee * v_r_knee_y));
-        let t_r_knee_y = s_r_knee.mul_plus(v_r_knee_x, c_r_knee * v_r_knee_y);
-        // r_ank_pitch
-        let v_r_ank_pitch_x = r[5] + t_r_knee_x;
-        let v_r_ank_pitch_y = r[6] + t_r_knee_y;
-        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
-        let t_r_ank_pitch_x = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_y, -(s_r_ank_pitch * v_r_ank_pitch_x));
-        let t_r_ank_pitch_y = c_r_ank_pitch
-            .mul_plus(v_r_ank_pitch_x, s_r_ank_pitch * v_r_ank_pitch_y);
-        // r_ank_roll
-        let v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-        let v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
-        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
-        let t_r_ank_roll_x = c_r_ank_roll.mul_plus(v_r_ank_roll_x, s_r_ank_roll * v_r_ank_roll_y);
-        // r_ank_pitch
-        let e2 = c_r_ank_roll * s_r_ank_pitch;
-        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-        // r_knee
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e2 * c_r_knee));
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e2 * s_r_knee);
-        // r_hip_pitch
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
-        // r_hip_roll
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y
-            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
-        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
-        // r_hip_yaw
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
-        let e3 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
-        // head_pan
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e3 * s_head_pan));
-        // l_hip_yaw
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e3 * s_l_hip_yaw);
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e3 * c_l_hip_yaw));
-        // l_hip_roll
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
-        // l_hip_pitch
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
-        let e4 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
-        // l_knee
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e4 * s_l_knee));
-        let e5 = e4.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
-        // l_ank_pitch
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e5 * c_l_ank_pitch));
-        // l_sho_pitch
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
-        // r_sho_pitch
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
-        let p1 = e3.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let p2 = e3.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        [
-            e3.mul_plus(t_head_pan_x, bz_r_hip_yaw_x * t_head_pan_y),
-            -bz_r_hip_roll_y.mul_plus(t_head_tilt_x, -(bz_head_pan_x * t_head_tilt_y)),
-            -e3.mul_plus(t_l_hip_yaw_x, bz_r_hip_yaw_x * t_l_hip_yaw_y),
-            bz_r_hip_roll_y.mul_plus(t_l_hip_roll_x, -(bz_l_hip_yaw_y * t_l_hip_roll_y)),
-            bz_l_hip_yaw_x.mul_plus(t_l_hip_pitch_x, -(bz_l_hip_roll_y * t_l_hip_pitch_y)),
-            e4.mul_plus(t_l_knee_x, bz_l_hip_pitch_x * t_l_knee_y),
-            -e5.mul_plus(t_l_ank_pitch_x, bz_l_knee_x * t_l_ank_pitch_y),
-            bz_l_hip_roll_x.mul_plus(t_l_ank_roll_x, -(bz_l_ank_pitch_y * t_l_ank_roll_y)),
-            bz_r_hip_roll_y.mul_plus(t_l_sho_pitch_x, -(bz_r_hip_yaw_x * t_l_sho_pitch_y)),
-            e3.mul_plus(t_l_sho_roll_x, bz_l_sho_pitch_y * t_l_sho_roll_y),
-            -bz_l_sho_pitch_x.mul_plus(t_l_el_x, p1 * t_l_el_y),
-            bz_r_hip_pitch_x.mul_plus(t_r_hip_yaw_x, -(bz_r_hip_roll_x * t_r_hip_yaw_y)),
-            -s_r_ank_roll.mul_plus(t_r_hip_roll_x, bz_r_hip_pitch_y * t_r_hip_roll_y),
-            -bz_r_knee_y.mul_plus(t_r_hip_pitch_x, -(bz_r_knee_x * t_r_hip_pitch_y)),
-            -bz_r_ank_pitch_y.mul_plus(t_r_knee_x, e2 * t_r_knee_y),
-            c_r_ank_roll * t_r_ank_pitch_y,
-            t_r_ank_roll_x,
-            -bz_r_hip_roll_y.mul_plus(t_r_sho_pitch_x, -(bz_r_hip_yaw_x * t_r_sho_pitch_y)),
-            e3.mul_plus(t_r_sho_roll_x, bz_r_sho_pitch_y * t_r_sho_roll_y),
-            bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p2 * e1)),
-        ]
     }
 
     #[inline(always)]

@@ -327,12 +327,40 @@ impl v1::Robot for TwoLinkFoot {
 
     #[inline(always)]
     fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 3] {
-        TwoLinkFoot::com_velocity_core(&v1::Positions::new(q), qd, r)
+        let zero = T::from_f64(0.0);
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
+        let t_ankle_y = c_ankle.mul_plus(v_ankle_y, -(s_ankle * v_ankle_x));
+        // knee
+        let dt_knee_x = qd[1] * t_knee_y;
+        let e1 = qd[1] * t_knee_x;
+        // ankle
+        let dt_ankle_x = c_ankle.mul_plus(dt_knee_x, -(s_ankle * e1));
+        let dt_ankle_x = qd[0].mul_plus(t_ankle_y, dt_ankle_x);
+        let p1 = s_ankle.mul_plus(dt_knee_x, c_ankle * e1);
+        let dt_ankle_y = -qd[0].mul_plus(t_ankle_x, p1);
+        [dt_ankle_x, zero, dt_ankle_y]
     }
 
     #[inline(always)]
     fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
-        TwoLinkFoot::gravity_moments_core(&v1::Positions::new(q), r)
+        // knee
+        let (s_knee, c_knee) = q[1].sin_cos();
+        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let (s_ankle, c_ankle) = q[0].sin_cos();
+        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
+        [t_ankle_x, c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y)]
     }
 
     #[inline(always)]
@@ -437,7 +465,24 @@ impl v1::SinCosRobot for TwoLinkFoot {
         qd: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; 3] {
-        TwoLinkFoot::com_velocity_core(&(sin, cos), qd, r)
+        let zero = T::from_f64(0.0);
+        // knee
+        let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
+        let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
+        let t_ankle_y = cos[0].mul_plus(v_ankle_y, -(sin[0] * v_ankle_x));
+        // knee
+        let dt_knee_x = qd[1] * t_knee_y;
+        let e1 = qd[1] * t_knee_x;
+        // ankle
+        let dt_ankle_x = cos[0].mul_plus(dt_knee_x, -(sin[0] * e1));
+        let dt_ankle_x = qd[0].mul_plus(t_ankle_y, dt_ankle_x);
+        let p1 = sin[0].mul_plus(dt_knee_x, cos[0] * e1);
+        let dt_ankle_y = -qd[0].mul_plus(t_ankle_x, p1);
+        [dt_ankle_x, zero, dt_ankle_y]
     }
 
     #[inline(always)]
@@ -446,7 +491,14 @@ impl v1::SinCosRobot for TwoLinkFoot {
         cos: &[T; DOF],
         r: &[T; BASE_PARAMS],
     ) -> [T; DOF] {
-        TwoLinkFoot::gravity_moments_core(&(sin, cos), r)
+        // knee
+        let t_knee_x = cos[1].mul_plus(r[5], sin[1] * r[6]);
+        let t_knee_y = cos[1].mul_plus(r[6], -(sin[1] * r[5]));
+        // ankle
+        let v_ankle_x = r[3] + t_knee_x;
+        let v_ankle_y = r[4] + t_knee_y;
+        let t_ankle_x = cos[0].mul_plus(v_ankle_x, sin[0] * v_ankle_y);
+        [t_ankle_x, cos[0].mul_plus(t_knee_x, sin[0] * t_knee_y)]
     }
 
     #[inline(always)]
@@ -585,51 +637,6 @@ impl TwoLinkFoot {
         // knee
         jacobian[0][1] = -s_ankle.mul_plus(t_knee_x, -(c_ankle * t_knee_y));
         jacobian[2][1] = -c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y);
-    }
-
-    #[inline(always)]
-    fn com_velocity_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        qd: &[T; DOF],
-        r: &[T; BASE_PARAMS],
-    ) -> [T; 3] {
-        let zero = T::from_f64(0.0);
-        // knee
-        let (s_knee, c_knee) = angles.sin_cos(1);
-        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
-        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
-        // ankle
-        let v_ankle_x = r[3] + t_knee_x;
-        let v_ankle_y = r[4] + t_knee_y;
-        let (s_ankle, c_ankle) = angles.sin_cos(0);
-        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
-        let t_ankle_y = c_ankle.mul_plus(v_ankle_y, -(s_ankle * v_ankle_x));
-        // knee
-        let dt_knee_x = qd[1] * t_knee_y;
-        let e1 = qd[1] * t_knee_x;
-        // ankle
-        let dt_ankle_x = c_ankle.mul_plus(dt_knee_x, -(s_ankle * e1));
-        let dt_ankle_x = qd[0].mul_plus(t_ankle_y, dt_ankle_x);
-        let p1 = s_ankle.mul_plus(dt_knee_x, c_ankle * e1);
-        let dt_ankle_y = -qd[0].mul_plus(t_ankle_x, p1);
-        [dt_ankle_x, zero, dt_ankle_y]
-    }
-
-    #[inline(always)]
-    fn gravity_moments_core<T: Real>(
-        angles: &impl v1::Angles<T>,
-        r: &[T; BASE_PARAMS],
-    ) -> [T; DOF] {
-        // knee
-        let (s_knee, c_knee) = angles.sin_cos(1);
-        let t_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
-        let t_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
-        // ankle
-        let v_ankle_x = r[3] + t_knee_x;
-        let v_ankle_y = r[4] + t_knee_y;
-        let (s_ankle, c_ankle) = angles.sin_cos(0);
-        let t_ankle_x = c_ankle.mul_plus(v_ankle_x, s_ankle * v_ankle_y);
-        [t_ankle_x, c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y)]
     }
 
     #[inline(always)]

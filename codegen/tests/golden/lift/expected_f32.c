@@ -39,7 +39,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define lift_SOURCE
 #include "lift.h"
-#ifndef lift_PAIR_0b0b72c74abceb68
+#ifndef lift_PAIR_77f517cd1f4c5fb5
 #error "lift.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -285,51 +285,40 @@ void lift_com_jacobian(
     lift_com_jacobian_core(0, q, q, q, r, jac);
 }
 
-lift_SHARED void lift_com_velocity_core(
-    int of_sines,
+void lift_com_velocity(
     const lift_real q[],
-    const lift_real sin_q[],
-    const lift_real cos_q[],
     const lift_real qd[],
     const lift_real r[],
     lift_real velocity[restrict 3])
 {
     /* thumb */
+    const float e1 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    if (of_sines != 0) {
-        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    } else {
-        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
-    }
+    lift_sincos(e1, &s_thumb, &c_thumb);
     const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
     const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
     /* wrist */
     const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
     const float v_wrist_y = r[5] + t_thumb_x;
+    const float e2 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    if (of_sines != 0) {
-        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
-        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    } else {
-        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
-    }
+    lift_sincos(e2, &s_wrist, &c_wrist);
     const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
     /* thumb */
-    const float e1 = qd[1] * t_thumb_y;
+    const float e3 = qd[1] * t_thumb_y;
     const float dt_thumb_y = qd[1] * t_thumb_x;
     /* wrist */
-    const float e2 = 0.6666667f * dt_thumb_y;
-    const float dt_wrist_x = (s_wrist * e1) - (c_wrist * e2)
+    const float e4 = 0.6666667f * dt_thumb_y;
+    const float dt_wrist_x = (s_wrist * e3) - (c_wrist * e4)
         - (qd[1] * ((s_wrist * v_wrist_x) + (c_wrist * v_wrist_y)));
-    const float dt_wrist_y = (s_wrist * e2) + (c_wrist * e1) - (qd[1] * t_wrist_x);
+    const float dt_wrist_y = (s_wrist * e4) + (c_wrist * e3) - (qd[1] * t_wrist_x);
     /* lift */
-    const float e3 = (0.5f * dt_wrist_x) + dt_wrist_y + (0.37267798f * dt_thumb_y);
-    const float dv_lift_x = dt_wrist_x - (0.6666667f * e3);
-    const float dv_lift_y = dt_wrist_y - (1.3333334f * e3);
-    const float dv_lift_z = (0.6666667f * e3) - (0.74535596f * dt_thumb_y);
+    const float e5 = (0.5f * dt_wrist_x) + dt_wrist_y + (0.37267798f * dt_thumb_y);
+    const float dv_lift_x = dt_wrist_x - (0.6666667f * e5);
+    const float dv_lift_y = dt_wrist_y - (1.3333334f * e5);
+    const float dv_lift_z = (0.6666667f * e5) - (0.74535596f * dt_thumb_y);
     /* base */
     const float dv_base_z = dv_lift_z + (qd[0] * r[3]);
     velocity[0] = dv_lift_x;
@@ -337,45 +326,25 @@ lift_SHARED void lift_com_velocity_core(
     velocity[2] = dv_base_z;
 }
 
-void lift_com_velocity(
+void lift_gravity_moments(
     const lift_real q[],
-    const lift_real qd[],
-    const lift_real r[],
-    lift_real velocity[restrict 3])
-{
-    lift_com_velocity_core(0, q, q, q, qd, r, velocity);
-}
-
-lift_SHARED void lift_gravity_moments_core(
-    int of_sines,
-    const lift_real q[],
-    const lift_real sin_q[],
-    const lift_real cos_q[],
     const lift_real r[],
     lift_real moments[restrict lift_DOF])
 {
     /* thumb */
+    const float e1 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    if (of_sines != 0) {
-        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    } else {
-        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
-    }
+    lift_sincos(e1, &s_thumb, &c_thumb);
     const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
     const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
     /* wrist */
     const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
     const float v_wrist_y = r[5] + t_thumb_x;
+    const float e2 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    if (of_sines != 0) {
-        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
-        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    } else {
-        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
-    }
+    lift_sincos(e2, &s_wrist, &c_wrist);
     const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
     /* wrist */
     const float bz_wrist_x = (0.33333334f * c_wrist) - (0.6666667f * s_wrist);
@@ -384,14 +353,6 @@ lift_SHARED void lift_gravity_moments_core(
         + (0.33333334f * ((s_wrist * v_wrist_x) + (c_wrist * v_wrist_y)))
         - ((((0.6666667f * c_wrist) + (0.33333334f * s_wrist)) * t_thumb_y)
         - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x));
-}
-
-void lift_gravity_moments(
-    const lift_real q[],
-    const lift_real r[],
-    lift_real moments[restrict lift_DOF])
-{
-    lift_gravity_moments_core(0, q, q, q, r, moments);
 }
 
 void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_PARAMS])
@@ -823,7 +784,35 @@ void lift_com_velocity_sc(
     const lift_real r[],
     lift_real velocity[restrict 3])
 {
-    lift_com_velocity_core(1, sin_q, sin_q, cos_q, qd, r, velocity);
+    /* thumb */
+    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
+    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
+    /* wrist */
+    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
+    const float v_wrist_y = r[5] + t_thumb_x;
+    const float s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
+    /* thumb */
+    const float e1 = qd[1] * t_thumb_y;
+    const float dt_thumb_y = qd[1] * t_thumb_x;
+    /* wrist */
+    const float e2 = 0.6666667f * dt_thumb_y;
+    const float dt_wrist_x = (s_wrist * e1) - (c_wrist * e2)
+        - (qd[1] * ((s_wrist * v_wrist_x) + (c_wrist * v_wrist_y)));
+    const float dt_wrist_y = (s_wrist * e2) + (c_wrist * e1) - (qd[1] * t_wrist_x);
+    /* lift */
+    const float e3 = (0.5f * dt_wrist_x) + dt_wrist_y + (0.37267798f * dt_thumb_y);
+    const float dv_lift_x = dt_wrist_x - (0.6666667f * e3);
+    const float dv_lift_y = dt_wrist_y - (1.3333334f * e3);
+    const float dv_lift_z = (0.6666667f * e3) - (0.74535596f * dt_thumb_y);
+    /* base */
+    const float dv_base_z = dv_lift_z + (qd[0] * r[3]);
+    velocity[0] = dv_lift_x;
+    velocity[1] = dv_lift_y;
+    velocity[2] = dv_base_z;
 }
 
 void lift_gravity_moments_sc(
@@ -832,7 +821,24 @@ void lift_gravity_moments_sc(
     const lift_real r[],
     lift_real moments[restrict lift_DOF])
 {
-    lift_gravity_moments_core(1, sin_q, sin_q, cos_q, r, moments);
+    /* thumb */
+    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
+    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
+    /* wrist */
+    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
+    const float v_wrist_y = r[5] + t_thumb_x;
+    const float s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
+    /* wrist */
+    const float bz_wrist_x = (0.33333334f * c_wrist) - (0.6666667f * s_wrist);
+    moments[0] = -r[3];
+    moments[1] = (0.6666667f * t_wrist_x)
+        + (0.33333334f * ((s_wrist * v_wrist_x) + (c_wrist * v_wrist_y)))
+        - ((((0.6666667f * c_wrist) + (0.33333334f * s_wrist)) * t_thumb_y)
+        - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x));
 }
 
 void lift_regressor_sc(
@@ -980,7 +986,7 @@ static int lift_rounds_otherwise(lift_real result)
 }
 #endif
 
-int lift_selftest_0b0b72c74abceb68(void)
+int lift_selftest_77f517cd1f4c5fb5(void)
 {
     static const lift_real q[2] = {
         0.30329895f,
@@ -1029,5 +1035,5 @@ int lift_selftest_0b0b72c74abceb68(void)
 
 int lift_selftest(void)
 {
-    return lift_selftest_0b0b72c74abceb68();
+    return lift_selftest_77f517cd1f4c5fb5();
 }

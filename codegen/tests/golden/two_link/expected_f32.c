@@ -49,7 +49,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define two_link_SOURCE
 #include "two_link.h"
-#ifndef two_link_PAIR_7254bf9e1cd59255
+#ifndef two_link_PAIR_0a050090f48f1348
 #error "two_link.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -444,11 +444,8 @@ void two_link_com_jacobian(
     two_link_com_jacobian_core(0, q, q, q, r, jac);
 }
 
-two_link_SHARED void two_link_com_velocity_core(
-    int of_sines,
+void two_link_com_velocity(
     const two_link_real q[],
-    const two_link_real sin_q[],
-    const two_link_real cos_q[],
     const two_link_real qd[],
     const two_link_real r[],
     two_link_real velocity[restrict 3])
@@ -456,7 +453,7 @@ two_link_SHARED void two_link_com_velocity_core(
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
+    two_link_sincos(q[1], &s_knee, &c_knee);
     const float t_knee_x = (c_knee * r[5]) + (s_knee * r[6]);
     const float t_knee_y = (c_knee * r[6]) - (s_knee * r[5]);
     /* ankle */
@@ -464,7 +461,7 @@ two_link_SHARED void two_link_com_velocity_core(
     const float v_ankle_y = r[4] + t_knee_y;
     float s_ankle;
     float c_ankle;
-    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
+    two_link_sincos(q[0], &s_ankle, &c_ankle);
     const float t_ankle_x = (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     const float t_ankle_y = (c_ankle * v_ankle_y) - (s_ankle * v_ankle_x);
     /* knee */
@@ -478,27 +475,15 @@ two_link_SHARED void two_link_com_velocity_core(
     velocity[2] = dt_ankle_y;
 }
 
-void two_link_com_velocity(
+void two_link_gravity_moments(
     const two_link_real q[],
-    const two_link_real qd[],
-    const two_link_real r[],
-    two_link_real velocity[restrict 3])
-{
-    two_link_com_velocity_core(0, q, q, q, qd, r, velocity);
-}
-
-two_link_SHARED void two_link_gravity_moments_core(
-    int of_sines,
-    const two_link_real q[],
-    const two_link_real sin_q[],
-    const two_link_real cos_q[],
     const two_link_real r[],
     two_link_real moments[restrict two_link_DOF])
 {
     /* knee */
     float s_knee;
     float c_knee;
-    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
+    two_link_sincos(q[1], &s_knee, &c_knee);
     const float t_knee_x = (c_knee * r[5]) + (s_knee * r[6]);
     const float t_knee_y = (c_knee * r[6]) - (s_knee * r[5]);
     /* ankle */
@@ -506,18 +491,10 @@ two_link_SHARED void two_link_gravity_moments_core(
     const float v_ankle_y = r[4] + t_knee_y;
     float s_ankle;
     float c_ankle;
-    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
+    two_link_sincos(q[0], &s_ankle, &c_ankle);
     const float t_ankle_x = (c_ankle * v_ankle_x) + (s_ankle * v_ankle_y);
     moments[0] = t_ankle_x;
     moments[1] = (c_ankle * t_knee_x) + (s_ankle * t_knee_y);
-}
-
-void two_link_gravity_moments(
-    const two_link_real q[],
-    const two_link_real r[],
-    two_link_real moments[restrict two_link_DOF])
-{
-    two_link_gravity_moments_core(0, q, q, q, r, moments);
 }
 
 void two_link_regressor(
@@ -780,7 +757,23 @@ void two_link_com_velocity_sc(
     const two_link_real r[],
     two_link_real velocity[restrict 3])
 {
-    two_link_com_velocity_core(1, sin_q, sin_q, cos_q, qd, r, velocity);
+    /* knee */
+    const float t_knee_x = (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
+    const float t_knee_y = (cos_q[1] * r[6]) - (sin_q[1] * r[5]);
+    /* ankle */
+    const float v_ankle_x = r[3] + t_knee_x;
+    const float v_ankle_y = r[4] + t_knee_y;
+    const float t_ankle_x = (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
+    const float t_ankle_y = (cos_q[0] * v_ankle_y) - (sin_q[0] * v_ankle_x);
+    /* knee */
+    const float dt_knee_x = qd[1] * t_knee_y;
+    const float e1 = qd[1] * t_knee_x;
+    /* ankle */
+    const float dt_ankle_x = (cos_q[0] * dt_knee_x) - (sin_q[0] * e1) + (qd[0] * t_ankle_y);
+    const float dt_ankle_y = -((sin_q[0] * dt_knee_x) + (cos_q[0] * e1) + (qd[0] * t_ankle_x));
+    velocity[0] = dt_ankle_x;
+    velocity[1] = 0.0f;
+    velocity[2] = dt_ankle_y;
 }
 
 void two_link_gravity_moments_sc(
@@ -789,7 +782,15 @@ void two_link_gravity_moments_sc(
     const two_link_real r[],
     two_link_real moments[restrict two_link_DOF])
 {
-    two_link_gravity_moments_core(1, sin_q, sin_q, cos_q, r, moments);
+    /* knee */
+    const float t_knee_x = (cos_q[1] * r[5]) + (sin_q[1] * r[6]);
+    const float t_knee_y = (cos_q[1] * r[6]) - (sin_q[1] * r[5]);
+    /* ankle */
+    const float v_ankle_x = r[3] + t_knee_x;
+    const float v_ankle_y = r[4] + t_knee_y;
+    const float t_ankle_x = (cos_q[0] * v_ankle_x) + (sin_q[0] * v_ankle_y);
+    moments[0] = t_ankle_x;
+    moments[1] = (cos_q[0] * t_knee_x) + (sin_q[0] * t_knee_y);
 }
 
 void two_link_regressor_sc(
@@ -999,7 +1000,7 @@ static int two_link_rounds_otherwise(two_link_real result)
 }
 #endif
 
-int two_link_selftest_7254bf9e1cd59255(void)
+int two_link_selftest_0a050090f48f1348(void)
 {
     static const two_link_real q[2] = {
         0.21321106f,
@@ -1062,5 +1063,5 @@ int two_link_selftest_7254bf9e1cd59255(void)
 
 int two_link_selftest(void)
 {
-    return two_link_selftest_7254bf9e1cd59255();
+    return two_link_selftest_0a050090f48f1348();
 }
