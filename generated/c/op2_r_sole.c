@@ -51,7 +51,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define op2_r_sole_SOURCE
 #include "op2_r_sole.h"
-#ifndef op2_r_sole_PAIR_28572a0b578202e1
+#ifndef op2_r_sole_PAIR_c343547afd78393a
 #error "op2_r_sole.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -1572,19 +1572,22 @@ void op2_r_sole_gravity_moments(
         - (((e5 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll)) * e1);
 }
 
-void op2_r_sole_regressor(
+op2_r_sole_SHARED void op2_r_sole_regressor_core(
+    int of_sines,
     const op2_r_sole_real q[],
+    const op2_r_sole_real sin_q[],
+    const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 3 * op2_r_sole_BASE_PARAMS])
 {
     /* r_ank_roll */
     float s_r_ank_roll;
     float c_r_ank_roll;
-    op2_r_sole_sincos(q[16], &s_r_ank_roll, &c_r_ank_roll);
+    op2_r_sole_turn(of_sines, q[16], sin_q[16], cos_q[16], &s_r_ank_roll, &c_r_ank_roll);
     const float bz_r_ank_roll_x = -s_r_ank_roll;
     /* r_ank_pitch */
     float s_r_ank_pitch;
     float c_r_ank_pitch;
-    op2_r_sole_sincos(q[15], &s_r_ank_pitch, &c_r_ank_pitch);
+    op2_r_sole_turn(of_sines, q[15], sin_q[15], cos_q[15], &s_r_ank_pitch, &c_r_ank_pitch);
     const float e1 = s_r_ank_roll * s_r_ank_pitch;
     const float by_r_ank_pitch_x = -e1;
     const float by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
@@ -1594,7 +1597,7 @@ void op2_r_sole_regressor(
     /* r_knee */
     float s_r_knee;
     float c_r_knee;
-    op2_r_sole_sincos(q[14], &s_r_knee, &c_r_knee);
+    op2_r_sole_turn(of_sines, q[14], sin_q[14], cos_q[14], &s_r_knee, &c_r_knee);
     const float bx_r_knee_x = (c_r_ank_pitch * c_r_knee) + (s_r_ank_pitch * s_r_knee);
     const float bx_r_knee_y = (s_r_ank_pitch * c_r_knee) - (c_r_ank_pitch * s_r_knee);
     const float by_r_knee_x = (by_r_ank_pitch_y * s_r_knee) - (e1 * c_r_knee);
@@ -1604,7 +1607,7 @@ void op2_r_sole_regressor(
     /* r_hip_pitch */
     float s_r_hip_pitch;
     float c_r_hip_pitch;
-    op2_r_sole_sincos(q[13], &s_r_hip_pitch, &c_r_hip_pitch);
+    op2_r_sole_turn(of_sines, q[13], sin_q[13], cos_q[13], &s_r_hip_pitch, &c_r_hip_pitch);
     const float bx_r_hip_pitch_x = (bx_r_knee_x * c_r_hip_pitch) + (bx_r_knee_y * s_r_hip_pitch);
     const float bx_r_hip_pitch_y = (bx_r_knee_y * c_r_hip_pitch) - (bx_r_knee_x * s_r_hip_pitch);
     const float by_r_hip_pitch_x = (by_r_knee_x * c_r_hip_pitch) + (by_r_knee_y * s_r_hip_pitch);
@@ -1614,7 +1617,7 @@ void op2_r_sole_regressor(
     /* r_hip_roll */
     float s_r_hip_roll;
     float c_r_hip_roll;
-    op2_r_sole_sincos(q[12], &s_r_hip_roll, &c_r_hip_roll);
+    op2_r_sole_turn(of_sines, q[12], sin_q[12], cos_q[12], &s_r_hip_roll, &c_r_hip_roll);
     const float bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
     const float bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
     const float by_r_hip_roll_x = (by_r_hip_pitch_y * s_r_hip_roll) + (c_r_ank_roll * c_r_hip_roll);
@@ -1625,7 +1628,7 @@ void op2_r_sole_regressor(
     /* r_hip_yaw */
     float s_r_hip_yaw;
     float c_r_hip_yaw;
-    op2_r_sole_sincos(q[11], &s_r_hip_yaw, &c_r_hip_yaw);
+    op2_r_sole_turn(of_sines, q[11], sin_q[11], cos_q[11], &s_r_hip_yaw, &c_r_hip_yaw);
     const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * s_r_hip_yaw) + (bx_r_hip_pitch_x * c_r_hip_yaw);
     const float e4 = (bx_r_hip_pitch_x * s_r_hip_yaw) - (bx_r_hip_roll_x * c_r_hip_yaw);
     const float bx_r_hip_yaw_y = -e4;
@@ -1638,7 +1641,7 @@ void op2_r_sole_regressor(
     /* head_pan */
     float s_head_pan;
     float c_head_pan;
-    op2_r_sole_sincos(q[0], &s_head_pan, &c_head_pan);
+    op2_r_sole_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_head_pan, &c_head_pan);
     const float bx_head_pan_x = (bx_r_hip_yaw_x * c_head_pan) - (e4 * s_head_pan);
     const float bx_head_pan_y = -((e4 * c_head_pan) + (bx_r_hip_yaw_x * s_head_pan));
     const float by_head_pan_x = (by_r_hip_yaw_x * c_head_pan) - (e5 * s_head_pan);
@@ -1648,7 +1651,7 @@ void op2_r_sole_regressor(
     /* head_tilt */
     float s_head_tilt;
     float c_head_tilt;
-    op2_r_sole_sincos(q[1], &s_head_tilt, &c_head_tilt);
+    op2_r_sole_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_head_tilt, &c_head_tilt);
     const float bx_head_tilt_x = (bx_head_pan_x * c_head_tilt) + (bx_r_hip_roll_y * s_head_tilt);
     const float bx_head_tilt_y = -((bx_r_hip_roll_y * c_head_tilt) - (bx_head_pan_x * s_head_tilt));
     const float by_head_tilt_x = (by_head_pan_x * c_head_tilt) - (e3 * s_head_tilt);
@@ -1658,7 +1661,7 @@ void op2_r_sole_regressor(
     /* l_hip_yaw */
     float s_l_hip_yaw;
     float c_l_hip_yaw;
-    op2_r_sole_sincos(q[2], &s_l_hip_yaw, &c_l_hip_yaw);
+    op2_r_sole_turn(of_sines, q[2], sin_q[2], cos_q[2], &s_l_hip_yaw, &c_l_hip_yaw);
     const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * c_l_hip_yaw) + (e4 * s_l_hip_yaw);
     const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * s_l_hip_yaw) - (e4 * c_l_hip_yaw);
     const float by_l_hip_yaw_x = (by_r_hip_yaw_x * c_l_hip_yaw) + (e5 * s_l_hip_yaw);
@@ -1668,7 +1671,7 @@ void op2_r_sole_regressor(
     /* l_hip_roll */
     float s_l_hip_roll;
     float c_l_hip_roll;
-    op2_r_sole_sincos(q[3], &s_l_hip_roll, &c_l_hip_roll);
+    op2_r_sole_turn(of_sines, q[3], sin_q[3], cos_q[3], &s_l_hip_roll, &c_l_hip_roll);
     const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * c_l_hip_roll)
         - (bx_r_hip_roll_y * s_l_hip_roll);
     const float bx_l_hip_roll_y = (bx_r_hip_roll_y * c_l_hip_roll)
@@ -1682,7 +1685,7 @@ void op2_r_sole_regressor(
     /* l_hip_pitch */
     float s_l_hip_pitch;
     float c_l_hip_pitch;
-    op2_r_sole_sincos(q[4], &s_l_hip_pitch, &c_l_hip_pitch);
+    op2_r_sole_turn(of_sines, q[4], sin_q[4], cos_q[4], &s_l_hip_pitch, &c_l_hip_pitch);
     const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * s_l_hip_pitch)
         + (bx_l_hip_yaw_x * c_l_hip_pitch);
     const float e7 = (bx_l_hip_yaw_x * s_l_hip_pitch) - (bx_l_hip_roll_y * c_l_hip_pitch);
@@ -1698,7 +1701,7 @@ void op2_r_sole_regressor(
     /* l_knee */
     float s_l_knee;
     float c_l_knee;
-    op2_r_sole_sincos(q[5], &s_l_knee, &c_l_knee);
+    op2_r_sole_turn(of_sines, q[5], sin_q[5], cos_q[5], &s_l_knee, &c_l_knee);
     const float bx_l_knee_x = (bx_l_hip_pitch_x * c_l_knee) - (e7 * s_l_knee);
     const float e10 = (e7 * c_l_knee) + (bx_l_hip_pitch_x * s_l_knee);
     const float bx_l_knee_y = -e10;
@@ -1711,7 +1714,7 @@ void op2_r_sole_regressor(
     /* l_ank_pitch */
     float s_l_ank_pitch;
     float c_l_ank_pitch;
-    op2_r_sole_sincos(q[6], &s_l_ank_pitch, &c_l_ank_pitch);
+    op2_r_sole_turn(of_sines, q[6], sin_q[6], cos_q[6], &s_l_ank_pitch, &c_l_ank_pitch);
     const float bx_l_ank_pitch_x = (bx_l_knee_x * c_l_ank_pitch) + (e10 * s_l_ank_pitch);
     const float bx_l_ank_pitch_y = (bx_l_knee_x * s_l_ank_pitch) - (e10 * c_l_ank_pitch);
     const float by_l_ank_pitch_x = (by_l_knee_x * c_l_ank_pitch) + (e11 * s_l_ank_pitch);
@@ -1721,7 +1724,7 @@ void op2_r_sole_regressor(
     /* l_ank_roll */
     float s_l_ank_roll;
     float c_l_ank_roll;
-    op2_r_sole_sincos(q[7], &s_l_ank_roll, &c_l_ank_roll);
+    op2_r_sole_turn(of_sines, q[7], sin_q[7], cos_q[7], &s_l_ank_roll, &c_l_ank_roll);
     const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * s_l_ank_roll)
         + (bx_l_hip_roll_x * c_l_ank_roll);
     const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * s_l_ank_roll)
@@ -1737,7 +1740,7 @@ void op2_r_sole_regressor(
     /* l_sho_pitch */
     float s_l_sho_pitch;
     float c_l_sho_pitch;
-    op2_r_sole_sincos(q[8], &s_l_sho_pitch, &c_l_sho_pitch);
+    op2_r_sole_turn(of_sines, q[8], sin_q[8], cos_q[8], &s_l_sho_pitch, &c_l_sho_pitch);
     const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * c_l_sho_pitch)
         - (bx_r_hip_roll_y * s_l_sho_pitch);
     const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * c_l_sho_pitch)
@@ -1749,68 +1752,76 @@ void op2_r_sole_regressor(
     const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * c_l_sho_pitch)
         + (bz_r_hip_yaw_x * s_l_sho_pitch);
     /* l_sho_roll */
-    const float e13 = q[9] - 0.7853982f;
     float s_l_sho_roll;
     float c_l_sho_roll;
-    op2_r_sole_sincos(e13, &s_l_sho_roll, &c_l_sho_roll);
+    if (of_sines != 0) {
+        s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
+        c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
+    } else {
+        op2_r_sole_sincos(q[9] - 0.7853982f, &s_l_sho_roll, &c_l_sho_roll);
+    }
     const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
-    const float e14 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
-    const float bx_l_sho_roll_y = -e14;
+    const float e13 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
+    const float bx_l_sho_roll_y = -e13;
     const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e5 * c_l_sho_roll));
-    const float e15 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
-    const float by_l_sho_roll_y = -e15;
+    const float e14 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
+    const float by_l_sho_roll_y = -e14;
     const float bz_l_sho_roll_x = -((bz_l_sho_pitch_y * s_l_sho_roll) + (e6 * c_l_sho_roll));
-    const float e16 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
-    const float bz_l_sho_roll_y = -e16;
+    const float e15 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
+    const float bz_l_sho_roll_y = -e15;
     /* l_el */
     float s_l_el;
     float c_l_el;
-    op2_r_sole_sincos(q[10], &s_l_el, &c_l_el);
-    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e14 * c_l_el);
-    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e14 * s_l_el));
-    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e15 * c_l_el);
-    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e15 * s_l_el));
-    const float bz_l_el_x = (bz_l_sho_pitch_x * s_l_el) - (e16 * c_l_el);
-    const float bz_l_el_y = -((bz_l_sho_pitch_x * c_l_el) + (e16 * s_l_el));
+    op2_r_sole_turn(of_sines, q[10], sin_q[10], cos_q[10], &s_l_el, &c_l_el);
+    const float bx_l_el_x = (bx_l_sho_pitch_x * s_l_el) - (e13 * c_l_el);
+    const float bx_l_el_y = -((bx_l_sho_pitch_x * c_l_el) + (e13 * s_l_el));
+    const float by_l_el_x = (by_l_sho_pitch_x * s_l_el) - (e14 * c_l_el);
+    const float by_l_el_y = -((by_l_sho_pitch_x * c_l_el) + (e14 * s_l_el));
+    const float bz_l_el_x = (bz_l_sho_pitch_x * s_l_el) - (e15 * c_l_el);
+    const float bz_l_el_y = -((bz_l_sho_pitch_x * c_l_el) + (e15 * s_l_el));
     /* r_sho_pitch */
     float s_r_sho_pitch;
     float c_r_sho_pitch;
-    op2_r_sole_sincos(q[17], &s_r_sho_pitch, &c_r_sho_pitch);
+    op2_r_sole_turn(of_sines, q[17], sin_q[17], cos_q[17], &s_r_sho_pitch, &c_r_sho_pitch);
     const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * c_r_sho_pitch)
         + (bx_r_hip_roll_y * s_r_sho_pitch);
     const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * c_r_sho_pitch)
         - (bx_r_hip_yaw_x * s_r_sho_pitch);
     const float by_r_sho_pitch_x = (by_r_hip_yaw_x * c_r_sho_pitch) - (e3 * s_r_sho_pitch);
-    const float e17 = (e3 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
-    const float by_r_sho_pitch_y = -e17;
+    const float e16 = (e3 * c_r_sho_pitch) + (by_r_hip_yaw_x * s_r_sho_pitch);
+    const float by_r_sho_pitch_y = -e16;
     const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * c_r_sho_pitch)
         + (bz_r_hip_roll_y * s_r_sho_pitch);
     const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * c_r_sho_pitch)
         - (bz_r_hip_yaw_x * s_r_sho_pitch);
     /* r_sho_roll */
-    const float e18 = q[18] + 0.7853982f;
     float s_r_sho_roll;
     float c_r_sho_roll;
-    op2_r_sole_sincos(e18, &s_r_sho_roll, &c_r_sho_roll);
+    if (of_sines != 0) {
+        s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
+        c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
+    } else {
+        op2_r_sole_sincos(q[18] + 0.7853982f, &s_r_sho_roll, &c_r_sho_roll);
+    }
     const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e4 * c_r_sho_roll));
-    const float e19 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
-    const float bx_r_sho_roll_y = -e19;
-    const float by_r_sho_roll_x = (e17 * s_r_sho_roll) - (e5 * c_r_sho_roll);
-    const float e20 = (e5 * s_r_sho_roll) + (e17 * c_r_sho_roll);
-    const float by_r_sho_roll_y = -e20;
+    const float e17 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
+    const float bx_r_sho_roll_y = -e17;
+    const float by_r_sho_roll_x = (e16 * s_r_sho_roll) - (e5 * c_r_sho_roll);
+    const float e18 = (e5 * s_r_sho_roll) + (e16 * c_r_sho_roll);
+    const float by_r_sho_roll_y = -e18;
     const float bz_r_sho_roll_x = -((bz_r_sho_pitch_y * s_r_sho_roll) + (e6 * c_r_sho_roll));
-    const float e21 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
-    const float bz_r_sho_roll_y = -e21;
+    const float e19 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
+    const float bz_r_sho_roll_y = -e19;
     /* r_el */
     float s_r_el;
     float c_r_el;
-    op2_r_sole_sincos(q[19], &s_r_el, &c_r_el);
-    const float bx_r_el_x = -((e19 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
-    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e19 * s_r_el));
-    const float by_r_el_x = -((e20 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
-    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e20 * s_r_el));
-    const float bz_r_el_x = -((e21 * c_r_el) + (bz_r_sho_pitch_x * s_r_el));
-    const float bz_r_el_y = -((bz_r_sho_pitch_x * c_r_el) - (e21 * s_r_el));
+    op2_r_sole_turn(of_sines, q[19], sin_q[19], cos_q[19], &s_r_el, &c_r_el);
+    const float bx_r_el_x = -((e17 * c_r_el) + (bx_r_sho_pitch_x * s_r_el));
+    const float bx_r_el_y = -((bx_r_sho_pitch_x * c_r_el) - (e17 * s_r_el));
+    const float by_r_el_x = -((e18 * c_r_el) + (by_r_sho_pitch_x * s_r_el));
+    const float by_r_el_y = -((by_r_sho_pitch_x * c_r_el) - (e18 * s_r_el));
+    const float bz_r_el_x = -((e19 * c_r_el) + (bz_r_sho_pitch_x * s_r_el));
+    const float bz_r_el_y = -((bz_r_sho_pitch_x * c_r_el) - (e19 * s_r_el));
     rows[0] = 1.0f;
     rows[1] = 0.0f;
     rows[2] = 0.0f;
@@ -1940,6 +1951,13 @@ void op2_r_sole_regressor(
     rows[126] = bz_r_sho_roll_y;
     rows[127] = bz_r_el_x;
     rows[128] = bz_r_el_y;
+}
+
+void op2_r_sole_regressor(
+    const op2_r_sole_real q[],
+    op2_r_sole_real rows[restrict 3 * op2_r_sole_BASE_PARAMS])
+{
+    op2_r_sole_regressor_core(0, q, q, q, rows);
 }
 
 op2_r_sole_SHARED void op2_r_sole_regressor_cop_core(
@@ -4465,291 +4483,7 @@ void op2_r_sole_regressor_sc(
     const op2_r_sole_real cos_q[],
     op2_r_sole_real rows[restrict 3 * op2_r_sole_BASE_PARAMS])
 {
-    /* r_ank_roll */
-    const float bz_r_ank_roll_x = -sin_q[16];
-    /* r_ank_pitch */
-    const float e1 = sin_q[16] * sin_q[15];
-    const float by_r_ank_pitch_x = -e1;
-    const float by_r_ank_pitch_y = sin_q[16] * cos_q[15];
-    const float e2 = cos_q[16] * sin_q[15];
-    const float bz_r_ank_pitch_x = -e2;
-    const float bz_r_ank_pitch_y = cos_q[16] * cos_q[15];
-    /* r_knee */
-    const float bx_r_knee_x = (cos_q[15] * cos_q[14]) + (sin_q[15] * sin_q[14]);
-    const float bx_r_knee_y = (sin_q[15] * cos_q[14]) - (cos_q[15] * sin_q[14]);
-    const float by_r_knee_x = (by_r_ank_pitch_y * sin_q[14]) - (e1 * cos_q[14]);
-    const float by_r_knee_y = (by_r_ank_pitch_y * cos_q[14]) + (e1 * sin_q[14]);
-    const float bz_r_knee_x = (bz_r_ank_pitch_y * sin_q[14]) - (e2 * cos_q[14]);
-    const float bz_r_knee_y = (bz_r_ank_pitch_y * cos_q[14]) + (e2 * sin_q[14]);
-    /* r_hip_pitch */
-    const float bx_r_hip_pitch_x = (bx_r_knee_x * cos_q[13]) + (bx_r_knee_y * sin_q[13]);
-    const float bx_r_hip_pitch_y = (bx_r_knee_y * cos_q[13]) - (bx_r_knee_x * sin_q[13]);
-    const float by_r_hip_pitch_x = (by_r_knee_x * cos_q[13]) + (by_r_knee_y * sin_q[13]);
-    const float by_r_hip_pitch_y = (by_r_knee_y * cos_q[13]) - (by_r_knee_x * sin_q[13]);
-    const float bz_r_hip_pitch_x = (bz_r_knee_x * cos_q[13]) + (bz_r_knee_y * sin_q[13]);
-    const float bz_r_hip_pitch_y = (bz_r_knee_y * cos_q[13]) - (bz_r_knee_x * sin_q[13]);
-    /* r_hip_roll */
-    const float bx_r_hip_roll_x = bx_r_hip_pitch_y * sin_q[12];
-    const float bx_r_hip_roll_y = bx_r_hip_pitch_y * cos_q[12];
-    const float by_r_hip_roll_x = (by_r_hip_pitch_y * sin_q[12]) + (cos_q[16] * cos_q[12]);
-    const float e3 = (cos_q[16] * sin_q[12]) - (by_r_hip_pitch_y * cos_q[12]);
-    const float by_r_hip_roll_y = -e3;
-    const float bz_r_hip_roll_x = (bz_r_hip_pitch_y * sin_q[12]) - (sin_q[16] * cos_q[12]);
-    const float bz_r_hip_roll_y = (sin_q[16] * sin_q[12]) + (bz_r_hip_pitch_y * cos_q[12]);
-    /* r_hip_yaw */
-    const float bx_r_hip_yaw_x = (bx_r_hip_roll_x * sin_q[11]) + (bx_r_hip_pitch_x * cos_q[11]);
-    const float e4 = (bx_r_hip_pitch_x * sin_q[11]) - (bx_r_hip_roll_x * cos_q[11]);
-    const float bx_r_hip_yaw_y = -e4;
-    const float by_r_hip_yaw_x = (by_r_hip_roll_x * sin_q[11]) + (by_r_hip_pitch_x * cos_q[11]);
-    const float e5 = (by_r_hip_pitch_x * sin_q[11]) - (by_r_hip_roll_x * cos_q[11]);
-    const float by_r_hip_yaw_y = -e5;
-    const float bz_r_hip_yaw_x = (bz_r_hip_roll_x * sin_q[11]) + (bz_r_hip_pitch_x * cos_q[11]);
-    const float e6 = (bz_r_hip_pitch_x * sin_q[11]) - (bz_r_hip_roll_x * cos_q[11]);
-    const float bz_r_hip_yaw_y = -e6;
-    /* head_pan */
-    const float bx_head_pan_x = (bx_r_hip_yaw_x * cos_q[0]) - (e4 * sin_q[0]);
-    const float bx_head_pan_y = -((e4 * cos_q[0]) + (bx_r_hip_yaw_x * sin_q[0]));
-    const float by_head_pan_x = (by_r_hip_yaw_x * cos_q[0]) - (e5 * sin_q[0]);
-    const float by_head_pan_y = -((e5 * cos_q[0]) + (by_r_hip_yaw_x * sin_q[0]));
-    const float bz_head_pan_x = (bz_r_hip_yaw_x * cos_q[0]) - (e6 * sin_q[0]);
-    const float bz_head_pan_y = -((e6 * cos_q[0]) + (bz_r_hip_yaw_x * sin_q[0]));
-    /* head_tilt */
-    const float bx_head_tilt_x = (bx_head_pan_x * cos_q[1]) + (bx_r_hip_roll_y * sin_q[1]);
-    const float bx_head_tilt_y = -((bx_r_hip_roll_y * cos_q[1]) - (bx_head_pan_x * sin_q[1]));
-    const float by_head_tilt_x = (by_head_pan_x * cos_q[1]) - (e3 * sin_q[1]);
-    const float by_head_tilt_y = (e3 * cos_q[1]) + (by_head_pan_x * sin_q[1]);
-    const float bz_head_tilt_x = (bz_head_pan_x * cos_q[1]) + (bz_r_hip_roll_y * sin_q[1]);
-    const float bz_head_tilt_y = -((bz_r_hip_roll_y * cos_q[1]) - (bz_head_pan_x * sin_q[1]));
-    /* l_hip_yaw */
-    const float bx_l_hip_yaw_x = (bx_r_hip_yaw_x * cos_q[2]) + (e4 * sin_q[2]);
-    const float bx_l_hip_yaw_y = (bx_r_hip_yaw_x * sin_q[2]) - (e4 * cos_q[2]);
-    const float by_l_hip_yaw_x = (by_r_hip_yaw_x * cos_q[2]) + (e5 * sin_q[2]);
-    const float by_l_hip_yaw_y = (by_r_hip_yaw_x * sin_q[2]) - (e5 * cos_q[2]);
-    const float bz_l_hip_yaw_x = (bz_r_hip_yaw_x * cos_q[2]) + (e6 * sin_q[2]);
-    const float bz_l_hip_yaw_y = (bz_r_hip_yaw_x * sin_q[2]) - (e6 * cos_q[2]);
-    /* l_hip_roll */
-    const float bx_l_hip_roll_x = (bx_l_hip_yaw_y * cos_q[3]) - (bx_r_hip_roll_y * sin_q[3]);
-    const float bx_l_hip_roll_y = (bx_r_hip_roll_y * cos_q[3]) + (bx_l_hip_yaw_y * sin_q[3]);
-    const float by_l_hip_roll_x = (by_l_hip_yaw_y * cos_q[3]) + (e3 * sin_q[3]);
-    const float by_l_hip_roll_y = (by_l_hip_yaw_y * sin_q[3]) - (e3 * cos_q[3]);
-    const float bz_l_hip_roll_x = (bz_l_hip_yaw_y * cos_q[3]) - (bz_r_hip_roll_y * sin_q[3]);
-    const float bz_l_hip_roll_y = (bz_r_hip_roll_y * cos_q[3]) + (bz_l_hip_yaw_y * sin_q[3]);
-    /* l_hip_pitch */
-    const float bx_l_hip_pitch_x = (bx_l_hip_roll_y * sin_q[4]) + (bx_l_hip_yaw_x * cos_q[4]);
-    const float e7 = (bx_l_hip_yaw_x * sin_q[4]) - (bx_l_hip_roll_y * cos_q[4]);
-    const float bx_l_hip_pitch_y = -e7;
-    const float by_l_hip_pitch_x = (by_l_hip_roll_y * sin_q[4]) + (by_l_hip_yaw_x * cos_q[4]);
-    const float e8 = (by_l_hip_yaw_x * sin_q[4]) - (by_l_hip_roll_y * cos_q[4]);
-    const float by_l_hip_pitch_y = -e8;
-    const float bz_l_hip_pitch_x = (bz_l_hip_roll_y * sin_q[4]) + (bz_l_hip_yaw_x * cos_q[4]);
-    const float e9 = (bz_l_hip_yaw_x * sin_q[4]) - (bz_l_hip_roll_y * cos_q[4]);
-    const float bz_l_hip_pitch_y = -e9;
-    /* l_knee */
-    const float bx_l_knee_x = (bx_l_hip_pitch_x * cos_q[5]) - (e7 * sin_q[5]);
-    const float e10 = (e7 * cos_q[5]) + (bx_l_hip_pitch_x * sin_q[5]);
-    const float bx_l_knee_y = -e10;
-    const float by_l_knee_x = (by_l_hip_pitch_x * cos_q[5]) - (e8 * sin_q[5]);
-    const float e11 = (e8 * cos_q[5]) + (by_l_hip_pitch_x * sin_q[5]);
-    const float by_l_knee_y = -e11;
-    const float bz_l_knee_x = (bz_l_hip_pitch_x * cos_q[5]) - (e9 * sin_q[5]);
-    const float e12 = (e9 * cos_q[5]) + (bz_l_hip_pitch_x * sin_q[5]);
-    const float bz_l_knee_y = -e12;
-    /* l_ank_pitch */
-    const float bx_l_ank_pitch_x = (bx_l_knee_x * cos_q[6]) + (e10 * sin_q[6]);
-    const float bx_l_ank_pitch_y = (bx_l_knee_x * sin_q[6]) - (e10 * cos_q[6]);
-    const float by_l_ank_pitch_x = (by_l_knee_x * cos_q[6]) + (e11 * sin_q[6]);
-    const float by_l_ank_pitch_y = (by_l_knee_x * sin_q[6]) - (e11 * cos_q[6]);
-    const float bz_l_ank_pitch_x = (bz_l_knee_x * cos_q[6]) + (e12 * sin_q[6]);
-    const float bz_l_ank_pitch_y = (bz_l_knee_x * sin_q[6]) - (e12 * cos_q[6]);
-    /* l_ank_roll */
-    const float bx_l_ank_roll_x = (bx_l_ank_pitch_y * sin_q[7]) + (bx_l_hip_roll_x * cos_q[7]);
-    const float bx_l_ank_roll_y = -((bx_l_hip_roll_x * sin_q[7]) - (bx_l_ank_pitch_y * cos_q[7]));
-    const float by_l_ank_roll_x = (by_l_ank_pitch_y * sin_q[7]) + (by_l_hip_roll_x * cos_q[7]);
-    const float by_l_ank_roll_y = -((by_l_hip_roll_x * sin_q[7]) - (by_l_ank_pitch_y * cos_q[7]));
-    const float bz_l_ank_roll_x = (bz_l_ank_pitch_y * sin_q[7]) + (bz_l_hip_roll_x * cos_q[7]);
-    const float bz_l_ank_roll_y = -((bz_l_hip_roll_x * sin_q[7]) - (bz_l_ank_pitch_y * cos_q[7]));
-    /* l_sho_pitch */
-    const float bx_l_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[8]) - (bx_r_hip_roll_y * sin_q[8]);
-    const float bx_l_sho_pitch_y = (bx_r_hip_roll_y * cos_q[8]) + (bx_r_hip_yaw_x * sin_q[8]);
-    const float by_l_sho_pitch_x = (by_r_hip_yaw_x * cos_q[8]) + (e3 * sin_q[8]);
-    const float by_l_sho_pitch_y = (by_r_hip_yaw_x * sin_q[8]) - (e3 * cos_q[8]);
-    const float bz_l_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[8]) - (bz_r_hip_roll_y * sin_q[8]);
-    const float bz_l_sho_pitch_y = (bz_r_hip_roll_y * cos_q[8]) + (bz_r_hip_yaw_x * sin_q[8]);
-    /* l_sho_roll */
-    const float s_l_sho_roll = (0.70710677f * sin_q[9]) - (0.70710677f * cos_q[9]);
-    const float c_l_sho_roll = (0.70710677f * cos_q[9]) + (0.70710677f * sin_q[9]);
-    const float bx_l_sho_roll_x = -((bx_l_sho_pitch_y * s_l_sho_roll) + (e4 * c_l_sho_roll));
-    const float e13 = (e4 * s_l_sho_roll) - (bx_l_sho_pitch_y * c_l_sho_roll);
-    const float bx_l_sho_roll_y = -e13;
-    const float by_l_sho_roll_x = -((by_l_sho_pitch_y * s_l_sho_roll) + (e5 * c_l_sho_roll));
-    const float e14 = (e5 * s_l_sho_roll) - (by_l_sho_pitch_y * c_l_sho_roll);
-    const float by_l_sho_roll_y = -e14;
-    const float bz_l_sho_roll_x = -((bz_l_sho_pitch_y * s_l_sho_roll) + (e6 * c_l_sho_roll));
-    const float e15 = (e6 * s_l_sho_roll) - (bz_l_sho_pitch_y * c_l_sho_roll);
-    const float bz_l_sho_roll_y = -e15;
-    /* l_el */
-    const float bx_l_el_x = (bx_l_sho_pitch_x * sin_q[10]) - (e13 * cos_q[10]);
-    const float bx_l_el_y = -((bx_l_sho_pitch_x * cos_q[10]) + (e13 * sin_q[10]));
-    const float by_l_el_x = (by_l_sho_pitch_x * sin_q[10]) - (e14 * cos_q[10]);
-    const float by_l_el_y = -((by_l_sho_pitch_x * cos_q[10]) + (e14 * sin_q[10]));
-    const float bz_l_el_x = (bz_l_sho_pitch_x * sin_q[10]) - (e15 * cos_q[10]);
-    const float bz_l_el_y = -((bz_l_sho_pitch_x * cos_q[10]) + (e15 * sin_q[10]));
-    /* r_sho_pitch */
-    const float bx_r_sho_pitch_x = (bx_r_hip_yaw_x * cos_q[17]) + (bx_r_hip_roll_y * sin_q[17]);
-    const float bx_r_sho_pitch_y = (bx_r_hip_roll_y * cos_q[17]) - (bx_r_hip_yaw_x * sin_q[17]);
-    const float by_r_sho_pitch_x = (by_r_hip_yaw_x * cos_q[17]) - (e3 * sin_q[17]);
-    const float e16 = (e3 * cos_q[17]) + (by_r_hip_yaw_x * sin_q[17]);
-    const float by_r_sho_pitch_y = -e16;
-    const float bz_r_sho_pitch_x = (bz_r_hip_yaw_x * cos_q[17]) + (bz_r_hip_roll_y * sin_q[17]);
-    const float bz_r_sho_pitch_y = (bz_r_hip_roll_y * cos_q[17]) - (bz_r_hip_yaw_x * sin_q[17]);
-    /* r_sho_roll */
-    const float s_r_sho_roll = (0.70710677f * sin_q[18]) + (0.70710677f * cos_q[18]);
-    const float c_r_sho_roll = (0.70710677f * cos_q[18]) - (0.70710677f * sin_q[18]);
-    const float bx_r_sho_roll_x = -((bx_r_sho_pitch_y * s_r_sho_roll) + (e4 * c_r_sho_roll));
-    const float e17 = (e4 * s_r_sho_roll) - (bx_r_sho_pitch_y * c_r_sho_roll);
-    const float bx_r_sho_roll_y = -e17;
-    const float by_r_sho_roll_x = (e16 * s_r_sho_roll) - (e5 * c_r_sho_roll);
-    const float e18 = (e5 * s_r_sho_roll) + (e16 * c_r_sho_roll);
-    const float by_r_sho_roll_y = -e18;
-    const float bz_r_sho_roll_x = -((bz_r_sho_pitch_y * s_r_sho_roll) + (e6 * c_r_sho_roll));
-    const float e19 = (e6 * s_r_sho_roll) - (bz_r_sho_pitch_y * c_r_sho_roll);
-    const float bz_r_sho_roll_y = -e19;
-    /* r_el */
-    const float bx_r_el_x = -((e17 * cos_q[19]) + (bx_r_sho_pitch_x * sin_q[19]));
-    const float bx_r_el_y = -((bx_r_sho_pitch_x * cos_q[19]) - (e17 * sin_q[19]));
-    const float by_r_el_x = -((e18 * cos_q[19]) + (by_r_sho_pitch_x * sin_q[19]));
-    const float by_r_el_y = -((by_r_sho_pitch_x * cos_q[19]) - (e18 * sin_q[19]));
-    const float bz_r_el_x = -((e19 * cos_q[19]) + (bz_r_sho_pitch_x * sin_q[19]));
-    const float bz_r_el_y = -((bz_r_sho_pitch_x * cos_q[19]) - (e19 * sin_q[19]));
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = 0.0f;
-    rows[4] = 0.0f;
-    rows[5] = cos_q[15];
-    rows[6] = sin_q[15];
-    rows[7] = bx_r_knee_x;
-    rows[8] = bx_r_knee_y;
-    rows[9] = bx_r_hip_pitch_x;
-    rows[10] = bx_r_hip_pitch_y;
-    rows[11] = bx_r_hip_roll_x;
-    rows[12] = bx_r_hip_roll_y;
-    rows[13] = bx_r_hip_yaw_x;
-    rows[14] = bx_r_hip_yaw_y;
-    rows[15] = bx_head_pan_x;
-    rows[16] = bx_head_pan_y;
-    rows[17] = bx_head_tilt_x;
-    rows[18] = bx_head_tilt_y;
-    rows[19] = bx_l_hip_yaw_x;
-    rows[20] = bx_l_hip_yaw_y;
-    rows[21] = bx_l_hip_roll_x;
-    rows[22] = bx_l_hip_roll_y;
-    rows[23] = bx_l_hip_pitch_x;
-    rows[24] = bx_l_hip_pitch_y;
-    rows[25] = bx_l_knee_x;
-    rows[26] = bx_l_knee_y;
-    rows[27] = bx_l_ank_pitch_x;
-    rows[28] = bx_l_ank_pitch_y;
-    rows[29] = bx_l_ank_roll_x;
-    rows[30] = bx_l_ank_roll_y;
-    rows[31] = bx_l_sho_pitch_x;
-    rows[32] = bx_l_sho_pitch_y;
-    rows[33] = bx_l_sho_roll_x;
-    rows[34] = bx_l_sho_roll_y;
-    rows[35] = bx_l_el_x;
-    rows[36] = bx_l_el_y;
-    rows[37] = bx_r_sho_pitch_x;
-    rows[38] = bx_r_sho_pitch_y;
-    rows[39] = bx_r_sho_roll_x;
-    rows[40] = bx_r_sho_roll_y;
-    rows[41] = bx_r_el_x;
-    rows[42] = bx_r_el_y;
-    rows[43] = 0.0f;
-    rows[44] = 1.0f;
-    rows[45] = 0.0f;
-    rows[46] = cos_q[16];
-    rows[47] = sin_q[16];
-    rows[48] = by_r_ank_pitch_x;
-    rows[49] = by_r_ank_pitch_y;
-    rows[50] = by_r_knee_x;
-    rows[51] = by_r_knee_y;
-    rows[52] = by_r_hip_pitch_x;
-    rows[53] = by_r_hip_pitch_y;
-    rows[54] = by_r_hip_roll_x;
-    rows[55] = by_r_hip_roll_y;
-    rows[56] = by_r_hip_yaw_x;
-    rows[57] = by_r_hip_yaw_y;
-    rows[58] = by_head_pan_x;
-    rows[59] = by_head_pan_y;
-    rows[60] = by_head_tilt_x;
-    rows[61] = by_head_tilt_y;
-    rows[62] = by_l_hip_yaw_x;
-    rows[63] = by_l_hip_yaw_y;
-    rows[64] = by_l_hip_roll_x;
-    rows[65] = by_l_hip_roll_y;
-    rows[66] = by_l_hip_pitch_x;
-    rows[67] = by_l_hip_pitch_y;
-    rows[68] = by_l_knee_x;
-    rows[69] = by_l_knee_y;
-    rows[70] = by_l_ank_pitch_x;
-    rows[71] = by_l_ank_pitch_y;
-    rows[72] = by_l_ank_roll_x;
-    rows[73] = by_l_ank_roll_y;
-    rows[74] = by_l_sho_pitch_x;
-    rows[75] = by_l_sho_pitch_y;
-    rows[76] = by_l_sho_roll_x;
-    rows[77] = by_l_sho_roll_y;
-    rows[78] = by_l_el_x;
-    rows[79] = by_l_el_y;
-    rows[80] = by_r_sho_pitch_x;
-    rows[81] = by_r_sho_pitch_y;
-    rows[82] = by_r_sho_roll_x;
-    rows[83] = by_r_sho_roll_y;
-    rows[84] = by_r_el_x;
-    rows[85] = by_r_el_y;
-    rows[86] = 0.0f;
-    rows[87] = 0.0f;
-    rows[88] = 1.0f;
-    rows[89] = bz_r_ank_roll_x;
-    rows[90] = cos_q[16];
-    rows[91] = bz_r_ank_pitch_x;
-    rows[92] = bz_r_ank_pitch_y;
-    rows[93] = bz_r_knee_x;
-    rows[94] = bz_r_knee_y;
-    rows[95] = bz_r_hip_pitch_x;
-    rows[96] = bz_r_hip_pitch_y;
-    rows[97] = bz_r_hip_roll_x;
-    rows[98] = bz_r_hip_roll_y;
-    rows[99] = bz_r_hip_yaw_x;
-    rows[100] = bz_r_hip_yaw_y;
-    rows[101] = bz_head_pan_x;
-    rows[102] = bz_head_pan_y;
-    rows[103] = bz_head_tilt_x;
-    rows[104] = bz_head_tilt_y;
-    rows[105] = bz_l_hip_yaw_x;
-    rows[106] = bz_l_hip_yaw_y;
-    rows[107] = bz_l_hip_roll_x;
-    rows[108] = bz_l_hip_roll_y;
-    rows[109] = bz_l_hip_pitch_x;
-    rows[110] = bz_l_hip_pitch_y;
-    rows[111] = bz_l_knee_x;
-    rows[112] = bz_l_knee_y;
-    rows[113] = bz_l_ank_pitch_x;
-    rows[114] = bz_l_ank_pitch_y;
-    rows[115] = bz_l_ank_roll_x;
-    rows[116] = bz_l_ank_roll_y;
-    rows[117] = bz_l_sho_pitch_x;
-    rows[118] = bz_l_sho_pitch_y;
-    rows[119] = bz_l_sho_roll_x;
-    rows[120] = bz_l_sho_roll_y;
-    rows[121] = bz_l_el_x;
-    rows[122] = bz_l_el_y;
-    rows[123] = bz_r_sho_pitch_x;
-    rows[124] = bz_r_sho_pitch_y;
-    rows[125] = bz_r_sho_roll_x;
-    rows[126] = bz_r_sho_roll_y;
-    rows[127] = bz_r_el_x;
-    rows[128] = bz_r_el_y;
+    op2_r_sole_regressor_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void op2_r_sole_regressor_cop_sc(
@@ -5381,7 +5115,7 @@ static int op2_r_sole_rounds_otherwise(op2_r_sole_real result)
 }
 #endif
 
-int op2_r_sole_selftest_28572a0b578202e1(void)
+int op2_r_sole_selftest_c343547afd78393a(void)
 {
     static const op2_r_sole_real q[20] = {
         0.5581665f,
@@ -5498,5 +5232,5 @@ int op2_r_sole_selftest_28572a0b578202e1(void)
 
 int op2_r_sole_selftest(void)
 {
-    return op2_r_sole_selftest_28572a0b578202e1();
+    return op2_r_sole_selftest_c343547afd78393a();
 }

@@ -61,7 +61,7 @@ extern "C" {
 typedef float op2_r_sole_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define op2_r_sole_PAIR_28572a0b578202e1
+#define op2_r_sole_PAIR_c343547afd78393a
 
 /** Number of independent joints. */
 #define op2_r_sole_DOF 20
@@ -590,10 +590,10 @@ int op2_r_sole_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int op2_r_sole_selftest_28572a0b578202e1(void);
+int op2_r_sole_selftest_c343547afd78393a(void);
 #ifndef op2_r_sole_SOURCE
 #define op2_r_sole_selftest() \
-    op2_r_sole_selftest_28572a0b578202e1()
+    op2_r_sole_selftest_c343547afd78393a()
 #endif
 
 #ifdef __cplusplus

@@ -1037,331 +1037,10 @@ impl v1::Robot for Op2RSole {
 
     #[inline(always)]
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[2][2] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[0][3] = zero;
-        rows[0][4] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        // r_ank_roll
-        let (s_r_ank_roll, c_r_ank_roll) = q[16].sin_cos();
-        rows[1][4] = s_r_ank_roll;
-        rows[1][3] = c_r_ank_roll;
-        rows[2][4] = c_r_ank_roll;
-        let bz_r_ank_roll_x = -s_r_ank_roll;
-        rows[2][3] = bz_r_ank_roll_x;
-        // r_ank_pitch
-        let (s_r_ank_pitch, c_r_ank_pitch) = q[15].sin_cos();
-        rows[0][6] = s_r_ank_pitch;
-        rows[0][5] = c_r_ank_pitch;
-        let e1 = s_r_ank_roll * s_r_ank_pitch;
-        let by_r_ank_pitch_x = -e1;
-        rows[1][5] = by_r_ank_pitch_x;
-        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
-        rows[1][6] = by_r_ank_pitch_y;
-        let e2 = c_r_ank_roll * s_r_ank_pitch;
-        let bz_r_ank_pitch_x = -e2;
-        rows[2][5] = bz_r_ank_pitch_x;
-        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
-        rows[2][6] = bz_r_ank_pitch_y;
-        // r_knee
-        let (s_r_knee, c_r_knee) = q[14].sin_cos();
-        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
-        rows[0][7] = bx_r_knee_x;
-        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
-        rows[0][8] = bx_r_knee_y;
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e1 * c_r_knee));
-        rows[1][7] = by_r_knee_x;
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e1 * s_r_knee);
-        rows[1][8] = by_r_knee_y;
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e2 * c_r_knee));
-        rows[2][7] = bz_r_knee_x;
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e2 * s_r_knee);
-        rows[2][8] = bz_r_knee_y;
-        // r_hip_pitch
-        let (s_r_hip_pitch, c_r_hip_pitch) = q[13].sin_cos();
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
-        rows[0][9] = bx_r_hip_pitch_x;
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
-        rows[0][10] = bx_r_hip_pitch_y;
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
-        rows[1][9] = by_r_hip_pitch_x;
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
-        rows[1][10] = by_r_hip_pitch_y;
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
-        rows[2][9] = bz_r_hip_pitch_x;
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
-        rows[2][10] = bz_r_hip_pitch_y;
-        // r_hip_roll
-        let (s_r_hip_roll, c_r_hip_roll) = q[12].sin_cos();
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
-        rows[0][11] = bx_r_hip_roll_x;
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
-        rows[0][12] = bx_r_hip_roll_y;
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
-        rows[1][11] = by_r_hip_roll_x;
-        let e3 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
-        let by_r_hip_roll_y = -e3;
-        rows[1][12] = by_r_hip_roll_y;
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y
-            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
-        rows[2][11] = bz_r_hip_roll_x;
-        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
-        rows[2][12] = bz_r_hip_roll_y;
-        // r_hip_yaw
-        let (s_r_hip_yaw, c_r_hip_yaw) = q[11].sin_cos();
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
-        rows[0][13] = bx_r_hip_yaw_x;
-        let e4 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
-        let bx_r_hip_yaw_y = -e4;
-        rows[0][14] = bx_r_hip_yaw_y;
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
-        rows[1][13] = by_r_hip_yaw_x;
-        let e5 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
-        let by_r_hip_yaw_y = -e5;
-        rows[1][14] = by_r_hip_yaw_y;
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
-        rows[2][13] = bz_r_hip_yaw_x;
-        let e6 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
-        let bz_r_hip_yaw_y = -e6;
-        rows[2][14] = bz_r_hip_yaw_y;
-        // head_pan
-        let (s_head_pan, c_head_pan) = q[0].sin_cos();
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
-        rows[0][15] = bx_head_pan_x;
-        let bx_head_pan_y = -e4.mul_plus(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
-        rows[0][16] = bx_head_pan_y;
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
-        rows[1][15] = by_head_pan_x;
-        let by_head_pan_y = -e5.mul_plus(c_head_pan, by_r_hip_yaw_x * s_head_pan);
-        rows[1][16] = by_head_pan_y;
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e6 * s_head_pan));
-        rows[2][15] = bz_head_pan_x;
-        let bz_head_pan_y = -e6.mul_plus(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
-        rows[2][16] = bz_head_pan_y;
-        // head_tilt
-        let (s_head_tilt, c_head_tilt) = q[1].sin_cos();
-        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
-        rows[0][17] = bx_head_tilt_x;
-        let bx_head_tilt_y = -bx_r_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
-        rows[0][18] = bx_head_tilt_y;
-        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e3 * s_head_tilt));
-        rows[1][17] = by_head_tilt_x;
-        let by_head_tilt_y = e3.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
-        rows[1][18] = by_head_tilt_y;
-        let bz_head_tilt_x = bz_head_pan_x.mul_plus(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
-        rows[2][17] = bz_head_tilt_x;
-        let bz_head_tilt_y = -bz_r_hip_roll_y.mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
-        rows[2][18] = bz_head_tilt_y;
-        // l_hip_yaw
-        let (s_l_hip_yaw, c_l_hip_yaw) = q[2].sin_cos();
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e4 * s_l_hip_yaw);
-        rows[0][19] = bx_l_hip_yaw_x;
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
-        rows[0][20] = bx_l_hip_yaw_y;
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e5 * s_l_hip_yaw);
-        rows[1][19] = by_l_hip_yaw_x;
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
-        rows[1][20] = by_l_hip_yaw_y;
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e6 * s_l_hip_yaw);
-        rows[2][19] = bz_l_hip_yaw_x;
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e6 * c_l_hip_yaw));
-        rows[2][20] = bz_l_hip_yaw_y;
-        // l_hip_roll
-        let (s_l_hip_roll, c_l_hip_roll) = q[3].sin_cos();
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
-        rows[0][21] = bx_l_hip_roll_x;
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
-        rows[0][22] = bx_l_hip_roll_y;
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e3 * s_l_hip_roll);
-        rows[1][21] = by_l_hip_roll_x;
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e3 * c_l_hip_roll));
-        rows[1][22] = by_l_hip_roll_y;
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y
-            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
-        rows[2][21] = bz_l_hip_roll_x;
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
-        rows[2][22] = bz_l_hip_roll_y;
-        // l_hip_pitch
-        let (s_l_hip_pitch, c_l_hip_pitch) = q[4].sin_cos();
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
-        rows[0][23] = bx_l_hip_pitch_x;
-        let e7 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
-        let bx_l_hip_pitch_y = -e7;
-        rows[0][24] = bx_l_hip_pitch_y;
-        let by_l_hip_pitch_x = by_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
-        rows[1][23] = by_l_hip_pitch_x;
-        let e8 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
-        let by_l_hip_pitch_y = -e8;
-        rows[1][24] = by_l_hip_pitch_y;
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y
-            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
-        rows[2][23] = bz_l_hip_pitch_x;
-        let e9 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
-        let bz_l_hip_pitch_y = -e9;
-        rows[2][24] = bz_l_hip_pitch_y;
-        // l_knee
-        let (s_l_knee, c_l_knee) = q[5].sin_cos();
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e7 * s_l_knee));
-        rows[0][25] = bx_l_knee_x;
-        let e10 = e7.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
-        let bx_l_knee_y = -e10;
-        rows[0][26] = bx_l_knee_y;
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e8 * s_l_knee));
-        rows[1][25] = by_l_knee_x;
-        let e11 = e8.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
-        let by_l_knee_y = -e11;
-        rows[1][26] = by_l_knee_y;
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e9 * s_l_knee));
-        rows[2][25] = bz_l_knee_x;
-        let e12 = e9.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
-        let bz_l_knee_y = -e12;
-        rows[2][26] = bz_l_knee_y;
-        // l_ank_pitch
-        let (s_l_ank_pitch, c_l_ank_pitch) = q[6].sin_cos();
-        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(c_l_ank_pitch, e10 * s_l_ank_pitch);
-        rows[0][27] = bx_l_ank_pitch_x;
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e10 * c_l_ank_pitch));
-        rows[0][28] = bx_l_ank_pitch_y;
-        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(c_l_ank_pitch, e11 * s_l_ank_pitch);
-        rows[1][27] = by_l_ank_pitch_x;
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e11 * c_l_ank_pitch));
-        rows[1][28] = by_l_ank_pitch_y;
-        let bz_l_ank_pitch_x = bz_l_knee_x.mul_plus(c_l_ank_pitch, e12 * s_l_ank_pitch);
-        rows[2][27] = bz_l_ank_pitch_x;
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
-        rows[2][28] = bz_l_ank_pitch_y;
-        // l_ank_roll
-        let (s_l_ank_roll, c_l_ank_roll) = q[7].sin_cos();
-        let bx_l_ank_roll_x = bx_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
-        rows[0][29] = bx_l_ank_roll_x;
-        let bx_l_ank_roll_y = -bx_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
-        rows[0][30] = bx_l_ank_roll_y;
-        let by_l_ank_roll_x = by_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
-        rows[1][29] = by_l_ank_roll_x;
-        let by_l_ank_roll_y = -by_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
-        rows[1][30] = by_l_ank_roll_y;
-        let bz_l_ank_roll_x = bz_l_ank_pitch_y
-            .mul_plus(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
-        rows[2][29] = bz_l_ank_roll_x;
-        let bz_l_ank_roll_y = -bz_l_hip_roll_x
-            .mul_plus(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
-        rows[2][30] = bz_l_ank_roll_y;
-        // l_sho_pitch
-        let (s_l_sho_pitch, c_l_sho_pitch) = q[8].sin_cos();
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
-        rows[0][31] = bx_l_sho_pitch_x;
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
-        rows[0][32] = bx_l_sho_pitch_y;
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e3 * s_l_sho_pitch);
-        rows[1][31] = by_l_sho_pitch_x;
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e3 * c_l_sho_pitch));
-        rows[1][32] = by_l_sho_pitch_y;
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
-        rows[2][31] = bz_l_sho_pitch_x;
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
-        rows[2][32] = bz_l_sho_pitch_y;
-        // l_sho_roll
-        let e13 = q[9] - T::from_f64(0.785398163);
-        let (s_l_sho_roll, c_l_sho_roll) = e13.sin_cos();
-        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-        rows[0][33] = bx_l_sho_roll_x;
-        let e14 = e4.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        let bx_l_sho_roll_y = -e14;
-        rows[0][34] = bx_l_sho_roll_y;
-        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
-        rows[1][33] = by_l_sho_roll_x;
-        let e15 = e5.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        let by_l_sho_roll_y = -e15;
-        rows[1][34] = by_l_sho_roll_y;
-        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e6 * c_l_sho_roll);
-        rows[2][33] = bz_l_sho_roll_x;
-        let e16 = e6.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let bz_l_sho_roll_y = -e16;
-        rows[2][34] = bz_l_sho_roll_y;
-        // l_el
-        let (s_l_el, c_l_el) = q[10].sin_cos();
-        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e14 * c_l_el));
-        rows[0][35] = bx_l_el_x;
-        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e14 * s_l_el);
-        rows[0][36] = bx_l_el_y;
-        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e15 * c_l_el));
-        rows[1][35] = by_l_el_x;
-        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e15 * s_l_el);
-        rows[1][36] = by_l_el_y;
-        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e16 * c_l_el));
-        rows[2][35] = bz_l_el_x;
-        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e16 * s_l_el);
-        rows[2][36] = bz_l_el_y;
-        // r_sho_pitch
-        let (s_r_sho_pitch, c_r_sho_pitch) = q[17].sin_cos();
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
-        rows[0][37] = bx_r_sho_pitch_x;
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
-        rows[0][38] = bx_r_sho_pitch_y;
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e3 * s_r_sho_pitch));
-        rows[1][37] = by_r_sho_pitch_x;
-        let e17 = e3.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
-        let by_r_sho_pitch_y = -e17;
-        rows[1][38] = by_r_sho_pitch_y;
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
-            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
-        rows[2][37] = bz_r_sho_pitch_x;
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y
-            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
-        rows[2][38] = bz_r_sho_pitch_y;
-        // r_sho_roll
-        let e18 = q[18] + T::from_f64(0.785398163);
-        let (s_r_sho_roll, c_r_sho_roll) = e18.sin_cos();
-        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-        rows[0][39] = bx_r_sho_roll_x;
-        let e19 = e4.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        let bx_r_sho_roll_y = -e19;
-        rows[0][40] = bx_r_sho_roll_y;
-        let by_r_sho_roll_x = e17.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
-        rows[1][39] = by_r_sho_roll_x;
-        let e20 = e5.mul_plus(s_r_sho_roll, e17 * c_r_sho_roll);
-        let by_r_sho_roll_y = -e20;
-        rows[1][40] = by_r_sho_roll_y;
-        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
-        rows[2][39] = bz_r_sho_roll_x;
-        let e21 = e6.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        let bz_r_sho_roll_y = -e21;
-        rows[2][40] = bz_r_sho_roll_y;
-        // r_el
-        let (s_r_el, c_r_el) = q[19].sin_cos();
-        let bx_r_el_x = -e19.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
-        rows[0][41] = bx_r_el_x;
-        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e19 * s_r_el));
-        rows[0][42] = bx_r_el_y;
-        let by_r_el_x = -e20.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
-        rows[1][41] = by_r_el_x;
-        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e20 * s_r_el));
-        rows[1][42] = by_r_el_y;
-        let bz_r_el_x = -e21.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
-        rows[2][41] = bz_r_el_x;
-        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e21 * s_r_el));
-        rows[2][42] = bz_r_el_y;
+        let mut angles = *q;
+        angles[9] = q[9] - T::from_f64(0.785398163);
+        angles[18] = q[18] + T::from_f64(0.785398163);
+        Op2RSole::regressor_core(&v1::Positions::new(&angles), rows);
     }
 
     #[inline(always)]
@@ -2013,304 +1692,20 @@ impl v1::SinCosRobot for Op2RSole {
 
     #[inline(always)]
     fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // r_ank_roll
-        let bz_r_ank_roll_x = -sin[16];
-        // r_ank_pitch
-        let e1 = sin[16] * sin[15];
-        let by_r_ank_pitch_x = -e1;
-        let by_r_ank_pitch_y = sin[16] * cos[15];
-        let e2 = cos[16] * sin[15];
-        let bz_r_ank_pitch_x = -e2;
-        let bz_r_ank_pitch_y = cos[16] * cos[15];
-        // r_knee
-        let bx_r_knee_x = cos[15].mul_plus(cos[14], sin[15] * sin[14]);
-        let bx_r_knee_y = sin[15].mul_plus(cos[14], -(cos[15] * sin[14]));
-        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(sin[14], -(e1 * cos[14]));
-        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(cos[14], e1 * sin[14]);
-        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(sin[14], -(e2 * cos[14]));
-        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(cos[14], e2 * sin[14]);
-        // r_hip_pitch
-        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(cos[13], bx_r_knee_y * sin[13]);
-        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(cos[13], -(bx_r_knee_x * sin[13]));
-        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(cos[13], by_r_knee_y * sin[13]);
-        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(cos[13], -(by_r_knee_x * sin[13]));
-        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(cos[13], bz_r_knee_y * sin[13]);
-        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(cos[13], -(bz_r_knee_x * sin[13]));
-        // r_hip_roll
-        let bx_r_hip_roll_x = bx_r_hip_pitch_y * sin[12];
-        let bx_r_hip_roll_y = bx_r_hip_pitch_y * cos[12];
-        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(sin[12], cos[16] * cos[12]);
-        let e3 = cos[16].mul_plus(sin[12], -(by_r_hip_pitch_y * cos[12]));
-        let by_r_hip_roll_y = -e3;
-        let bz_r_hip_roll_x = bz_r_hip_pitch_y.mul_plus(sin[12], -(sin[16] * cos[12]));
-        let bz_r_hip_roll_y = sin[16].mul_plus(sin[12], bz_r_hip_pitch_y * cos[12]);
-        // r_hip_yaw
-        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(sin[11], bx_r_hip_pitch_x * cos[11]);
-        let e4 = bx_r_hip_pitch_x.mul_plus(sin[11], -(bx_r_hip_roll_x * cos[11]));
-        let bx_r_hip_yaw_y = -e4;
-        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(sin[11], by_r_hip_pitch_x * cos[11]);
-        let e5 = by_r_hip_pitch_x.mul_plus(sin[11], -(by_r_hip_roll_x * cos[11]));
-        let by_r_hip_yaw_y = -e5;
-        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(sin[11], bz_r_hip_pitch_x * cos[11]);
-        let e6 = bz_r_hip_pitch_x.mul_plus(sin[11], -(bz_r_hip_roll_x * cos[11]));
-        let bz_r_hip_yaw_y = -e6;
-        // head_pan
-        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(cos[0], -(e4 * sin[0]));
-        let bx_head_pan_y = -e4.mul_plus(cos[0], bx_r_hip_yaw_x * sin[0]);
-        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(cos[0], -(e5 * sin[0]));
-        let by_head_pan_y = -e5.mul_plus(cos[0], by_r_hip_yaw_x * sin[0]);
-        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(cos[0], -(e6 * sin[0]));
-        let bz_head_pan_y = -e6.mul_plus(cos[0], bz_r_hip_yaw_x * sin[0]);
-        // head_tilt
-        let bx_head_tilt_x = bx_head_pan_x.mul_plus(cos[1], bx_r_hip_roll_y * sin[1]);
-        let bx_head_tilt_y = -bx_r_hip_roll_y.mul_plus(cos[1], -(bx_head_pan_x * sin[1]));
-        let by_head_tilt_x = by_head_pan_x.mul_plus(cos[1], -(e3 * sin[1]));
-        let by_head_tilt_y = e3.mul_plus(cos[1], by_head_pan_x * sin[1]);
-        let bz_head_tilt_x = bz_head_pan_x.mul_plus(cos[1], bz_r_hip_roll_y * sin[1]);
-        let bz_head_tilt_y = -bz_r_hip_roll_y.mul_plus(cos[1], -(bz_head_pan_x * sin[1]));
-        // l_hip_yaw
-        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(cos[2], e4 * sin[2]);
-        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(sin[2], -(e4 * cos[2]));
-        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(cos[2], e5 * sin[2]);
-        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(sin[2], -(e5 * cos[2]));
-        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(cos[2], e6 * sin[2]);
-        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(sin[2], -(e6 * cos[2]));
-        // l_hip_roll
-        let bx_l_hip_roll_x = bx_l_hip_yaw_y.mul_plus(cos[3], -(bx_r_hip_roll_y * sin[3]));
-        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(cos[3], bx_l_hip_yaw_y * sin[3]);
-        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(cos[3], e3 * sin[3]);
-        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(sin[3], -(e3 * cos[3]));
-        let bz_l_hip_roll_x = bz_l_hip_yaw_y.mul_plus(cos[3], -(bz_r_hip_roll_y * sin[3]));
-        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(cos[3], bz_l_hip_yaw_y * sin[3]);
-        // l_hip_pitch
-        let bx_l_hip_pitch_x = bx_l_hip_roll_y.mul_plus(sin[4], bx_l_hip_yaw_x * cos[4]);
-        let e7 = bx_l_hip_yaw_x.mul_plus(sin[4], -(bx_l_hip_roll_y * cos[4]));
-        let bx_l_hip_pitch_y = -e7;
-        let by_l_hip_pitch_x = by_l_hip_roll_y.mul_plus(sin[4], by_l_hip_yaw_x * cos[4]);
-        let e8 = by_l_hip_yaw_x.mul_plus(sin[4], -(by_l_hip_roll_y * cos[4]));
-        let by_l_hip_pitch_y = -e8;
-        let bz_l_hip_pitch_x = bz_l_hip_roll_y.mul_plus(sin[4], bz_l_hip_yaw_x * cos[4]);
-        let e9 = bz_l_hip_yaw_x.mul_plus(sin[4], -(bz_l_hip_roll_y * cos[4]));
-        let bz_l_hip_pitch_y = -e9;
-        // l_knee
-        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(cos[5], -(e7 * sin[5]));
-        let e10 = e7.mul_plus(cos[5], bx_l_hip_pitch_x * sin[5]);
-        let bx_l_knee_y = -e10;
-        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(cos[5], -(e8 * sin[5]));
-        let e11 = e8.mul_plus(cos[5], by_l_hip_pitch_x * sin[5]);
-        let by_l_knee_y = -e11;
-        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(cos[5], -(e9 * sin[5]));
-        let e12 = e9.mul_plus(cos[5], bz_l_hip_pitch_x * sin[5]);
-        let bz_l_knee_y = -e12;
-        // l_ank_pitch
-        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(cos[6], e10 * sin[6]);
-        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(sin[6], -(e10 * cos[6]));
-        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(cos[6], e11 * sin[6]);
-        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(sin[6], -(e11 * cos[6]));
-        let bz_l_ank_pitch_x = bz_l_knee_x.mul_plus(cos[6], e12 * sin[6]);
-        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(sin[6], -(e12 * cos[6]));
-        // l_ank_roll
-        let bx_l_ank_roll_x = bx_l_ank_pitch_y.mul_plus(sin[7], bx_l_hip_roll_x * cos[7]);
-        let bx_l_ank_roll_y = -bx_l_hip_roll_x.mul_plus(sin[7], -(bx_l_ank_pitch_y * cos[7]));
-        let by_l_ank_roll_x = by_l_ank_pitch_y.mul_plus(sin[7], by_l_hip_roll_x * cos[7]);
-        let by_l_ank_roll_y = -by_l_hip_roll_x.mul_plus(sin[7], -(by_l_ank_pitch_y * cos[7]));
-        let bz_l_ank_roll_x = bz_l_ank_pitch_y.mul_plus(sin[7], bz_l_hip_roll_x * cos[7]);
-        let bz_l_ank_roll_y = -bz_l_hip_roll_x.mul_plus(sin[7], -(bz_l_ank_pitch_y * cos[7]));
-        // l_sho_pitch
-        let bx_l_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[8], -(bx_r_hip_roll_y * sin[8]));
-        let bx_l_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[8], bx_r_hip_yaw_x * sin[8]);
-        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[8], e3 * sin[8]);
-        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(sin[8], -(e3 * cos[8]));
-        let bz_l_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[8], -(bz_r_hip_roll_y * sin[8]));
-        let bz_l_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[8], bz_r_hip_yaw_x * sin[8]);
-        // l_sho_roll
         let s_l_sho_roll = sin[9]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * cos[9]));
         let c_l_sho_roll = cos[9]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * sin[9]);
-        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
-        let e13 = e4.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
-        let bx_l_sho_roll_y = -e13;
-        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
-        let e14 = e5.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
-        let by_l_sho_roll_y = -e14;
-        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e6 * c_l_sho_roll);
-        let e15 = e6.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
-        let bz_l_sho_roll_y = -e15;
-        // l_el
-        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(sin[10], -(e13 * cos[10]));
-        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(cos[10], e13 * sin[10]);
-        let by_l_el_x = by_l_sho_pitch_x.mul_plus(sin[10], -(e14 * cos[10]));
-        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(cos[10], e14 * sin[10]);
-        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(sin[10], -(e15 * cos[10]));
-        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(cos[10], e15 * sin[10]);
-        // r_sho_pitch
-        let bx_r_sho_pitch_x = bx_r_hip_yaw_x.mul_plus(cos[17], bx_r_hip_roll_y * sin[17]);
-        let bx_r_sho_pitch_y = bx_r_hip_roll_y.mul_plus(cos[17], -(bx_r_hip_yaw_x * sin[17]));
-        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(cos[17], -(e3 * sin[17]));
-        let e16 = e3.mul_plus(cos[17], by_r_hip_yaw_x * sin[17]);
-        let by_r_sho_pitch_y = -e16;
-        let bz_r_sho_pitch_x = bz_r_hip_yaw_x.mul_plus(cos[17], bz_r_hip_roll_y * sin[17]);
-        let bz_r_sho_pitch_y = bz_r_hip_roll_y.mul_plus(cos[17], -(bz_r_hip_yaw_x * sin[17]));
-        // r_sho_roll
         let s_r_sho_roll = sin[18]
             .mul_plus(T::from_f64(0.707106781467586), T::from_f64(0.7071067809055092) * cos[18]);
         let c_r_sho_roll = cos[18]
             .mul_plus(T::from_f64(0.707106781467586), -(T::from_f64(0.7071067809055092) * sin[18]));
-        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
-        let e17 = e4.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
-        let bx_r_sho_roll_y = -e17;
-        let by_r_sho_roll_x = e16.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
-        let e18 = e5.mul_plus(s_r_sho_roll, e16 * c_r_sho_roll);
-        let by_r_sho_roll_y = -e18;
-        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
-        let e19 = e6.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
-        let bz_r_sho_roll_y = -e19;
-        // r_el
-        let bx_r_el_x = -e17.mul_plus(cos[19], bx_r_sho_pitch_x * sin[19]);
-        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(cos[19], -(e17 * sin[19]));
-        let by_r_el_x = -e18.mul_plus(cos[19], by_r_sho_pitch_x * sin[19]);
-        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(cos[19], -(e18 * sin[19]));
-        let bz_r_el_x = -e19.mul_plus(cos[19], bz_r_sho_pitch_x * sin[19]);
-        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(cos[19], -(e19 * sin[19]));
-        let row_x = [
-            one,
-            zero,
-            zero,
-            zero,
-            zero,
-            cos[15],
-            sin[15],
-            bx_r_knee_x,
-            bx_r_knee_y,
-            bx_r_hip_pitch_x,
-            bx_r_hip_pitch_y,
-            bx_r_hip_roll_x,
-            bx_r_hip_roll_y,
-            bx_r_hip_yaw_x,
-            bx_r_hip_yaw_y,
-            bx_head_pan_x,
-            bx_head_pan_y,
-            bx_head_tilt_x,
-            bx_head_tilt_y,
-            bx_l_hip_yaw_x,
-            bx_l_hip_yaw_y,
-            bx_l_hip_roll_x,
-            bx_l_hip_roll_y,
-            bx_l_hip_pitch_x,
-            bx_l_hip_pitch_y,
-            bx_l_knee_x,
-            bx_l_knee_y,
-            bx_l_ank_pitch_x,
-            bx_l_ank_pitch_y,
-            bx_l_ank_roll_x,
-            bx_l_ank_roll_y,
-            bx_l_sho_pitch_x,
-            bx_l_sho_pitch_y,
-            bx_l_sho_roll_x,
-            bx_l_sho_roll_y,
-            bx_l_el_x,
-            bx_l_el_y,
-            bx_r_sho_pitch_x,
-            bx_r_sho_pitch_y,
-            bx_r_sho_roll_x,
-            bx_r_sho_roll_y,
-            bx_r_el_x,
-            bx_r_el_y,
-        ];
-        let row_y = [
-            zero,
-            one,
-            zero,
-            cos[16],
-            sin[16],
-            by_r_ank_pitch_x,
-            by_r_ank_pitch_y,
-            by_r_knee_x,
-            by_r_knee_y,
-            by_r_hip_pitch_x,
-            by_r_hip_pitch_y,
-            by_r_hip_roll_x,
-            by_r_hip_roll_y,
-            by_r_hip_yaw_x,
-            by_r_hip_yaw_y,
-            by_head_pan_x,
-            by_head_pan_y,
-            by_head_tilt_x,
-            by_head_tilt_y,
-            by_l_hip_yaw_x,
-            by_l_hip_yaw_y,
-            by_l_hip_roll_x,
-            by_l_hip_roll_y,
-            by_l_hip_pitch_x,
-            by_l_hip_pitch_y,
-            by_l_knee_x,
-            by_l_knee_y,
-            by_l_ank_pitch_x,
-            by_l_ank_pitch_y,
-            by_l_ank_roll_x,
-            by_l_ank_roll_y,
-            by_l_sho_pitch_x,
-            by_l_sho_pitch_y,
-            by_l_sho_roll_x,
-            by_l_sho_roll_y,
-            by_l_el_x,
-            by_l_el_y,
-            by_r_sho_pitch_x,
-            by_r_sho_pitch_y,
-            by_r_sho_roll_x,
-            by_r_sho_roll_y,
-            by_r_el_x,
-            by_r_el_y,
-        ];
-        let row_z = [
-            zero,
-            zero,
-            one,
-            bz_r_ank_roll_x,
-            cos[16],
-            bz_r_ank_pitch_x,
-            bz_r_ank_pitch_y,
-            bz_r_knee_x,
-            bz_r_knee_y,
-            bz_r_hip_pitch_x,
-            bz_r_hip_pitch_y,
-            bz_r_hip_roll_x,
-            bz_r_hip_roll_y,
-            bz_r_hip_yaw_x,
-            bz_r_hip_yaw_y,
-            bz_head_pan_x,
-            bz_head_pan_y,
-            bz_head_tilt_x,
-            bz_head_tilt_y,
-            bz_l_hip_yaw_x,
-            bz_l_hip_yaw_y,
-            bz_l_hip_roll_x,
-            bz_l_hip_roll_y,
-            bz_l_hip_pitch_x,
-            bz_l_hip_pitch_y,
-            bz_l_knee_x,
-            bz_l_knee_y,
-            bz_l_ank_pitch_x,
-            bz_l_ank_pitch_y,
-            bz_l_ank_roll_x,
-            bz_l_ank_roll_y,
-            bz_l_sho_pitch_x,
-            bz_l_sho_pitch_y,
-            bz_l_sho_roll_x,
-            bz_l_sho_roll_y,
-            bz_l_el_x,
-            bz_l_el_y,
-            bz_r_sho_pitch_x,
-            bz_r_sho_pitch_y,
-            bz_r_sho_roll_x,
-            bz_r_sho_roll_y,
-            bz_r_el_x,
-            bz_r_el_y,
-        ];
-        [row_x, row_y, row_z]
+        let (mut sin_of, mut cos_of) = (*sin, *cos);
+        (sin_of[9], cos_of[9]) = (s_l_sho_roll, c_l_sho_roll);
+        (sin_of[18], cos_of[18]) = (s_r_sho_roll, c_r_sho_roll);
+        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
+        Op2RSole::regressor_core(&(&sin_of, &cos_of), &mut rows);
+        rows
     }
 
     #[inline(always)]
@@ -3264,6 +2659,333 @@ impl Op2RSole {
         jacobian[1][19] = -by_r_sho_pitch_x.mul_plus(t_r_el_x, -(p5 * e1));
         let p6 = e7.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
         jacobian[2][19] = -bz_r_sho_pitch_x.mul_plus(t_r_el_x, -(p6 * e1));
+    }
+
+    #[inline(always)]
+    fn regressor_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 3]) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[0][3] = zero;
+        rows[0][4] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        // r_ank_roll
+        let (s_r_ank_roll, c_r_ank_roll) = angles.sin_cos(16);
+        rows[1][4] = s_r_ank_roll;
+        rows[1][3] = c_r_ank_roll;
+        rows[2][4] = c_r_ank_roll;
+        let bz_r_ank_roll_x = -s_r_ank_roll;
+        rows[2][3] = bz_r_ank_roll_x;
+        // r_ank_pitch
+        let (s_r_ank_pitch, c_r_ank_pitch) = angles.sin_cos(15);
+        rows[0][6] = s_r_ank_pitch;
+        rows[0][5] = c_r_ank_pitch;
+        let e1 = s_r_ank_roll * s_r_ank_pitch;
+        let by_r_ank_pitch_x = -e1;
+        rows[1][5] = by_r_ank_pitch_x;
+        let by_r_ank_pitch_y = s_r_ank_roll * c_r_ank_pitch;
+        rows[1][6] = by_r_ank_pitch_y;
+        let e2 = c_r_ank_roll * s_r_ank_pitch;
+        let bz_r_ank_pitch_x = -e2;
+        rows[2][5] = bz_r_ank_pitch_x;
+        let bz_r_ank_pitch_y = c_r_ank_roll * c_r_ank_pitch;
+        rows[2][6] = bz_r_ank_pitch_y;
+        // r_knee
+        let (s_r_knee, c_r_knee) = angles.sin_cos(14);
+        let bx_r_knee_x = c_r_ank_pitch.mul_plus(c_r_knee, s_r_ank_pitch * s_r_knee);
+        rows[0][7] = bx_r_knee_x;
+        let bx_r_knee_y = s_r_ank_pitch.mul_plus(c_r_knee, -(c_r_ank_pitch * s_r_knee));
+        rows[0][8] = bx_r_knee_y;
+        let by_r_knee_x = by_r_ank_pitch_y.mul_plus(s_r_knee, -(e1 * c_r_knee));
+        rows[1][7] = by_r_knee_x;
+        let by_r_knee_y = by_r_ank_pitch_y.mul_plus(c_r_knee, e1 * s_r_knee);
+        rows[1][8] = by_r_knee_y;
+        let bz_r_knee_x = bz_r_ank_pitch_y.mul_plus(s_r_knee, -(e2 * c_r_knee));
+        rows[2][7] = bz_r_knee_x;
+        let bz_r_knee_y = bz_r_ank_pitch_y.mul_plus(c_r_knee, e2 * s_r_knee);
+        rows[2][8] = bz_r_knee_y;
+        // r_hip_pitch
+        let (s_r_hip_pitch, c_r_hip_pitch) = angles.sin_cos(13);
+        let bx_r_hip_pitch_x = bx_r_knee_x.mul_plus(c_r_hip_pitch, bx_r_knee_y * s_r_hip_pitch);
+        rows[0][9] = bx_r_hip_pitch_x;
+        let bx_r_hip_pitch_y = bx_r_knee_y.mul_plus(c_r_hip_pitch, -(bx_r_knee_x * s_r_hip_pitch));
+        rows[0][10] = bx_r_hip_pitch_y;
+        let by_r_hip_pitch_x = by_r_knee_x.mul_plus(c_r_hip_pitch, by_r_knee_y * s_r_hip_pitch);
+        rows[1][9] = by_r_hip_pitch_x;
+        let by_r_hip_pitch_y = by_r_knee_y.mul_plus(c_r_hip_pitch, -(by_r_knee_x * s_r_hip_pitch));
+        rows[1][10] = by_r_hip_pitch_y;
+        let bz_r_hip_pitch_x = bz_r_knee_x.mul_plus(c_r_hip_pitch, bz_r_knee_y * s_r_hip_pitch);
+        rows[2][9] = bz_r_hip_pitch_x;
+        let bz_r_hip_pitch_y = bz_r_knee_y.mul_plus(c_r_hip_pitch, -(bz_r_knee_x * s_r_hip_pitch));
+        rows[2][10] = bz_r_hip_pitch_y;
+        // r_hip_roll
+        let (s_r_hip_roll, c_r_hip_roll) = angles.sin_cos(12);
+        let bx_r_hip_roll_x = bx_r_hip_pitch_y * s_r_hip_roll;
+        rows[0][11] = bx_r_hip_roll_x;
+        let bx_r_hip_roll_y = bx_r_hip_pitch_y * c_r_hip_roll;
+        rows[0][12] = bx_r_hip_roll_y;
+        let by_r_hip_roll_x = by_r_hip_pitch_y.mul_plus(s_r_hip_roll, c_r_ank_roll * c_r_hip_roll);
+        rows[1][11] = by_r_hip_roll_x;
+        let e3 = c_r_ank_roll.mul_plus(s_r_hip_roll, -(by_r_hip_pitch_y * c_r_hip_roll));
+        let by_r_hip_roll_y = -e3;
+        rows[1][12] = by_r_hip_roll_y;
+        let bz_r_hip_roll_x = bz_r_hip_pitch_y
+            .mul_plus(s_r_hip_roll, -(s_r_ank_roll * c_r_hip_roll));
+        rows[2][11] = bz_r_hip_roll_x;
+        let bz_r_hip_roll_y = s_r_ank_roll.mul_plus(s_r_hip_roll, bz_r_hip_pitch_y * c_r_hip_roll);
+        rows[2][12] = bz_r_hip_roll_y;
+        // r_hip_yaw
+        let (s_r_hip_yaw, c_r_hip_yaw) = angles.sin_cos(11);
+        let bx_r_hip_yaw_x = bx_r_hip_roll_x.mul_plus(s_r_hip_yaw, bx_r_hip_pitch_x * c_r_hip_yaw);
+        rows[0][13] = bx_r_hip_yaw_x;
+        let e4 = bx_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bx_r_hip_roll_x * c_r_hip_yaw));
+        let bx_r_hip_yaw_y = -e4;
+        rows[0][14] = bx_r_hip_yaw_y;
+        let by_r_hip_yaw_x = by_r_hip_roll_x.mul_plus(s_r_hip_yaw, by_r_hip_pitch_x * c_r_hip_yaw);
+        rows[1][13] = by_r_hip_yaw_x;
+        let e5 = by_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(by_r_hip_roll_x * c_r_hip_yaw));
+        let by_r_hip_yaw_y = -e5;
+        rows[1][14] = by_r_hip_yaw_y;
+        let bz_r_hip_yaw_x = bz_r_hip_roll_x.mul_plus(s_r_hip_yaw, bz_r_hip_pitch_x * c_r_hip_yaw);
+        rows[2][13] = bz_r_hip_yaw_x;
+        let e6 = bz_r_hip_pitch_x.mul_plus(s_r_hip_yaw, -(bz_r_hip_roll_x * c_r_hip_yaw));
+        let bz_r_hip_yaw_y = -e6;
+        rows[2][14] = bz_r_hip_yaw_y;
+        // head_pan
+        let (s_head_pan, c_head_pan) = angles.sin_cos(0);
+        let bx_head_pan_x = bx_r_hip_yaw_x.mul_plus(c_head_pan, -(e4 * s_head_pan));
+        rows[0][15] = bx_head_pan_x;
+        let bx_head_pan_y = -e4.mul_plus(c_head_pan, bx_r_hip_yaw_x * s_head_pan);
+        rows[0][16] = bx_head_pan_y;
+        let by_head_pan_x = by_r_hip_yaw_x.mul_plus(c_head_pan, -(e5 * s_head_pan));
+        rows[1][15] = by_head_pan_x;
+        let by_head_pan_y = -e5.mul_plus(c_head_pan, by_r_hip_yaw_x * s_head_pan);
+        rows[1][16] = by_head_pan_y;
+        let bz_head_pan_x = bz_r_hip_yaw_x.mul_plus(c_head_pan, -(e6 * s_head_pan));
+        rows[2][15] = bz_head_pan_x;
+        let bz_head_pan_y = -e6.mul_plus(c_head_pan, bz_r_hip_yaw_x * s_head_pan);
+        rows[2][16] = bz_head_pan_y;
+        // head_tilt
+        let (s_head_tilt, c_head_tilt) = angles.sin_cos(1);
+        let bx_head_tilt_x = bx_head_pan_x.mul_plus(c_head_tilt, bx_r_hip_roll_y * s_head_tilt);
+        rows[0][17] = bx_head_tilt_x;
+        let bx_head_tilt_y = -bx_r_hip_roll_y.mul_plus(c_head_tilt, -(bx_head_pan_x * s_head_tilt));
+        rows[0][18] = bx_head_tilt_y;
+        let by_head_tilt_x = by_head_pan_x.mul_plus(c_head_tilt, -(e3 * s_head_tilt));
+        rows[1][17] = by_head_tilt_x;
+        let by_head_tilt_y = e3.mul_plus(c_head_tilt, by_head_pan_x * s_head_tilt);
+        rows[1][18] = by_head_tilt_y;
+        let bz_head_tilt_x = bz_head_pan_x.mul_plus(c_head_tilt, bz_r_hip_roll_y * s_head_tilt);
+        rows[2][17] = bz_head_tilt_x;
+        let bz_head_tilt_y = -bz_r_hip_roll_y.mul_plus(c_head_tilt, -(bz_head_pan_x * s_head_tilt));
+        rows[2][18] = bz_head_tilt_y;
+        // l_hip_yaw
+        let (s_l_hip_yaw, c_l_hip_yaw) = angles.sin_cos(2);
+        let bx_l_hip_yaw_x = bx_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e4 * s_l_hip_yaw);
+        rows[0][19] = bx_l_hip_yaw_x;
+        let bx_l_hip_yaw_y = bx_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e4 * c_l_hip_yaw));
+        rows[0][20] = bx_l_hip_yaw_y;
+        let by_l_hip_yaw_x = by_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e5 * s_l_hip_yaw);
+        rows[1][19] = by_l_hip_yaw_x;
+        let by_l_hip_yaw_y = by_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e5 * c_l_hip_yaw));
+        rows[1][20] = by_l_hip_yaw_y;
+        let bz_l_hip_yaw_x = bz_r_hip_yaw_x.mul_plus(c_l_hip_yaw, e6 * s_l_hip_yaw);
+        rows[2][19] = bz_l_hip_yaw_x;
+        let bz_l_hip_yaw_y = bz_r_hip_yaw_x.mul_plus(s_l_hip_yaw, -(e6 * c_l_hip_yaw));
+        rows[2][20] = bz_l_hip_yaw_y;
+        // l_hip_roll
+        let (s_l_hip_roll, c_l_hip_roll) = angles.sin_cos(3);
+        let bx_l_hip_roll_x = bx_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bx_r_hip_roll_y * s_l_hip_roll));
+        rows[0][21] = bx_l_hip_roll_x;
+        let bx_l_hip_roll_y = bx_r_hip_roll_y.mul_plus(c_l_hip_roll, bx_l_hip_yaw_y * s_l_hip_roll);
+        rows[0][22] = bx_l_hip_roll_y;
+        let by_l_hip_roll_x = by_l_hip_yaw_y.mul_plus(c_l_hip_roll, e3 * s_l_hip_roll);
+        rows[1][21] = by_l_hip_roll_x;
+        let by_l_hip_roll_y = by_l_hip_yaw_y.mul_plus(s_l_hip_roll, -(e3 * c_l_hip_roll));
+        rows[1][22] = by_l_hip_roll_y;
+        let bz_l_hip_roll_x = bz_l_hip_yaw_y
+            .mul_plus(c_l_hip_roll, -(bz_r_hip_roll_y * s_l_hip_roll));
+        rows[2][21] = bz_l_hip_roll_x;
+        let bz_l_hip_roll_y = bz_r_hip_roll_y.mul_plus(c_l_hip_roll, bz_l_hip_yaw_y * s_l_hip_roll);
+        rows[2][22] = bz_l_hip_roll_y;
+        // l_hip_pitch
+        let (s_l_hip_pitch, c_l_hip_pitch) = angles.sin_cos(4);
+        let bx_l_hip_pitch_x = bx_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bx_l_hip_yaw_x * c_l_hip_pitch);
+        rows[0][23] = bx_l_hip_pitch_x;
+        let e7 = bx_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bx_l_hip_roll_y * c_l_hip_pitch));
+        let bx_l_hip_pitch_y = -e7;
+        rows[0][24] = bx_l_hip_pitch_y;
+        let by_l_hip_pitch_x = by_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, by_l_hip_yaw_x * c_l_hip_pitch);
+        rows[1][23] = by_l_hip_pitch_x;
+        let e8 = by_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(by_l_hip_roll_y * c_l_hip_pitch));
+        let by_l_hip_pitch_y = -e8;
+        rows[1][24] = by_l_hip_pitch_y;
+        let bz_l_hip_pitch_x = bz_l_hip_roll_y
+            .mul_plus(s_l_hip_pitch, bz_l_hip_yaw_x * c_l_hip_pitch);
+        rows[2][23] = bz_l_hip_pitch_x;
+        let e9 = bz_l_hip_yaw_x.mul_plus(s_l_hip_pitch, -(bz_l_hip_roll_y * c_l_hip_pitch));
+        let bz_l_hip_pitch_y = -e9;
+        rows[2][24] = bz_l_hip_pitch_y;
+        // l_knee
+        let (s_l_knee, c_l_knee) = angles.sin_cos(5);
+        let bx_l_knee_x = bx_l_hip_pitch_x.mul_plus(c_l_knee, -(e7 * s_l_knee));
+        rows[0][25] = bx_l_knee_x;
+        let e10 = e7.mul_plus(c_l_knee, bx_l_hip_pitch_x * s_l_knee);
+        let bx_l_knee_y = -e10;
+        rows[0][26] = bx_l_knee_y;
+        let by_l_knee_x = by_l_hip_pitch_x.mul_plus(c_l_knee, -(e8 * s_l_knee));
+        rows[1][25] = by_l_knee_x;
+        let e11 = e8.mul_plus(c_l_knee, by_l_hip_pitch_x * s_l_knee);
+        let by_l_knee_y = -e11;
+        rows[1][26] = by_l_knee_y;
+        let bz_l_knee_x = bz_l_hip_pitch_x.mul_plus(c_l_knee, -(e9 * s_l_knee));
+        rows[2][25] = bz_l_knee_x;
+        let e12 = e9.mul_plus(c_l_knee, bz_l_hip_pitch_x * s_l_knee);
+        let bz_l_knee_y = -e12;
+        rows[2][26] = bz_l_knee_y;
+        // l_ank_pitch
+        let (s_l_ank_pitch, c_l_ank_pitch) = angles.sin_cos(6);
+        let bx_l_ank_pitch_x = bx_l_knee_x.mul_plus(c_l_ank_pitch, e10 * s_l_ank_pitch);
+        rows[0][27] = bx_l_ank_pitch_x;
+        let bx_l_ank_pitch_y = bx_l_knee_x.mul_plus(s_l_ank_pitch, -(e10 * c_l_ank_pitch));
+        rows[0][28] = bx_l_ank_pitch_y;
+        let by_l_ank_pitch_x = by_l_knee_x.mul_plus(c_l_ank_pitch, e11 * s_l_ank_pitch);
+        rows[1][27] = by_l_ank_pitch_x;
+        let by_l_ank_pitch_y = by_l_knee_x.mul_plus(s_l_ank_pitch, -(e11 * c_l_ank_pitch));
+        rows[1][28] = by_l_ank_pitch_y;
+        let bz_l_ank_pitch_x = bz_l_knee_x.mul_plus(c_l_ank_pitch, e12 * s_l_ank_pitch);
+        rows[2][27] = bz_l_ank_pitch_x;
+        let bz_l_ank_pitch_y = bz_l_knee_x.mul_plus(s_l_ank_pitch, -(e12 * c_l_ank_pitch));
+        rows[2][28] = bz_l_ank_pitch_y;
+        // l_ank_roll
+        let (s_l_ank_roll, c_l_ank_roll) = angles.sin_cos(7);
+        let bx_l_ank_roll_x = bx_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, bx_l_hip_roll_x * c_l_ank_roll);
+        rows[0][29] = bx_l_ank_roll_x;
+        let bx_l_ank_roll_y = -bx_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(bx_l_ank_pitch_y * c_l_ank_roll));
+        rows[0][30] = bx_l_ank_roll_y;
+        let by_l_ank_roll_x = by_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, by_l_hip_roll_x * c_l_ank_roll);
+        rows[1][29] = by_l_ank_roll_x;
+        let by_l_ank_roll_y = -by_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(by_l_ank_pitch_y * c_l_ank_roll));
+        rows[1][30] = by_l_ank_roll_y;
+        let bz_l_ank_roll_x = bz_l_ank_pitch_y
+            .mul_plus(s_l_ank_roll, bz_l_hip_roll_x * c_l_ank_roll);
+        rows[2][29] = bz_l_ank_roll_x;
+        let bz_l_ank_roll_y = -bz_l_hip_roll_x
+            .mul_plus(s_l_ank_roll, -(bz_l_ank_pitch_y * c_l_ank_roll));
+        rows[2][30] = bz_l_ank_roll_y;
+        // l_sho_pitch
+        let (s_l_sho_pitch, c_l_sho_pitch) = angles.sin_cos(8);
+        let bx_l_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bx_r_hip_roll_y * s_l_sho_pitch));
+        rows[0][31] = bx_l_sho_pitch_x;
+        let bx_l_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bx_r_hip_yaw_x * s_l_sho_pitch);
+        rows[0][32] = bx_l_sho_pitch_y;
+        let by_l_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_l_sho_pitch, e3 * s_l_sho_pitch);
+        rows[1][31] = by_l_sho_pitch_x;
+        let by_l_sho_pitch_y = by_r_hip_yaw_x.mul_plus(s_l_sho_pitch, -(e3 * c_l_sho_pitch));
+        rows[1][32] = by_l_sho_pitch_y;
+        let bz_l_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_l_sho_pitch, -(bz_r_hip_roll_y * s_l_sho_pitch));
+        rows[2][31] = bz_l_sho_pitch_x;
+        let bz_l_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_l_sho_pitch, bz_r_hip_yaw_x * s_l_sho_pitch);
+        rows[2][32] = bz_l_sho_pitch_y;
+        // l_sho_roll
+        let (s_l_sho_roll, c_l_sho_roll) = angles.sin_cos(9);
+        let bx_l_sho_roll_x = -bx_l_sho_pitch_y.mul_plus(s_l_sho_roll, e4 * c_l_sho_roll);
+        rows[0][33] = bx_l_sho_roll_x;
+        let e13 = e4.mul_plus(s_l_sho_roll, -(bx_l_sho_pitch_y * c_l_sho_roll));
+        let bx_l_sho_roll_y = -e13;
+        rows[0][34] = bx_l_sho_roll_y;
+        let by_l_sho_roll_x = -by_l_sho_pitch_y.mul_plus(s_l_sho_roll, e5 * c_l_sho_roll);
+        rows[1][33] = by_l_sho_roll_x;
+        let e14 = e5.mul_plus(s_l_sho_roll, -(by_l_sho_pitch_y * c_l_sho_roll));
+        let by_l_sho_roll_y = -e14;
+        rows[1][34] = by_l_sho_roll_y;
+        let bz_l_sho_roll_x = -bz_l_sho_pitch_y.mul_plus(s_l_sho_roll, e6 * c_l_sho_roll);
+        rows[2][33] = bz_l_sho_roll_x;
+        let e15 = e6.mul_plus(s_l_sho_roll, -(bz_l_sho_pitch_y * c_l_sho_roll));
+        let bz_l_sho_roll_y = -e15;
+        rows[2][34] = bz_l_sho_roll_y;
+        // l_el
+        let (s_l_el, c_l_el) = angles.sin_cos(10);
+        let bx_l_el_x = bx_l_sho_pitch_x.mul_plus(s_l_el, -(e13 * c_l_el));
+        rows[0][35] = bx_l_el_x;
+        let bx_l_el_y = -bx_l_sho_pitch_x.mul_plus(c_l_el, e13 * s_l_el);
+        rows[0][36] = bx_l_el_y;
+        let by_l_el_x = by_l_sho_pitch_x.mul_plus(s_l_el, -(e14 * c_l_el));
+        rows[1][35] = by_l_el_x;
+        let by_l_el_y = -by_l_sho_pitch_x.mul_plus(c_l_el, e14 * s_l_el);
+        rows[1][36] = by_l_el_y;
+        let bz_l_el_x = bz_l_sho_pitch_x.mul_plus(s_l_el, -(e15 * c_l_el));
+        rows[2][35] = bz_l_el_x;
+        let bz_l_el_y = -bz_l_sho_pitch_x.mul_plus(c_l_el, e15 * s_l_el);
+        rows[2][36] = bz_l_el_y;
+        // r_sho_pitch
+        let (s_r_sho_pitch, c_r_sho_pitch) = angles.sin_cos(17);
+        let bx_r_sho_pitch_x = bx_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bx_r_hip_roll_y * s_r_sho_pitch);
+        rows[0][37] = bx_r_sho_pitch_x;
+        let bx_r_sho_pitch_y = bx_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bx_r_hip_yaw_x * s_r_sho_pitch));
+        rows[0][38] = bx_r_sho_pitch_y;
+        let by_r_sho_pitch_x = by_r_hip_yaw_x.mul_plus(c_r_sho_pitch, -(e3 * s_r_sho_pitch));
+        rows[1][37] = by_r_sho_pitch_x;
+        let e16 = e3.mul_plus(c_r_sho_pitch, by_r_hip_yaw_x * s_r_sho_pitch);
+        let by_r_sho_pitch_y = -e16;
+        rows[1][38] = by_r_sho_pitch_y;
+        let bz_r_sho_pitch_x = bz_r_hip_yaw_x
+            .mul_plus(c_r_sho_pitch, bz_r_hip_roll_y * s_r_sho_pitch);
+        rows[2][37] = bz_r_sho_pitch_x;
+        let bz_r_sho_pitch_y = bz_r_hip_roll_y
+            .mul_plus(c_r_sho_pitch, -(bz_r_hip_yaw_x * s_r_sho_pitch));
+        rows[2][38] = bz_r_sho_pitch_y;
+        // r_sho_roll
+        let (s_r_sho_roll, c_r_sho_roll) = angles.sin_cos(18);
+        let bx_r_sho_roll_x = -bx_r_sho_pitch_y.mul_plus(s_r_sho_roll, e4 * c_r_sho_roll);
+        rows[0][39] = bx_r_sho_roll_x;
+        let e17 = e4.mul_plus(s_r_sho_roll, -(bx_r_sho_pitch_y * c_r_sho_roll));
+        let bx_r_sho_roll_y = -e17;
+        rows[0][40] = bx_r_sho_roll_y;
+        let by_r_sho_roll_x = e16.mul_plus(s_r_sho_roll, -(e5 * c_r_sho_roll));
+        rows[1][39] = by_r_sho_roll_x;
+        let e18 = e5.mul_plus(s_r_sho_roll, e16 * c_r_sho_roll);
+        let by_r_sho_roll_y = -e18;
+        rows[1][40] = by_r_sho_roll_y;
+        let bz_r_sho_roll_x = -bz_r_sho_pitch_y.mul_plus(s_r_sho_roll, e6 * c_r_sho_roll);
+        rows[2][39] = bz_r_sho_roll_x;
+        let e19 = e6.mul_plus(s_r_sho_roll, -(bz_r_sho_pitch_y * c_r_sho_roll));
+        let bz_r_sho_roll_y = -e19;
+        rows[2][40] = bz_r_sho_roll_y;
+        // r_el
+        let (s_r_el, c_r_el) = angles.sin_cos(19);
+        let bx_r_el_x = -e17.mul_plus(c_r_el, bx_r_sho_pitch_x * s_r_el);
+        rows[0][41] = bx_r_el_x;
+        let bx_r_el_y = -bx_r_sho_pitch_x.mul_plus(c_r_el, -(e17 * s_r_el));
+        rows[0][42] = bx_r_el_y;
+        let by_r_el_x = -e18.mul_plus(c_r_el, by_r_sho_pitch_x * s_r_el);
+        rows[1][41] = by_r_el_x;
+        let by_r_el_y = -by_r_sho_pitch_x.mul_plus(c_r_el, -(e18 * s_r_el));
+        rows[1][42] = by_r_el_y;
+        let bz_r_el_x = -e19.mul_plus(c_r_el, bz_r_sho_pitch_x * s_r_el);
+        rows[2][41] = bz_r_el_x;
+        let bz_r_el_y = -bz_r_sho_pitch_x.mul_plus(c_r_el, -(e19 * s_r_el));
+        rows[2][42] = bz_r_el_y;
     }
 
     #[inline(always)]

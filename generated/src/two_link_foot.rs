@@ -365,37 +365,7 @@ impl v1::Robot for TwoLinkFoot {
 
     #[inline(always)]
     fn regressor_into<T: Real>(q: &[T; DOF], rows: &mut [[T; BASE_PARAMS]; 3]) {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        rows[0][0] = one;
-        rows[1][1] = one;
-        rows[2][2] = one;
-        rows[0][1] = zero;
-        rows[0][2] = zero;
-        rows[1][0] = zero;
-        rows[1][2] = zero;
-        rows[1][3] = zero;
-        rows[1][4] = zero;
-        rows[1][5] = zero;
-        rows[1][6] = zero;
-        rows[2][0] = zero;
-        rows[2][1] = zero;
-        // ankle
-        let (s_ankle, c_ankle) = q[0].sin_cos();
-        rows[0][4] = s_ankle;
-        rows[0][3] = c_ankle;
-        rows[2][4] = c_ankle;
-        let bz_ankle_x = -s_ankle;
-        rows[2][3] = bz_ankle_x;
-        // knee
-        let (s_knee, c_knee) = q[1].sin_cos();
-        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
-        rows[0][5] = bx_knee_x;
-        rows[2][6] = bx_knee_x;
-        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
-        rows[0][6] = bx_knee_y;
-        let bz_knee_x = -bx_knee_y;
-        rows[2][5] = bz_knee_x;
+        TwoLinkFoot::regressor_core(&v1::Positions::new(q), rows);
     }
 
     #[inline(always)]
@@ -503,18 +473,9 @@ impl v1::SinCosRobot for TwoLinkFoot {
 
     #[inline(always)]
     fn regressor_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; BASE_PARAMS]; 3] {
-        let zero = T::from_f64(0.0);
-        let one = T::from_f64(1.0);
-        // ankle
-        let bz_ankle_x = -sin[0];
-        // knee
-        let bx_knee_x = cos[0].mul_plus(cos[1], -(sin[0] * sin[1]));
-        let bx_knee_y = sin[0].mul_plus(cos[1], cos[0] * sin[1]);
-        let bz_knee_x = -bx_knee_y;
-        let row_x = [one, zero, zero, cos[0], sin[0], bx_knee_x, bx_knee_y];
-        let row_y = [zero, one, zero, zero, zero, zero, zero];
-        let row_z = [zero, zero, one, bz_ankle_x, cos[0], bz_knee_x, bx_knee_x];
-        [row_x, row_y, row_z]
+        let mut rows = [[T::from_f64(0.0); BASE_PARAMS]; 3];
+        TwoLinkFoot::regressor_core(&(sin, cos), &mut rows);
+        rows
     }
 
     #[inline(always)]
@@ -637,6 +598,41 @@ impl TwoLinkFoot {
         // knee
         jacobian[0][1] = -s_ankle.mul_plus(t_knee_x, -(c_ankle * t_knee_y));
         jacobian[2][1] = -c_ankle.mul_plus(t_knee_x, s_ankle * t_knee_y);
+    }
+
+    #[inline(always)]
+    fn regressor_core<T: Real>(angles: &impl v1::Angles<T>, rows: &mut [[T; BASE_PARAMS]; 3]) {
+        let zero = T::from_f64(0.0);
+        let one = T::from_f64(1.0);
+        rows[0][0] = one;
+        rows[1][1] = one;
+        rows[2][2] = one;
+        rows[0][1] = zero;
+        rows[0][2] = zero;
+        rows[1][0] = zero;
+        rows[1][2] = zero;
+        rows[1][3] = zero;
+        rows[1][4] = zero;
+        rows[1][5] = zero;
+        rows[1][6] = zero;
+        rows[2][0] = zero;
+        rows[2][1] = zero;
+        // ankle
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        rows[0][4] = s_ankle;
+        rows[0][3] = c_ankle;
+        rows[2][4] = c_ankle;
+        let bz_ankle_x = -s_ankle;
+        rows[2][3] = bz_ankle_x;
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        let bx_knee_x = c_ankle.mul_plus(c_knee, -(s_ankle * s_knee));
+        rows[0][5] = bx_knee_x;
+        rows[2][6] = bx_knee_x;
+        let bx_knee_y = s_ankle.mul_plus(c_knee, c_ankle * s_knee);
+        rows[0][6] = bx_knee_y;
+        let bz_knee_x = -bx_knee_y;
+        rows[2][5] = bz_knee_x;
     }
 
     #[inline(always)]

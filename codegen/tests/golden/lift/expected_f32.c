@@ -39,7 +39,7 @@
 /* The self-test is defined here, by its own name, too. */
 #define lift_SOURCE
 #include "lift.h"
-#ifndef lift_PAIR_77f517cd1f4c5fb5
+#ifndef lift_PAIR_13efb476006245ec
 #error "lift.h is not the header that was written with this source: generate both again"
 #endif
 
@@ -355,39 +355,52 @@ void lift_gravity_moments(
         - (((0.6666667f * bz_wrist_x) + 0.496904f) * t_thumb_x));
 }
 
-void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_PARAMS])
+lift_SHARED void lift_regressor_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    lift_real rows[restrict 3 * lift_BASE_PARAMS])
 {
     /* wrist */
-    const float e1 = q[1] - 0.4636476f;
     float s_wrist;
     float c_wrist;
-    lift_sincos(e1, &s_wrist, &c_wrist);
-    const float e2 = 0.6666667f * c_wrist;
-    const float e3 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = e2 + e3;
-    const float e4 = 0.6666667f * c_wrist;
-    const float e5 = 0.6666667f * s_wrist;
-    const float e6 = e5 - e4;
-    const float bx_wrist_y = -e6;
-    const float by_wrist_x = (0.33333334f * s_wrist) - e4;
-    const float by_wrist_y = (0.33333334f * c_wrist) + e3;
-    const float bz_wrist_x = (0.33333334f * c_wrist) - e5;
-    const float e7 = e2 + (0.33333334f * s_wrist);
-    const float bz_wrist_y = -e7;
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
+    const float e1 = 0.6666667f * c_wrist;
+    const float e2 = 0.6666667f * s_wrist;
+    const float bx_wrist_x = e1 + e2;
+    const float e3 = 0.6666667f * c_wrist;
+    const float e4 = 0.6666667f * s_wrist;
+    const float e5 = e4 - e3;
+    const float bx_wrist_y = -e5;
+    const float by_wrist_x = (0.33333334f * s_wrist) - e3;
+    const float by_wrist_y = (0.33333334f * c_wrist) + e2;
+    const float bz_wrist_x = (0.33333334f * c_wrist) - e4;
+    const float e6 = e1 + (0.33333334f * s_wrist);
+    const float bz_wrist_y = -e6;
     /* thumb */
-    const float e8 = q[1] - 0.5636476f;
     float s_thumb;
     float c_thumb;
-    lift_sincos(e8, &s_thumb, &c_thumb);
-    const float e9 = (0.6666667f * bx_wrist_x) + 0.248452f;
-    const float bx_thumb_x = -((e6 * c_thumb) + (e9 * s_thumb));
-    const float bx_thumb_y = -((e6 * s_thumb) - (e9 * c_thumb));
-    const float e10 = (0.6666667f * by_wrist_x) + 0.496904f;
-    const float by_thumb_x = (by_wrist_y * c_thumb) - (e10 * s_thumb);
-    const float by_thumb_y = (e10 * c_thumb) + (by_wrist_y * s_thumb);
-    const float e11 = (0.6666667f * bz_wrist_x) + 0.496904f;
-    const float bz_thumb_x = -((e7 * c_thumb) + (e11 * s_thumb));
-    const float bz_thumb_y = -((e7 * s_thumb) - (e11 * c_thumb));
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
+    const float e7 = (0.6666667f * bx_wrist_x) + 0.248452f;
+    const float bx_thumb_x = -((e5 * c_thumb) + (e7 * s_thumb));
+    const float bx_thumb_y = -((e5 * s_thumb) - (e7 * c_thumb));
+    const float e8 = (0.6666667f * by_wrist_x) + 0.496904f;
+    const float by_thumb_x = (by_wrist_y * c_thumb) - (e8 * s_thumb);
+    const float by_thumb_y = (e8 * c_thumb) + (by_wrist_y * s_thumb);
+    const float e9 = (0.6666667f * bz_wrist_x) + 0.496904f;
+    const float bz_thumb_x = -((e6 * c_thumb) + (e9 * s_thumb));
+    const float bz_thumb_y = -((e6 * s_thumb) - (e9 * c_thumb));
     rows[0] = 1.0f;
     rows[1] = 0.0f;
     rows[2] = 0.0f;
@@ -412,6 +425,11 @@ void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_P
     rows[21] = bz_wrist_y;
     rows[22] = bz_thumb_x;
     rows[23] = bz_thumb_y;
+}
+
+void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_PARAMS])
+{
+    lift_regressor_core(0, q, q, q, rows);
 }
 
 lift_SHARED void lift_regressor_cop_core(
@@ -846,57 +864,7 @@ void lift_regressor_sc(
     const lift_real cos_q[],
     lift_real rows[restrict 3 * lift_BASE_PARAMS])
 {
-    /* wrist */
-    const float s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
-    const float c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
-    const float e1 = 0.6666667f * c_wrist;
-    const float e2 = 0.6666667f * s_wrist;
-    const float bx_wrist_x = e1 + e2;
-    const float e3 = 0.6666667f * c_wrist;
-    const float e4 = 0.6666667f * s_wrist;
-    const float e5 = e4 - e3;
-    const float bx_wrist_y = -e5;
-    const float by_wrist_x = (0.33333334f * s_wrist) - e3;
-    const float by_wrist_y = (0.33333334f * c_wrist) + e2;
-    const float bz_wrist_x = (0.33333334f * c_wrist) - e4;
-    const float e6 = e1 + (0.33333334f * s_wrist);
-    const float bz_wrist_y = -e6;
-    /* thumb */
-    const float s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
-    const float c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
-    const float e7 = (0.6666667f * bx_wrist_x) + 0.248452f;
-    const float bx_thumb_x = -((e5 * c_thumb) + (e7 * s_thumb));
-    const float bx_thumb_y = -((e5 * s_thumb) - (e7 * c_thumb));
-    const float e8 = (0.6666667f * by_wrist_x) + 0.496904f;
-    const float by_thumb_x = (by_wrist_y * c_thumb) - (e8 * s_thumb);
-    const float by_thumb_y = (e8 * c_thumb) + (by_wrist_y * s_thumb);
-    const float e9 = (0.6666667f * bz_wrist_x) + 0.496904f;
-    const float bz_thumb_x = -((e6 * c_thumb) + (e9 * s_thumb));
-    const float bz_thumb_y = -((e6 * s_thumb) - (e9 * c_thumb));
-    rows[0] = 1.0f;
-    rows[1] = 0.0f;
-    rows[2] = 0.0f;
-    rows[3] = 0.0f;
-    rows[4] = bx_wrist_x;
-    rows[5] = bx_wrist_y;
-    rows[6] = bx_thumb_x;
-    rows[7] = bx_thumb_y;
-    rows[8] = 0.0f;
-    rows[9] = 1.0f;
-    rows[10] = 0.0f;
-    rows[11] = 0.0f;
-    rows[12] = by_wrist_x;
-    rows[13] = by_wrist_y;
-    rows[14] = by_thumb_x;
-    rows[15] = by_thumb_y;
-    rows[16] = 0.0f;
-    rows[17] = 0.0f;
-    rows[18] = 1.0f;
-    rows[19] = sin_q[0];
-    rows[20] = bz_wrist_x;
-    rows[21] = bz_wrist_y;
-    rows[22] = bz_thumb_x;
-    rows[23] = bz_thumb_y;
+    lift_regressor_core(1, sin_q, sin_q, cos_q, rows);
 }
 
 void lift_regressor_cop_sc(
@@ -986,7 +954,7 @@ static int lift_rounds_otherwise(lift_real result)
 }
 #endif
 
-int lift_selftest_77f517cd1f4c5fb5(void)
+int lift_selftest_13efb476006245ec(void)
 {
     static const lift_real q[2] = {
         0.30329895f,
@@ -1035,5 +1003,5 @@ int lift_selftest_77f517cd1f4c5fb5(void)
 
 int lift_selftest(void)
 {
-    return lift_selftest_77f517cd1f4c5fb5();
+    return lift_selftest_13efb476006245ec();
 }

@@ -47,7 +47,7 @@ extern "C" {
 typedef float lift_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define lift_PAIR_77f517cd1f4c5fb5
+#define lift_PAIR_13efb476006245ec
 
 /** Number of independent joints. */
 #define lift_DOF 2
@@ -324,10 +324,10 @@ int lift_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int lift_selftest_77f517cd1f4c5fb5(void);
+int lift_selftest_13efb476006245ec(void);
 #ifndef lift_SOURCE
 #define lift_selftest() \
-    lift_selftest_77f517cd1f4c5fb5()
+    lift_selftest_13efb476006245ec()
 #endif
 
 #ifdef __cplusplus

@@ -59,7 +59,7 @@ extern "C" {
 typedef float two_link_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define two_link_PAIR_0a050090f48f1348
+#define two_link_PAIR_2517fa3ed0642a2a
 
 /** Number of independent joints. */
 #define two_link_DOF 2
@@ -454,10 +454,10 @@ int two_link_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int two_link_selftest_0a050090f48f1348(void);
+int two_link_selftest_2517fa3ed0642a2a(void);
 #ifndef two_link_SOURCE
 #define two_link_selftest() \
-    two_link_selftest_0a050090f48f1348()
+    two_link_selftest_2517fa3ed0642a2a()
 #endif
 
 #ifdef __cplusplus
