@@ -82,7 +82,8 @@ fn every_long_call_stops_when_told() {
     let simulation = simulate::Request::new(model.clone(), 9);
     let prediction = predict::Request::new(stance.clone(), &log);
     let planning = plan::Request::new(stance.robot.clone(), model, 3, region);
-    let calls: [&dyn Fn(&mut Once) -> Option<Error>; 3] = [
+    type Call<'a> = &'a dyn Fn(&mut Once) -> Option<Error>;
+    let calls: [Call; 3] = [
         &|watch| simulate(&simulation, watch).err(),
         &|watch| predict(&prediction, watch).err(),
         &|watch| plan(&planning, watch).err(),

@@ -335,9 +335,7 @@ fn what_is_odd_but_harmless_is_noted() {
     );
     // Limits the wrong way round mean none.
     for limits in ["<limit lower='2' upper='1'/>", "<limit lower='1'/>"] {
-        let limit = notes("revolute", limits, "taken as unlimited").joints[0]
-            .limit
-            .clone();
+        let limit = notes("revolute", limits, "taken as unlimited").joints[0].limit;
         assert_eq!(
             (limit.lower, limit.upper),
             (f64::NEG_INFINITY, f64::INFINITY)
