@@ -75,3 +75,34 @@ pub fn lengths<'a>(
         x.hypot(y)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observations::row_matrix::RowMatrix;
+
+    /// Postures 0, 2, 5 and 30 deviations off at a scale of 2: x is 0, 1, 2.5 and 15.
+    #[test]
+    fn weights_fall_with_the_residual_over_the_scale() {
+        let rows = Rows {
+            matrix: RowMatrix::zeros(8, 1),
+            reading: DVector::from_column_slice(&[0.0, 0.0, 0.0, 4e-3, 3e-3, 8e-3, -6e-2, 0.0]),
+            motion: Vec::new(),
+        };
+        let weights = |loss| {
+            let robust = Robust { loss, scale: 2.0 };
+            robust.weights(
+                &rows,
+                &[[1e-3, 2e-3], [1e-3, 2e-3], [1e-3, 2e-3], [2e-3, 1e-3]],
+                &DVector::zeros(1),
+            )
+        };
+        let near = |found: Vec<f64>, expected: [f64; 4]| {
+            let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-12, "{found:?}");
+        };
+        near(weights(Loss::Huber), [1.0, 1.0, HUBER / 2.5, HUBER / 15.0]);
+        let tukey = |x: f64| (1.0 - (x / TUKEY).powi(2)).powi(2);
+        near(weights(Loss::Tukey), [1.0, tukey(1.0), tukey(2.5), 0.0]);
+    }
+}

@@ -209,7 +209,10 @@ mod tests {
     fn bars_that_fold_back_meet() {
         let (model, geometry) = arm();
         let collisions = Collisions::new(&model, &geometry, &[0.0; 3]);
-        assert_eq!(collisions.watched, 3);
+        assert_eq!(
+            collisions.sentence(),
+            "3 pairs of bodies by 4 shapes; neighbours are exempt"
+        );
         assert!(collisions.exempt.is_empty());
         let met = |q: [f64; 3]| {
             let mut bodies = Vec::new();

@@ -166,6 +166,17 @@ fn times_that_run_backwards_say_nothing() {
     assert_eq!(Correlation::of(&t, &y, &x), Correlation::NONE);
 }
 
+#[test]
+fn a_clock_that_is_set_back_once_in_a_hundred_rows_has_a_step() {
+    let mut t: Vec<f64> = (0..100).map(|k| 0.25 * f64::from(k)).collect();
+    t[40] -= 1.0;
+    assert_eq!(step(&t), Some(0.25));
+    for k in [10, 60, 80] {
+        t[k] -= 1.0;
+    }
+    assert_eq!(step(&t), None);
+}
+
 /// Noise of windows, entry by entry: e_k = m_w + d_k, where m of two windows are correlated and d
 /// are independent; with a pause, after which a window begins.
 #[test]
