@@ -67,7 +67,7 @@ fn diagnosis(
     diagnose(&request, &mut ()).unwrap().diagnosis
 }
 
-/// `cargo xtask study alarms` counts false alarms of many such recordings.
+/// `cargo xtask study false-alarms` counts false alarms of many such recordings.
 #[test]
 fn nothing_is_named_in_correlated_noise() {
     for (seed, tau) in [(0, 0.1), (10, 0.4), (20, 0.8)] {

@@ -273,7 +273,7 @@ fn diagnoser() -> Diagnoser {
 /// is outside the library and barely shows is imitated by what is inside.
 #[test]
 fn the_truth_comes_out() {
-    const LOGS: usize = 40;
+    const LOGS: usize = 60;
     const SEED: u64 = 1;
     let folder = tempfile::tempdir().unwrap();
     let asked: Vec<(Question, u64)> = questions(LOGS, &small()).into_iter().zip(SEED..).collect();
