@@ -1,6 +1,8 @@
 //! Lists and names that stay short, and text that shows what it holds, for messages,
 //! reports and generated files.
 
+use std::collections::BTreeMap;
+
 /// Whether a character is not seen as what it is: control characters, and those that turn
 /// the direction of text or end a line. A terminal obeys them, and a compiler reads
 /// something else than a person does.
@@ -41,6 +43,41 @@ pub fn listed<T: ToString>(items: impl IntoIterator<Item = T>, most: usize) -> S
     }
 }
 
+/// Sentences of one kind as one: those that differ by the first name in backquotes alone, from
+/// three on, are told of the first, with the names of the others.
+pub fn gathered(sentences: Vec<String>) -> Vec<String> {
+    const FEW: usize = 3;
+    let kind = |said: &str| -> Option<(String, String)> {
+        let (before, rest) = said.split_once('`')?;
+        let (name, after) = rest.split_once('`')?;
+        let place = before.trim_start_matches(|c: char| c != ' ');
+        // Digits differ from one to the next: how far off each is.
+        let like = |text: &str| -> String {
+            let plain = text.chars().filter(|c| !c.is_ascii_digit());
+            plain.collect()
+        };
+        Some((like(place) + "`" + &like(after), name.to_string()))
+    };
+    let mut names: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (kind, name) in sentences.iter().filter_map(|said| kind(said)) {
+        names.entry(kind).or_default().push(name);
+    }
+    let mut out = Vec::new();
+    for said in sentences {
+        let own = kind(&said).and_then(|(kind, name)| Some((names.get(&kind)?, name)));
+        match own.filter(|(all, _)| all.len() >= FEW) {
+            Some((all, name)) if all[0] == name => {
+                let others = all[1..].iter().map(|name| format!("`{name}`"));
+                let others = listed(others, 6);
+                out.push(format!("{said}; likewise {} more: {others}", all.len() - 1));
+            }
+            Some(_) => {}
+            None => out.push(said),
+        }
+    }
+    out
+}
+
 /// The first letters of a name that has more than `most`.
 pub fn shortened(name: &str, most: usize) -> String {
     if name.chars().count() <= most {
@@ -52,6 +89,20 @@ pub fn shortened(name: &str, most: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sentences_of_one_kind_are_one() {
+        let said = |k: usize| format!("r.urdf:{k}: joint `j{k}`: {k}e-4 rad off");
+        let mut all: Vec<String> = (1..=9).map(said).collect();
+        all.push("r.urdf:7: link `a`: no mass".into());
+        let found = gathered(all.clone());
+        assert_eq!(found.len(), 2);
+        let first = "r.urdf:1: joint `j1`: 1e-4 rad off; likewise 8 more: `j2`, `j3`, `j4`, `j5`, \
+                     `j6`, `j7` and 2 more";
+        assert_eq!(found, [first, "r.urdf:7: link `a`: no mass"]);
+        // Two stay two.
+        assert_eq!(gathered(all[..2].to_vec()), all[..2]);
+    }
 
     #[test]
     fn lists_say_how_many_are_left_out() {

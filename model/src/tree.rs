@@ -17,7 +17,7 @@ mod snaps;
 mod sole;
 mod supports;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
@@ -25,6 +25,7 @@ use serde::Serialize;
 use crate::Error;
 use crate::error::Problem;
 use crate::snap::{self, Snapping};
+use crate::text;
 use crate::urdf::{self, Description, JointType};
 use dofs::coordinates;
 use edge::edge;
@@ -56,6 +57,8 @@ pub struct Link {
     pub(crate) com: Vector3<f64>,
     /// Inertia about the centre of mass in the axes of the link frame, kg m².
     pub(crate) inertia: Matrix3<f64>,
+    /// No body of its mass and size has that inertia.
+    pub(crate) inertia_is_refuted: bool,
 }
 
 impl Link {
@@ -180,18 +183,23 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         .collect();
     let support = index[support];
     check_size(robot)?;
-    let links: Vec<Link> = robot
-        .links
-        .iter()
-        .map(|link| Link {
-            name: link.name.clone(),
-            mass: link.inertial.mass_kg,
-            com: Vector3::from(link.inertial.origin.xyz),
-            inertia: inertia(&link.inertial),
-        })
-        .collect();
+    let of = |link: &urdf::Link| Link {
+        name: link.name.clone(),
+        mass: link.inertial.mass_kg,
+        com: Vector3::from(link.inertial.origin.xyz),
+        inertia: inertia(&link.inertial),
+        inertia_is_refuted: false,
+    };
+    let mut links: Vec<Link> = robot.links.iter().map(of).collect();
+    for (link, _) in description.refuted_inertias() {
+        links[link].inertia_is_refuted = true;
+    }
 
-    let (dofs, coordinates) = coordinates(robot);
+    let base = dofs::virtual_base(robot, Some(&robot.links[support].name));
+    let (dofs, coordinates) = coordinates(robot, &base);
+    if !base.is_empty() {
+        notes.push(dropped(robot, &base));
+    }
     let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
     for (j, joint) in robot.joints.iter().enumerate() {
         neighbours[index[joint.parent.as_str()]].push(j);
@@ -200,6 +208,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
 
     // Depth first, on an explicit stack: chains may be thousands of links deep.
     let mut edges = Vec::new();
+    let mut odd_rotations = Vec::new();
     let mut errors = Vec::new(); // rotation error of each edge, beside `edges`
     let mut seen = vec![false; links.len()];
     seen[support] = true;
@@ -216,20 +225,16 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         if seen[far] {
             continue;
         }
+        if base.contains(&j) && joint.joint_type != JointType::Fixed {
+            continue;
+        }
         if matches!(joint.joint_type, JointType::Floating | JointType::Planar) {
             drop_beyond(robot, &links, &neighbours, &index, near, j, &mut notes)?;
             continue;
         }
         seen[far] = true;
-        let (edge, error) = edge(
-            joint,
-            near,
-            far,
-            reversed,
-            coordinates[j],
-            snapping,
-            &mut notes,
-        );
+        let (edge, error, odd) = edge(joint, near, far, reversed, coordinates[j], snapping);
+        odd_rotations.extend(odd.map(|said| (far, said)));
         edges.push(edge);
         errors.push(error);
         stack.extend(
@@ -240,6 +245,14 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
                 .map(|&k| (far, k)),
         );
     }
+
+    // Rotations of what has no mass enter no number.
+    let mut carried: Vec<f64> = links.iter().map(|link| link.mass).collect();
+    for edge in edges.iter().rev() {
+        carried[edge.near] += carried[edge.far];
+    }
+    odd_rotations.retain(|(far, _)| carried[*far] > 0.0);
+    notes.extend(text::gathered(odd_rotations.into_iter().map(|(_, said)| said).collect()));
 
     let mut tree = Tree {
         robot: description.name.clone(),
@@ -265,7 +278,28 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         return Err(Problem::NoMass { file }.into());
     }
     tree.snaps = snaps(&tree, &errors);
+    // No advice along a z that is not up.
+    let support = tree.links[tree.support].name.clone();
+    let standing = sole::turned(description, &tree);
+    tree.notes.extend(standing.or_else(|| below(description, &support)));
     Ok(tree)
+}
+
+/// What is said of the joints of a virtual base.
+fn dropped(robot: &Description, base: &HashSet<usize>) -> String {
+    let mut all: Vec<usize> = base.iter().copied().collect();
+    all.sort_unstable();
+    let joints = all.iter().map(|&k| &robot.joints[k]);
+    let names: Vec<String> = joints
+        .filter(|joint| joint.joint_type != JointType::Fixed)
+        .map(|joint| format!("`{}`", joint.name))
+        .collect();
+    let (joint, them) = match names.len() {
+        1 => ("joint", "it"),
+        _ => ("joints", "them"),
+    };
+    let names = text::listed(names, 8);
+    format!("{joint} {names} dropped: nothing beyond {them} has mass")
 }
 
 /// Inertia about the centre of mass in the axes of the link frame, kg m².
@@ -335,6 +369,32 @@ impl Dof {
 }
 
 impl Tree {
+    /// The CoM in the support frame where every joint is in the middle of its range, m.
+    fn com_in_the_middle(&self) -> [f64; 3] {
+        let none = (Matrix3::identity(), Vector3::zeros());
+        let mut frames = vec![none; self.links.len()];
+        let mut first = self.links[self.support].com * self.links[self.support].mass;
+        let at = |by: &Coordinate| {
+            let dof = &self.dofs[by.dof];
+            by.factor * (0.5 * (dof.lower + dof.upper)) + by.offset
+        };
+        for edge in &self.edges {
+            let (turned, origin) = frames[edge.near];
+            let (own, moved) = match &edge.motion {
+                Motion::Fixed => (Matrix3::identity(), Vector3::zeros()),
+                Motion::Revolute { axis, by } => (snap::about(&axis.0, at(by)), Vector3::zeros()),
+                Motion::Prismatic { axis, by } => (Matrix3::identity(), axis.0 * at(by)),
+            };
+            let place = origin + turned * (edge.anchor + moved);
+            let turned = turned * edge.rotation * own;
+            let frame = (turned, place - turned * edge.offset);
+            let link = &self.links[edge.far];
+            first += (frame.1 + turned * link.com) * link.mass;
+            frames[edge.far] = frame;
+        }
+        (first / self.mass).into()
+    }
+
     /// Largest |θ| of a coordinate over the limits of its joint, rad or m.
     pub(crate) fn stroke(&self, by: &Coordinate) -> f64 {
         let dof = &self.dofs[by.dof];

@@ -34,7 +34,7 @@ class Log:
         columns: ``{"name in the log": "our name"}``.
         name: what messages call the log.
         robot: whose log it is; :attr:`health` then knows more.
-        readings_per_pose, cells, gravity, both_feet, other_foot, topic, experiment: as in the sidecar of a log file,
+        readings_per_pose, cells, gravity, both_feet, other_foot, topic, joints_topic, experiment: as in the sidecar of a log file,
             over which all of these win.
 
     A table is copied: later changes of it do not reach the log.
@@ -62,6 +62,7 @@ class Log:
         both_feet: bool | None = None,
         other_foot: str | None = None,
         topic: str | None = None,
+        joints_topic: str | None = None,
         experiment: str | None = None,
     ) -> None:
         settings = {
@@ -73,6 +74,7 @@ class Log:
             "both_feet": both_feet,
             "other_foot": other_foot,
             "topic": topic,
+            "joints_topic": joints_topic,
             "experiment": experiment,
             "columns": None if columns is None else dict(columns),
         }

@@ -271,7 +271,7 @@ impl Model {
     ///     True
     #[getter]
     fn notes(&self) -> Vec<String> {
-        let notes = notes(&self.robot.description, &self.inner).into_iter();
+        let notes = notes(&self.inner).into_iter();
         notes.chain(self.inner.left_out()).collect()
     }
 

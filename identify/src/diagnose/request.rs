@@ -26,7 +26,7 @@ use super::remedy::{self, Servo};
 use super::report::{Report, next_log};
 use super::view::DiagnosisView;
 use super::{closure, experiment, model_check, motion, noise, samples, verdict};
-use crate::feet::Feet;
+use crate::feet::{Feet, Places};
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health::{self, Finding, Health};
@@ -376,7 +376,8 @@ fn reading(request: &Request, support: Option<String>) -> Options {
         support,
         any_unit: true,
         stays: request.stays,
-        soles: request.feet.soles(&request.robot, request.snapping),
+        soles: Some(Places::of(&request.robot, request.snapping)),
+            one_foot: request.feet.both == Some(false),
         ..Options::default()
     }
 }

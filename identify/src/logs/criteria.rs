@@ -25,3 +25,14 @@ pub const SMOOTH: f64 = 0.05;
 /// A joint moves if it scatters by more than this, rad or m. Chosen: below it lies the noise of
 /// encoders, which says nothing of speeds.
 pub const MOVES: f64 = 0.01;
+/// A joint leaps where it moves by more than this, rad or m, and faster than [`FASTER`] limits.
+/// Chosen: 3°, above what jitter of stamps makes of a fast motion.
+pub const LEAP: f64 = 0.05;
+/// Velocity limits that no joint exceeds by more than this factor. Chosen: servos are up to a
+/// third faster than their data sheet says, and stamps jitter.
+pub const FASTER: f64 = 1.5;
+/// The limit of joints that have none, rad/s or m/s. Chosen: twice that of fast servos.
+pub const FASTEST_RAD_S: f64 = 20.0;
+/// A leap returns where what remains of it is a smaller part than this. Chosen: a step of a
+/// controller overshoots by less.
+pub const RETURNS: f64 = 0.2;

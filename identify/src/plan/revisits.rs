@@ -12,6 +12,7 @@ use serde::Serialize;
 use sesc_model::Snapping;
 
 use super::request::Request;
+use crate::feet::Places;
 use crate::Error;
 use crate::logs::{Options, Readings};
 use crate::observations::noise::NoiseSource;
@@ -54,7 +55,8 @@ impl Known {
                 readings: Readings::Required,
                 links: links.map(str::to_string).collect(),
                 support: Some(model.support().to_string()),
-                soles: request.feet.soles(robot, Snapping::default()),
+                soles: Some(Places::of(robot, Snapping::default())),
+            one_foot: request.feet.both == Some(false),
                 ..Options::default()
             },
             noise: None,

@@ -13,6 +13,7 @@ mod posture;
 mod records;
 mod sensor;
 
+use std::borrow::Cow;
 use std::ops::Deref;
 
 use crate::Error;
@@ -60,6 +61,20 @@ impl Deref for Model {
 }
 
 impl Model {
+    /// The model for motion that was measured: links whose inertia no body of their size has are
+    /// points at their centres of mass.
+    pub fn with_believed_inertias(&self) -> Cow<'_, Model> {
+        if !self.tree.links.iter().any(|link| link.inertia_is_refuted) {
+            return Cow::Borrowed(self);
+        }
+        let mut believed = self.clone();
+        let links = believed.robot.tree.links.iter_mut();
+        for link in links.filter(|link| link.inertia_is_refuted) {
+            link.inertia.fill(0.0);
+        }
+        Cow::Owned(believed)
+    }
+
     /// The model of a robot with the parameters of its CAD masses.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! What a URDF says of a robot, in types of our own.
 
+use super::extent::Extent;
+
 /// A robot description that passed every check.
 ///
 /// Links and joints stand in document order. Visual and collision elements
@@ -23,6 +25,9 @@ pub struct Description {
     pub hash: String,
     /// The file as the caller named it; messages start with it.
     pub file: String,
+    /// The box around the collision shapes of each link, where the file gives it.
+    #[doc(hidden)]
+    pub shapes: Vec<Option<Extent>>,
     /// The text that was read.
     #[doc(hidden)]
     pub text: String,

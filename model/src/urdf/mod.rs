@@ -12,6 +12,7 @@
 mod check;
 mod collision;
 mod description;
+mod doubts;
 mod draft;
 mod edit_joints;
 mod edit_masses;
@@ -124,15 +125,20 @@ pub fn parse(text: &str, file: &str) -> Result<Description, Error> {
     check::check(&draft, &mut report);
     mimic::check(&draft, &mut report);
     let notes = report.finish()?;
-    Ok(Description {
+    let mut robot = Description {
         name: draft.name,
         links: draft.links.into_iter().map(Into::into).collect(),
         joints: draft.joints.into_iter().map(Into::into).collect(),
         notes,
         hash: hash(source.text),
         file: file.to_owned(),
+        shapes: Vec::new(),
         text: text.to_owned(),
-    })
+    };
+    robot.shapes = extents(&robot)?;
+    let doubts = robot.doubts();
+    robot.notes.extend(doubts);
+    Ok(robot)
 }
 
 fn hash(text: &str) -> String {
