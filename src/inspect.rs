@@ -11,7 +11,6 @@ use sesc_model::base::{Column, Unobservable};
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
 use sesc_model::tree::{Snap, on_many_feet};
-use sesc_model::urdf::Description;
 use sesc_model::{Function, Given, Model};
 
 pub use rank::{Rank, RankCheck, numeric_rank};
@@ -109,7 +108,7 @@ pub struct Rounding {
 }
 
 /// Gather everything.
-pub fn inspect(robot: &Description, model: &Model) -> Inspection {
+pub fn inspect(model: &Model) -> Inspection {
     let (tree, chain, base) = (&model.tree, &model.chain, &model.base);
     let of_function = |function: Function| {
         let program = model.program(function, Given::Positions)?;

@@ -180,7 +180,9 @@ impl Predictor {
                 ..options.clone()
             };
             let first = PostureReader::open(log, &dofs, &with_readings)?.first_support()?;
-            stance.support = first.filter(|link| !link.is_empty()).map(|link| link.to_string());
+            stance.support = first
+                .filter(|link| !link.is_empty())
+                .map(|link| link.to_string());
         }
         let reader = match motion {
             MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?,

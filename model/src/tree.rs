@@ -252,7 +252,9 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         carried[edge.near] += carried[edge.far];
     }
     odd_rotations.retain(|(far, _)| carried[*far] > 0.0);
-    notes.extend(text::gathered(odd_rotations.into_iter().map(|(_, said)| said).collect()));
+    notes.extend(text::gathered(
+        odd_rotations.into_iter().map(|(_, said)| said).collect(),
+    ));
 
     let mut tree = Tree {
         robot: description.name.clone(),
@@ -281,7 +283,8 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
     // No advice along a z that is not up.
     let support = tree.links[tree.support].name.clone();
     let standing = sole::turned(description, &tree);
-    tree.notes.extend(standing.or_else(|| below(description, &support)));
+    tree.notes
+        .extend(standing.or_else(|| below(description, &support)));
     Ok(tree)
 }
 

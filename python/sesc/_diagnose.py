@@ -97,7 +97,7 @@ class Diagnosis(FoundInLogs):
 
     @property
     def verdict(self) -> str:
-        """``none``, ``named``, ``class``, ``absorbed``, ``unexplained`` or ``unusable``.
+        """``none``, ``named``, ``class``, ``absorbed``, ``unexplained``, ``too_short`` or ``unusable``.
 
         Example:
             >>> found.verdict in ("named", "class")

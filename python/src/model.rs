@@ -279,7 +279,7 @@ impl Model {
     fn inspection(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
             json(&WithSteps {
-                found: &inspect(&self.robot.description, &self.inner),
+                found: &inspect(&self.inner),
                 next_steps: &self.next_step(),
             })
         })

@@ -35,7 +35,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let stance = arguments.robot.stance(None)?;
     let model = stance.model()?;
-    let inspection = inspect(&stance.robot.description, &model);
+    let inspection = inspect(&model);
     super::notes(&inspection.notes);
     let support = model.support().to_string();
     let about = About::new(&arguments.robot.urdf);

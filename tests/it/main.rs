@@ -39,6 +39,7 @@ mod readme;
 mod recordings;
 mod simd;
 mod stays;
+mod strangers;
 mod unstated_noise;
 mod workspace;
 mod zmp;

@@ -33,7 +33,11 @@ pub fn find<'m>(
 ) -> Result<Explained, Error> {
     let mut search = Search::new(&mut *whole_problem);
     let blind = search.visible().to_vec();
-    let mut ranked = match about.usable {
+    let too_few = search.problem().too_few();
+    // Nothing at all is left to tell the noise from.
+    let hopeless =
+        too_few.is_some_and(|[rows, directions]| rows < directions + noise::LEFT_AT_LEAST);
+    let mut ranked = match about.usable && !hopeless {
         true => search.run(watch)?,
         // Whatever explains broken data explains nothing.
         false => vec![search.fit(&[], None)],
@@ -106,6 +110,7 @@ pub fn find<'m>(
     let closure = closure::said(problem, &null, &best);
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         _ if !about.usable => Verdict::Unusable,
+        (false, true, _) if too_few.is_some() => Verdict::TooShort,
         (true, _, _) => Verdict::Unexplained,
         (_, true, _) if raw.is_clear() && !expected.is_clear() => Verdict::Absorbed,
         (_, true, _) => Verdict::None,

@@ -35,18 +35,21 @@ pub enum Verdict {
     Absorbed,
     /// Nothing known explains it.
     Unexplained,
+    /// The data cannot tell noise from what is missing.
+    TooShort,
     /// The data are broken: no effect is looked for.
     Unusable,
 }
 
 impl Verdict {
     /// Every verdict.
-    pub const ALL: [Verdict; 6] = [
+    pub const ALL: [Verdict; 7] = [
         Verdict::None,
         Verdict::Named,
         Verdict::Class,
         Verdict::Absorbed,
         Verdict::Unexplained,
+        Verdict::TooShort,
         Verdict::Unusable,
     ];
 
@@ -58,6 +61,7 @@ impl Verdict {
             Verdict::Class => "class",
             Verdict::Absorbed => "absorbed",
             Verdict::Unexplained => "unexplained",
+            Verdict::TooShort => "too_short",
             Verdict::Unusable => "unusable",
         }
     }

@@ -291,6 +291,7 @@ pub fn why(next: &Next, found: &Explained) -> String {
     let Some(best) = next.proposals.first() else {
         return match (found.diagnosis.verdict, found.class.len()) {
             (Verdict::Unusable, _) => "These data cannot be used.".to_string(),
+            (Verdict::TooShort, _) => "The log is too short to tell anything apart.".to_string(),
             (Verdict::Unexplained, _) => {
                 "No known effect explains these data, so there are no explanations that postures \
                  would tell apart: check the robot by hand first."

@@ -9,6 +9,9 @@ impl Diagnosis {
     pub fn next_steps(&self) -> Vec<NextStep> {
         let mut steps = match self.verdict {
             Verdict::Unusable => return vec![NextStep::Repair],
+            Verdict::TooShort => vec![NextStep::Plan {
+                support: self.support.clone(),
+            }],
             Verdict::Unexplained => self.checks(),
             Verdict::Class => vec![self.tell_apart(), NextStep::KeepModel],
             Verdict::Named => vec![NextStep::Change, NextStep::KeepModel],

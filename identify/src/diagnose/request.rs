@@ -377,7 +377,7 @@ fn reading(request: &Request, support: Option<String>) -> Options {
         any_unit: true,
         stays: request.stays,
         soles: Some(Places::of(&request.robot, request.snapping)),
-            one_foot: request.feet.both == Some(false),
+        one_foot: request.feet.both == Some(false),
         ..Options::default()
     }
 }

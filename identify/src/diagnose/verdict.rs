@@ -67,6 +67,14 @@ pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
                 clauses.join(", and ")
             ));
         }
+        Verdict::TooShort => {
+            let [rows, directions] = problem.too_few().unwrap_or_default();
+            said.push(format!(
+                "The log is too short: {rows} readings for {directions} directions of the masses leave \
+                 too few to tell the noise from, so that it is not known whether something is \
+                 missing. Record more postures, reach some of them again, or state the noise."
+            ));
+        }
         Verdict::Unusable => {
             said.push("No effect is looked for in these data.".to_string());
         }

@@ -182,7 +182,11 @@ impl Evaluation<'_> {
             support: self.options.support.clone(),
             ..Reading::default()
         };
-        PostureReader::open(log, &about.dofs_on(self.options.support.as_deref()), &reading)
+        PostureReader::open(
+            log,
+            &about.dofs_on(self.options.support.as_deref()),
+            &reading,
+        )
     }
 
     /// All rows of a log, with what of its sidecar is about them.

@@ -208,7 +208,13 @@ impl Assembler {
     /// Optional columns without a value.
     fn find_unused(&mut self, raw: &Raw) {
         let width = self.columns.numbers.len();
-        let empty = |k: usize| raw.numbers.iter().skip(k).step_by(width).all(|x| x.is_nan());
+        let empty = |k: usize| {
+            raw.numbers
+                .iter()
+                .skip(k)
+                .step_by(width)
+                .all(|x| x.is_nan())
+        };
         let columns = &mut self.columns;
         let cells = columns.cells.len();
         for (column, count) in [
@@ -255,7 +261,11 @@ impl Assembler {
             let said = format!(
                 "{}: {} without a value, and not used: {}",
                 self.file,
-                if names.len() == 1 { "a column" } else { "columns" },
+                if names.len() == 1 {
+                    "a column"
+                } else {
+                    "columns"
+                },
                 super::names::list(&names)
             );
             warnings.push(said.into());
@@ -289,7 +299,11 @@ impl Assembler {
         missing.rows += 1;
         let without = numbers.iter().map(|x| x.is_nan());
         let without = without.chain([pose == Some(MISSING)]);
-        missing.of.iter_mut().zip(without).for_each(|(n, is)| *n += u64::from(is));
+        missing
+            .of
+            .iter_mut()
+            .zip(without)
+            .for_each(|(n, is)| *n += u64::from(is));
     }
 
     /// The typical length of columns `k` and `k + 1`, as they stand in the log.

@@ -240,7 +240,9 @@ impl Columns {
         others.sort_unstable();
         let meant = meant(&missing, others.iter().copied());
         if !meant.is_empty() {
-            let pairs = meant.iter().map(|(column, joint)| format!("{column:?} = {joint:?}"));
+            let pairs = meant
+                .iter()
+                .map(|(column, joint)| format!("{column:?} = {joint:?}"));
             let pairs = pairs.collect::<Vec<_>>().join(", ");
             let said = format!("{said}; if these columns are positions of joints, ");
             return Err(message![said, Setting::Columns, format!(" {{ {pairs} }}")]);

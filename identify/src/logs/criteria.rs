@@ -25,6 +25,12 @@ pub const SMOOTH: f64 = 0.05;
 /// A joint moves if it scatters by more than this, rad or m. Chosen: below it lies the noise of
 /// encoders, which says nothing of speeds.
 pub const MOVES: f64 = 0.01;
+/// Rows are of a robot that moves where its steps change by less than this part of themselves, as
+/// squares. Closed form: a sine of 0.4 Hz at 10 Hz has 0.06; steps that are independent have 2.
+pub const GOES_ON: f64 = 0.5;
+/// Stamps are coarse where more than this part of the rows has that of the row above. Chosen: a
+/// clock of 1 ms shares one in a hundred at 1 kHz.
+pub const SHARED: f64 = 0.2;
 /// A joint leaps where it moves by more than this, rad or m, and faster than [`FASTER`] limits.
 /// Chosen: 3°, above what jitter of stamps makes of a fast motion.
 pub const LEAP: f64 = 0.05;

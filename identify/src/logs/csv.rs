@@ -116,7 +116,9 @@ impl CsvSource {
     fn take_units(&mut self) {
         let first = self.next();
         let fields = self.record.iter().map(|f| str::from_utf8(f).unwrap_or("?"));
-        match units(fields).filter(|own| matches!(first, Ok(true)) && own.len() == self.header.len()) {
+        match units(fields)
+            .filter(|own| matches!(first, Ok(true)) && own.len() == self.header.len())
+        {
             Some(units) => {
                 let names = self.header.iter().zip(&units);
                 self.header = names.map(|(name, unit)| with_unit(name, unit)).collect();

@@ -16,13 +16,29 @@ const FORMATS: [(&[u8], &str, &str); 15] = [
         "a recording of ROS 1",
         "convert it by `mcap convert @ $.mcap`",
     ),
-    (b"\x28\xb5\x2f\xfd", "compressed by zstd", "unpack it by `zstd -d @`"),
+    (
+        b"\x28\xb5\x2f\xfd",
+        "compressed by zstd",
+        "unpack it by `zstd -d @`",
+    ),
     (b"BZh", "compressed by bzip2", "unpack it by `bunzip2 @`"),
     (b"\xfd7zXZ", "compressed by xz", "unpack it by `unxz @`"),
-    (b"\x04\x22\x4d\x18", "compressed by lz4", "unpack it by `unlz4 @`"),
-    (b"PK\x03\x04", "a packed folder or a spreadsheet", "unpack it, or save the sheet as CSV"),
+    (
+        b"\x04\x22\x4d\x18",
+        "compressed by lz4",
+        "unpack it by `unlz4 @`",
+    ),
+    (
+        b"PK\x03\x04",
+        "a packed folder or a spreadsheet",
+        "unpack it, or save the sheet as CSV",
+    ),
     (b"7z\xbc\xaf", "a packed folder", "unpack it by `7z x @`"),
-    (b"\xd0\xcf\x11\xe0", "a spreadsheet of Excel", "save it as CSV"),
+    (
+        b"\xd0\xcf\x11\xe0",
+        "a spreadsheet of Excel",
+        "save it as CSV",
+    ),
     (
         b"\x89HDF",
         "an HDF5 file, as MATLAB and h5py write them",
@@ -71,7 +87,10 @@ pub(super) fn folder(path: &Path) -> String {
         .collect();
     files.sort();
     let ends = |end: &'static str| move |name: &&String| name.ends_with(end);
-    match (files.iter().find(ends(".mcap")), files.iter().find(ends(".db3"))) {
+    match (
+        files.iter().find(ends(".mcap")),
+        files.iter().find(ends(".db3")),
+    ) {
         (Some(own), _) => format!("a folder; give the recording in it, `{own}`"),
         (_, Some(own)) => {
             let stem = own.trim_end_matches(".db3");
@@ -92,7 +111,10 @@ mod tests {
     #[test]
     fn a_command_converts_what_is_not_read() {
         let said = file("run/a.bag", b"#ROSBAG V2.0\n").unwrap();
-        assert!(said.ends_with("`mcap convert run/a.bag run/a.mcap`"), "{said}");
+        assert!(
+            said.ends_with("`mcap convert run/a.bag run/a.mcap`"),
+            "{said}"
+        );
         assert_eq!(file("a.csv", b"pose,hip"), None);
         assert_eq!(file("a.csv", b"# pose,h"), None);
     }

@@ -60,8 +60,22 @@ const TIMES: [&str; 6] = ["time", "__time", "timestamp", "%time", "stamp", "elap
 /// What joints' columns are called beside the joint, best first: positions, then what is none.
 const POSITIONS: [&str; 6] = ["position", "pos", "angle", "q", "actual", "measured"];
 const NO_POSITIONS: [&str; 16] = [
-    "velocity", "vel", "speed", "qd", "qdd", "dq", "effort", "torque", "tau", "current", "cmd",
-    "command", "target", "desired", "reference", "error",
+    "velocity",
+    "vel",
+    "speed",
+    "qd",
+    "qdd",
+    "dq",
+    "effort",
+    "torque",
+    "tau",
+    "current",
+    "cmd",
+    "command",
+    "target",
+    "desired",
+    "reference",
+    "error",
 ];
 /// Marks before a line of comments, or before the first name.
 const MARKS: [char; 2] = ['#', '%'];
@@ -136,7 +150,9 @@ fn is_row_of_numbers(line: &str) -> bool {
 pub(super) fn no_names(header: &[String]) -> Option<String> {
     let [one] = header else {
         let numbers = !header.is_empty()
-            && header.iter().all(|name| name.is_empty() || name.parse::<f64>().is_ok())
+            && header
+                .iter()
+                .all(|name| name.is_empty() || name.parse::<f64>().is_ok())
             && header.iter().any(|name| !name.is_empty());
         return numbers.then(|| {
             "the first line has numbers, not the names of columns; write a line of names above \
@@ -155,7 +171,13 @@ pub(super) fn no_names(header: &[String]) -> Option<String> {
 
 /// The units of a row below the names, where it is one.
 pub(super) fn units<'a>(fields: impl Iterator<Item = &'a str>) -> Option<Vec<String>> {
-    let bare = |field: &str| field.trim().trim_matches(['[', ']', '(', ')']).trim().to_string();
+    let bare = |field: &str| {
+        field
+            .trim()
+            .trim_matches(['[', ']', '(', ')'])
+            .trim()
+            .to_string()
+    };
     let fields: Vec<String> = fields.map(bare).collect();
     let none = |field: &str| matches!(field, "" | "-" | "1");
     let known = |field: &String| none(field) || unit(field).is_some();
@@ -234,8 +256,15 @@ pub(super) fn named(header: &[String], dofs: &[Dof]) -> Named {
     }
     let converted = named.factors.iter().any(|factor| *factor != 1.0);
     named.note = (!told.is_empty()).then(|| {
-        let units = if converted { ", in s, rad, m and N" } else { "" };
-        format!("columns are read by other names{units}: {}", sesc_model::text::listed(told, 4))
+        let units = if converted {
+            ", in s, rad, m and N"
+        } else {
+            ""
+        };
+        format!(
+            "columns are read by other names{units}: {}",
+            sesc_model::text::listed(told, 4)
+        )
     });
     named
 }
@@ -246,13 +275,15 @@ fn is_a_time(name: &str) -> bool {
 
 /// A name without the unit behind it: `ankle [deg]`, `t (ms)`, `cop_x_mm`.
 fn without_unit(name: &str, is_known: impl Fn(&str) -> bool) -> (&str, Option<(Quantity, f64)>) {
-    let bracketed = [("[", ']'), ("(", ')')].into_iter().find_map(|(open, close)| {
-        let (bare, text) = name.strip_suffix(close)?.rsplit_once(open)?;
-        match text.trim() {
-            "-" | "" | "1" => Some((bare.trim(), None)),
-            text => Some((bare.trim(), Some(unit(text)?))),
-        }
-    });
+    let bracketed = [("[", ']'), ("(", ')')]
+        .into_iter()
+        .find_map(|(open, close)| {
+            let (bare, text) = name.strip_suffix(close)?.rsplit_once(open)?;
+            match text.trim() {
+                "-" | "" | "1" => Some((bare.trim(), None)),
+                text => Some((bare.trim(), Some(unit(text)?))),
+            }
+        });
     let suffixed = || {
         let (bare, text) = name.rsplit_once(['_', ' '])?;
         Some((bare, Some(unit(text)?))).filter(|_| is_known(bare))
@@ -344,7 +375,10 @@ mod tests {
             assert_eq!(read(&format!("{time},hip")).0, "t,hip", "{time}");
         }
         // Names that are ours stay, and one time is enough.
-        assert_eq!(read("t,time,hip"), ("t,time,hip".into(), vec![1.0; 3], None));
+        assert_eq!(
+            read("t,time,hip"),
+            ("t,time,hip".into(), vec![1.0; 3], None)
+        );
         assert_eq!(read("time,timestamp,hip").0, "t,timestamp,hip");
         // A unit that measures something else.
         assert_eq!(read("hip [mm],t [rad]").0, "hip [mm],t [rad]");
@@ -370,7 +404,10 @@ mod tests {
             "ankles",
         ];
         let found = meant(&joints, columns.into_iter());
-        let expected = [("knee_pos", "knee"), ("/joint_states/l_knee/position", "l_knee")];
+        let expected = [
+            ("knee_pos", "knee"),
+            ("/joint_states/l_knee/position", "l_knee"),
+        ];
         assert_eq!(found, expected);
     }
 }

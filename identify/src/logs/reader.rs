@@ -98,10 +98,13 @@ impl PostureReader {
         let misnamed = misnamed(&log, &*source);
         let at = Some(source.names_line());
         let bad = |message: Message| Error::log(&file, at, message.after(misnamed));
-        let header = sidecar.renamed(source.header()).map_err(|said| bad(said.into()))?;
+        let header = sidecar
+            .renamed(source.header())
+            .map_err(|said| bad(said.into()))?;
         let named = header::named(&header, dofs);
         let columns = Columns::of(&named.names, dofs, options.readings);
-        let columns = columns.map_err(|said| bad(header::no_names(&header).map_or(said, Message::from)))?;
+        let columns =
+            columns.map_err(|said| bad(header::no_names(&header).map_or(said, Message::from)))?;
         warnings.extend(source.warnings());
         warnings.extend(named.note.map(|note| format!("{file}: {note}").into()));
         if let (Some(given), Some(own)) = (&options.support, &sidecar.support)
@@ -126,7 +129,10 @@ impl PostureReader {
             _ => factor,
         };
         let factors = columns.numbers.iter().map(|column| named.factors[*column]);
-        let factors = factors.enumerate().map(|(k, factor)| own(k, factor)).collect();
+        let factors = factors
+            .enumerate()
+            .map(|(k, factor)| own(k, factor))
+            .collect();
         let mut assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
         assembler.no_load = log.screen.is_some();
         let soles = options.soles.clone().zip(source.both());
@@ -350,7 +356,9 @@ impl PostureReader {
         let scaled = self.factors.iter().enumerate();
         for (k, factor) in scaled.filter(|(_, factor)| **factor != 1.0) {
             let values = self.raw.numbers.iter_mut().skip(k);
-            values.step_by(self.factors.len()).for_each(|x| *x *= factor);
+            values
+                .step_by(self.factors.len())
+                .for_each(|x| *x *= factor);
         }
     }
 

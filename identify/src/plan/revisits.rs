@@ -12,8 +12,8 @@ use serde::Serialize;
 use sesc_model::Snapping;
 
 use super::request::Request;
-use crate::feet::Places;
 use crate::Error;
+use crate::feet::Places;
 use crate::logs::{Options, Readings};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, Taking};
@@ -56,7 +56,7 @@ impl Known {
                 links: links.map(str::to_string).collect(),
                 support: Some(model.support().to_string()),
                 soles: Some(Places::of(robot, Snapping::default())),
-            one_foot: request.feet.both == Some(false),
+                one_foot: request.feet.both == Some(false),
                 ..Options::default()
             },
             noise: None,

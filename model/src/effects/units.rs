@@ -47,12 +47,17 @@ impl Effect for Units {
 
     fn targets(&self, _: &EffectContext) -> Vec<Target> {
         let readings = READINGS.iter().map(|(name, ..)| *name);
-        ["degrees"].into_iter().chain(readings).map(Target::Way).collect()
+        ["degrees"]
+            .into_iter()
+            .chain(readings)
+            .map(Target::Way)
+            .collect()
     }
 
     fn phrase(&self, target: &Target, _: &str) -> String {
         let own = reading(target).map(|(_, _, phrase, _)| *phrase);
-        own.unwrap_or("joint angles in degrees, not radians").to_string()
+        own.unwrap_or("joint angles in degrees, not radians")
+            .to_string()
     }
 
     fn remedy(&self, _: &EffectContext, target: &Target, _: &[f64]) -> String {
@@ -90,5 +95,7 @@ impl Effect for Units {
 
 /// The unit of the readings that a target is; none of degrees.
 fn reading(target: &Target) -> Option<&'static (&'static str, f64, &'static str, &'static str)> {
-    READINGS.iter().find(|(name, ..)| *target == Target::Way(name))
+    READINGS
+        .iter()
+        .find(|(name, ..)| *target == Target::Way(name))
 }

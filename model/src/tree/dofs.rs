@@ -49,8 +49,9 @@ pub(super) fn virtual_base(robot: &Description, support: Option<&str>) -> HashSe
     let has_mass = has_mass_below(robot, &index, &below);
     while robot.links[at].inertial.mass_kg == 0.0 {
         passed.insert(robot.links[at].name.as_str());
-        let (heavy, light): (Vec<usize>, Vec<usize>) =
-            below[at].iter().partition(|&&k| has_mass[index[robot.joints[k].child.as_str()]]);
+        let (heavy, light): (Vec<usize>, Vec<usize>) = below[at]
+            .iter()
+            .partition(|&&k| has_mass[index[robot.joints[k].child.as_str()]]);
         let [one] = heavy[..] else { break };
         let mut stack = light;
         while let Some(k) = stack.pop() {
@@ -69,9 +70,17 @@ pub(super) fn virtual_base(robot: &Description, support: Option<&str>) -> HashSe
         }
         at = index[robot.joints[one].child.as_str()];
     }
-    let names: HashSet<&str> = last.iter().map(|k| robot.joints[*k].name.as_str()).collect();
+    let names: HashSet<&str> = last
+        .iter()
+        .map(|k| robot.joints[*k].name.as_str())
+        .collect();
     let mut others = (0..robot.joints.len()).filter(|k| !last.contains(k));
-    let follows = |k: usize| robot.joints[k].mimic.as_ref().is_some_and(|m| names.contains(m.joint.as_str()));
+    let follows = |k: usize| {
+        robot.joints[k]
+            .mimic
+            .as_ref()
+            .is_some_and(|m| names.contains(m.joint.as_str()))
+    };
     match others.any(follows) {
         true => HashSet::new(),
         false => last,
@@ -89,18 +98,32 @@ fn has_mass_below(
     index: &HashMap<&str, usize>,
     below: &[Vec<usize>],
 ) -> Vec<bool> {
-    let mut has: Vec<bool> = robot.links.iter().map(|l| l.inertial.mass_kg > 0.0).collect();
+    let mut has: Vec<bool> = robot
+        .links
+        .iter()
+        .map(|l| l.inertial.mass_kg > 0.0)
+        .collect();
     // Children before their parents: an order from every root, reversed.
     let mut order = Vec::with_capacity(robot.links.len());
-    let carried: HashSet<usize> = robot.joints.iter().map(|j| index[j.child.as_str()]).collect();
+    let carried: HashSet<usize> = robot
+        .joints
+        .iter()
+        .map(|j| index[j.child.as_str()])
+        .collect();
     order.extend((0..robot.links.len()).filter(|k| !carried.contains(k)));
     let mut next = 0;
     while let Some(&link) = order.get(next) {
-        order.extend(below[link].iter().map(|k| index[robot.joints[*k].child.as_str()]));
+        order.extend(
+            below[link]
+                .iter()
+                .map(|k| index[robot.joints[*k].child.as_str()]),
+        );
         next += 1;
     }
     for &link in order.iter().rev() {
-        has[link] |= below[link].iter().any(|k| has[index[robot.joints[*k].child.as_str()]]);
+        has[link] |= below[link]
+            .iter()
+            .any(|k| has[index[robot.joints[*k].child.as_str()]]);
     }
     has
 }

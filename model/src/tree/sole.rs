@@ -61,7 +61,9 @@ const SIDEWAYS: f64 = 3.0;
 /// middle, with the lines of URDF that make a sole of it.
 pub(super) fn turned(robot: &Description, tree: &Tree) -> Option<String> {
     let support = &tree.links[tree.support].name;
-    let link = sole_parts(support).and_then(Result::ok).map_or(&**support, |(link, _)| link);
+    let link = sole_parts(support)
+        .and_then(Result::ok)
+        .map_or(&**support, |(link, _)| link);
     let body = |name: &String| name == link || rigid_with(tree, name);
     if !tree.feet.iter().any(body) {
         return None;
@@ -73,7 +75,11 @@ pub(super) fn turned(robot: &Description, tree: &Tree) -> Option<String> {
     if is_up || !(reach(up) > SIDEWAYS * reach(2) || com[2] < 0.0) {
         return None;
     }
-    let up = if reach(up) > SIDEWAYS * reach(2) { up } else { 2 };
+    let up = if reach(up) > SIDEWAYS * reach(2) {
+        up
+    } else {
+        2
+    };
     let down = com[up] < 0.0;
     let (name, sign) = (["x", "y", "z"][up], if down { "-" } else { "" });
     let quarter = 1.570_796_326_794_896_6;
@@ -85,8 +91,13 @@ pub(super) fn turned(robot: &Description, tree: &Tree) -> Option<String> {
         _ => [2.0 * quarter, 0.0, 0.0],
     };
     let mut links = robot.link_names().zip(&robot.shapes);
-    let shape = links.find(|(own, _)| *own == link).and_then(|(_, shape)| shape.as_ref());
-    let lowest = shape.map_or(0.0, |shape| if down { shape.high[up] } else { shape.low[up] });
+    let shape = links
+        .find(|(own, _)| *own == link)
+        .and_then(|(_, shape)| shape.as_ref());
+    let lowest = shape.map_or(
+        0.0,
+        |shape| if down { shape.high[up] } else { shape.low[up] },
+    );
     let mut xyz = [0.0; 3];
     xyz[up] = lowest;
     let [x, y, z] = xyz;
@@ -109,7 +120,10 @@ fn rigid_with(tree: &Tree, name: &str) -> bool {
     for edge in &tree.edges {
         body[edge.far] = body[edge.near] && edge.motion == Motion::Fixed;
     }
-    tree.links.iter().zip(body).any(|(link, own)| own && link.name == name)
+    tree.links
+        .iter()
+        .zip(body)
+        .any(|(link, own)| own && link.name == name)
 }
 
 /// The link and the height of its frame over the sole, m, of a name `LINK@40mm`; none of another

@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::text;
-use crate::urdf::{Description, Joint, JointType};
 use crate::urdf::nearest::suggest;
+use crate::urdf::{Description, Joint, JointType};
 
 /// Words in the names of links that stand on the ground, the likeliest first.
 const SUPPORTS: [&str; 3] = ["sole", "foot", "ankle"];
@@ -44,10 +44,16 @@ pub fn feet(robot: &Description) -> Vec<String> {
     // Links that are one rigid body have its first link.
     let body = |link: usize| {
         let fixed = |link: &usize| carrier[*link].and_then(|(parent, is)| is.then_some(parent));
-        std::iter::successors(Some(link), fixed).last().unwrap_or(link)
+        std::iter::successors(Some(link), fixed)
+            .last()
+            .unwrap_or(link)
     };
     let mut beside: HashMap<usize, Vec<usize>> = HashMap::new();
-    for joint in robot.joints.iter().filter(|joint| joint.joint_type != JointType::Fixed) {
+    for joint in robot
+        .joints
+        .iter()
+        .filter(|joint| joint.joint_type != JointType::Fixed)
+    {
         if let Some([parent, child]) = ends(joint) {
             let (parent, child) = (body(parent), body(child));
             beside.entry(parent).or_default().push(child);

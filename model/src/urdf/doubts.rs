@@ -31,9 +31,12 @@ impl Description {
             }
             let [xx, xy, xz, yy, yz, zz] = own.inertia;
             let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-            let mut own_values: Vec<f64> = inertia.symmetric_eigenvalues().iter().copied().collect();
+            let mut own_values: Vec<f64> =
+                inertia.symmetric_eigenvalues().iter().copied().collect();
             own_values.sort_by(f64::total_cmp);
-            let [least, middle, most] = own_values[..] else { return None };
+            let [least, middle, most] = own_values[..] else {
+                return None;
+            };
             let radius = (most.max(0.0) / own.mass_kg).sqrt();
             let shape = self.shapes.get(k).copied().flatten().map(|shape| {
                 let size = Vector3::from(shape.high) - Vector3::from(shape.low);
@@ -42,7 +45,9 @@ impl Description {
             Some(if least < -ROUNDING * most || most <= 0.0 {
                 format!("has a negative principal moment, {least:.1e} kg m²")
             } else if most > (1.0 + ROUNDING) * (least + middle) {
-                format!("has a principal moment of {most:.1e} kg m², more than the sum of the other two")
+                format!(
+                    "has a principal moment of {most:.1e} kg m², more than the sum of the other two"
+                )
             } else if size.is_some_and(|size| radius > size) {
                 format!("has a radius of gyration of {radius:.2} m, longer than the robot's chains")
             } else if shape.is_some_and(|size| radius > size) {
@@ -54,7 +59,9 @@ impl Description {
             })
         };
         let links = self.links.iter().enumerate();
-        links.filter_map(|(k, link)| Some((k, of(k, link)?))).collect()
+        links
+            .filter_map(|(k, link)| Some((k, of(k, link)?)))
+            .collect()
     }
 
     /// The inertia that more than half of the links with mass have, three at least, and not all
@@ -79,8 +86,12 @@ impl Description {
     /// point.
     fn longest_chain(&self) -> Option<f64> {
         let length = |xyz: [f64; 3]| Vector3::from(xyz).norm();
-        let carrier: HashMap<&str, usize> =
-            self.joints.iter().enumerate().map(|(k, joint)| (joint.child.as_str(), k)).collect();
+        let carrier: HashMap<&str, usize> = self
+            .joints
+            .iter()
+            .enumerate()
+            .map(|(k, joint)| (joint.child.as_str(), k))
+            .collect();
         let mut reach: HashMap<&str, f64> = HashMap::new();
         let mut longest = 0.0_f64;
         for link in &self.links {
@@ -114,7 +125,10 @@ impl Description {
         let index: HashMap<&str, usize> = self.link_names().zip(0..).collect();
         let mut beside = vec![0.0_f64; self.links.len()];
         for joint in &self.joints {
-            let ends = [index.get(joint.parent.as_str()), index.get(joint.child.as_str())];
+            let ends = [
+                index.get(joint.parent.as_str()),
+                index.get(joint.child.as_str()),
+            ];
             if let [Some(&parent), Some(&child)] = ends {
                 for (own, other) in [(parent, child), (child, parent)] {
                     beside[own] = beside[own].max(self.links[other].inertial.mass_kg);

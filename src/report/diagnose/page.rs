@@ -136,6 +136,7 @@ fn headline(found: &Diagnosis, view: &DiagnosisView) -> String {
                 n => format!("one of {n} others that look alike"),
             }
         ),
+        Verdict::TooShort => "The log is too short to tell noise from a fault".to_string(),
         Verdict::Unusable => "These data cannot be used".to_string(),
         Verdict::Unexplained if subjects.is_empty() => {
             "No known effect explains the gap".to_string()
@@ -154,6 +155,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Class => "one of several that these data cannot tell apart",
         Verdict::Absorbed => "absorbed by masses, not visible in these data",
         Verdict::Unexplained => "nothing known explains all of it",
+        Verdict::TooShort => "too short to tell noise from a fault",
         Verdict::Unusable => "data that cannot be used",
     }
 }

@@ -62,7 +62,11 @@ pub(super) fn of(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
 fn step(rows: &LogRows, joint: usize, row: usize) -> (f64, f64) {
     let q = |row: usize| rows.q(row)[joint];
     let follows = rows.number[row] == rows.number[row - 1] + 1;
-    let time = if follows { rows.t[row] - rows.t[row - 1] } else { 0.0 };
+    let time = if follows {
+        rows.t[row] - rows.t[row - 1]
+    } else {
+        0.0
+    };
     ((q(row) - q(row - 1)).abs(), time)
 }
 
@@ -75,5 +79,7 @@ fn fastest(rows: &LogRows, joint: usize, dof: &Dof) -> f64 {
     let moves = moves.filter(|(step, time)| *step > 0.0 && *time > 0.0);
     let mut speeds: Vec<f64> = moves.map(|(step, time)| step / time).collect();
     speeds.sort_by(f64::total_cmp);
-    speeds.get(speeds.len() / 2).map_or(f64::INFINITY, |median| TIMES_MEDIAN * median)
+    speeds
+        .get(speeds.len() / 2)
+        .map_or(f64::INFINITY, |median| TIMES_MEDIAN * median)
 }

@@ -49,7 +49,9 @@ impl JointState {
         };
         let [names, positions] = [state.name.len(), state.position.len()];
         // The standard allows a message of velocities alone.
-        state.position.resize(if positions == 0 { names } else { positions }, f64::NAN);
+        state
+            .position
+            .resize(if positions == 0 { names } else { positions }, f64::NAN);
         if state.position.len() != names {
             return Err(format!("{positions} positions for {names} joints"));
         }

@@ -30,11 +30,7 @@ enum Known {
 }
 
 impl Frames {
-    pub fn new(
-        soles: Option<Arc<dyn Soles>>,
-        support: Option<String>,
-        links: &[String],
-    ) -> Frames {
+    pub fn new(soles: Option<Arc<dyn Soles>>, support: Option<String>, links: &[String]) -> Frames {
         Frames {
             soles,
             support,

@@ -270,13 +270,27 @@ impl McapSource {
                         let turned = frame.turned(at);
                         [0, 1, 2].map(|k| frame.origin[k] + turned[k])
                     });
-                    (Header { frame: link, ..header }, 0.0, Some([at[0], at[1]]))
+                    (
+                        Header {
+                            frame: link,
+                            ..header
+                        },
+                        0.0,
+                        Some([at[0], at[1]]),
+                    )
                 } else {
                     let (header, force, torque) = cdr::wrench(data).map_err(at)?;
                     let (link, moved) = self.frames_of.of(&header.frame);
                     let both = moved.map(|frame| frame.moved(force, torque));
                     let (force, torque) = both.unwrap_or((force, torque));
-                    (Header { frame: link, ..header }, force[2], centre(force, torque))
+                    (
+                        Header {
+                            frame: link,
+                            ..header
+                        },
+                        force[2],
+                        centre(force, torque),
+                    )
                 };
                 self.reading(&header, message.log_time, force, cop);
                 Ok(())
@@ -424,7 +438,11 @@ impl McapSource {
 
     /// What to say at the end of the recording.
     fn conclude(&mut self) -> Result<(), String> {
-        let foreign = self.frames_of.said().into_iter().chain(self.joints.conclude()?);
+        let foreign = self
+            .frames_of
+            .said()
+            .into_iter()
+            .chain(self.joints.conclude()?);
         let foreign = foreign.map(|said| format!("{}: {said}", self.file).into());
         self.warnings.extend(foreign);
         if self.postures == 0 {

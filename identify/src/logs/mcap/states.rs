@@ -67,7 +67,10 @@ impl States {
     pub fn push(&mut self, t: f64, mut state: JointState) -> Option<(f64, JointState)> {
         self.seen += 1;
         // The one before is where the joints are, unless it is left out.
-        let held = self.held.take().filter(|held| !self.is_foreign(held, (t, &state)));
+        let held = self
+            .held
+            .take()
+            .filter(|held| !self.is_foreign(held, (t, &state)));
         if let Some((at, held)) = &held {
             for (name, q) in held.name.iter().zip(&held.position) {
                 if let Some(place) = self.place.get(name.trim()) {
@@ -120,11 +123,20 @@ impl States {
     }
 
     /// Whether a state is left out, by where the joints were before and are after it.
-    fn is_foreign(&mut self, (at, held): &(f64, JointState), (t, next): (f64, &JointState)) -> bool {
+    fn is_foreign(
+        &mut self,
+        (at, held): &(f64, JointState),
+        (t, next): (f64, &JointState),
+    ) -> bool {
         let after: HashMap<&str, f64> = match next.name == held.name {
             // Mostly both name the same joints.
             true => HashMap::new(),
-            false => next.name.iter().map(String::as_str).zip(next.position.iter().copied()).collect(),
+            false => next
+                .name
+                .iter()
+                .map(String::as_str)
+                .zip(next.position.iter().copied())
+                .collect(),
         };
         let mut is_foreign = !self.foreign.is_empty() && held.position == self.foreign;
         for (k, (name, q)) in held.name.iter().zip(&held.position).enumerate() {

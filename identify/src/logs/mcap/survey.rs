@@ -176,7 +176,8 @@ impl JointTopics {
         self.0.retain(|_, joints| !joints.is_empty());
         if let Some(first) = self.0.get(JOINTS_TOPIC).cloned() {
             let apart = |joints: &BTreeSet<String>| first.is_disjoint(joints);
-            self.0.retain(|topic, joints| topic == JOINTS_TOPIC || apart(joints));
+            self.0
+                .retain(|topic, joints| topic == JOINTS_TOPIC || apart(joints));
         }
         let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
         for (topic, joints) in &self.0 {
