@@ -89,7 +89,11 @@ pub(super) fn untie(
     lost_params
 }
 
-/// Values of the given columns over enough postures: (rows · postures) × columns.
+/// Rows beyond the columns that are enough for any number of them.
+const SPARE: usize = 600;
+
+/// Values of the given columns over enough postures: (rows · postures) × columns. Gram–Schmidt
+/// costs rows · columns².
 fn sampled(
     tree: &Tree,
     chain: &Chain,
@@ -97,7 +101,8 @@ fn sampled(
     columns: &[Column],
     rows: &[usize],
 ) -> DMatrix<f64> {
-    let count = 4 * columns.len() / rows.len() + 30;
+    let wanted = (4 * columns.len()).min(columns.len() + SPARE);
+    let count = wanted / rows.len() + 30;
     let mut stacked = DMatrix::zeros(rows.len() * count, columns.len());
     for (n, q) in numeric::wide_postures(chain, &tree.dofs, count)
         .iter()
