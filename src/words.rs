@@ -9,6 +9,7 @@ pub fn option(setting: Setting) -> String {
         Setting::Snapping => "--no-snap",
         Setting::OtherFoot => "--other-foot LINK",
         Setting::Support => "--support LINK",
+        Setting::Columns => "`columns = { \"name in the log\" = \"joint\" }` in its sidecar",
         Setting::Feature(name) => return format!("`cargo install --features {name}`"),
         other => return format!("--{}", other.name().replace('_', "-")),
     };

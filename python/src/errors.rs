@@ -211,6 +211,7 @@ pub fn keyword(setting: Setting) -> String {
     match setting {
         Setting::Angles => "`angles=\"deg\"`".to_string(),
         Setting::Snapping => "`snap=False`".to_string(),
+        Setting::Columns => "`columns={\"name in the log\": \"joint\"}`".to_string(),
         Setting::Data => "`sesc.Log`".to_string(),
         Setting::Partial => "`sesc.gather`".to_string(),
         Setting::Feature(name) => format!("a build with the feature `{name}`"),

@@ -21,6 +21,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use sesc_model::spelling::nearest;
+use sesc_model::text::listed;
 use sesc_model::tree::{Dof, is_support};
 
 use super::block::{Block, Cells};
@@ -233,13 +234,27 @@ impl Assembler {
             let numbers = &raw.numbers[k * width..(k + 1) * width];
             self.row(numbers, block)
                 .and_then(|()| Ok(self.support(raw.support.get(k), block)?))
-                .map_err(|message| self.fault(Some(line), message))?;
+                .map_err(|message| self.fault(Some(line), self.and_others(message, raw, k + 1)))?;
             block.line.push(line);
             let pose = raw.pose.get(k).copied().unwrap_or(self.next_pose);
             block.pose.push(pose);
             self.next_pose = pose.saturating_add(1);
         }
         Ok(())
+    }
+
+    /// What is wrong with a row, and which of those after it in `raw`, from `next` on, are faulty,
+    /// too.
+    fn and_others(&self, message: Message, raw: &Raw, next: usize) -> Message {
+        let width = self.columns.numbers.len().max(1);
+        let rows = raw.numbers.chunks_exact(width).zip(&raw.line).skip(next);
+        let faulty = rows.filter(|(numbers, _)| self.row(numbers, &mut self.start()).is_err());
+        let lines: Vec<String> = faulty.map(|(_, line)| line.to_string()).collect();
+        match lines.len() {
+            0 => message,
+            1 => message.and(format!("; row {} is faulty, too", lines[0])),
+            _ => message.and(format!("; rows {} are faulty, too", listed(lines, 12))),
+        }
     }
 
     fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), Message> {

@@ -30,13 +30,24 @@ pub(super) fn suggestion<'a>(wrong: &[&str], right: impl Iterator<Item = &'a str
         .iter()
         .take(SUGGESTED)
         .filter_map(|wrong| {
-            nearest(wrong, "", right.iter().copied()).map(|near| format!("`{near}` for `{wrong}`"))
+            let around = right.iter().copied().filter(|own| contains(own, wrong));
+            let near = around.min_by_key(|own| own.len());
+            let near = near.or_else(|| nearest(wrong, "", right.iter().copied()))?;
+            Some(format!("`{}` for `{wrong}`", short(near)))
         })
         .collect();
     match found.len() {
         0 => String::new(),
         _ => format!("; did you mean {}?", found.join(", ")),
     }
+}
+
+/// Whether a name has another in it, with its ends: `q/l_knee [rad]` has `l_knee`.
+fn contains(name: &str, part: &str) -> bool {
+    let ends = |c: Option<char>| c.is_none_or(|c| !c.is_alphanumeric());
+    name.match_indices(part).any(|(at, _)| {
+        ends(name[..at].chars().next_back()) && ends(name[at + part.len()..].chars().next())
+    })
 }
 
 #[cfg(test)]
@@ -52,6 +63,9 @@ mod tests {
             "; did you mean `l_knee` for `L-Knee`, `head_pan` for `hed_pan`?"
         );
         assert_eq!(suggestion(&["camera"], joints.into_iter()), "");
+        let columns = ["qd/l_knee [rad/s]", "q/l_knee [rad]", "nickel_knees"];
+        let said = suggestion(&["l_knee"], columns.into_iter());
+        assert_eq!(said, "; did you mean `q/l_knee [rad]` for `l_knee`?");
     }
 
     #[test]

@@ -90,8 +90,9 @@ impl PostureReader {
         let watched = log.watched()?;
         let mut source = open_source(&log, dofs, options, &sidecar)?;
         let misnamed = misnamed(&log, &*source);
-        let bad = |message: String| Error::log(&file, Some(1), format!("{misnamed}{message}"));
-        let header = sidecar.renamed(source.header()).map_err(bad)?;
+        let bad = |message: Message| Error::log(&file, Some(1), message.after(&misnamed));
+        let header = sidecar.renamed(source.header());
+        let header = header.map_err(|message| bad(message.into()))?;
         let columns = Columns::of(&header, dofs, options.readings).map_err(bad)?;
         warnings.extend(source.warnings());
         if !columns.ignored.is_empty() {
