@@ -138,7 +138,12 @@ fn quantity(parameter: &Parameter, robot_kg: f64, text: &str) -> Result<f64, Str
         )
     })?;
     let bound = match parameter.unit {
-        Unit::Radian => Some((ANGLE_RAD, "deg", "rad", format!("{:.0}°", value.to_degrees()))),
+        Unit::Radian => Some((
+            ANGLE_RAD,
+            "deg",
+            "rad",
+            format!("{:.0}°", value.to_degrees()),
+        )),
         Unit::Metre => Some((LENGTH_M, "mm", "m", format!("{} mm", 1e3 * value))),
         Unit::Kilogram => {
             let shown = format!("the robot weighs {robot_kg:.3} kg");
@@ -210,9 +215,18 @@ mod tests {
             ("joint_offset:hip", wanted),
             ("joint_sign:hip=1", "takes no value"),
             ("joint_offset:hip=NaN", "no value of offset_rad"),
-            ("joint_offset:hip=1.2", "is 1.2 rad (69°); give its unit: 1.2deg, or 1.2rad"),
-            ("joint_offset:lift=-3", "is -3 m (-3000 mm); give its unit: -3mm"),
-            ("payload:bob=200,0,0,0", "the robot weighs 3.000 kg); give its unit: 200g"),
+            (
+                "joint_offset:hip=1.2",
+                "is 1.2 rad (69°); give its unit: 1.2deg, or 1.2rad",
+            ),
+            (
+                "joint_offset:lift=-3",
+                "is -3 m (-3000 mm); give its unit: -3mm",
+            ),
+            (
+                "payload:bob=200,0,0,0",
+                "the robot weighs 3.000 kg); give its unit: 200g",
+            ),
             ("time_delay=20ms", "shift the joint columns"),
             ("cell_gain:0=1%", "give a model file with `cells`"),
         ] {

@@ -289,7 +289,7 @@ def simulate(
     rate: float | None = None,
     motion: Motion = "auto",
     seed: int = 1,
-    hide: Mapping[str, float | tuple[float, ...] | None] | list[str] | tuple[str, ...] = (),
+    hide: Mapping[str, float | str | tuple[float | str, ...] | None] | list[str] | tuple[str, ...] = (),
     progress: Progress = False,
 ) -> Log:
     """A posture log of an ideal robot, with CoP noise.
@@ -305,8 +305,9 @@ def simulate(
             postures.
         seed: seed of postures and noise.
         hide: effects that the robot shall have: ``{"joint_offset:r_knee": 0.026}`` in SI units
-            (a tuple where an effect has several parameters, None where none), or strings as of
-            the command line: ``["joint_offset:r_knee=1.5deg"]``.
+            (a tuple where an effect has several parameters, None where none; a text has its
+            unit: ``"1.5deg"``), or strings as of the command line:
+            ``["joint_offset:r_knee=1.5deg"]``. A size that was hardly meant in SI units is refused.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 
     Raises:

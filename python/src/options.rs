@@ -42,9 +42,19 @@ where
             }
         }
     })?;
-    for name in ["noise", "floor", "cop_box", "clearance", "margin", "rate", "range"] {
+    for name in [
+        "noise",
+        "floor",
+        "cop_box",
+        "clearance",
+        "margin",
+        "rate",
+        "range",
+    ] {
         // What a call does not have, and None.
-        let value = given.get_item(name).and_then(|value| value.extract::<f64>());
+        let value = given
+            .get_item(name)
+            .and_then(|value| value.extract::<f64>());
         if let Ok(value) = value {
             sized(name, value, doing).map_err(|failure| failure.raise(py))?;
         }
@@ -59,7 +69,10 @@ pub fn sized(name: &str, value: f64, doing: Doing) -> Result<(), Failure> {
 }
 
 /// What a corrected robot may weigh, kg.
-pub fn weighed(total_mass: Option<f64>, robot: &sesc_identify::robot::Robot) -> Result<(), Failure> {
+pub fn weighed(
+    total_mass: Option<f64>,
+    robot: &sesc_identify::robot::Robot,
+) -> Result<(), Failure> {
     let wrong = |wrong| {
         let kg = total_mass.unwrap_or_default();
         Failure::plain(Doing::Fit, format!("`total_mass` {kg:?}: {wrong}"))

@@ -394,9 +394,9 @@ def test_settings_of_calls_are_checked(pole: sesc.Robot, columns: dict[str, Any]
     with pytest.raises(sesc.FitError, match="noise"):
         sesc.fit(pole, log, noise=-1)
     with pytest.raises(sesc.FitError, match="robust"):
-        sesc.fit(pole, log, robust="cauchy")
+        sesc.fit(pole, log, robust="cauchy")  # type: ignore[arg-type]
     with pytest.raises(sesc.PriorError):
-        sesc.fit(pole, log, prior="none.toml")
+        sesc.fit(pole, log, prior="none.toml")  # type: ignore[arg-type]
     with pytest.raises(sesc.SescError, match="support"):
         sesc.fit(pole, columns)
     with pytest.raises(sesc.SupportError):

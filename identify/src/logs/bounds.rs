@@ -71,7 +71,10 @@ pub(super) fn check_gravity([x, y, z]: [f64; 3]) -> Result<(), String> {
         .sum::<f64>()
         .sqrt();
     let pulls = z < 0.0 && -z / largest >= ONTO_SOLE * size;
-    if pulls && (LEAST_GRAVITY..=GRAVITY).contains(&largest) && [x, y, z].iter().all(|g| g.is_finite()) {
+    if pulls
+        && (LEAST_GRAVITY..=GRAVITY).contains(&largest)
+        && [x, y, z].iter().all(|g| g.is_finite())
+    {
         Ok(())
     } else {
         Err(format!(
@@ -117,7 +120,16 @@ mod tests {
             assert_eq!(check_gravity([x, y, z]), Ok(()));
         }
         let least = f64::MIN_POSITIVE;
-        for z in [9.8, 0.0, -least, -1e-300, -1e-3, -1e7, f64::NEG_INFINITY, f64::NAN] {
+        for z in [
+            9.8,
+            0.0,
+            -least,
+            -1e-300,
+            -1e-3,
+            -1e7,
+            f64::NEG_INFINITY,
+            f64::NAN,
+        ] {
             assert!(check_gravity([0.0, 0.0, z]).is_err(), "{z:?}");
         }
     }

@@ -59,7 +59,9 @@ impl Collisions {
         }
         if geometry.shapes.len() > MOST {
             let each = (MOST / of_bodies.len().max(1)).max(1);
-            of_bodies.values_mut().for_each(|solids| *solids = boxes(solids, each));
+            of_bodies
+                .values_mut()
+                .for_each(|solids| *solids = boxes(solids, each));
         }
         let parents = model.chain.bodies.iter().enumerate();
         let neighbours = parents.filter_map(|(body, own)| Some(pair(body, own.parent?)));
@@ -71,7 +73,9 @@ impl Collisions {
             solids: Vec::new(),
         };
         for (body, solids) in &of_bodies {
-            let placed = solids.iter().map(|(pose, solid)| placed(*body, *pose, *solid));
+            let placed = solids
+                .iter()
+                .map(|(pose, solid)| placed(*body, *pose, *solid));
             all.solids.extend(placed);
         }
         let mut bodies = Vec::new();
@@ -81,7 +85,8 @@ impl Collisions {
             touching.insert(pair(a, b));
             ControlFlow::Continue(())
         });
-        let with_shapes = |(a, b): &&(usize, usize)| [a, b].iter().all(|x| of_bodies.contains_key(*x));
+        let with_shapes =
+            |(a, b): &&(usize, usize)| [a, b].iter().all(|x| of_bodies.contains_key(*x));
         let n = of_bodies.len();
         let of_neighbours = all.beside.iter().filter(with_shapes).count();
         all.watched = n * n.saturating_sub(1) / 2 - of_neighbours - touching.len();
@@ -130,7 +135,9 @@ impl Collisions {
             let all = || worlds.iter().map(|(origin, _)| origin[*axis]);
             all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
         };
-        let axis = (0..3).max_by(|a, b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
+        let axis = (0..3)
+            .max_by(|a, b| spread(a).total_cmp(&spread(b)))
+            .unwrap_or(0);
         let from = |k: usize| worlds[k].0[axis] - self.solids[k].radius;
         let mut order: Vec<usize> = (0..worlds.len()).collect();
         order.sort_by(|a, b| from(*a).total_cmp(&from(*b)));
@@ -184,7 +191,10 @@ fn boxes(solids: &[(Pose, Solid)], most: usize) -> Vec<(Pose, Solid)> {
         (pose.origin - reach, pose.origin + reach)
     };
     let around = |all: &[(Vector3<f64>, Vector3<f64>)]| {
-        let whole = all.iter().copied().reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+        let whole = all
+            .iter()
+            .copied()
+            .reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
         whole.unwrap_or_default()
     };
     let mut all: Vec<_> = solids.iter().map(bounds).collect();

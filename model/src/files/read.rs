@@ -79,7 +79,9 @@ pub fn named_in(folder: &Path, name: &str) -> io::Result<PathBuf> {
     }
     match is_within {
         true => Ok(place),
-        false => Err(io::Error::other("it is outside the folder of the file that names it")),
+        false => Err(io::Error::other(
+            "it is outside the folder of the file that names it",
+        )),
     }
 }
 

@@ -20,7 +20,10 @@ fn pipes_and_folders_in_their_places_are_refused() {
         ("sesc.toml", FIT),
         ("log.csv.toml", FIT),
         ("log.toml", FIT),
-        ("log.csv.toml", "predict op2.urdf --support r_sole --data log.csv"),
+        (
+            "log.csv.toml",
+            "predict op2.urdf --support r_sole --data log.csv",
+        ),
     ] {
         pipe(name);
         folder.refuses(line, &[name, "it is a pipe or a device"]);
@@ -49,13 +52,23 @@ fn sesc_toml_names_files_of_its_folder_alone() {
             let output = folder.run("inspect robot/op2.urdf --support r_sole");
             let said = stderr(&output);
             let wanted = format!("sesc.toml:2: `{key}`: it is outside the folder");
-            assert!(output.status.code() == Some(2) && said.contains(&wanted), "{said}");
+            assert!(
+                output.status.code() == Some(2) && said.contains(&wanted),
+                "{said}"
+            );
             assert!(!said.contains("root:"), "{said}");
         }
     }
     // A file below the folder is read.
-    folder.write("robot/more/limits.csv", "joint,lower_rad,upper_rad\nhead_pan,-0.1,0.1\n");
+    folder.write(
+        "robot/more/limits.csv",
+        "joint,lower_rad,upper_rad\nhead_pan,-0.1,0.1\n",
+    );
     folder.write("robot/sesc.toml", "limits = \"more/limits.csv\"\n");
-    let said = stderr(&folder.run("plan robot/op2.urdf --support r_sole --poses 3 --out poses.csv"));
-    assert!(said.contains("--limits=") && !said.contains("error"), "{said}");
+    let said =
+        stderr(&folder.run("plan robot/op2.urdf --support r_sole --poses 3 --out poses.csv"));
+    assert!(
+        said.contains("--limits=") && !said.contains("error"),
+        "{said}"
+    );
 }
