@@ -90,7 +90,7 @@ impl PostureReader {
         let watched = log.watched()?;
         let mut source = open_source(&log, dofs, options, &sidecar)?;
         let misnamed = misnamed(&log, &*source);
-        let bad = |message: Message| Error::log(&file, Some(1), message.after(&misnamed));
+        let bad = |message: Message| Error::log(&file, Some(1), message.after(misnamed));
         let header = sidecar.renamed(source.header());
         let header = header.map_err(|message| bad(message.into()))?;
         let columns = Columns::of(&header, dofs, options.readings).map_err(bad)?;
