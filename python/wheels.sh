@@ -104,7 +104,7 @@ emulated() {
 # built TARGET [WORDS FOR MATURIN...]: a wheel in $out; of a Python that is named, maturin knows what
 # the build has to be told.
 built() {
-  maturin build --quiet --profile release --locked --zig --compatibility manylinux_2_28 --target "$1" \
+  maturin build --quiet --release --locked --zig --compatibility manylinux_2_28 --target "$1" \
     --manifest-path python/Cargo.toml --config python/wheel.toml --compression-level 9 \
     --out "$out" "${@:2}"
 }

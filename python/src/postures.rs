@@ -148,6 +148,7 @@ impl PlanReport {
     }
 
     /// Numbers and joint positions of the rows of its file.
+    #[allow(clippy::type_complexity)]
     fn rows<'py>(
         &self,
         py: Python<'py>,

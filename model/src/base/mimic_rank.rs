@@ -89,11 +89,7 @@ pub(super) fn untie(
     lost_params
 }
 
-/// Rows beyond the columns that are enough for any number of them.
-const SPARE: usize = 600;
-
-/// Values of the given columns over enough postures: (rows · postures) × columns. Gram–Schmidt
-/// costs rows · columns².
+/// Values of the given columns over enough postures: (rows · postures) × columns.
 fn sampled(
     tree: &Tree,
     chain: &Chain,
@@ -101,8 +97,7 @@ fn sampled(
     columns: &[Column],
     rows: &[usize],
 ) -> DMatrix<f64> {
-    let wanted = (4 * columns.len()).min(columns.len() + SPARE);
-    let count = wanted / rows.len() + 30;
+    let count = numeric::enough(columns.len(), rows.len());
     let mut stacked = DMatrix::zeros(rows.len() * count, columns.len());
     for (n, q) in numeric::wide_postures(chain, &tree.dofs, count)
         .iter()
