@@ -14,6 +14,7 @@ from . import _arrow, _sesc
 from ._arrays import Float64, unmasked
 from ._errors import ArgumentTypeError, LogError
 from ._found import Finding
+from ._words import Angles
 
 if TYPE_CHECKING:
     from ._model import Robot
@@ -52,7 +53,7 @@ class Log:
         data: Any,
         *,
         support: str | None = None,
-        angles: str | None = None,
+        angles: Angles | None = None,
         columns: Mapping[str, str] | None = None,
         name: str | None = None,
         robot: Robot | None = None,

@@ -14,6 +14,7 @@ import numpy as np
 from . import _sesc
 from ._arrays import Float64, floats
 from ._errors import ArgumentError, ArgumentTypeError, SescError, make
+from ._words import Layout, Scalar
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -199,9 +200,9 @@ class Model(_sesc.Model):
         self,
         folder: str | os.PathLike[str],
         *,
-        scalar: str = "f64",
+        scalar: Scalar = "f64",
         name: str | None = None,
-        layout: str = "bare",
+        layout: Layout = "bare",
         ticks: bool | None = None,
         servos: str | os.PathLike[str] | None = None,
         estimator: bool = False,

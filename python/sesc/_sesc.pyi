@@ -29,7 +29,6 @@ __all__ = [
     "draw_postures",
     "draw_robot",
     "effects_about",
-    "escape_html",
     "fit_logs",
     "fleet_groups",
     "fleet_work",
@@ -281,8 +280,8 @@ class PlanReport:
         """What `sesc plan` prints."""
     def page(self, file: str, command: str) -> str:
         """The page of `sesc plan --report`."""
-    def q(self) -> Float64:
-        """Joint positions, posture by posture."""
+    def rows(self) -> tuple[Any, Float64]:
+        """Numbers and joint positions of the rows of its file."""
 
 @final
 class Unusable:
@@ -313,7 +312,6 @@ def diagnose_log(
 def draw_postures(robot: Robot, model: Model, q: Float64) -> list[str]: ...
 def draw_robot(robot: Robot, model: Model) -> list[str]: ...
 def effects_about() -> str: ...
-def escape_html(text: str) -> str: ...
 def fit_logs(
     robot: Robot | None, logs: list[Log], parts: list[Part], options: dict[str, Any], show: _Show = None
 ) -> FitReport: ...
@@ -343,6 +341,8 @@ class FleetFound:
         """The rows as JSON, a list of objects with the columns of the table."""
     def json(self) -> str:
         """What `sesc fleet --json` prints."""
+    def text(self) -> str:
+        """What `sesc fleet` prints."""
     def write(self, path: str) -> None:
         """Write the table, as Parquet or CSV."""
     def pages(self, file: str, robots: int | None = None) -> tuple[str, str, list[tuple[str, str]]]:
@@ -381,10 +381,9 @@ def write_bytes(path: str, data: _Bytes) -> None: ...
 def write_postures(
     model: Model,
     q: Float64,
+    poses: list[int],
     path: str,
     experiment: str | None,
     other_foot: str | None,
-    first: int,
-    again: list[int],
 ) -> str: ...
 def write_text(path: str, text: str) -> None: ...

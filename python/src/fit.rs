@@ -14,7 +14,7 @@ use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, During, Failure};
 use crate::log::Log;
 use crate::model::json;
-use crate::options::{FitOptions, taken};
+use crate::options::{FitOptions, taken, weighed};
 use crate::part::Part;
 use crate::robot::Robot;
 use crate::steps;
@@ -138,6 +138,7 @@ impl FitReport {
     ) -> PyResult<(String, String, String)> {
         let inner = Arc::clone(&self.inner);
         let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+            weighed(total_mass, inner.1.robot())?;
             let corrected = inner.1.corrected_urdf(total_mass).during(Doing::Fit)?;
             Ok((
                 corrected.text.clone(),
@@ -189,6 +190,7 @@ pub fn correct_fit(
 ) -> PyResult<String> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
     let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+        weighed(total_mass, &robot)?;
         let model = robot.model(&support, snapping, None).during(Doing::Fit)?;
         // Where masses are known, a file of tolerances may be gone.
         let prior = match masses {

@@ -166,7 +166,7 @@ def test_plans_are_equal(robots: Path, op2: sesc.Robot, command_json: Any, tmp_p
 
 
 @pytest.mark.parametrize("scalar", ["f64", "f32", "fixed32"])
-def test_c_is_equal(robots: Path, model: sesc.Model, command: Any, scalar: str, tmp_path: Path) -> None:
+def test_c_is_equal(robots: Path, model: sesc.Model, command: Any, scalar: Any, tmp_path: Path) -> None:
     words = ["--support", "r_sole", "--lang", "c", "--scalar", scalar]
     command("generate", robots / "op2/op2.urdf", *words, "--out", tmp_path / "a")
     files = model.c99(tmp_path / "b", scalar=scalar)

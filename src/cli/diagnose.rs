@@ -8,8 +8,8 @@ use clap::Args;
 use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, cad_mass_kg,
-    command_line, message, not_written, notes, outputs, print_json, show_beside, steps, units,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, check_mass,
+    command_line, message, not_written, notes, outputs, print_json, show_beside, steps,
 };
 use crate::Error;
 use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
@@ -187,7 +187,7 @@ fn model_use(arguments: &Arguments, report: &Report) -> Option<ModelUse> {
 
 fn request(arguments: &Arguments) -> Result<Request, Error> {
     let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
-    units::check_mass(arguments.total_mass, cad_mass_kg(&robot))?;
+    check_mass(arguments.total_mass, &robot)?;
     let (log, standing) = (outputs::log(&arguments.data)?, &arguments.robot.standing);
     let how = &arguments.how;
     let mut request = how.request(robot, log, standing, &arguments.feet, &arguments.stays)?;

@@ -9,7 +9,7 @@ use super::defaults::Typed;
 use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
-    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, cad_mass_kg,
+    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, check_mass,
     command_line, message, not_written, notes, outputs, print_json, show, show_beside, units,
 };
 use crate::Error;
@@ -290,7 +290,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         DuplicateParts::Skip => Duplicates::Skip,
     };
     if let Some(robot) = &request.robot {
-        units::check_mass(arguments.total_mass, cad_mass_kg(robot))?;
+        check_mass(arguments.total_mass, robot)?;
     }
     request.physical = arguments.physical;
     request.corrected_urdf = arguments.urdf.is_some();

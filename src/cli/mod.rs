@@ -19,7 +19,7 @@ mod shell;
 mod simulate;
 mod steps;
 mod terminal;
-mod units;
+pub mod units;
 mod verify;
 mod width;
 
@@ -257,9 +257,9 @@ fn causes(error: &Error) -> Vec<String> {
 }
 
 /// What the links of a robot weigh together in its URDF.
-fn cad_mass_kg(robot: &Robot) -> f64 {
-    let links = robot.description.links.iter();
-    links.map(|link| link.inertial.mass_kg).sum()
+fn check_mass(kg: Option<f64>, robot: &Robot) -> Result<(), Error> {
+    let wrong = |wrong| Error::Usage(format!("--total-mass {}: {wrong}", kg.unwrap_or_default()));
+    units::check_mass(kg, robot).map_err(wrong)
 }
 
 /// Notes, on stderr.

@@ -371,7 +371,7 @@ impl Assembler {
             }
             self.row(numbers, block)
                 .and_then(|()| Ok(self.support(raw.support.get(k), block)?))
-                .map_err(|message| self.fault(Some(line), message))?;
+                .map_err(|message| self.fault(Some(line), self.and_others(message, raw, k + 1)))?;
             block.line.push(line);
             let pose = pose.unwrap_or(self.next_pose);
             self.unwrap(pose, block);
@@ -398,6 +398,21 @@ impl Assembler {
         last.clear();
         last.extend(&*q);
         (*last_t, *last_pose) = (t, pose);
+    }
+
+    /// What is wrong with a row, and which of those after it in `raw`, from `next` on, are faulty,
+    /// too.
+    fn and_others(&self, message: Message, raw: &Raw, next: usize) -> Message {
+        let width = self.columns.numbers.len().max(1);
+        let rows = raw.numbers.chunks_exact(width).zip(&raw.line).skip(next);
+        let whole = rows.filter(|(numbers, _)| !numbers.iter().any(|x| x.is_nan()));
+        let faulty = whole.filter(|(numbers, _)| self.row(numbers, &mut self.start()).is_err());
+        let lines: Vec<String> = faulty.map(|(_, line)| line.to_string()).collect();
+        match lines.len() {
+            0 => message,
+            1 => message.and(format!("; row {} is faulty, too", lines[0])),
+            _ => message.and(format!("; rows {} are faulty, too", listed(lines, 12))),
+        }
     }
 
     fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), Message> {

@@ -167,7 +167,7 @@ impl Sidecar {
                 "{file} ends like a sidecar; give the log itself"
             )));
         }
-        match files::read_text(&path, files::SIDECAR) {
+        match files::read_found_text(&path, files::SIDECAR) {
             Ok(text) => Sidecar::parse(&text, &file)
                 .map_err(|fault| Error::log(file, fault.line, fault.reason)),
             // `/dev/stdin` has no neighbours either.
