@@ -54,8 +54,7 @@ pub(super) fn rounds(model: &Model) -> Result<usize, String> {
              joint that carries the robot has five times that of gravity and more)"
         )
     };
-    // Not so for what is no number.
-    if !(contraction <= SOFTEST) {
+    if contraction > SOFTEST {
         return Err(soft(format!(
             "where gravity bends a joint it adds {contraction:.2} of that bend again, and more \
              than {SOFTEST} comes to no rest"
