@@ -294,7 +294,7 @@ impl Predictor {
             if self.evaluators.is_empty() {
                 let notes = model.tree.notes.iter().cloned();
                 notes
-                    .chain(model.left_out())
+                    .chain(model.cautions())
                     .for_each(|note| watch.note(&note));
             }
             let evaluators = Evaluators {

@@ -200,7 +200,7 @@ class Model(_sesc.Model):
         self,
         folder: str | os.PathLike[str],
         *,
-        scalar: Scalar = "f64",
+        scalar: Scalar | None = None,
         name: str | None = None,
         layout: Layout = "bare",
         ticks: bool | None = None,
@@ -213,7 +213,8 @@ class Model(_sesc.Model):
 
         Args:
             folder: made if need be; files that would not change are left alone.
-            scalar: ``"f64"``, ``"f32"`` or ``"fixed32"`` (for processors without FPU).
+            scalar: ``"f64"``, ``"f32"`` or ``"fixed32"`` (for processors without FPU); ``"f64"`` unless
+                given, of the layouts for boards (Arduino, PlatformIO) ``"f32"``.
             name: prefix of the C names; robot and support unless given.
             layout: ``"bare"``, ``"cmake"``, ``"platformio"`` or ``"arduino"``.
             ticks: functions of servo ticks; for f32 and fixed32 unless given.

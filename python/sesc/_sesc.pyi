@@ -132,11 +132,16 @@ class Model:
         """Velocity of the centre of mass, m/s, of joints at `qd` (rad/s, m/s): positions and
         velocities of one shape give ``(3,)`` or ``(n, 3)``."""
     def gravity_moments(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
-        """Moment of gravity about each joint, per kg of the total mass and g, m: ``(dof,)`` or
-        ``(n, dof)``; times ``model.total_mass * 9.80665`` it is Nm."""
+        """The moment that gravity exerts about each joint, per kg of total mass times g, m, −∂z/∂q of
+        the CoM: ``(dof,)`` or ``(n, dof)``. A motor that holds the posture applies the opposite,
+        ``-model.total_mass * 9.80665`` times it in Nm, which is Pinocchio's
+        ``computeGeneralizedGravity``."""
     def cop(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
         """Reading of the centre of pressure that a static posture gives, m, with the effects of the
         model: ``(2,)`` or ``(n, 2)``."""
+    def cop_jacobian(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """How that reading moves with what encoders read, m/rad (prismatic: m/m): ``(2, dof)`` or
+        ``(n, 2, dof)``."""
     def cop_rows(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
         """Rows of the CoP in the parameters, ``cop = cop_rows @ params`` without effects: ``(2,
         p)`` or ``(n, 2, p)``."""

@@ -272,7 +272,7 @@ impl Model {
     #[getter]
     fn notes(&self) -> Vec<String> {
         let notes = notes(&self.inner).into_iter();
-        notes.chain(self.inner.left_out()).collect()
+        notes.chain(self.inner.cautions()).collect()
     }
 
     /// What `sesc inspect --json` says.
@@ -341,8 +341,10 @@ impl Model {
         self.run(Function::ComVelocity, [("q", q), ("qd", qd)], out, threads)
     }
 
-    /// Moment of gravity about each joint, per kg of the total mass and g, m: ``(dof,)`` or
-    /// ``(n, dof)``; times ``model.total_mass * 9.80665`` it is Nm.
+    /// The moment that gravity exerts about each joint, per kg of total mass times g, m, −∂z/∂q of
+    /// the CoM: ``(dof,)`` or ``(n, dof)``. A motor that holds the posture applies the opposite,
+    /// ``-model.total_mass * 9.80665`` times it in Nm, which is Pinocchio's
+    /// ``computeGeneralizedGravity``.
     ///
     /// Raises:
     ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
@@ -374,6 +376,21 @@ impl Model {
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn cop<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
         self.run(Function::Cop, [("q", q)], out, threads)
+    }
+
+    /// How that reading moves with what encoders read, m/rad (prismatic: m/m): ``(2, dof)`` or
+    /// ``(n, 2, dof)``.
+    ///
+    /// Raises:
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.cop_jacobian([0.0]).shape
+    ///     (2, 1)
+    #[pyo3(signature = (q, *, out=None, threads=None))]
+    fn cop_jacobian<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
+        self.run(Function::CopJacobian, [("q", q)], out, threads)
     }
 
     /// Rows of the CoP in the parameters, ``cop = cop_rows @ params`` without effects: ``(2,

@@ -22,6 +22,7 @@ mod fit_outputs;
 mod fleet;
 mod fresh;
 mod generate_c;
+mod gravity;
 mod health;
 mod hidden_effect;
 mod hostile;
