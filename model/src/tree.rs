@@ -33,6 +33,8 @@ use snaps::snaps;
 #[doc(hidden)]
 pub use edge::{Axis, Coordinate, Edge, Motion};
 #[doc(hidden)]
+pub use snaps::snapped;
+#[doc(hidden)]
 pub use sole::{below, is_support, like_sole, sole_of, sole_parts};
 #[doc(hidden)]
 pub use supports::{feet, is_sole, on_many_feet, support_rank};
