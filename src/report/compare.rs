@@ -189,7 +189,7 @@ fn card(comparison: &Comparison, skeleton: &Skeleton) -> Value {
 }
 
 /// `joint offset`: what stands in the tables of other pages, too.
-fn in_words(effect: &str) -> String {
+pub(super) fn in_words(effect: &str) -> String {
     effect.replace('_', " ")
 }
 

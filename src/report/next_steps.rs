@@ -138,9 +138,9 @@ fn sentence(step: &NextStep) -> (String, String) {
             "Keep this log, and compare a later one with it",
             "what changes on the robot shows in the difference",
         ),
-        NextStep::WidenRange { joint, detectable } => both(
+        NextStep::WidenRange { joint, unseen } => both(
             format!("Record postures with larger ranges of joints, first of all `{joint}`"),
-            format!("this log shows an offset of it from {detectable} on"),
+            format!("this log does not show offsets of it {unseen}"),
         ),
         NextStep::LookAtPage => both(
             "Look at the page of the diagnosis",

@@ -5,7 +5,7 @@ use crate::routines::Routine;
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
 use sesc_model::text::visible;
-use sesc_model::tree::{MODERATE_ACCELERATION, MODERATE_SPEED};
+use sesc_model::tree::{MODERATE_ACCELERATION, MODERATE_SPEED, snapped};
 use sesc_model::{Function, Given};
 
 /// Function name with the suffix of its variant.
@@ -74,7 +74,7 @@ pub fn about(facts: &Facts) -> Vec<String> {
             facts.full_params, facts.rank_cop
         ),
     ];
-    for snap in facts.snaps {
+    for snap in snapped(facts.snaps, false) {
         lines.push(format!(
             "snapped        {}: {:.1e} rad to a right angle, CoM moves by at most {} m",
             printable(&snap.joint),

@@ -74,10 +74,10 @@ fn where_to(verdict: Verdict) -> &'static str {
             "What was found explains a part only: find the rest before anything is changed."
         }
         Verdict::Class => {
-            "If the first explanation is right, correct it in one place only: servo, URDF or model \
-             file."
+            "If the first explanation is right, correct it in one place only: on the robot, in its \
+             URDF or by the model file."
         }
-        _ => "Correct it in one place only: servo, URDF or model file.",
+        _ => "Correct it in one place only: on the robot, in its URDF or by the model file.",
     }
 }
 
