@@ -208,7 +208,7 @@ fn text(demo: &Demo) -> String {
         out,
         "{lengths}\n3. on {} postures the fit never saw\n   \
          against noisy readings   {} mm mean absolute, of which the noise alone makes {} mm\n   \
-         against the true CoP     {} mm RMS (theory: noise × √(rank/2N) = {} mm)\n   \
+         against the true CoP     {} mm RMS per axis (theory: noise × √(rank/2N) = {} mm)\n   \
          CoM height               known up to one constant ({} mm with minimum norm); flat CoP cannot tell it, CAD gives it",
         report.held_out,
         mm(errors.measured_mae_m),

@@ -143,12 +143,13 @@ fn text(i: &Inspection, long: bool) -> String {
     out += &table::listed(&snaps, long);
     let notes = match i.notes.len() {
         0 => String::new(),
-        1 => ", 1 note on the URDF (above)".to_string(),
-        n => format!(", {n} notes on the URDF (above)"),
+        1 => "; 1 note on the URDF, above".to_string(),
+        n => format!("; {n} notes on the URDF, above"),
     };
-    let summary = format!(
-        "{} on {}: {} bodies, {} independent joints, {:.6} kg; {} SESC parameters, {} base \
-         parameters; rank {} from CoM rows, {} from flat CoP rows (numerically {} and {}); {} \
+    let _ = writeln!(
+        out,
+        "\n{} on {}: {} bodies, {} independent joints, {:.6} kg\n{} SESC parameters, {} base \
+         parameters; rank {} from CoM rows, {} from flat CoP rows (numerically {} and {})\n{} \
          directions that no data can see{notes}",
         i.robot,
         i.support,
@@ -163,7 +164,6 @@ fn text(i: &Inspection, long: bool) -> String {
         i.numeric_rank.cop,
         i.unobservable.len()
     );
-    let _ = writeln!(out, "\n{}", table::wrapped(&summary, ""));
     out
 }
 

@@ -106,8 +106,8 @@ fn code(sentence: &str) -> Value {
 /// A name that breaks behind its parts where it has to.
 fn name(name: &str) -> Value {
     let breaks = svg::escaped(name)
-        .replace('_', "_<wbr>")
-        .replace('.', "<wbr>.");
+        .replace('_', "_<wbr/>")
+        .replace('.', "<wbr/>.");
     Value::from_safe_string(breaks)
 }
 

@@ -227,6 +227,11 @@ pub fn wrapped_at(text: &str, indent: &str, most: usize) -> String {
     out
 }
 
+/// `joint offset`: a name of programs as people read it.
+pub fn in_words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
 /// A probability as people read it: `p = 0.37`, and `p < 0.005` where two digits would be zero.
 pub fn chance(p: f64) -> String {
     match p < 0.005 {

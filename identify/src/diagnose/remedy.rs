@@ -242,7 +242,7 @@ fn of_term(problem: &Problem, term: &Term, values: &[f64], description: &Descrip
 }
 
 /// Elements that differ; `None` where none does.
-fn changed(old: &str, new: &str) -> Option<UrdfChange> {
+pub(super) fn changed(old: &str, new: &str) -> Option<UrdfChange> {
     let (a, b) = (elements(old), elements(new));
     let (mut i, mut j) = (0, 0);
     let (mut before, mut after, mut line) = (Vec::new(), Vec::new(), None);

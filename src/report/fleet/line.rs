@@ -7,7 +7,7 @@ use sesc_identify::diagnose::Verdict;
 use sesc_identify::fleet::Row;
 
 use super::subject;
-use crate::report::compare::in_words;
+use crate::report::table::in_words;
 
 /// A row: verdict, worth of the data, and what was found, in short.
 #[derive(Serialize)]

@@ -13,9 +13,9 @@ use sesc_model::effects::about::{TargetKind, about};
 use sesc_model::effects::{Catalog, Target};
 
 use super::{count, subject};
-use crate::report::compare::in_words;
 use crate::report::figures::robot::Marks;
 use crate::report::robot::{Card, Correction, Shown};
+use crate::report::table::in_words;
 
 /// The robot of a fleet as it is drawn, on the support of most of its rows; none where no row has
 /// its URDF and a support. Meshes are looked for in `folder`.
