@@ -10,6 +10,7 @@ use sesc_identify::hide::hide;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate;
 use sesc_model::Snapping;
+use sesc_model::text::minus;
 
 use super::outputs::{Files, Kind};
 use super::{Bar, Outcome, command_line, message, print_json, show, steps};
@@ -239,5 +240,5 @@ fn second_act(hidden: &HiddenAct) -> String {
 
 /// Millimetres, to hundredths.
 fn mm(metres: f64) -> String {
-    format!("{:.2}", 1e3 * metres)
+    minus(&format!("{:.2}", 1e3 * metres))
 }

@@ -73,8 +73,6 @@ const fn bold(size: f64) -> Type {
     Type { size, bold: true }
 }
 
-/// Pixels of the smallest text that a phone shows.
-const READABLE: f64 = 11.0;
 /// Numbers inside squares.
 pub const TINY: Type = plain(11.0);
 /// Labels, names, keys.
@@ -89,8 +87,6 @@ const TITLE: Type = bold(13.5);
 pub struct Figure {
     size: [f64; 2],
     svg: String,
-    /// Size of its smallest text, pixels.
-    smallest: f64,
 }
 
 impl Figure {
@@ -113,20 +109,14 @@ impl Figure {
         svg.push_str("@media screen and (prefers-color-scheme:dark){");
         PALETTE.iter().for_each(|c| rule(&mut svg, c.name, c.dark));
         let _ = writeln!(svg, "svg .hollow{{fill:{}}}}}</style>", PAPER.dark);
-        let mut figure = Figure {
-            size,
-            svg,
-            smallest: f64::INFINITY,
-        };
+        let mut figure = Figure { size, svg };
         figure.fill([[0.0; 2], [width, height]], PAPER, 1.0);
         figure
     }
 
-    /// The text of the figure, with the width below which its smallest text cannot be read.
+    /// The text of the figure.
     pub fn finish(self) -> String {
-        let least = (self.size[0] * READABLE / self.smallest).ceil();
-        let least = format!("<svg style=\"--least:{least}px\" ");
-        self.svg.replacen("<svg ", &least, 1) + "</svg>\n"
+        self.svg + "</svg>\n"
     }
 
     fn element(&mut self, places: &[Place], element: fmt::Arguments<'_>) {
@@ -245,7 +235,6 @@ impl Figure {
 
     /// One line of text, its middle at the height of the place.
     pub fn text(&mut self, at: Place, anchor: Anchor, font: Type, color: Color, text: &str) {
-        self.smallest = self.smallest.min(font.size);
         let mut style = match anchor {
             Anchor::Start => String::new(),
             Anchor::Middle => " text-anchor=\"middle\"".to_string(),
@@ -415,7 +404,6 @@ impl Figure {
                 SMALL.size,
                 escaped(label)
             ),
-            smallest: f64::INFINITY,
         }
     }
 

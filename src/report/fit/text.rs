@@ -158,6 +158,10 @@ fn facts(found: &Identification) -> (Vec<Fact>, Vec<Fact>) {
         let (ratio, chance) = (test.ratio, chance(test.p_value));
         let text = format!("{ratio:.2} times the noise's mean square ({chance}): {verdict}");
         first.push(("lack of fit", text));
+    } else {
+        let text =
+            "not known: the noise is taken from what the fit leaves; repeated readings tell it";
+        first.push(("lack of fit", text.to_string()));
     }
     if found.folds > 0 {
         let text = format!(

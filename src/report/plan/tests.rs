@@ -55,9 +55,12 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
         "op&lt;2&gt;",
         "<code>&lt;hip&gt;</code>",
         "sesc plan &#x27;a&lt;b&gt;.urdf&#x27;",
-        &format!("{} mm off", mm(found.expected_error.unwrap())),
         &format!(
-            "random ones, {} mm",
+            "predicts the CoP to {} mm",
+            mm(found.expected_error.unwrap())
+        ),
+        &format!(
+            "a fit to random ones to {} mm",
             mm(found.expected_error_random.unwrap())
         ),
         "a sole of 4 corners",
