@@ -104,7 +104,7 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     assert!(found.lessons.iter().all(|own| own.after < own.before));
     let said = format!("from {} to {} mm", mm(first.before), mm(first.after));
     says(&html, &[&said]);
-    assert_eq!(html.matches("<small>").count(), 25 + 3);
+    assert_eq!(html.matches("<small>").count(), 25 + 2);
     assert!(!html.contains("NaN") && !html.contains("op<2>") && !html.contains("<hip>"));
     still(&html, 2);
     assert_eq!(html, made());

@@ -280,7 +280,7 @@ fn every_way_out_of_every_command_prints_one_json_object() {
         2 verify op2.urdf --support r_sole --samples 0
         0 fleet op2.urdf --data log.csv --out fleet.csv
         1 fleet op2.urdf --data broken --out broken.csv --by robot,day
-        2 fleet op2.urdf --data nothing --out fleet.csv
+        2 fleet op2.urdf --data log.csv --out fleet.txt
         2 demo --nothing
         2 completions --nothing
         2 man --nothing
