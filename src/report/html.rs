@@ -5,7 +5,9 @@
 //! engine; only the figures, which escape their own texts, pass as they are.
 
 use minijinja::value::{Serde, Value};
-use minijinja::{Environment, Error, Output, State, UndefinedBehavior, escape_formatter};
+use minijinja::{
+    Environment, Error, HtmlEscape, Output, State, UndefinedBehavior, escape_formatter,
+};
 use sesc_model::text::{minus, visible_lines};
 
 use super::{svg, table};
@@ -32,6 +34,7 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     environment.add_filter("scientific", scientific);
     environment.add_filter("code", code);
     environment.add_filter("name", name);
+    environment.add_filter("verbatim", verbatim);
     environment.add_filter("chance", table::chance);
     // Columns of a table line up at the point.
     environment.add_filter("hundredths", |metres: f64| {
@@ -75,15 +78,15 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     environment.get_template(page)?.render(context)
 }
 
-/// A value as the engine writes it, what is hidden in names spelled out: a browser turns text
-/// around where a name says so.
+/// A value as the engine writes it, numbers with a true minus and what is hidden in names spelled
+/// out: a browser turns text around where a name says so.
 fn spelled_out(
     out: &mut Output<'_>,
     state: &mut State<'_, '_>,
     value: &Value,
 ) -> Result<(), Error> {
     match value.as_str().filter(|_| !value.is_safe()) {
-        Some(text) => escape_formatter(out, state, &Value::from(visible_lines(text))),
+        Some(text) => escape_formatter(out, state, &Value::from(minus(&visible_lines(text)))),
         None => escape_formatter(out, state, value),
     }
 }
@@ -101,6 +104,11 @@ fn code(sentence: &str) -> Value {
         }
     }
     Value::from_safe_string(html)
+}
+
+/// Text of programs, with the hyphens that they read.
+fn verbatim(text: &str) -> Value {
+    Value::from_safe_string(HtmlEscape(&visible_lines(text)).to_string())
 }
 
 /// A name that breaks behind its parts where it has to.

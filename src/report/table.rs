@@ -212,7 +212,7 @@ pub fn wrapped(text: &str, indent: &str) -> String {
 pub fn wrapped_at(text: &str, indent: &str, most: usize) -> String {
     let mut out = String::new();
     let mut length = 0;
-    for word in text.split_whitespace() {
+    for word in minus(text).split_whitespace() {
         let count = word.chars().count();
         if length > 0 && length + 1 + count > most {
             out.push_str(&format!("\n{indent}"));
