@@ -34,6 +34,8 @@ use snaps::snaps;
 #[doc(hidden)]
 pub use edge::{Axis, Coordinate, Edge, Motion};
 #[doc(hidden)]
+pub use snaps::snapped;
+#[doc(hidden)]
 pub use sole::{below, is_support, like_sole, sole_of, sole_parts};
 #[doc(hidden)]
 pub use supports::{feet, is_sole, on_many_feet, support_rank};
@@ -252,9 +254,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         carried[edge.near] += carried[edge.far];
     }
     odd_rotations.retain(|(far, _)| carried[*far] > 0.0);
-    notes.extend(text::gathered(
-        odd_rotations.into_iter().map(|(_, said)| said).collect(),
-    ));
+    notes.extend(odd_rotations.into_iter().map(|(_, said)| said));
 
     let mut tree = Tree {
         robot: description.name.clone(),

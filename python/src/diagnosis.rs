@@ -127,7 +127,7 @@ impl DiagnosisReport {
 
     /// What `sesc diagnose` prints.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || Ok(self.shown(|_| true, text)))
+        detached(py, || Ok(self.shown(|_| true, |report| text(report, true))))
     }
 
     /// The page of `sesc diagnose --report`.

@@ -70,7 +70,7 @@ impl FitReport {
     fn json(&self, py: Python<'_>) -> PyResult<String> {
         let found = &self.report().identification;
         detached(py, || match found.is_usable() {
-            false => json(&Unusable::new(found, &self.next_steps())),
+            false => json(&Unusable::new(&found.health, &self.next_steps())),
             true => json(&Printed {
                 found,
                 next_steps: &self.next_steps(),
@@ -83,7 +83,11 @@ impl FitReport {
     /// What `sesc fit` prints.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
-            Ok(text(&self.report().identification, &self.next_steps()))
+            Ok(text(
+                &self.report().identification,
+                &self.next_steps(),
+                true,
+            ))
         })
     }
 
@@ -143,7 +147,7 @@ impl FitReport {
             Ok((
                 corrected.text.clone(),
                 json(&corrected)?,
-                corrections(&corrected),
+                corrections(&corrected, true),
             ))
         });
         Ok(corrected?.0)

@@ -235,8 +235,8 @@ def test_columns_that_have_the_name_of_a_joint_in_theirs_are_asked_about(pole: s
     other = {f"/joint_states/{name}.position [rad]" if name == "hip" else name: column for name, column in columns.items()}
     with pytest.raises(sesc.LogError) as caught:
         params(pole, other)
-    said = "did you mean `/joint_states/hip.position [rad]` for `hip`? Other names are read by"
-    assert f'{said} `columns={{"name in the log": "joint"}}`' in str(caught.value)
+    said = "if these columns are positions of joints, give `columns=` these pairs:"
+    assert f'{said} {{ "/joint_states/hip.position [rad]" = "hip" }}' in str(caught.value)
 
 
 def test_all_rows_with_faults_are_named_at_once(pole: sesc.Robot, columns: dict[str, Any]) -> None:

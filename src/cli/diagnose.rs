@@ -84,6 +84,9 @@ pub(super) struct Arguments {
     /// K noise floors, whatever explains it
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = super::positive)]
     fail_above: Option<f64>,
+    /// Lists of more than eight lines in full
+    #[arg(long, conflicts_with = "json")]
+    long: bool,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -157,7 +160,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     match arguments.json {
         true => print_json(&printed)?,
-        false => show_beside(&text(&printed), streamed)?,
+        false => show_beside(&text(&printed, arguments.long), streamed)?,
     }
     let found = &report.diagnosis;
     let (error, floor) = (found.baseline.rmse, found.noise_floor);

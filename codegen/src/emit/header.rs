@@ -6,7 +6,7 @@ use crate::seen;
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
 use sesc_model::text::visible;
-use sesc_model::tree::{MODERATE_ACCELERATION, MODERATE_SPEED};
+use sesc_model::tree::{MODERATE_ACCELERATION, MODERATE_SPEED, snapped};
 use sesc_model::{Function, Given};
 
 /// Function name with the suffix of its variant.
@@ -84,7 +84,7 @@ pub fn about(facts: &Facts) -> Vec<String> {
         ),
     ];
     lines.extend(axes(facts));
-    for snap in facts.snaps {
+    for snap in snapped(facts.snaps, false) {
         lines.push(format!(
             "snapped        {}: {:.1e} rad to a right angle, CoM moves by at most {} m",
             printable(&snap.joint),

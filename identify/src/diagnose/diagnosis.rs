@@ -13,7 +13,7 @@ use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
 use super::resting;
 use super::search::Search;
-use super::statements::{blind_spots, last, members, outliers, rest, told};
+use super::statements::{detectable, last, members, outliers, rest, told};
 use super::words::{self, capital};
 use crate::Error;
 use crate::observations::noise::NoiseSource;
@@ -32,7 +32,7 @@ pub fn find<'m>(
     watch: &mut dyn Watch,
 ) -> Result<Explained, Error> {
     let mut search = Search::new(&mut *whole_problem);
-    let blind = search.visible().to_vec();
+    let visible = search.visible().to_vec();
     let too_few = search.problem().too_few();
     // Nothing at all is left to tell the noise from.
     let hopeless =
@@ -120,6 +120,7 @@ pub fn find<'m>(
     let told = told(problem, &best, &steps, &start, &held, &evidence);
     let (told, steps): (Vec<usize>, Vec<Step>) = told.into_iter().unzip();
     let (leftover, suspects) = rest(problem, &best, unexplained);
+    let (blind, bearing) = detectable(problem, &visible);
     let diagnosis = Diagnosis {
         verdict,
         health: about.health.clone(),
@@ -130,6 +131,7 @@ pub fn find<'m>(
         again: noise::untold(problem, verdict)
             .and_then(|untold| Again::of(untold, problem.model, &problem.data)),
         sentence: String::new(),
+        lead: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),
         log: about.log.to_string(),
@@ -158,7 +160,8 @@ pub fn find<'m>(
         model_on_log: ModelOnLog::default(),
         leftover,
         outliers: outliers(problem, &best),
-        blind: blind_spots(problem, &blind),
+        blind,
+        detectable: bearing,
         hypotheses_fitted: counted,
         next_postures: NextPostures::default(),
         left_out_of_urdf: None,

@@ -251,12 +251,15 @@ pub struct Member {
     pub score_difference: f64,
     /// The explanation as a sentence.
     pub sentence: String,
+    /// Effects as people call them, each with its label.
+    #[serde(skip)]
+    pub subjects: String,
     /// RMS CoM distance from the first, m.
     #[serde(rename = "com_apart_m")]
     pub com_apart: Option<f64>,
 }
 
-/// An effect that this log can hardly show.
+/// An effect with the size from which this log shows it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Blind {
@@ -269,6 +272,13 @@ pub struct Blind {
     pub from: f64,
     /// The same as people read it.
     pub size: String,
+}
+
+impl Blind {
+    /// The offsets that do not show: `up to 47°`.
+    pub fn unseen(&self) -> String {
+        format!("up to {}", self.size.trim_start_matches("over "))
+    }
 }
 
 /// What the explanation leaves over.
@@ -359,6 +369,9 @@ pub struct Diagnosis {
     pub again: Option<Again>,
     /// The whole result in sentences.
     pub sentence: String,
+    /// What it adds to a title that names the effects and to a table of errors.
+    #[serde(skip)]
+    pub lead: String,
     /// File of the robot's description.
     pub robot: String,
     /// Link on the ground.
@@ -408,8 +421,10 @@ pub struct Diagnosis {
     pub leftover: Leftover,
     /// Poses that are rather outliers.
     pub outliers: Vec<i64>,
-    /// Smallest detectable joint offsets.
+    /// Joint offsets that this log could not have shown, the largest first.
     pub blind: Vec<Blind>,
+    /// Smallest detectable offsets of the joints that carry most of the mass, the best seen first.
+    pub detectable: Vec<Blind>,
     /// How many explanations were fitted.
     pub hypotheses_fitted: usize,
     /// Experiments that separate the class.

@@ -297,7 +297,7 @@ pub fn why(next: &Next, found: &Explained) -> String {
                  would tell apart: check the robot by hand first."
                     .to_string()
             }
-            (_, 0 | 1) => "Nothing is left to tell apart.".to_string(),
+            (_, 0 | 1) => "No other explanation fits these data.".to_string(),
             _ => "No experiment is known that would tell these apart.".to_string(),
         };
     };

@@ -19,7 +19,7 @@ impl Diagnosis {
             Verdict::None => {
                 let widest = self.blind.first().map(|blind| NextStep::WidenRange {
                     joint: blind.target.clone(),
-                    detectable: blind.size.clone(),
+                    unseen: blind.unseen(),
                 });
                 [NextStep::CompareLater].into_iter().chain(widest).collect()
             }

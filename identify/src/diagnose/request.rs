@@ -73,7 +73,7 @@ pub struct Request {
     pub meshes: Option<PathBuf>,
     /// Where the caller will write the next postures; the diagnosis names it.
     pub next_file: Option<PathBuf>,
-    /// Servos by joint; [`Servo::default`] of revolute joints that are not named.
+    /// Servos by joint; none of joints that are not named, whose remedies say nothing of ticks.
     pub servos: BTreeMap<String, Servo>,
     /// Whether the corrected URDF is wanted.
     pub corrected_urdf: bool,
@@ -266,7 +266,9 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     }
     let on_log = model_check::check(&problem, &found, &model_file)?;
     found.diagnosis.model_on_log = on_log;
-    found.diagnosis.sentence = verdict::sentence(&problem, &found);
+    let said = verdict::sentences(&problem, &found);
+    found.diagnosis.sentence = said.whole();
+    found.diagnosis.lead = said.lead;
     Ok(Report {
         model_file,
         corrected_urdf: corrected,

@@ -147,6 +147,6 @@ impl Description {
                 )
             })
         });
-        crate::text::gathered(refuted.chain(heavy).collect())
+        refuted.chain(heavy).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! Complaints and notes, gathered while reading and handed out in line order.
 
-use crate::text::{self, is_hidden};
+use crate::text::is_hidden;
 use std::fmt;
 
 /// One fault of a description: where it is, what it is, what to do.
@@ -126,8 +126,7 @@ impl Report {
             return Err(self.complaints);
         }
         self.notes.sort_by_key(|note| note.line);
-        let notes = self.notes.iter().map(Complaint::to_string).collect();
-        Ok(text::gathered(notes))
+        Ok(self.notes.iter().map(Complaint::to_string).collect())
     }
 }
 

@@ -13,6 +13,7 @@ mod processors;
 mod sole;
 mod streams;
 mod unfinished;
+mod words;
 
 use std::fs;
 
