@@ -198,7 +198,7 @@ impl FleetFound {
 
     /// What `sesc fleet` prints.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || Ok(report::text(&self.fleet, &self.summary)))
+        detached(py, || Ok(report::text(&self.fleet, &self.summary, false)))
     }
 
     /// Write the table, as Parquet or CSV.
