@@ -158,7 +158,7 @@ fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
                 "Proven rounding error below {}; arrays must not overlap.",
                 header::bound_of(routine.function, routine.bound)
             ),
-            (_, _, Function::Zmp) => {
+            (_, _, Function::Zmp | Function::CopJacobian) => {
                 "No rounding bound is proven for this robot; arrays must not overlap.".to_string()
             }
             (..) => {

@@ -70,9 +70,12 @@ pub(super) fn routines<'f>(
             routine.seen = seen::largest(facts, routine, routine.bound);
         }
         // An iteration has no proven bound, and neither has a load on the ground that rounding
-        // may make anything, in robots of kilometres or with joints that give way; the header
-        // says so.
-        let may_lack = matches!(routine.function, Function::CorrectCop | Function::Zmp);
+        // may make anything, in robots of kilometres or with joints that give way, nor the slope of
+        // a root at no load; the header says so.
+        let may_lack = matches!(
+            routine.function,
+            Function::CorrectCop | Function::CopJacobian | Function::Zmp
+        );
         if !routine.bound.is_finite() && !may_lack {
             let function = routine.name();
             return Err(match routine.counts.other {
