@@ -54,7 +54,7 @@ def test_fits_are_equal(
     want = command_json("fit", robots / LEGS[0], "--data", log, *words)
     assert json.dumps(worded(found.to_dict())) == json.dumps(worded(want))
     outputs = ["--out", tmp_path / "a.toml", "--urdf", tmp_path / "a.urdf", "--total-mass", "3.5"]
-    text = command("fit", robots / LEGS[0], "--data", log, *words, *outputs)
+    text = command("fit", robots / LEGS[0], "--data", log, *words, "--long", *outputs)
     assert without_commands(str(found)) in without_commands(text)
     found.save(tmp_path / "b.toml")
     found.correct_urdf(total_mass=3.5).save(tmp_path / "b.urdf")
