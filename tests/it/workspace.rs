@@ -108,9 +108,12 @@ fn an_installation_of_the_python_package_has_a_profile_of_its_own() {
     let profile = &workspace["profile"][name];
     assert_eq!(profile["inherits"].as_str(), Some("release"));
     assert!(profile["opt-level"].as_integer() < Some(3), "{profile:?}");
-    let known: Vec<Value> = all_packages();
+    let locked = read("Cargo.lock");
+    let known = locked["package"].as_array().unwrap();
     for package in profile["package"].as_table().unwrap().keys() {
-        let is_known = known.iter().any(|own| own["name"] == package.as_str());
+        let is_known = known
+            .iter()
+            .any(|own| own["name"].as_str() == Some(package));
         assert!(package == "*" || is_known, "{package}");
     }
     let wheels = fs::read_to_string(format!("{ROOT}/python/wheels.sh")).unwrap();
