@@ -171,7 +171,7 @@ impl Predictor {
             stays: Stays::Apart,
             ..Options::default()
         };
-        let dofs = stance.robot.description.dofs_on(stance.support.as_deref());
+        let dofs = stance.robot.description.dofs();
         let reader = PostureReader::open(log, &dofs, &options)?;
         let mut stance = stance.clone();
         if stance.support.is_none() && reader.is_recording() {

@@ -33,7 +33,6 @@ type Found<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 #[pyclass(frozen, subclass, module = "sesc._sesc")]
 pub struct Model {
     pub inner: Arc<model::Model>,
-    robot: Arc<robot::Robot>,
     joints: Vec<String>,
     reading: [String; 2],
     prepared: Functions,
@@ -166,7 +165,6 @@ impl Model {
                 .map(|dof| dof.joint.clone())
                 .collect(),
             inner: Arc::new(inner),
-            robot: Arc::clone(&robot.inner),
             reading: READING.map(String::from),
             prepared: Functions::default(),
         })

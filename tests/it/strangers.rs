@@ -478,25 +478,6 @@ fn a_support_whose_z_is_not_up_is_said_by_every_command() {
 }
 
 #[test]
-fn a_virtual_base_has_no_columns_and_no_arguments() {
-    let folder = case("virtual_base_joints");
-    let [chain, floating] = ["robot", "floating"].map(|urdf| {
-        folder.stdout(&format!(
-            "predict {urdf}.urdf --support foot --data poses.csv"
-        ))
-    });
-    assert_eq!(chain, floating);
-    let found = folder.json("inspect robot.urdf --support foot");
-    assert_eq!(
-        (&found["dof"], &found["joints"]),
-        (&1.into(), &vec!["hip"].into())
-    );
-    // On the root itself its joints are the robot's.
-    let found = folder.json("inspect robot.urdf --support world");
-    assert_eq!(found["dof"], 4);
-}
-
-#[test]
 fn rotations_of_what_has_no_mass_are_not_noted() {
     let folder = case("notes_on_massless_frames");
     assert_eq!(said(&folder, "inspect robot.urdf --support sole"), "");

@@ -61,7 +61,8 @@ pub fn find<'m>(
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let soles = about.usable && closure::is_open(search.problem(), &best);
     let no_known = known && misfit.is_clear() || soles;
-    let unexplained = no_known || crowd || implausible.is_some();
+    let is_short = about.usable && too_few.is_some() && best.terms.is_empty() && !soles;
+    let unexplained = !is_short && (no_known || crowd || implausible.is_some());
     let problem = search.problem();
     if unexplained {
         class = vec![best.clone()];
@@ -110,7 +111,7 @@ pub fn find<'m>(
     let closure = closure::said(problem, &null, &best);
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         _ if !about.usable => Verdict::Unusable,
-        (false, true, _) if too_few.is_some() => Verdict::TooShort,
+        _ if is_short => Verdict::TooShort,
         (true, _, _) => Verdict::Unexplained,
         (_, true, _) if raw.is_clear() && !expected.is_clear() => Verdict::Absorbed,
         (_, true, _) => Verdict::None,
@@ -249,6 +250,24 @@ fn pass_over_impossible(
 fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
     let context = &problem.context;
     let found = words::values(problem, fit);
+    let of = |name: &str| {
+        fit.terms
+            .iter()
+            .zip(&found)
+            .find(|(term, _)| term.name() == name)
+    };
+    // One sensor is not in a wrong unit and, beside that, wrong by half of itself.
+    if let (Some(_), Some((term, gain))) = (of("units"), of("sensor_gain"))
+        && gain
+            .iter()
+            .any(|gain| !criteria::GAIN_BESIDE_UNIT.contains(&gain.value))
+    {
+        let clause = capital(&words::clause(context, term, gain));
+        return Some(format!(
+            "{clause} beside another unit would explain it best and is implausible: together they \
+             are no unit and no calibration."
+        ));
+    }
     fit.terms.iter().zip(&found).find_map(|(term, found)| {
         let instance = term.effect()?;
         let values: Vec<f64> = found.iter().map(|v| v.value).collect();

@@ -3,7 +3,6 @@
 
 use super::criteria::TO_SEE_OUTLIERS;
 use nalgebra::{DMatrix, DVector};
-use sesc_model::tree::Dof;
 use sesc_model::{Model, Snapping};
 
 use super::gather::{Folding, Gathered, LogUsed};
@@ -220,20 +219,14 @@ impl<'r> Logs<'r> {
         }
     }
 
-    /// The joints of the robot where it stands.
-    fn dofs(&self) -> Vec<Dof> {
-        let support = self.support.as_deref().or(self.options.support.as_deref());
-        self.robot.description.dofs_on(support)
-    }
-
     /// Open one of the logs.
     pub(super) fn open(&self, file: &LogSource) -> Result<PostureReader, Error> {
-        PostureReader::open(file, &self.dofs(), &self.options)
+        PostureReader::open(file, &self.robot.description.dofs(), &self.options)
     }
 
     /// Open one of the logs, whose motion is known by `plan`.
     pub(super) fn moving(&self, file: &LogSource, plan: Option<&Plan>) -> Result<Moving, Error> {
-        let dof = self.dofs().len();
+        let dof = self.robot.description.dofs().len();
         Ok(Moving::new(
             self.open(file)?,
             dof,

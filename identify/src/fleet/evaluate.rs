@@ -182,11 +182,7 @@ impl Evaluation<'_> {
             support: self.options.support.clone(),
             ..Reading::default()
         };
-        PostureReader::open(
-            log,
-            &about.dofs_on(self.options.support.as_deref()),
-            &reading,
-        )
+        PostureReader::open(log, &about.dofs(), &reading)
     }
 
     /// All rows of a log, with what of its sidecar is about them.
@@ -344,8 +340,7 @@ impl Evaluation<'_> {
         if let Some(support) = support {
             table = table.texts("support", support);
         }
-        let support = self.options.support.as_deref();
-        let dofs = self.robot.description.dofs_on(support);
+        let dofs = self.robot.description.dofs();
         for (k, joint) in dofs.iter().enumerate() {
             let column: Vec<f64> = q.iter().skip(k).step_by(dofs.len()).copied().collect();
             table = table.numbers(&joint.joint, column);

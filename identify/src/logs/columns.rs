@@ -6,8 +6,7 @@ use std::ops::Range;
 
 use sesc_model::tree::Dof;
 
-use super::header::meant;
-use super::names::{list, suggestion};
+use super::names::{list, meant, suggestion};
 use super::options::Readings;
 use crate::{Message, Setting, message};
 

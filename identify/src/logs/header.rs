@@ -57,34 +57,12 @@ const UNITS: [(&str, Quantity, f64); 26] = [
 /// Names that other programs give the time of a row, in small letters: PlotJuggler, pandas,
 /// rostopic, spreadsheets.
 const TIMES: [&str; 6] = ["time", "__time", "timestamp", "%time", "stamp", "elapsed"];
-/// What joints' columns are called beside the joint, best first: positions, then what is none.
-const POSITIONS: [&str; 6] = ["position", "pos", "angle", "q", "actual", "measured"];
-const NO_POSITIONS: [&str; 16] = [
-    "velocity",
-    "vel",
-    "speed",
-    "qd",
-    "qdd",
-    "dq",
-    "effort",
-    "torque",
-    "tau",
-    "current",
-    "cmd",
-    "command",
-    "target",
-    "desired",
-    "reference",
-    "error",
-];
 /// Marks before a line of comments, or before the first name.
 const MARKS: [char; 2] = ['#', '%'];
 /// A name that begins with one of them.
 const TIME_OF_ROSTOPIC: &str = "%time";
 /// Lines before the names of columns, at most.
 const MOST_LINES: u64 = 1000;
-/// Columns that a message proposes to rename, at most.
-const RENAMED: usize = 100;
 
 /// Where the names of columns begin in a table in text.
 #[derive(Debug, PartialEq)]
@@ -291,50 +269,6 @@ fn without_unit(name: &str, is_known: impl Fn(&str) -> bool) -> (&str, Option<(Q
     bracketed.or_else(suffixed).unwrap_or((name, None))
 }
 
-/// The columns of a log that are positions of `missing` joints by their names: the name in
-/// the log, then the joint.
-pub(super) fn meant<'a>(
-    missing: &[&'a str],
-    columns: impl Iterator<Item = &'a str>,
-) -> Vec<(&'a str, &'a str)> {
-    let mut found: HashMap<&str, Vec<&str>> = HashMap::new();
-    for column in columns {
-        // `l_hip_roll_pos` is of `l_hip_roll`, not of a joint `hip`.
-        let of = missing.iter().filter(|joint| holds(column, joint));
-        if let Some(joint) = of.max_by_key(|joint| joint.len()) {
-            found.entry(*joint).or_default().push(column);
-        }
-    }
-    let pairs = missing.iter().filter_map(|joint| {
-        let mut own = found.remove(joint)?;
-        let rest = |column: &str| column.replacen(joint, " ", 1).to_lowercase();
-        let says = |column: &str, words: &[&str]| {
-            let rest = rest(column);
-            let mut parts = rest.split(|c: char| !c.is_alphanumeric());
-            parts.any(|part| words.contains(&part))
-        };
-        own.retain(|column| !says(column, &NO_POSITIONS));
-        if own.len() > 1 {
-            own.retain(|column| says(column, &POSITIONS));
-        }
-        match own[..] {
-            [one] => Some((one, *joint)),
-            _ => None,
-        }
-    });
-    pairs.take(RENAMED).collect()
-}
-
-/// Whether `name` has `part` in it, as a word or words of its own.
-fn holds(name: &str, part: &str) -> bool {
-    let is_end = |c: Option<char>| c.is_none_or(|c| !c.is_alphanumeric());
-    let mut places = name.match_indices(part);
-    places.any(|(at, _)| {
-        let (before, after) = (&name[..at], &name[at + part.len()..]);
-        is_end(before.chars().next_back()) && is_end(after.chars().next())
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -391,23 +325,5 @@ mod tests {
         assert_eq!(row("0,1,2"), None);
         assert_eq!(row("-,1,-"), None);
         assert_eq!(row("s,turns"), None);
-    }
-
-    #[test]
-    fn columns_that_hold_a_joint_s_name_are_told() {
-        let joints = ["knee", "l_knee", "ankle"];
-        let columns = [
-            "/joint_states/l_knee/position",
-            "/joint_states/l_knee/velocity",
-            "knee_pos",
-            "knee_cmd",
-            "ankles",
-        ];
-        let found = meant(&joints, columns.into_iter());
-        let expected = [
-            ("knee_pos", "knee"),
-            ("/joint_states/l_knee/position", "l_knee"),
-        ];
-        assert_eq!(found, expected);
     }
 }

@@ -445,8 +445,10 @@ mod tests {
         let mut warnings = Vec::new();
         suspicions.judge(&mut warnings);
         suspicions.judge(&mut warnings);
-        let said: Vec<String> = warnings.iter().map(Message::to_string).collect();
-        said.join("\n")
+        let said = warnings.iter().map(Message::to_string);
+        // Rows of these tests follow each other and have no times.
+        let said = said.filter(|said| !said.contains("motion is not counted"));
+        said.collect::<Vec<_>>().join("\n")
     }
 
     #[test]

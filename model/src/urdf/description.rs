@@ -1,7 +1,5 @@
 //! What a URDF says of a robot, in types of our own.
 
-use super::extent::Extent;
-
 /// A robot description that passed every check.
 ///
 /// Links and joints stand in document order. Visual and collision elements
@@ -43,6 +41,15 @@ impl Description {
     pub fn link_names(&self) -> impl Iterator<Item = &str> {
         self.links.iter().map(|link| link.name.as_str())
     }
+}
+
+/// A box along the axes of a link frame, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// The corner of the least coordinates.
+    pub low: [f64; 3],
+    /// The corner of the greatest coordinates.
+    pub high: [f64; 3],
 }
 
 /// A link: its name and its mass.

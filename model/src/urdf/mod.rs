@@ -46,7 +46,7 @@ use crate::stamp::Stamp;
 pub use collision::{Collision, Shape, collisions};
 pub use description::Description;
 #[doc(hidden)]
-pub use description::{Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
+pub use description::{Extent, Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
 #[doc(hidden)]
 pub use edit_joints::{Load, Shift, add_loads, edit_joints};
 #[doc(hidden)]
@@ -54,7 +54,7 @@ pub use edit_masses::{Weight, edit_masses};
 pub use error::{Error, ErrorKind};
 use error::{directory, too_large, unreadable};
 #[doc(hidden)]
-pub use extent::{Extent, extents};
+pub use extent::extents;
 pub use nearest::suggestion;
 pub use report::Complaint;
 use report::{Lines, Report};
