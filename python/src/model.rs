@@ -9,7 +9,6 @@ use serde::Serialize;
 use sesc::inspect::{inspect, notes};
 use sesc::report::next_steps::{WithSteps, Worded};
 use sesc_identify::next_steps::NextStep;
-use sesc_identify::robot;
 use sesc_model::{self as model, Function, ModelFile};
 
 use crate::arrays::{Axis, Target, numbers};
