@@ -106,15 +106,15 @@ pub(super) fn preamble(head: &[u8]) -> Preamble {
     unreachable!("every text has a last line")
 }
 
-/// The line of a text that begins at `at`, and where the next one does; text that is none is
-/// not looked at.
+/// The line of a text that begins at `at`, and where the next one does; of what is no text that
+/// there is something.
 fn first_line(head: &[u8], at: usize) -> (&str, usize) {
     let rest = &head[at..];
     let end = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
     let end = end.unwrap_or(rest.len());
     let both = rest[end..].starts_with(b"\r\n");
     let next = (end + 1 + usize::from(both)).min(rest.len());
-    (str::from_utf8(&rest[..end]).unwrap_or_default(), at + next)
+    (str::from_utf8(&rest[..end]).unwrap_or("?"), at + next)
 }
 
 fn is_row_of_numbers(line: &str) -> bool {
