@@ -82,7 +82,7 @@ pub(super) fn turned(robot: &Description, tree: &Tree) -> Option<String> {
     };
     let down = com[up] < 0.0;
     let (name, sign) = (["x", "y", "z"][up], if down { "-" } else { "" });
-    let quarter = 1.570_796_326_794_896_6;
+    let quarter = std::f64::consts::FRAC_PI_2;
     let rpy = match (up, down) {
         (0, false) => [0.0, quarter, 0.0],
         (0, true) => [0.0, -quarter, 0.0],
