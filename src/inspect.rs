@@ -10,8 +10,7 @@ use sesc_identify::threads::each;
 use sesc_model::base::{Column, Unobservable};
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
-use sesc_model::tree::{self, Snap, on_many_feet};
-use sesc_model::urdf::Description;
+use sesc_model::tree::{Snap, on_many_feet};
 use sesc_model::{Function, Given, Model};
 
 pub use rank::{Rank, RankCheck, numeric_rank};
@@ -109,7 +108,7 @@ pub struct Rounding {
 }
 
 /// Gather everything.
-pub fn inspect(robot: &Description, model: &Model) -> Inspection {
+pub fn inspect(model: &Model) -> Inspection {
     let (tree, chain, base) = (&model.tree, &model.chain, &model.base);
     let of_function = |function: Function| {
         let program = model.program(function, Given::Positions)?;
@@ -160,21 +159,17 @@ pub fn inspect(robot: &Description, model: &Model) -> Inspection {
             .collect(),
         unobservable: base.unobservable.clone(),
         snaps: tree.snaps.clone(),
-        notes: notes(robot, model),
+        notes: notes(model),
         operations,
         rounding_bound,
     }
 }
 
-/// What is odd about the URDF, where the support's shape reaches below its frame, and what feet can
-/// be used for where they are many: a sentence each.
-pub fn notes(robot: &Description, model: &Model) -> Vec<String> {
-    let tree = &model.tree;
-    let notes = tree.notes.iter().cloned();
-    notes
-        .chain(on_many_feet(&tree.feet))
-        .chain(tree::below(robot, model.support()))
-        .collect()
+/// What is odd about the URDF and its support, and what feet can be used for where they are many:
+/// a sentence each.
+pub fn notes(model: &Model) -> Vec<String> {
+    let notes = model.tree.notes.iter().cloned();
+    notes.chain(on_many_feet(&model.tree.feet)).collect()
 }
 
 fn bodies(model: &Model) -> Vec<Body> {

@@ -50,7 +50,7 @@ pub struct Verification {
     /// Postures left out, where a joint may rest on either side of its dead band or the CoP is off
     /// the cells.
     pub undecided: usize,
-    /// What four rounds of springs leave out, m; measured within what is proven, proven beside dead
+    /// What rounds of springs leave out, m; measured within what is proven, proven beside dead
     /// bands; part of every bound.
     pub springs_left_out: f64,
     /// Largest difference per function; in its unit, regressor rows by the CoM they give, m.

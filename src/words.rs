@@ -6,6 +6,7 @@ use sesc_identify::Setting;
 pub fn option(setting: Setting) -> String {
     let option = match setting {
         Setting::Angles => "--degrees",
+        Setting::Columns => "put this line into the log's sidecar: columns =",
         Setting::Snapping => "--no-snap",
         Setting::OtherFoot => "--other-foot LINK",
         Setting::Support => "--support LINK",

@@ -221,7 +221,7 @@ impl Builder {
         if let Some(file) = &self.model {
             model = model.with_file(ModelFile::read(file)?)?;
         }
-        for note in model.left_out() {
+        for note in model.cautions() {
             println!("cargo::warning={note}");
         }
         let facts = Facts::with(&model, &functions);
@@ -254,8 +254,8 @@ impl Builder {
 
 #[cfg(feature = "c99")]
 impl Builder {
-    /// Write C99 too: `<name>.h` and `<name>.c` into `dir`, in f64 and bare unless
-    /// [`Builder::scalar`] and [`Builder::layout`] say otherwise.
+    /// Write C99 too: `<name>.h` and `<name>.c` into `dir`, in f64 (f32 for Arduino and PlatformIO)
+    /// and bare unless [`Builder::scalar`] and [`Builder::layout`] say otherwise.
     ///
     /// ```
     /// # let folder = std::env::temp_dir().join("sesc_builder_c99");
@@ -282,7 +282,7 @@ impl Builder {
     /// # Ok::<(), sesc_codegen::Error>(())
     /// ```
     pub fn scalar(mut self, scalar: Scalar) -> Builder {
-        self.c99.scalar = scalar;
+        self.c99.scalar = Some(scalar);
         self
     }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::routines::{Routine, routines};
-use sesc_model::effects::{Instance, foot_rectangle};
+use sesc_model::effects::{EncoderMap, Instance, foot_rectangle};
 use sesc_model::tree::{Dof, Snap};
 use sesc_model::{EffectRecord, Function, Model, ModelFile, Robot};
 
@@ -20,6 +20,8 @@ pub struct Facts<'m> {
     pub links: usize,
     /// The link on the ground.
     pub support: &'m str,
+    /// The heaviest link and its x axis in the support frame with all joints at zero.
+    pub ahead: Option<(&'m str, [f64; 3])>,
     /// Independent joints, in the order of `q`.
     pub dofs: &'m [Dof],
     /// Base parameters, in the order of `r`.
@@ -38,6 +40,8 @@ pub struct Facts<'m> {
     pub identified: Option<Identified>,
     /// Effects of a model file.
     pub effects: Vec<Effect<'m>>,
+    /// How what encoders read becomes joint positions, in the order of `q`.
+    pub encoders: Vec<EncoderMap>,
     /// What generated functions must give.
     pub self_test: SelfTest<'m>,
     /// The functions that an effect acts on.
@@ -127,6 +131,7 @@ impl Facts<'_> {
             hash: &tree.hash,
             links: tree.links.len(),
             support: &tree.links[tree.support].name,
+            ahead: model.heaviest_ahead(),
             dofs: &tree.dofs,
             params: params
                 .map(|(param, limit)| Param {
@@ -147,11 +152,38 @@ impl Facts<'_> {
                 information: file.information.as_ref().map(|factor| factor.packed()),
             }),
             effects: effects(model),
+            encoders: model.encoders(),
             self_test: SelfTest::of(model),
             affected: affected(model),
             routines: routines(model, &functions),
             left_out,
         }
+    }
+
+    /// What each encoder that does not read the truth needs: `r_knee: add 0.0524 rad`.
+    pub fn encoder_zeros(&self) -> Vec<String> {
+        let pairs = self.dofs.iter().zip(&self.encoders);
+        let off = pairs.filter(|(_, map)| **map != EncoderMap::TRUE);
+        off.map(|(dof, map)| {
+            let unit = if dof.prismatic { "m" } else { "rad" };
+            let scaled = match map.scale == 1.0 {
+                true => String::new(),
+                false => format!("multiply by {:?}, ", map.scale),
+            };
+            format!("{}: {scaled}add {:?} {unit}", dof.joint, map.offset)
+        })
+        .collect()
+    }
+
+    /// The effects that act on functions of the body, or on `cop` alone, by their names.
+    pub fn effects_in(&self, body: bool) -> Vec<String> {
+        let acting = self.effects.iter();
+        let acting = acting.filter(|effect| effect.is_static && effect.changes_body == body);
+        let name = |effect: &Effect| match effect.target {
+            Some(target) => format!("{} of {target}", effect.name),
+            None => effect.name.to_string(),
+        };
+        acting.map(name).collect()
     }
 
     /// Number of independent joints.

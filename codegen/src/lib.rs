@@ -27,6 +27,7 @@ mod error;
 #[doc(hidden)]
 pub mod facts;
 mod routines;
+mod seen;
 #[doc(hidden)]
 pub mod sources;
 

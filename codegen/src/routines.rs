@@ -72,8 +72,16 @@ pub fn routines(model: &Model, functions: &[Function]) -> Vec<Routine> {
     }
     if model.file.is_some() {
         for given in [Given::Positions, Given::SinesCosines] {
-            let of_static = [Function::Com, Function::Cop].into_iter();
-            for function in of_static.filter(|function| functions.contains(function)) {
+            let of_static = [
+                Function::Com,
+                Function::ComJacobian,
+                Function::Cop,
+                Function::CopJacobian,
+            ];
+            for function in of_static
+                .into_iter()
+                .filter(|function| functions.contains(function))
+            {
                 let program = model.baked_program(function, given);
                 all.extend(routine(function, given, true, program));
             }

@@ -5,6 +5,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .functions([
             "com_jacobian",
             "cop",
+            "cop_jacobian",
             "gravity_moments",
             "regressor",
             "regressor_cop",

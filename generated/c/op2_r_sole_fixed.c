@@ -4,53 +4,71 @@
  * robot          op2 (op2.urdf, hash 770fae9739440700): 24 links, 20 independent joints
  * support frame  r_sole
  * parameters     63 SESC (r), 43 base; rank 43 from CoM rows, 42 from flat CoP rows
+ * axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+ *                and y in the sole plane; joints turn by the right-hand rule about their URDF
+ *                axes; with all at 0, x of body_link points along (1.00, 0.00, 0.00)
  * snapped        l_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
  * snapped        r_el: 3.2e-9 rad to a right angle, CoM moves by at most 3.2e-12 m
+ * without        cop_jacobian: not asked for
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
  *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|
- * com                         80      80        20         0   6.3e-8 m
- * com_jacobian               335     200        20         0   6.4e-8 m/rad
- * com_velocity               176     142        20         0   2.7e-6 m/s
- * gravity_moments            165     118        20         0   6.2e-8 m
- * regressor                  218     106        20         0   1.4e-7
- * regressor_cop              144      70        20         0   1.4e-7
- * regressor_full             230     112        20         0   1.4e-7
- * cop                         78      78        20         0   6.2e-8 m
- * com_sc                      88      84         0         0   4.7e-8 m
- * com_jacobian_sc            343     204         0         0   4.9e-8 m/rad
- * com_velocity_sc            184     146         0         0   2.1e-6 m/s
- * gravity_moments_sc         173     122         0         0   4.8e-8 m
- * regressor_sc               226     110         0         0   3.2e-8
- * regressor_cop_sc           152      74         0         0   3.2e-8
- * regressor_full_sc          238     116         0         0   3.2e-8
- * cop_sc                      86      82         0         0   4.6e-8 m
- * com_ticks                   88      84         0        20   4.7e-8 m
- * com_jacobian_ticks         343     204         0        20   4.9e-8 m/rad
- * com_velocity_ticks         184     146         0        20   2.1e-6 m/s
- * gravity_moments_ticks      173     122         0        20   4.8e-8 m
- * regressor_ticks            226     110         0        20   3.2e-8
- * regressor_cop_ticks        152      74         0        20   3.2e-8
- * regressor_full_ticks       238     116         0        20   3.2e-8
- * cop_ticks                   86      82         0        20   4.6e-8 m
+ * function                   mul     add  sin_cos  look_up   stack   proven |rounding error|
+ * com                         80      80       20        0     936   6.3e-8 m
+ * com_jacobian               335     200       20        0    1704   6.4e-8 m/rad
+ * com_velocity               176     142       20        0    1472   2.7e-6 m/s
+ * gravity_moments            165     118       20        0    1328   6.2e-8 m
+ * regressor                  218     106       20        0    1648   1.4e-7
+ * regressor_cop              144      70       20        0    1288   1.4e-7
+ * regressor_full             230     112       20        0    1648   1.4e-7
+ * cop                         78      78       20        0     928   6.2e-8 m
+ * com_sc                      88      84        0        0     640   4.7e-8 m
+ * com_jacobian_sc            343     204        0        0    1400   4.9e-8 m/rad
+ * com_velocity_sc            184     146        0        0    1168   2.1e-6 m/s
+ * gravity_moments_sc         173     122        0        0    1024   4.8e-8 m
+ * regressor_sc               226     110        0        0    1344   3.2e-8
+ * regressor_cop_sc           152      74        0        0     984   3.2e-8
+ * regressor_full_sc          238     116        0        0    1344   3.2e-8
+ * cop_sc                      86      82        0        0     632   4.6e-8 m
+ * com_ticks                   88      84        0       20    1216   4.7e-8 m
+ * com_jacobian_ticks         343     204        0       20    1976   4.9e-8 m/rad
+ * com_velocity_ticks         184     146        0       20    1744   2.1e-6 m/s
+ * gravity_moments_ticks      173     122        0       20    1600   4.8e-8 m
+ * regressor_ticks            226     110        0       20    1920   3.2e-8
+ * regressor_cop_ticks        152      74        0       20    1560   3.2e-8
+ * regressor_full_ticks       238     116        0       20    1920   3.2e-8
+ * cop_ticks                   86      82        0       20    1208   4.6e-8 m
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
  * zmp divides by the load on the ground: f64 and f32 have it.
  * Functions of ticks are compared with the angles and positions that the ticks stand for;
  * look_up counts the sines and cosines that they read from a table.
+ * stack: bytes at most of a function and all that it calls, by gcc with -O1, -Os or more; by
+ * clang up to a third more, and several times as much without optimisation.
  */
+
+#if defined(__cplusplus)
+#error "op2_r_sole_fixed.c is C99: compile it as C; op2_r_sole_fixed.h is for C and C++"
+#elif defined(_MSC_VER) && !defined(__clang__)
+#error "op2_r_sole_fixed.c is C99, which MSVC does not take whole: compile it with clang-cl"
+#elif !defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L)
+#error "op2_r_sole_fixed.c is C99: add -std=c99 or a later standard"
+#endif
 
 /* The self-test is defined here, by its own name, too. */
 #define op2_r_sole_fixed_SOURCE
 #include "op2_r_sole_fixed.h"
-#ifndef op2_r_sole_fixed_PAIR_18f0b39451e117a0
+#ifndef op2_r_sole_fixed_PAIR_3537f837fd025d55
 #error "op2_r_sole_fixed.h is not the header that was written with this source: generate both again"
 #endif
 
 #include <stdint.h>
+
+#if ((-1 >> 1) != -1) || !defined(INT32_MAX) || !defined(INT64_MAX)
+#error "op2_r_sole_fixed needs int32_t, int64_t and shifts that keep the sign"
+#endif
 
 const op2_r_sole_fixed_real op2_r_sole_fixed_total_mass_kg = 1570522036;
     /* 2.925325253 kg, 29 bits below the point */
@@ -272,6 +290,12 @@ static op2_r_sole_fixed_real op2_r_sole_fixed_narrow(int64_t wide, uint32_t bits
 #define op2_r_sole_fixed_shift_up(value, bits) \
     ((int64_t)(value) * ((int64_t)1 << (bits)))
 
+/* Inside the ranges of all inputs nothing overflows; for others sums wrap, as angles do. */
+#define op2_r_sole_fixed_add(a, b) \
+    ((int32_t)((uint32_t)(a) + (uint32_t)(b)))
+#define op2_r_sole_fixed_subtract(a, b) \
+    ((int32_t)((uint32_t)(a) - (uint32_t)(b)))
+
 /* sin(k pi / 2048) for k = 0 .. 1024: a quarter of the 4096 steps of a turn. */
 static const op2_r_sole_fixed_real op2_r_sole_fixed_quarter[1025] = {
     0, 1647099, 3294193, 4941281, 6588356, 8235416, 9882456, 11529474, 13176464, 14823423, 16470347,
@@ -477,7 +501,7 @@ void op2_r_sole_fixed_com(
     /* r_sho_roll */
     const int32_t v_r_sho_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[40], 30u)
         + ((int64_t)c_r_el * r[41]) - ((int64_t)s_r_el * r[42]), 30u);
-    const int32_t e1 = q[18] + 421657428;
+    const int32_t e1 = op2_r_sole_fixed_add(q[18], 421657428);
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e1, 29u, &s_r_sho_roll, &c_r_sho_roll);
@@ -500,12 +524,12 @@ void op2_r_sole_fixed_com(
         + ((int64_t)c_l_el * r[35]) + ((int64_t)s_l_el * r[36]), 30u);
     const int32_t v_l_sho_roll_z = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35])
         - ((int64_t)c_l_el * r[36]), 30u);
-    const int32_t e2 = q[9] - 421657428;
+    const int32_t e2 = op2_r_sole_fixed_subtract(q[9], 421657428);
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e2, 29u, &s_l_sho_roll, &c_l_sho_roll);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], v_l_sho_roll_z);
     const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[32], 30u)
         - ((int64_t)s_l_sho_roll * r[33]) + ((int64_t)c_l_sho_roll * v_l_sho_roll_y), 30u);
     const int32_t v_l_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
@@ -542,7 +566,7 @@ void op2_r_sole_fixed_com(
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], v_l_ank_pitch_z);
     const int32_t v_l_hip_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[22], 30u)
         + ((int64_t)s_l_hip_pitch * v_l_hip_pitch_x)
         + ((int64_t)c_l_hip_pitch * v_l_hip_pitch_y), 30u);
@@ -552,7 +576,7 @@ void op2_r_sole_fixed_com(
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], v_l_hip_roll_z);
     const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[20], 30u)
         + ((int64_t)c_l_hip_roll * v_l_hip_roll_x) + ((int64_t)s_l_hip_roll * v_l_hip_roll_y), 30u);
     const int32_t v_l_hip_yaw_z = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y)
@@ -596,14 +620,14 @@ void op2_r_sole_fixed_com(
     /* r_hip_roll */
     const int32_t v_r_hip_roll_x = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[11], 30u)
         + ((int64_t)s_r_hip_yaw * v_r_hip_yaw_x) + ((int64_t)c_r_hip_yaw * v_r_hip_yaw_y), 30u);
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     const int32_t v_r_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x)
         - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], v_r_hip_roll_z);
     const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[10], 30u)
         + ((int64_t)s_r_hip_roll * v_r_hip_roll_x) + ((int64_t)c_r_hip_roll * v_r_hip_roll_y), 30u);
     const int32_t v_r_hip_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x)
@@ -630,7 +654,7 @@ void op2_r_sole_fixed_com(
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], v_r_hip_pitch_z);
     const int32_t v_r_ank_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[4], 30u)
         - ((int64_t)s_r_ank_pitch * v_r_ank_pitch_x)
         + ((int64_t)c_r_ank_pitch * v_r_ank_pitch_y), 30u);
@@ -640,7 +664,7 @@ void op2_r_sole_fixed_com(
     int32_t c_r_ank_roll;
     op2_r_sole_fixed_sincos(q[16], 29u, &s_r_ank_roll, &c_r_ank_roll);
     /* r_sole */
-    const int32_t v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const int32_t v_r_sole_x = op2_r_sole_fixed_add(r[0], v_r_ank_roll_z);
     const int32_t v_r_sole_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[1], 30u)
         + ((int64_t)c_r_ank_roll * v_r_ank_roll_x) + ((int64_t)s_r_ank_roll * v_r_ank_roll_y), 30u);
     const int32_t v_r_sole_z = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[2], 30u)
@@ -664,8 +688,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)s_r_el * r[41])
         + ((int64_t)c_r_el * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
-    const int32_t e2 = q[18] + 421657428;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_add(r[40], t_r_el_x);
+    const int32_t e2 = op2_r_sole_fixed_add(q[18], 421657428);
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e2, 29u, &s_r_sho_roll, &c_r_sho_roll);
@@ -674,8 +698,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39])
         + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
-    const int32_t v_r_sho_pitch_x = r[37] - e1;
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_subtract(r[37], e1);
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_add(r[38], t_r_sho_roll_x);
     int32_t s_r_sho_pitch;
     int32_t c_r_sho_pitch;
     op2_r_sole_fixed_sincos(q[17], 29u, &s_r_sho_pitch, &c_r_sho_pitch);
@@ -692,8 +716,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35])
         - ((int64_t)c_l_el * r[36]), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
-    const int32_t e3 = q[9] - 421657428;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_add(r[34], t_l_el_x);
+    const int32_t e3 = op2_r_sole_fixed_subtract(q[9], 421657428);
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e3, 29u, &s_l_sho_roll, &c_l_sho_roll);
@@ -702,8 +726,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
         + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], t_l_el_y);
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_add(r[32], t_l_sho_roll_x);
     int32_t s_l_sho_pitch;
     int32_t c_l_sho_pitch;
     op2_r_sole_fixed_sincos(q[8], 29u, &s_l_sho_pitch, &c_l_sho_pitch);
@@ -720,7 +744,7 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_roll * r[29])
         - ((int64_t)s_l_ank_roll * r[30]), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_add(r[28], t_l_ank_roll_x);
     int32_t s_l_ank_pitch;
     int32_t c_l_ank_pitch;
     op2_r_sole_fixed_sincos(q[6], 29u, &s_l_ank_pitch, &c_l_ank_pitch);
@@ -729,8 +753,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch
         * v_l_ank_pitch_y) - ((int64_t)s_l_ank_pitch * r[27]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const int32_t v_l_knee_x = op2_r_sole_fixed_add(r[25], t_l_ank_pitch_x);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_add(r[26], t_l_ank_pitch_y);
     int32_t s_l_knee;
     int32_t c_l_knee;
     op2_r_sole_fixed_sincos(q[5], 29u, &s_l_knee, &c_l_knee);
@@ -739,8 +763,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_l_knee * v_l_knee_x)
         + ((int64_t)c_l_knee * v_l_knee_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_add(r[23], t_l_knee_x);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_add(r[24], t_l_knee_y);
     int32_t s_l_hip_pitch;
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
@@ -749,8 +773,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_pitch
         * v_l_hip_pitch_x) - ((int64_t)s_l_hip_pitch * v_l_hip_pitch_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], t_l_ank_roll_y);
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_add(r[22], t_l_hip_pitch_x);
     int32_t s_l_hip_roll;
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
@@ -759,8 +783,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y)
         - ((int64_t)s_l_hip_roll * v_l_hip_roll_x), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], t_l_hip_pitch_y);
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_add(r[20], t_l_hip_roll_x);
     int32_t s_l_hip_yaw;
     int32_t c_l_hip_yaw;
     op2_r_sole_fixed_sincos(q[2], 29u, &s_l_hip_yaw, &c_l_hip_yaw);
@@ -777,7 +801,7 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)s_head_tilt * r[17])
         - ((int64_t)c_head_tilt * r[18]), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    const int32_t v_head_pan_x = op2_r_sole_fixed_add(r[15], t_head_tilt_x);
     int32_t s_head_pan;
     int32_t c_head_pan;
     op2_r_sole_fixed_sincos(q[0], 29u, &s_head_pan, &c_head_pan);
@@ -786,12 +810,15 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)s_head_pan * v_head_pan_x)
         + ((int64_t)c_head_pan * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x)
-        + t_l_hip_yaw_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y)
-        + t_l_hip_yaw_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y)
-        + t_l_hip_roll_y;
+    const int32_t v_r_hip_yaw_x =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[13],
+        t_head_pan_x), t_l_sho_pitch_x), t_r_sho_pitch_x), t_l_hip_yaw_x);
+    const int32_t v_r_hip_yaw_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[14],
+        t_head_pan_y), t_l_sho_roll_y), t_r_sho_roll_y), t_l_hip_yaw_y);
+    const int32_t v_r_hip_yaw_z =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(t_head_tilt_y,
+        t_l_sho_pitch_y), t_r_sho_pitch_y), t_l_hip_roll_y);
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
@@ -800,8 +827,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x)
         - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_add(r[11], t_r_hip_yaw_x);
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
@@ -810,8 +837,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x)
         - ((int64_t)s_r_hip_roll * v_r_hip_roll_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], t_r_hip_yaw_y);
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_add(r[10], t_r_hip_roll_x);
     int32_t s_r_hip_pitch;
     int32_t c_r_hip_pitch;
     op2_r_sole_fixed_sincos(q[13], 29u, &s_r_hip_pitch, &c_r_hip_pitch);
@@ -820,8 +847,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_pitch
         * v_r_hip_pitch_x) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const int32_t v_r_knee_x = op2_r_sole_fixed_add(r[7], t_r_hip_pitch_x);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_add(r[8], t_r_hip_pitch_y);
     int32_t s_r_knee;
     int32_t c_r_knee;
     op2_r_sole_fixed_sincos(q[14], 29u, &s_r_knee, &c_r_knee);
@@ -830,8 +857,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_knee * v_r_knee_x)
         + ((int64_t)c_r_knee * v_r_knee_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_add(r[5], t_r_knee_x);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_add(r[6], t_r_knee_y);
     int32_t s_r_ank_pitch;
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
@@ -840,8 +867,8 @@ void op2_r_sole_fixed_com_jacobian(
     const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch
         * v_r_ank_pitch_x) + ((int64_t)s_r_ank_pitch * v_r_ank_pitch_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], t_r_hip_roll_y);
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_add(r[4], t_r_ank_pitch_x);
     int32_t s_r_ank_roll;
     int32_t c_r_ank_roll;
     op2_r_sole_fixed_sincos(q[16], 29u, &s_r_ank_roll, &c_r_ank_roll);
@@ -1136,8 +1163,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)s_r_el * r[41])
         + ((int64_t)c_r_el * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
-    const int32_t e2 = q[18] + 421657428;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_add(r[40], t_r_el_x);
+    const int32_t e2 = op2_r_sole_fixed_add(q[18], 421657428);
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e2, 29u, &s_r_sho_roll, &c_r_sho_roll);
@@ -1146,8 +1173,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39])
         + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
-    const int32_t v_r_sho_pitch_x = r[37] - e1;
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_subtract(r[37], e1);
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_add(r[38], t_r_sho_roll_x);
     int32_t s_r_sho_pitch;
     int32_t c_r_sho_pitch;
     op2_r_sole_fixed_sincos(q[17], 29u, &s_r_sho_pitch, &c_r_sho_pitch);
@@ -1164,8 +1191,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35])
         - ((int64_t)c_l_el * r[36]), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
-    const int32_t e3 = q[9] - 421657428;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_add(r[34], t_l_el_x);
+    const int32_t e3 = op2_r_sole_fixed_subtract(q[9], 421657428);
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e3, 29u, &s_l_sho_roll, &c_l_sho_roll);
@@ -1174,8 +1201,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
         + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], t_l_el_y);
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_add(r[32], t_l_sho_roll_x);
     int32_t s_l_sho_pitch;
     int32_t c_l_sho_pitch;
     op2_r_sole_fixed_sincos(q[8], 29u, &s_l_sho_pitch, &c_l_sho_pitch);
@@ -1192,7 +1219,7 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_roll * r[29])
         - ((int64_t)s_l_ank_roll * r[30]), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_add(r[28], t_l_ank_roll_x);
     int32_t s_l_ank_pitch;
     int32_t c_l_ank_pitch;
     op2_r_sole_fixed_sincos(q[6], 29u, &s_l_ank_pitch, &c_l_ank_pitch);
@@ -1201,8 +1228,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch
         * v_l_ank_pitch_y) - ((int64_t)s_l_ank_pitch * r[27]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const int32_t v_l_knee_x = op2_r_sole_fixed_add(r[25], t_l_ank_pitch_x);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_add(r[26], t_l_ank_pitch_y);
     int32_t s_l_knee;
     int32_t c_l_knee;
     op2_r_sole_fixed_sincos(q[5], 29u, &s_l_knee, &c_l_knee);
@@ -1211,8 +1238,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_l_knee * v_l_knee_x)
         + ((int64_t)c_l_knee * v_l_knee_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_add(r[23], t_l_knee_x);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_add(r[24], t_l_knee_y);
     int32_t s_l_hip_pitch;
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
@@ -1221,8 +1248,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_pitch
         * v_l_hip_pitch_x) - ((int64_t)s_l_hip_pitch * v_l_hip_pitch_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], t_l_ank_roll_y);
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_add(r[22], t_l_hip_pitch_x);
     int32_t s_l_hip_roll;
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
@@ -1231,8 +1258,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y)
         - ((int64_t)s_l_hip_roll * v_l_hip_roll_x), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], t_l_hip_pitch_y);
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_add(r[20], t_l_hip_roll_x);
     int32_t s_l_hip_yaw;
     int32_t c_l_hip_yaw;
     op2_r_sole_fixed_sincos(q[2], 29u, &s_l_hip_yaw, &c_l_hip_yaw);
@@ -1249,7 +1276,7 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)s_head_tilt * r[17])
         - ((int64_t)c_head_tilt * r[18]), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    const int32_t v_head_pan_x = op2_r_sole_fixed_add(r[15], t_head_tilt_x);
     int32_t s_head_pan;
     int32_t c_head_pan;
     op2_r_sole_fixed_sincos(q[0], 29u, &s_head_pan, &c_head_pan);
@@ -1258,12 +1285,15 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)s_head_pan * v_head_pan_x)
         + ((int64_t)c_head_pan * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x)
-        + t_l_hip_yaw_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y)
-        + t_l_hip_yaw_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y)
-        + t_l_hip_roll_y;
+    const int32_t v_r_hip_yaw_x =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[13],
+        t_head_pan_x), t_l_sho_pitch_x), t_r_sho_pitch_x), t_l_hip_yaw_x);
+    const int32_t v_r_hip_yaw_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[14],
+        t_head_pan_y), t_l_sho_roll_y), t_r_sho_roll_y), t_l_hip_yaw_y);
+    const int32_t v_r_hip_yaw_z =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(t_head_tilt_y,
+        t_l_sho_pitch_y), t_r_sho_pitch_y), t_l_hip_roll_y);
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
@@ -1272,8 +1302,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x)
         - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_add(r[11], t_r_hip_yaw_x);
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
@@ -1282,8 +1312,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x)
         - ((int64_t)s_r_hip_roll * v_r_hip_roll_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], t_r_hip_yaw_y);
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_add(r[10], t_r_hip_roll_x);
     int32_t s_r_hip_pitch;
     int32_t c_r_hip_pitch;
     op2_r_sole_fixed_sincos(q[13], 29u, &s_r_hip_pitch, &c_r_hip_pitch);
@@ -1292,8 +1322,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_pitch
         * v_r_hip_pitch_x) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const int32_t v_r_knee_x = op2_r_sole_fixed_add(r[7], t_r_hip_pitch_x);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_add(r[8], t_r_hip_pitch_y);
     int32_t s_r_knee;
     int32_t c_r_knee;
     op2_r_sole_fixed_sincos(q[14], 29u, &s_r_knee, &c_r_knee);
@@ -1302,8 +1332,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_knee * v_r_knee_x)
         + ((int64_t)c_r_knee * v_r_knee_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_add(r[5], t_r_knee_x);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_add(r[6], t_r_knee_y);
     int32_t s_r_ank_pitch;
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
@@ -1312,8 +1342,8 @@ void op2_r_sole_fixed_com_velocity(
     const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch
         * v_r_ank_pitch_x) + ((int64_t)s_r_ank_pitch * v_r_ank_pitch_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], t_r_hip_roll_y);
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_add(r[4], t_r_ank_pitch_x);
     int32_t s_r_ank_roll;
     int32_t c_r_ank_roll;
     op2_r_sole_fixed_sincos(q[16], 29u, &s_r_ank_roll, &c_r_ank_roll);
@@ -1397,9 +1427,10 @@ void op2_r_sole_fixed_com_velocity(
         - ((int64_t)c_head_pan * e10) - op2_r_sole_fixed_shift_up((int64_t)qd[0] * t_head_pan_y, 2u)
         + op2_r_sole_fixed_shift_up(dt_r_sho_pitch_x, 30u)
         + op2_r_sole_fixed_shift_up(dt_l_hip_yaw_x, 30u), 31u);
-    const int32_t dv_r_hip_yaw_y = op2_r_sole_fixed_narrow((int64_t)dt_head_pan_y
-        + (int64_t)dt_l_sho_roll_y + (int64_t)dt_r_sho_roll_y, 1u)
-        + op2_r_sole_fixed_narrow((int64_t)dt_l_hip_yaw_y, 1u);
+    const int32_t dv_r_hip_yaw_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_narrow((int64_t)dt_head_pan_y
+        + (int64_t)dt_l_sho_roll_y + (int64_t)dt_r_sho_roll_y, 1u),
+        op2_r_sole_fixed_narrow((int64_t)dt_l_hip_yaw_y, 1u));
     const int32_t dv_r_hip_yaw_z =
         op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(dt_head_tilt_y, 30u)
         - ((int64_t)s_l_sho_pitch * dt_l_el_y) - ((int64_t)c_l_sho_pitch * e8)
@@ -1414,59 +1445,71 @@ void op2_r_sole_fixed_com_velocity(
         - op2_r_sole_fixed_shift_up((int64_t)qd[11] * t_r_hip_yaw_x, 1u), 30u);
     /* r_hip_roll */
     const int32_t dt_r_hip_roll_x =
+        op2_r_sole_fixed_add(
         op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_hip_roll
         * dt_r_hip_yaw_x, 30u)
         + ((int64_t)op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_hip_roll
-        * dv_r_hip_yaw_z, 30u), 1u)), 1u)
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
-        * t_r_hip_roll_y, 28u), 2u);
+        * dv_r_hip_yaw_z, 30u), 1u)), 1u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
+        * t_r_hip_roll_y, 28u), 2u));
     const int32_t dt_r_hip_roll_y =
+        op2_r_sole_fixed_subtract(
         op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_hip_roll
         * dt_r_hip_yaw_x, 30u)
         - ((int64_t)op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_hip_roll
-        * dv_r_hip_yaw_z, 30u), 1u)), 1u)
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
-        * t_r_hip_roll_x, 28u), 2u);
+        * dv_r_hip_yaw_z, 30u), 1u)), 1u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
+        * t_r_hip_roll_x, 28u), 2u));
     /* r_hip_pitch */
     const int32_t dt_r_hip_pitch_x =
-        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_hip_pitch
-        * dt_r_hip_yaw_y, 30u), 1u)
-        - op2_r_sole_fixed_narrow((int64_t)s_r_hip_pitch * dt_r_hip_roll_x, 30u))
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
-        * t_r_hip_pitch_y, 28u), 2u);
+        op2_r_sole_fixed_subtract(
+        op2_r_sole_fixed_subtract(
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_hip_pitch
+        * dt_r_hip_yaw_y, 30u), 1u), op2_r_sole_fixed_narrow((int64_t)s_r_hip_pitch
+        * dt_r_hip_roll_x, 30u)),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
+        * t_r_hip_pitch_y, 28u), 2u));
     const int32_t dt_r_hip_pitch_y =
-        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_hip_pitch
-        * dt_r_hip_yaw_y, 30u), 1u)
-        + op2_r_sole_fixed_narrow((int64_t)c_r_hip_pitch * dt_r_hip_roll_x, 30u))
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
-        * t_r_hip_pitch_x, 28u), 2u);
+        op2_r_sole_fixed_add(
+        op2_r_sole_fixed_add(
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_hip_pitch
+        * dt_r_hip_yaw_y, 30u), 1u), op2_r_sole_fixed_narrow((int64_t)c_r_hip_pitch
+        * dt_r_hip_roll_x, 30u)),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
+        * t_r_hip_pitch_x, 28u), 2u));
     /* r_knee */
     const int32_t dt_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)c_r_knee * dt_r_hip_pitch_x)
         - ((int64_t)s_r_knee * dt_r_hip_pitch_y) - ((int64_t)qd[14] * t_r_knee_y), 31u);
     const int32_t dt_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_knee * dt_r_hip_pitch_x)
         + ((int64_t)c_r_knee * dt_r_hip_pitch_y) + ((int64_t)qd[14] * t_r_knee_x), 31u);
     /* r_ank_pitch */
-    const int32_t dt_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * dt_r_knee_y)
-        - ((int64_t)s_r_ank_pitch * dt_r_knee_x), 30u)
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
-        * t_r_ank_pitch_y, 29u), 2u);
-    const int32_t dt_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * dt_r_knee_x)
-        + ((int64_t)s_r_ank_pitch * dt_r_knee_y), 30u)
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
-        * t_r_ank_pitch_x, 29u), 2u);
+    const int32_t dt_r_ank_pitch_x =
+        op2_r_sole_fixed_subtract(op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * dt_r_knee_y)
+        - ((int64_t)s_r_ank_pitch * dt_r_knee_x), 30u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
+        * t_r_ank_pitch_y, 29u), 2u));
+    const int32_t dt_r_ank_pitch_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch * dt_r_knee_x)
+        + ((int64_t)s_r_ank_pitch * dt_r_knee_y), 30u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
+        * t_r_ank_pitch_x, 29u), 2u));
     /* r_ank_roll */
     const int32_t dt_r_ank_roll_x =
-        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll
-        * dt_r_hip_roll_y, 30u), 1u)
-        + op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll * dt_r_ank_pitch_x, 30u))
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
-        * t_r_ank_roll_y, 29u), 2u);
-    const int32_t dt_r_ank_roll_y = (op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll
-        * dt_r_ank_pitch_x, 30u)
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll
-        * dt_r_hip_roll_y, 30u), 1u))
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
-        * t_r_ank_roll_x, 29u), 2u);
+        op2_r_sole_fixed_add(
+        op2_r_sole_fixed_add(
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll
+        * dt_r_hip_roll_y, 30u), 1u), op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll
+        * dt_r_ank_pitch_x, 30u)),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
+        * t_r_ank_roll_y, 29u), 2u));
+    const int32_t dt_r_ank_roll_y =
+        op2_r_sole_fixed_subtract(
+        op2_r_sole_fixed_subtract(op2_r_sole_fixed_narrow((int64_t)c_r_ank_roll
+        * dt_r_ank_pitch_x, 30u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)s_r_ank_roll
+        * dt_r_hip_roll_y, 30u), 1u)),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
+        * t_r_ank_roll_x, 29u), 2u));
     velocity[0] = dt_r_ank_pitch_y;
     velocity[1] = dt_r_ank_roll_x;
     velocity[2] = dt_r_ank_roll_y;
@@ -1486,8 +1529,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)s_r_el * r[41])
         + ((int64_t)c_r_el * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
-    const int32_t e2 = q[18] + 421657428;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_add(r[40], t_r_el_x);
+    const int32_t e2 = op2_r_sole_fixed_add(q[18], 421657428);
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e2, 29u, &s_r_sho_roll, &c_r_sho_roll);
@@ -1496,8 +1539,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39])
         + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
-    const int32_t v_r_sho_pitch_x = r[37] - e1;
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_subtract(r[37], e1);
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_add(r[38], t_r_sho_roll_x);
     int32_t s_r_sho_pitch;
     int32_t c_r_sho_pitch;
     op2_r_sole_fixed_sincos(q[17], 29u, &s_r_sho_pitch, &c_r_sho_pitch);
@@ -1514,8 +1557,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35])
         - ((int64_t)c_l_el * r[36]), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
-    const int32_t e3 = q[9] - 421657428;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_add(r[34], t_l_el_x);
+    const int32_t e3 = op2_r_sole_fixed_subtract(q[9], 421657428);
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e3, 29u, &s_l_sho_roll, &c_l_sho_roll);
@@ -1524,8 +1567,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
         + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], t_l_el_y);
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_add(r[32], t_l_sho_roll_x);
     int32_t s_l_sho_pitch;
     int32_t c_l_sho_pitch;
     op2_r_sole_fixed_sincos(q[8], 29u, &s_l_sho_pitch, &c_l_sho_pitch);
@@ -1542,7 +1585,7 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_roll * r[29])
         - ((int64_t)s_l_ank_roll * r[30]), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_add(r[28], t_l_ank_roll_x);
     int32_t s_l_ank_pitch;
     int32_t c_l_ank_pitch;
     op2_r_sole_fixed_sincos(q[6], 29u, &s_l_ank_pitch, &c_l_ank_pitch);
@@ -1551,8 +1594,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_ank_pitch
         * v_l_ank_pitch_y) - ((int64_t)s_l_ank_pitch * r[27]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const int32_t v_l_knee_x = op2_r_sole_fixed_add(r[25], t_l_ank_pitch_x);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_add(r[26], t_l_ank_pitch_y);
     int32_t s_l_knee;
     int32_t c_l_knee;
     op2_r_sole_fixed_sincos(q[5], 29u, &s_l_knee, &c_l_knee);
@@ -1561,8 +1604,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_l_knee * v_l_knee_x)
         + ((int64_t)c_l_knee * v_l_knee_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_add(r[23], t_l_knee_x);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_add(r[24], t_l_knee_y);
     int32_t s_l_hip_pitch;
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
@@ -1571,8 +1614,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_pitch
         * v_l_hip_pitch_x) - ((int64_t)s_l_hip_pitch * v_l_hip_pitch_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], t_l_ank_roll_y);
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_add(r[22], t_l_hip_pitch_x);
     int32_t s_l_hip_roll;
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
@@ -1581,8 +1624,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y)
         - ((int64_t)s_l_hip_roll * v_l_hip_roll_x), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], t_l_hip_pitch_y);
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_add(r[20], t_l_hip_roll_x);
     int32_t s_l_hip_yaw;
     int32_t c_l_hip_yaw;
     op2_r_sole_fixed_sincos(q[2], 29u, &s_l_hip_yaw, &c_l_hip_yaw);
@@ -1599,7 +1642,7 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)s_head_tilt * r[17])
         - ((int64_t)c_head_tilt * r[18]), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    const int32_t v_head_pan_x = op2_r_sole_fixed_add(r[15], t_head_tilt_x);
     int32_t s_head_pan;
     int32_t c_head_pan;
     op2_r_sole_fixed_sincos(q[0], 29u, &s_head_pan, &c_head_pan);
@@ -1608,12 +1651,15 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)s_head_pan * v_head_pan_x)
         + ((int64_t)c_head_pan * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x)
-        + t_l_hip_yaw_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y)
-        + t_l_hip_yaw_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y)
-        + t_l_hip_roll_y;
+    const int32_t v_r_hip_yaw_x =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[13],
+        t_head_pan_x), t_l_sho_pitch_x), t_r_sho_pitch_x), t_l_hip_yaw_x);
+    const int32_t v_r_hip_yaw_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[14],
+        t_head_pan_y), t_l_sho_roll_y), t_r_sho_roll_y), t_l_hip_yaw_y);
+    const int32_t v_r_hip_yaw_z =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(t_head_tilt_y,
+        t_l_sho_pitch_y), t_r_sho_pitch_y), t_l_hip_roll_y);
     int32_t s_r_hip_yaw;
     int32_t c_r_hip_yaw;
     op2_r_sole_fixed_sincos(q[11], 29u, &s_r_hip_yaw, &c_r_hip_yaw);
@@ -1622,8 +1668,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x)
         - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_add(r[11], t_r_hip_yaw_x);
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
@@ -1632,8 +1678,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x)
         - ((int64_t)s_r_hip_roll * v_r_hip_roll_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], t_r_hip_yaw_y);
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_add(r[10], t_r_hip_roll_x);
     int32_t s_r_hip_pitch;
     int32_t c_r_hip_pitch;
     op2_r_sole_fixed_sincos(q[13], 29u, &s_r_hip_pitch, &c_r_hip_pitch);
@@ -1642,8 +1688,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)s_r_hip_pitch
         * v_r_hip_pitch_x) + ((int64_t)c_r_hip_pitch * v_r_hip_pitch_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const int32_t v_r_knee_x = op2_r_sole_fixed_add(r[7], t_r_hip_pitch_x);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_add(r[8], t_r_hip_pitch_y);
     int32_t s_r_knee;
     int32_t c_r_knee;
     op2_r_sole_fixed_sincos(q[14], 29u, &s_r_knee, &c_r_knee);
@@ -1652,8 +1698,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)s_r_knee * v_r_knee_x)
         + ((int64_t)c_r_knee * v_r_knee_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_add(r[5], t_r_knee_x);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_add(r[6], t_r_knee_y);
     int32_t s_r_ank_pitch;
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
@@ -1662,8 +1708,8 @@ void op2_r_sole_fixed_gravity_moments(
     const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)c_r_ank_pitch
         * v_r_ank_pitch_x) + ((int64_t)s_r_ank_pitch * v_r_ank_pitch_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], t_r_hip_roll_y);
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_add(r[4], t_r_ank_pitch_x);
     int32_t s_r_ank_roll;
     int32_t c_r_ank_roll;
     op2_r_sole_fixed_sincos(q[16], 29u, &s_r_ank_roll, &c_r_ank_roll);
@@ -2011,7 +2057,7 @@ void op2_r_sole_fixed_regressor(
     const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y
         * c_l_sho_pitch) + ((int64_t)bz_r_hip_yaw_x * s_l_sho_pitch), 30u);
     /* l_sho_roll */
-    const int32_t e13 = q[9] - 421657428;
+    const int32_t e13 = op2_r_sole_fixed_subtract(q[9], 421657428);
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e13, 29u, &s_l_sho_roll, &c_l_sho_roll);
@@ -2064,7 +2110,7 @@ void op2_r_sole_fixed_regressor(
     const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y
         * c_r_sho_pitch) - ((int64_t)bz_r_hip_yaw_x * s_r_sho_pitch), 30u);
     /* r_sho_roll */
-    const int32_t e18 = q[18] + 421657428;
+    const int32_t e18 = op2_r_sole_fixed_add(q[18], 421657428);
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e18, 29u, &s_r_sho_roll, &c_r_sho_roll);
@@ -2410,7 +2456,7 @@ void op2_r_sole_fixed_regressor_cop(
     const int32_t by_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)by_r_hip_yaw_x
         * s_l_sho_pitch) - ((int64_t)e2 * c_l_sho_pitch), 30u);
     /* l_sho_roll */
-    const int32_t e9 = q[9] - 421657428;
+    const int32_t e9 = op2_r_sole_fixed_subtract(q[9], 421657428);
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e9, 29u, &s_l_sho_roll, &c_l_sho_roll);
@@ -2450,7 +2496,7 @@ void op2_r_sole_fixed_regressor_cop(
         + ((int64_t)by_r_hip_yaw_x * s_r_sho_pitch), 30u);
     const int32_t by_r_sho_pitch_y = -e12;
     /* r_sho_roll */
-    const int32_t e13 = q[18] + 421657428;
+    const int32_t e13 = op2_r_sole_fixed_add(q[18], 421657428);
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e13, 29u, &s_r_sho_roll, &c_r_sho_roll);
@@ -2804,7 +2850,7 @@ void op2_r_sole_fixed_regressor_full(
     const int32_t bz_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y
         * c_l_sho_pitch) + ((int64_t)bz_r_hip_yaw_x * s_l_sho_pitch), 30u);
     /* l_sho_roll */
-    const int32_t e15 = q[9] - 421657428;
+    const int32_t e15 = op2_r_sole_fixed_subtract(q[9], 421657428);
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e15, 29u, &s_l_sho_roll, &c_l_sho_roll);
@@ -2857,7 +2903,7 @@ void op2_r_sole_fixed_regressor_full(
     const int32_t bz_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)bz_r_hip_roll_y
         * c_r_sho_pitch) - ((int64_t)bz_r_hip_yaw_x * s_r_sho_pitch), 30u);
     /* r_sho_roll */
-    const int32_t e20 = q[18] + 421657428;
+    const int32_t e20 = op2_r_sole_fixed_add(q[18], 421657428);
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e20, 29u, &s_r_sho_roll, &c_r_sho_roll);
@@ -3101,7 +3147,7 @@ void op2_r_sole_fixed_cop(
     /* r_sho_roll */
     const int32_t v_r_sho_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[40], 30u)
         + ((int64_t)c_r_el * r[41]) - ((int64_t)s_r_el * r[42]), 30u);
-    const int32_t e1 = q[18] + 421657428;
+    const int32_t e1 = op2_r_sole_fixed_add(q[18], 421657428);
     int32_t s_r_sho_roll;
     int32_t c_r_sho_roll;
     op2_r_sole_fixed_sincos(e1, 29u, &s_r_sho_roll, &c_r_sho_roll);
@@ -3124,12 +3170,12 @@ void op2_r_sole_fixed_cop(
         + ((int64_t)c_l_el * r[35]) + ((int64_t)s_l_el * r[36]), 30u);
     const int32_t v_l_sho_roll_z = op2_r_sole_fixed_narrow(((int64_t)s_l_el * r[35])
         - ((int64_t)c_l_el * r[36]), 30u);
-    const int32_t e2 = q[9] - 421657428;
+    const int32_t e2 = op2_r_sole_fixed_subtract(q[9], 421657428);
     int32_t s_l_sho_roll;
     int32_t c_l_sho_roll;
     op2_r_sole_fixed_sincos(e2, 29u, &s_l_sho_roll, &c_l_sho_roll);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], v_l_sho_roll_z);
     const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[32], 30u)
         - ((int64_t)s_l_sho_roll * r[33]) + ((int64_t)c_l_sho_roll * v_l_sho_roll_y), 30u);
     const int32_t v_l_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
@@ -3166,7 +3212,7 @@ void op2_r_sole_fixed_cop(
     int32_t c_l_hip_pitch;
     op2_r_sole_fixed_sincos(q[4], 29u, &s_l_hip_pitch, &c_l_hip_pitch);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], v_l_ank_pitch_z);
     const int32_t v_l_hip_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[22], 30u)
         + ((int64_t)s_l_hip_pitch * v_l_hip_pitch_x)
         + ((int64_t)c_l_hip_pitch * v_l_hip_pitch_y), 30u);
@@ -3176,7 +3222,7 @@ void op2_r_sole_fixed_cop(
     int32_t c_l_hip_roll;
     op2_r_sole_fixed_sincos(q[3], 29u, &s_l_hip_roll, &c_l_hip_roll);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], v_l_hip_roll_z);
     const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[20], 30u)
         + ((int64_t)c_l_hip_roll * v_l_hip_roll_x) + ((int64_t)s_l_hip_roll * v_l_hip_roll_y), 30u);
     const int32_t v_l_hip_yaw_z = op2_r_sole_fixed_narrow(((int64_t)c_l_hip_roll * v_l_hip_roll_y)
@@ -3220,14 +3266,14 @@ void op2_r_sole_fixed_cop(
     /* r_hip_roll */
     const int32_t v_r_hip_roll_x = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[11], 30u)
         + ((int64_t)s_r_hip_yaw * v_r_hip_yaw_x) + ((int64_t)c_r_hip_yaw * v_r_hip_yaw_y), 30u);
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     const int32_t v_r_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_yaw * v_r_hip_yaw_x)
         - ((int64_t)s_r_hip_yaw * v_r_hip_yaw_y), 30u);
     int32_t s_r_hip_roll;
     int32_t c_r_hip_roll;
     op2_r_sole_fixed_sincos(q[12], 29u, &s_r_hip_roll, &c_r_hip_roll);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], v_r_hip_roll_z);
     const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[10], 30u)
         + ((int64_t)s_r_hip_roll * v_r_hip_roll_x) + ((int64_t)c_r_hip_roll * v_r_hip_roll_y), 30u);
     const int32_t v_r_hip_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_r_hip_roll * v_r_hip_roll_x)
@@ -3254,7 +3300,7 @@ void op2_r_sole_fixed_cop(
     int32_t c_r_ank_pitch;
     op2_r_sole_fixed_sincos(q[15], 29u, &s_r_ank_pitch, &c_r_ank_pitch);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], v_r_hip_pitch_z);
     const int32_t v_r_ank_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[4], 30u)
         - ((int64_t)s_r_ank_pitch * v_r_ank_pitch_x)
         + ((int64_t)c_r_ank_pitch * v_r_ank_pitch_y), 30u);
@@ -3264,7 +3310,7 @@ void op2_r_sole_fixed_cop(
     int32_t c_r_ank_roll;
     op2_r_sole_fixed_sincos(q[16], 29u, &s_r_ank_roll, &c_r_ank_roll);
     /* r_sole */
-    const int32_t v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const int32_t v_r_sole_x = op2_r_sole_fixed_add(r[0], v_r_ank_roll_z);
     const int32_t v_r_sole_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[1], 30u)
         + ((int64_t)c_r_ank_roll * v_r_ank_roll_x) + ((int64_t)s_r_ank_roll * v_r_ank_roll_y), 30u);
     cop[0] = v_r_sole_x;
@@ -3301,7 +3347,7 @@ void op2_r_sole_fixed_com_sc(
     const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9])
         + ((int64_t)759250125 * sin_q[9]), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], v_l_sho_roll_z);
     const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[32], 30u)
         - ((int64_t)s_l_sho_roll * r[33]) + ((int64_t)c_l_sho_roll * v_l_sho_roll_y), 30u);
     const int32_t v_l_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
@@ -3322,13 +3368,13 @@ void op2_r_sole_fixed_com_sc(
     const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[24], 30u)
         + ((int64_t)sin_q[5] * v_l_knee_x) + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], v_l_ank_pitch_z);
     const int32_t v_l_hip_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[22], 30u)
         + ((int64_t)sin_q[4] * v_l_hip_pitch_x) + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
     const int32_t v_l_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x)
         - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], v_l_hip_roll_z);
     const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[20], 30u)
         + ((int64_t)cos_q[3] * v_l_hip_roll_x) + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
     const int32_t v_l_hip_yaw_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y)
@@ -3361,11 +3407,11 @@ void op2_r_sole_fixed_com_sc(
     /* r_hip_roll */
     const int32_t v_r_hip_roll_x = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[11], 30u)
         + ((int64_t)sin_q[11] * v_r_hip_yaw_x) + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     const int32_t v_r_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x)
         - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], v_r_hip_roll_z);
     const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[10], 30u)
         + ((int64_t)sin_q[12] * v_r_hip_roll_x) + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
     const int32_t v_r_hip_pitch_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x)
@@ -3381,13 +3427,13 @@ void op2_r_sole_fixed_com_sc(
     const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[6], 30u)
         + ((int64_t)sin_q[14] * v_r_knee_x) + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], v_r_hip_pitch_z);
     const int32_t v_r_ank_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[4], 30u)
         - ((int64_t)sin_q[15] * v_r_ank_pitch_x) + ((int64_t)cos_q[15] * v_r_ank_pitch_y), 30u);
     const int32_t v_r_ank_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x)
         + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
     /* r_sole */
-    const int32_t v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const int32_t v_r_sole_x = op2_r_sole_fixed_add(r[0], v_r_ank_roll_z);
     const int32_t v_r_sole_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[1], 30u)
         + ((int64_t)cos_q[16] * v_r_ank_roll_x) + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
     const int32_t v_r_sole_z = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[2], 30u)
@@ -3409,7 +3455,7 @@ void op2_r_sole_fixed_com_jacobian_sc(
     const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)sin_q[19] * r[41])
         + ((int64_t)cos_q[19] * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_add(r[40], t_r_el_x);
     const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18])
         + ((int64_t)759250125 * cos_q[18]), 30u);
     const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18])
@@ -3419,8 +3465,8 @@ void op2_r_sole_fixed_com_jacobian_sc(
     const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39])
         + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
-    const int32_t v_r_sho_pitch_x = r[37] - e1;
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_subtract(r[37], e1);
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_add(r[38], t_r_sho_roll_x);
     const int32_t t_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[17] * v_r_sho_pitch_x)
         - ((int64_t)sin_q[17] * v_r_sho_pitch_y), 30u);
     const int32_t t_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[17] * v_r_sho_pitch_x)
@@ -3431,7 +3477,7 @@ void op2_r_sole_fixed_com_jacobian_sc(
     const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[10] * r[35])
         - ((int64_t)cos_q[10] * r[36]), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_add(r[34], t_l_el_x);
     const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9])
         - ((int64_t)759250125 * cos_q[9]), 30u);
     const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9])
@@ -3441,8 +3487,8 @@ void op2_r_sole_fixed_com_jacobian_sc(
     const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
         + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], t_l_el_y);
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_add(r[32], t_l_sho_roll_x);
     const int32_t t_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_x)
         + ((int64_t)sin_q[8] * v_l_sho_pitch_y), 30u);
     const int32_t t_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_y)
@@ -3453,35 +3499,35 @@ void op2_r_sole_fixed_com_jacobian_sc(
     const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[7] * r[29])
         - ((int64_t)sin_q[7] * r[30]), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_add(r[28], t_l_ank_roll_x);
     const int32_t t_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * r[27])
         + ((int64_t)sin_q[6] * v_l_ank_pitch_y), 30u);
     const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * v_l_ank_pitch_y)
         - ((int64_t)sin_q[6] * r[27]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const int32_t v_l_knee_x = op2_r_sole_fixed_add(r[25], t_l_ank_pitch_x);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_add(r[26], t_l_ank_pitch_y);
     const int32_t t_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[5] * v_l_knee_x)
         - ((int64_t)sin_q[5] * v_l_knee_y), 30u);
     const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[5] * v_l_knee_x)
         + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_add(r[23], t_l_knee_x);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_add(r[24], t_l_knee_y);
     const int32_t t_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[4] * v_l_hip_pitch_x)
         + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
     const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x)
         - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], t_l_ank_roll_y);
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_add(r[22], t_l_hip_pitch_x);
     const int32_t t_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_x)
         + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
     const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y)
         - ((int64_t)sin_q[3] * v_l_hip_roll_x), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], t_l_hip_pitch_y);
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_add(r[20], t_l_hip_roll_x);
     const int32_t t_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_x)
         + ((int64_t)sin_q[2] * v_l_hip_yaw_y), 30u);
     const int32_t t_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_y)
@@ -3492,53 +3538,56 @@ void op2_r_sole_fixed_com_jacobian_sc(
     const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[1] * r[17])
         - ((int64_t)cos_q[1] * r[18]), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    const int32_t v_head_pan_x = op2_r_sole_fixed_add(r[15], t_head_tilt_x);
     const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[0] * v_head_pan_x)
         - ((int64_t)sin_q[0] * r[16]), 30u);
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[0] * v_head_pan_x)
         + ((int64_t)cos_q[0] * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x)
-        + t_l_hip_yaw_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y)
-        + t_l_hip_yaw_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y)
-        + t_l_hip_roll_y;
+    const int32_t v_r_hip_yaw_x =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[13],
+        t_head_pan_x), t_l_sho_pitch_x), t_r_sho_pitch_x), t_l_hip_yaw_x);
+    const int32_t v_r_hip_yaw_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[14],
+        t_head_pan_y), t_l_sho_roll_y), t_r_sho_roll_y), t_l_hip_yaw_y);
+    const int32_t v_r_hip_yaw_z =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(t_head_tilt_y,
+        t_l_sho_pitch_y), t_r_sho_pitch_y), t_l_hip_roll_y);
     const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[11] * v_r_hip_yaw_x)
         + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
     const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x)
         - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_add(r[11], t_r_hip_yaw_x);
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     const int32_t t_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[12] * v_r_hip_roll_x)
         + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
     const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x)
         - ((int64_t)sin_q[12] * v_r_hip_roll_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], t_r_hip_yaw_y);
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_add(r[10], t_r_hip_roll_x);
     const int32_t t_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[13] * v_r_hip_pitch_x)
         - ((int64_t)sin_q[13] * v_r_hip_pitch_y), 30u);
     const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[13] * v_r_hip_pitch_x)
         + ((int64_t)cos_q[13] * v_r_hip_pitch_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const int32_t v_r_knee_x = op2_r_sole_fixed_add(r[7], t_r_hip_pitch_x);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_add(r[8], t_r_hip_pitch_y);
     const int32_t t_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[14] * v_r_knee_x)
         - ((int64_t)sin_q[14] * v_r_knee_y), 30u);
     const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[14] * v_r_knee_x)
         + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_add(r[5], t_r_knee_x);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_add(r[6], t_r_knee_y);
     const int32_t t_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_y)
         - ((int64_t)sin_q[15] * v_r_ank_pitch_x), 30u);
     const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x)
         + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], t_r_hip_roll_y);
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_add(r[4], t_r_ank_pitch_x);
     const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_x)
         + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
     const int32_t t_r_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_y)
@@ -3826,7 +3875,7 @@ void op2_r_sole_fixed_com_velocity_sc(
     const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)sin_q[19] * r[41])
         + ((int64_t)cos_q[19] * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_add(r[40], t_r_el_x);
     const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18])
         + ((int64_t)759250125 * cos_q[18]), 30u);
     const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18])
@@ -3836,8 +3885,8 @@ void op2_r_sole_fixed_com_velocity_sc(
     const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39])
         + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
-    const int32_t v_r_sho_pitch_x = r[37] - e1;
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_subtract(r[37], e1);
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_add(r[38], t_r_sho_roll_x);
     const int32_t t_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[17] * v_r_sho_pitch_x)
         - ((int64_t)sin_q[17] * v_r_sho_pitch_y), 30u);
     const int32_t t_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[17] * v_r_sho_pitch_x)
@@ -3848,7 +3897,7 @@ void op2_r_sole_fixed_com_velocity_sc(
     const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[10] * r[35])
         - ((int64_t)cos_q[10] * r[36]), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_add(r[34], t_l_el_x);
     const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9])
         - ((int64_t)759250125 * cos_q[9]), 30u);
     const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9])
@@ -3858,8 +3907,8 @@ void op2_r_sole_fixed_com_velocity_sc(
     const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
         + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], t_l_el_y);
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_add(r[32], t_l_sho_roll_x);
     const int32_t t_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_x)
         + ((int64_t)sin_q[8] * v_l_sho_pitch_y), 30u);
     const int32_t t_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_y)
@@ -3870,35 +3919,35 @@ void op2_r_sole_fixed_com_velocity_sc(
     const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[7] * r[29])
         - ((int64_t)sin_q[7] * r[30]), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_add(r[28], t_l_ank_roll_x);
     const int32_t t_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * r[27])
         + ((int64_t)sin_q[6] * v_l_ank_pitch_y), 30u);
     const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * v_l_ank_pitch_y)
         - ((int64_t)sin_q[6] * r[27]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const int32_t v_l_knee_x = op2_r_sole_fixed_add(r[25], t_l_ank_pitch_x);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_add(r[26], t_l_ank_pitch_y);
     const int32_t t_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[5] * v_l_knee_x)
         - ((int64_t)sin_q[5] * v_l_knee_y), 30u);
     const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[5] * v_l_knee_x)
         + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_add(r[23], t_l_knee_x);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_add(r[24], t_l_knee_y);
     const int32_t t_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[4] * v_l_hip_pitch_x)
         + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
     const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x)
         - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], t_l_ank_roll_y);
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_add(r[22], t_l_hip_pitch_x);
     const int32_t t_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_x)
         + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
     const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y)
         - ((int64_t)sin_q[3] * v_l_hip_roll_x), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], t_l_hip_pitch_y);
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_add(r[20], t_l_hip_roll_x);
     const int32_t t_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_x)
         + ((int64_t)sin_q[2] * v_l_hip_yaw_y), 30u);
     const int32_t t_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_y)
@@ -3909,53 +3958,56 @@ void op2_r_sole_fixed_com_velocity_sc(
     const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[1] * r[17])
         - ((int64_t)cos_q[1] * r[18]), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    const int32_t v_head_pan_x = op2_r_sole_fixed_add(r[15], t_head_tilt_x);
     const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[0] * v_head_pan_x)
         - ((int64_t)sin_q[0] * r[16]), 30u);
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[0] * v_head_pan_x)
         + ((int64_t)cos_q[0] * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x)
-        + t_l_hip_yaw_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y)
-        + t_l_hip_yaw_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y)
-        + t_l_hip_roll_y;
+    const int32_t v_r_hip_yaw_x =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[13],
+        t_head_pan_x), t_l_sho_pitch_x), t_r_sho_pitch_x), t_l_hip_yaw_x);
+    const int32_t v_r_hip_yaw_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[14],
+        t_head_pan_y), t_l_sho_roll_y), t_r_sho_roll_y), t_l_hip_yaw_y);
+    const int32_t v_r_hip_yaw_z =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(t_head_tilt_y,
+        t_l_sho_pitch_y), t_r_sho_pitch_y), t_l_hip_roll_y);
     const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[11] * v_r_hip_yaw_x)
         + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
     const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x)
         - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_add(r[11], t_r_hip_yaw_x);
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     const int32_t t_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[12] * v_r_hip_roll_x)
         + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
     const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x)
         - ((int64_t)sin_q[12] * v_r_hip_roll_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], t_r_hip_yaw_y);
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_add(r[10], t_r_hip_roll_x);
     const int32_t t_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[13] * v_r_hip_pitch_x)
         - ((int64_t)sin_q[13] * v_r_hip_pitch_y), 30u);
     const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[13] * v_r_hip_pitch_x)
         + ((int64_t)cos_q[13] * v_r_hip_pitch_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const int32_t v_r_knee_x = op2_r_sole_fixed_add(r[7], t_r_hip_pitch_x);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_add(r[8], t_r_hip_pitch_y);
     const int32_t t_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[14] * v_r_knee_x)
         - ((int64_t)sin_q[14] * v_r_knee_y), 30u);
     const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[14] * v_r_knee_x)
         + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_add(r[5], t_r_knee_x);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_add(r[6], t_r_knee_y);
     const int32_t t_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_y)
         - ((int64_t)sin_q[15] * v_r_ank_pitch_x), 30u);
     const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x)
         + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], t_r_hip_roll_y);
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_add(r[4], t_r_ank_pitch_x);
     const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_x)
         + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
     const int32_t t_r_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_y)
@@ -4036,9 +4088,10 @@ void op2_r_sole_fixed_com_velocity_sc(
         - ((int64_t)cos_q[0] * e8) - op2_r_sole_fixed_shift_up((int64_t)qd[0] * t_head_pan_y, 2u)
         + op2_r_sole_fixed_shift_up(dt_r_sho_pitch_x, 30u)
         + op2_r_sole_fixed_shift_up(dt_l_hip_yaw_x, 30u), 31u);
-    const int32_t dv_r_hip_yaw_y = op2_r_sole_fixed_narrow((int64_t)dt_head_pan_y
-        + (int64_t)dt_l_sho_roll_y + (int64_t)dt_r_sho_roll_y, 1u)
-        + op2_r_sole_fixed_narrow((int64_t)dt_l_hip_yaw_y, 1u);
+    const int32_t dv_r_hip_yaw_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_narrow((int64_t)dt_head_pan_y
+        + (int64_t)dt_l_sho_roll_y + (int64_t)dt_r_sho_roll_y, 1u),
+        op2_r_sole_fixed_narrow((int64_t)dt_l_hip_yaw_y, 1u));
     const int32_t dv_r_hip_yaw_z =
         op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(dt_head_tilt_y, 30u)
         - ((int64_t)sin_q[8] * dt_l_el_y) - ((int64_t)cos_q[8] * e6)
@@ -4053,59 +4106,71 @@ void op2_r_sole_fixed_com_velocity_sc(
         - op2_r_sole_fixed_shift_up((int64_t)qd[11] * t_r_hip_yaw_x, 1u), 30u);
     /* r_hip_roll */
     const int32_t dt_r_hip_roll_x =
+        op2_r_sole_fixed_add(
         op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[12]
         * dt_r_hip_yaw_x, 30u)
         + ((int64_t)op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[12]
-        * dv_r_hip_yaw_z, 30u), 1u)), 1u)
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
-        * t_r_hip_roll_y, 28u), 2u);
+        * dv_r_hip_yaw_z, 30u), 1u)), 1u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
+        * t_r_hip_roll_y, 28u), 2u));
     const int32_t dt_r_hip_roll_y =
+        op2_r_sole_fixed_subtract(
         op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[12]
         * dt_r_hip_yaw_x, 30u)
         - ((int64_t)op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[12]
-        * dv_r_hip_yaw_z, 30u), 1u)), 1u)
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
-        * t_r_hip_roll_x, 28u), 2u);
+        * dv_r_hip_yaw_z, 30u), 1u)), 1u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[12]
+        * t_r_hip_roll_x, 28u), 2u));
     /* r_hip_pitch */
     const int32_t dt_r_hip_pitch_x =
-        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[13]
-        * dt_r_hip_yaw_y, 30u), 1u)
-        - op2_r_sole_fixed_narrow((int64_t)sin_q[13] * dt_r_hip_roll_x, 30u))
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
-        * t_r_hip_pitch_y, 28u), 2u);
+        op2_r_sole_fixed_subtract(
+        op2_r_sole_fixed_subtract(
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[13]
+        * dt_r_hip_yaw_y, 30u), 1u), op2_r_sole_fixed_narrow((int64_t)sin_q[13]
+        * dt_r_hip_roll_x, 30u)),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
+        * t_r_hip_pitch_y, 28u), 2u));
     const int32_t dt_r_hip_pitch_y =
-        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[13]
-        * dt_r_hip_yaw_y, 30u), 1u)
-        + op2_r_sole_fixed_narrow((int64_t)cos_q[13] * dt_r_hip_roll_x, 30u))
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
-        * t_r_hip_pitch_x, 28u), 2u);
+        op2_r_sole_fixed_add(
+        op2_r_sole_fixed_add(
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[13]
+        * dt_r_hip_yaw_y, 30u), 1u), op2_r_sole_fixed_narrow((int64_t)cos_q[13]
+        * dt_r_hip_roll_x, 30u)),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[13]
+        * t_r_hip_pitch_x, 28u), 2u));
     /* r_knee */
     const int32_t dt_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[14] * dt_r_hip_pitch_x)
         - ((int64_t)sin_q[14] * dt_r_hip_pitch_y) - ((int64_t)qd[14] * t_r_knee_y), 31u);
     const int32_t dt_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[14] * dt_r_hip_pitch_x)
         + ((int64_t)cos_q[14] * dt_r_hip_pitch_y) + ((int64_t)qd[14] * t_r_knee_x), 31u);
     /* r_ank_pitch */
-    const int32_t dt_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * dt_r_knee_y)
-        - ((int64_t)sin_q[15] * dt_r_knee_x), 30u)
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
-        * t_r_ank_pitch_y, 29u), 2u);
-    const int32_t dt_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * dt_r_knee_x)
-        + ((int64_t)sin_q[15] * dt_r_knee_y), 30u)
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
-        * t_r_ank_pitch_x, 29u), 2u);
+    const int32_t dt_r_ank_pitch_x =
+        op2_r_sole_fixed_subtract(op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * dt_r_knee_y)
+        - ((int64_t)sin_q[15] * dt_r_knee_x), 30u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
+        * t_r_ank_pitch_y, 29u), 2u));
+    const int32_t dt_r_ank_pitch_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * dt_r_knee_x)
+        + ((int64_t)sin_q[15] * dt_r_knee_y), 30u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[15]
+        * t_r_ank_pitch_x, 29u), 2u));
     /* r_ank_roll */
     const int32_t dt_r_ank_roll_x =
-        (op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[16]
-        * dt_r_hip_roll_y, 30u), 1u)
-        + op2_r_sole_fixed_narrow((int64_t)sin_q[16] * dt_r_ank_pitch_x, 30u))
-        + op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
-        * t_r_ank_roll_y, 29u), 2u);
-    const int32_t dt_r_ank_roll_y = (op2_r_sole_fixed_narrow((int64_t)cos_q[16]
-        * dt_r_ank_pitch_x, 30u)
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[16]
-        * dt_r_hip_roll_y, 30u), 1u))
-        - op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
-        * t_r_ank_roll_x, 29u), 2u);
+        op2_r_sole_fixed_add(
+        op2_r_sole_fixed_add(
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)cos_q[16]
+        * dt_r_hip_roll_y, 30u), 1u), op2_r_sole_fixed_narrow((int64_t)sin_q[16]
+        * dt_r_ank_pitch_x, 30u)),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
+        * t_r_ank_roll_y, 29u), 2u));
+    const int32_t dt_r_ank_roll_y =
+        op2_r_sole_fixed_subtract(
+        op2_r_sole_fixed_subtract(op2_r_sole_fixed_narrow((int64_t)cos_q[16]
+        * dt_r_ank_pitch_x, 30u),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)sin_q[16]
+        * dt_r_hip_roll_y, 30u), 1u)),
+        op2_r_sole_fixed_narrow((int64_t)op2_r_sole_fixed_narrow((int64_t)qd[16]
+        * t_r_ank_roll_x, 29u), 2u));
     velocity[0] = dt_r_ank_pitch_y;
     velocity[1] = dt_r_ank_roll_x;
     velocity[2] = dt_r_ank_roll_y;
@@ -4123,7 +4188,7 @@ void op2_r_sole_fixed_gravity_moments_sc(
     const int32_t e1 = op2_r_sole_fixed_narrow(((int64_t)sin_q[19] * r[41])
         + ((int64_t)cos_q[19] * r[42]), 30u);
     /* r_sho_roll */
-    const int32_t v_r_sho_roll_y = r[40] + t_r_el_x;
+    const int32_t v_r_sho_roll_y = op2_r_sole_fixed_add(r[40], t_r_el_x);
     const int32_t s_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[18])
         + ((int64_t)759250125 * cos_q[18]), 30u);
     const int32_t c_r_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[18])
@@ -4133,8 +4198,8 @@ void op2_r_sole_fixed_gravity_moments_sc(
     const int32_t t_r_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_r_sho_roll * r[39])
         + ((int64_t)s_r_sho_roll * v_r_sho_roll_y), 30u);
     /* r_sho_pitch */
-    const int32_t v_r_sho_pitch_x = r[37] - e1;
-    const int32_t v_r_sho_pitch_y = r[38] + t_r_sho_roll_x;
+    const int32_t v_r_sho_pitch_x = op2_r_sole_fixed_subtract(r[37], e1);
+    const int32_t v_r_sho_pitch_y = op2_r_sole_fixed_add(r[38], t_r_sho_roll_x);
     const int32_t t_r_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[17] * v_r_sho_pitch_x)
         - ((int64_t)sin_q[17] * v_r_sho_pitch_y), 30u);
     const int32_t t_r_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[17] * v_r_sho_pitch_x)
@@ -4145,7 +4210,7 @@ void op2_r_sole_fixed_gravity_moments_sc(
     const int32_t t_l_el_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[10] * r[35])
         - ((int64_t)cos_q[10] * r[36]), 30u);
     /* l_sho_roll */
-    const int32_t v_l_sho_roll_y = r[34] + t_l_el_x;
+    const int32_t v_l_sho_roll_y = op2_r_sole_fixed_add(r[34], t_l_el_x);
     const int32_t s_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * sin_q[9])
         - ((int64_t)759250125 * cos_q[9]), 30u);
     const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9])
@@ -4155,8 +4220,8 @@ void op2_r_sole_fixed_gravity_moments_sc(
     const int32_t t_l_sho_roll_y = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
         + ((int64_t)s_l_sho_roll * v_l_sho_roll_y), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + t_l_el_y;
-    const int32_t v_l_sho_pitch_y = r[32] + t_l_sho_roll_x;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], t_l_el_y);
+    const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_add(r[32], t_l_sho_roll_x);
     const int32_t t_l_sho_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_x)
         + ((int64_t)sin_q[8] * v_l_sho_pitch_y), 30u);
     const int32_t t_l_sho_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[8] * v_l_sho_pitch_y)
@@ -4167,35 +4232,35 @@ void op2_r_sole_fixed_gravity_moments_sc(
     const int32_t t_l_ank_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[7] * r[29])
         - ((int64_t)sin_q[7] * r[30]), 30u);
     /* l_ank_pitch */
-    const int32_t v_l_ank_pitch_y = r[28] + t_l_ank_roll_x;
+    const int32_t v_l_ank_pitch_y = op2_r_sole_fixed_add(r[28], t_l_ank_roll_x);
     const int32_t t_l_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * r[27])
         + ((int64_t)sin_q[6] * v_l_ank_pitch_y), 30u);
     const int32_t t_l_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[6] * v_l_ank_pitch_y)
         - ((int64_t)sin_q[6] * r[27]), 30u);
     /* l_knee */
-    const int32_t v_l_knee_x = r[25] + t_l_ank_pitch_x;
-    const int32_t v_l_knee_y = r[26] + t_l_ank_pitch_y;
+    const int32_t v_l_knee_x = op2_r_sole_fixed_add(r[25], t_l_ank_pitch_x);
+    const int32_t v_l_knee_y = op2_r_sole_fixed_add(r[26], t_l_ank_pitch_y);
     const int32_t t_l_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[5] * v_l_knee_x)
         - ((int64_t)sin_q[5] * v_l_knee_y), 30u);
     const int32_t t_l_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[5] * v_l_knee_x)
         + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
     /* l_hip_pitch */
-    const int32_t v_l_hip_pitch_x = r[23] + t_l_knee_x;
-    const int32_t v_l_hip_pitch_y = r[24] + t_l_knee_y;
+    const int32_t v_l_hip_pitch_x = op2_r_sole_fixed_add(r[23], t_l_knee_x);
+    const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_add(r[24], t_l_knee_y);
     const int32_t t_l_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[4] * v_l_hip_pitch_x)
         + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
     const int32_t t_l_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x)
         - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + t_l_ank_roll_y;
-    const int32_t v_l_hip_roll_y = r[22] + t_l_hip_pitch_x;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], t_l_ank_roll_y);
+    const int32_t v_l_hip_roll_y = op2_r_sole_fixed_add(r[22], t_l_hip_pitch_x);
     const int32_t t_l_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_x)
         + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
     const int32_t t_l_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y)
         - ((int64_t)sin_q[3] * v_l_hip_roll_x), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + t_l_hip_pitch_y;
-    const int32_t v_l_hip_yaw_y = r[20] + t_l_hip_roll_x;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], t_l_hip_pitch_y);
+    const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_add(r[20], t_l_hip_roll_x);
     const int32_t t_l_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_x)
         + ((int64_t)sin_q[2] * v_l_hip_yaw_y), 30u);
     const int32_t t_l_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[2] * v_l_hip_yaw_y)
@@ -4206,53 +4271,56 @@ void op2_r_sole_fixed_gravity_moments_sc(
     const int32_t t_head_tilt_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[1] * r[17])
         - ((int64_t)cos_q[1] * r[18]), 30u);
     /* head_pan */
-    const int32_t v_head_pan_x = r[15] + t_head_tilt_x;
+    const int32_t v_head_pan_x = op2_r_sole_fixed_add(r[15], t_head_tilt_x);
     const int32_t t_head_pan_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[0] * v_head_pan_x)
         - ((int64_t)sin_q[0] * r[16]), 30u);
     const int32_t t_head_pan_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[0] * v_head_pan_x)
         + ((int64_t)cos_q[0] * r[16]), 30u);
     /* r_hip_yaw */
-    const int32_t v_r_hip_yaw_x = (((r[13] + t_head_pan_x) + t_l_sho_pitch_x) + t_r_sho_pitch_x)
-        + t_l_hip_yaw_x;
-    const int32_t v_r_hip_yaw_y = (((r[14] + t_head_pan_y) + t_l_sho_roll_y) + t_r_sho_roll_y)
-        + t_l_hip_yaw_y;
-    const int32_t v_r_hip_yaw_z = ((t_head_tilt_y + t_l_sho_pitch_y) + t_r_sho_pitch_y)
-        + t_l_hip_roll_y;
+    const int32_t v_r_hip_yaw_x =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[13],
+        t_head_pan_x), t_l_sho_pitch_x), t_r_sho_pitch_x), t_l_hip_yaw_x);
+    const int32_t v_r_hip_yaw_y =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(r[14],
+        t_head_pan_y), t_l_sho_roll_y), t_r_sho_roll_y), t_l_hip_yaw_y);
+    const int32_t v_r_hip_yaw_z =
+        op2_r_sole_fixed_add(op2_r_sole_fixed_add(op2_r_sole_fixed_add(t_head_tilt_y,
+        t_l_sho_pitch_y), t_r_sho_pitch_y), t_l_hip_roll_y);
     const int32_t t_r_hip_yaw_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[11] * v_r_hip_yaw_x)
         + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
     const int32_t t_r_hip_yaw_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x)
         - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
     /* r_hip_roll */
-    const int32_t v_r_hip_roll_x = r[11] + t_r_hip_yaw_x;
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_x = op2_r_sole_fixed_add(r[11], t_r_hip_yaw_x);
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     const int32_t t_r_hip_roll_x = op2_r_sole_fixed_narrow(((int64_t)sin_q[12] * v_r_hip_roll_x)
         + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
     const int32_t t_r_hip_roll_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x)
         - ((int64_t)sin_q[12] * v_r_hip_roll_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + t_r_hip_yaw_y;
-    const int32_t v_r_hip_pitch_y = r[10] + t_r_hip_roll_x;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], t_r_hip_yaw_y);
+    const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_add(r[10], t_r_hip_roll_x);
     const int32_t t_r_hip_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[13] * v_r_hip_pitch_x)
         - ((int64_t)sin_q[13] * v_r_hip_pitch_y), 30u);
     const int32_t t_r_hip_pitch_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[13] * v_r_hip_pitch_x)
         + ((int64_t)cos_q[13] * v_r_hip_pitch_y), 30u);
     /* r_knee */
-    const int32_t v_r_knee_x = r[7] + t_r_hip_pitch_x;
-    const int32_t v_r_knee_y = r[8] + t_r_hip_pitch_y;
+    const int32_t v_r_knee_x = op2_r_sole_fixed_add(r[7], t_r_hip_pitch_x);
+    const int32_t v_r_knee_y = op2_r_sole_fixed_add(r[8], t_r_hip_pitch_y);
     const int32_t t_r_knee_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[14] * v_r_knee_x)
         - ((int64_t)sin_q[14] * v_r_knee_y), 30u);
     const int32_t t_r_knee_y = op2_r_sole_fixed_narrow(((int64_t)sin_q[14] * v_r_knee_x)
         + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
     /* r_ank_pitch */
-    const int32_t v_r_ank_pitch_x = r[5] + t_r_knee_x;
-    const int32_t v_r_ank_pitch_y = r[6] + t_r_knee_y;
+    const int32_t v_r_ank_pitch_x = op2_r_sole_fixed_add(r[5], t_r_knee_x);
+    const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_add(r[6], t_r_knee_y);
     const int32_t t_r_ank_pitch_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_y)
         - ((int64_t)sin_q[15] * v_r_ank_pitch_x), 30u);
     const int32_t t_r_ank_pitch_y = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x)
         + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + t_r_hip_roll_y;
-    const int32_t v_r_ank_roll_y = r[4] + t_r_ank_pitch_x;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], t_r_hip_roll_y);
+    const int32_t v_r_ank_roll_y = op2_r_sole_fixed_add(r[4], t_r_ank_pitch_x);
     const int32_t t_r_ank_roll_x = op2_r_sole_fixed_narrow(((int64_t)cos_q[16] * v_r_ank_roll_x)
         + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
     /* r_ank_pitch */
@@ -5539,7 +5607,7 @@ void op2_r_sole_fixed_cop_sc(
     const int32_t c_l_sho_roll = op2_r_sole_fixed_narrow(((int64_t)759250125 * cos_q[9])
         + ((int64_t)759250125 * sin_q[9]), 30u);
     /* l_sho_pitch */
-    const int32_t v_l_sho_pitch_x = r[31] + v_l_sho_roll_z;
+    const int32_t v_l_sho_pitch_x = op2_r_sole_fixed_add(r[31], v_l_sho_roll_z);
     const int32_t v_l_sho_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[32], 30u)
         - ((int64_t)s_l_sho_roll * r[33]) + ((int64_t)c_l_sho_roll * v_l_sho_roll_y), 30u);
     const int32_t v_l_sho_pitch_z = op2_r_sole_fixed_narrow(((int64_t)c_l_sho_roll * r[33])
@@ -5560,13 +5628,13 @@ void op2_r_sole_fixed_cop_sc(
     const int32_t v_l_hip_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[24], 30u)
         + ((int64_t)sin_q[5] * v_l_knee_x) + ((int64_t)cos_q[5] * v_l_knee_y), 30u);
     /* l_hip_roll */
-    const int32_t v_l_hip_roll_x = r[21] + v_l_ank_pitch_z;
+    const int32_t v_l_hip_roll_x = op2_r_sole_fixed_add(r[21], v_l_ank_pitch_z);
     const int32_t v_l_hip_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[22], 30u)
         + ((int64_t)sin_q[4] * v_l_hip_pitch_x) + ((int64_t)cos_q[4] * v_l_hip_pitch_y), 30u);
     const int32_t v_l_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[4] * v_l_hip_pitch_x)
         - ((int64_t)sin_q[4] * v_l_hip_pitch_y), 30u);
     /* l_hip_yaw */
-    const int32_t v_l_hip_yaw_x = r[19] + v_l_hip_roll_z;
+    const int32_t v_l_hip_yaw_x = op2_r_sole_fixed_add(r[19], v_l_hip_roll_z);
     const int32_t v_l_hip_yaw_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[20], 30u)
         + ((int64_t)cos_q[3] * v_l_hip_roll_x) + ((int64_t)sin_q[3] * v_l_hip_roll_y), 30u);
     const int32_t v_l_hip_yaw_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[3] * v_l_hip_roll_y)
@@ -5599,11 +5667,11 @@ void op2_r_sole_fixed_cop_sc(
     /* r_hip_roll */
     const int32_t v_r_hip_roll_x = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[11], 30u)
         + ((int64_t)sin_q[11] * v_r_hip_yaw_x) + ((int64_t)cos_q[11] * v_r_hip_yaw_y), 30u);
-    const int32_t v_r_hip_roll_y = r[12] + v_r_hip_yaw_z;
+    const int32_t v_r_hip_roll_y = op2_r_sole_fixed_add(r[12], v_r_hip_yaw_z);
     const int32_t v_r_hip_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[11] * v_r_hip_yaw_x)
         - ((int64_t)sin_q[11] * v_r_hip_yaw_y), 30u);
     /* r_hip_pitch */
-    const int32_t v_r_hip_pitch_x = r[9] + v_r_hip_roll_z;
+    const int32_t v_r_hip_pitch_x = op2_r_sole_fixed_add(r[9], v_r_hip_roll_z);
     const int32_t v_r_hip_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[10], 30u)
         + ((int64_t)sin_q[12] * v_r_hip_roll_x) + ((int64_t)cos_q[12] * v_r_hip_roll_y), 30u);
     const int32_t v_r_hip_pitch_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[12] * v_r_hip_roll_x)
@@ -5619,13 +5687,13 @@ void op2_r_sole_fixed_cop_sc(
     const int32_t v_r_ank_pitch_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[6], 30u)
         + ((int64_t)sin_q[14] * v_r_knee_x) + ((int64_t)cos_q[14] * v_r_knee_y), 30u);
     /* r_ank_roll */
-    const int32_t v_r_ank_roll_x = r[3] + v_r_hip_pitch_z;
+    const int32_t v_r_ank_roll_x = op2_r_sole_fixed_add(r[3], v_r_hip_pitch_z);
     const int32_t v_r_ank_roll_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[4], 30u)
         - ((int64_t)sin_q[15] * v_r_ank_pitch_x) + ((int64_t)cos_q[15] * v_r_ank_pitch_y), 30u);
     const int32_t v_r_ank_roll_z = op2_r_sole_fixed_narrow(((int64_t)cos_q[15] * v_r_ank_pitch_x)
         + ((int64_t)sin_q[15] * v_r_ank_pitch_y), 30u);
     /* r_sole */
-    const int32_t v_r_sole_x = r[0] + v_r_ank_roll_z;
+    const int32_t v_r_sole_x = op2_r_sole_fixed_add(r[0], v_r_ank_roll_z);
     const int32_t v_r_sole_y = op2_r_sole_fixed_narrow(op2_r_sole_fixed_shift_up(r[1], 30u)
         + ((int64_t)cos_q[16] * v_r_ank_roll_x) + ((int64_t)sin_q[16] * v_r_ank_roll_y), 30u);
     cop[0] = v_r_sole_x;
@@ -5735,7 +5803,7 @@ static int op2_r_sole_fixed_differs(
     return differs;
 }
 
-int op2_r_sole_fixed_selftest_18f0b39451e117a0(void)
+int op2_r_sole_fixed_selftest_3537f837fd025d55(void)
 {
     static const op2_r_sole_fixed_real q[20] = {
         299663360,
@@ -5846,5 +5914,5 @@ int op2_r_sole_fixed_selftest_18f0b39451e117a0(void)
 
 int op2_r_sole_fixed_selftest(void)
 {
-    return op2_r_sole_fixed_selftest_18f0b39451e117a0();
+    return op2_r_sole_fixed_selftest_3537f837fd025d55();
 }

@@ -3,6 +3,9 @@
 // robot          two_link (two_link.urdf, hash c175c51af134c318): 3 links, 2 independent joints
 // support frame  foot
 // parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
+// axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+//                and y in the sole plane; joints turn by the right-hand rule about their URDF
+//                axes; with all at 0, x of thigh points along (1.00, 0.00, 0.00)
 //
 // function                 mul     add   sin_cos   proven |rounding error|
 // com                        8       8         2   9.7e-16 (f64)  2.6e-7 m (f32)
@@ -13,7 +16,8 @@
 // regressor_cop              4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // regressor_full             4       2         2   1.3e-15 (f64)  6.6e-7 (f32)
 // cop                        6       6         2   7.9e-16 (f64)  2.2e-7 m (f32)
-// zmp                       58      43         2   1.5e-13 (f64)  5.6e-6 m (f32)  and 1 quotient
+// cop_jacobian               8       6         2   7.7e-16 (f64)  2.0e-7 m/rad (f32)
+// zmp                       58      43         2   1.5e-13 (f64)  5.6e-6 m (f32), 1 quotient
 // com_sc                     8       8         0   9.0e-16 (f64)  2.3e-7 m (f32)
 // com_jacobian_sc           12       8         0   7.9e-16 (f64)  2.0e-7 m/rad (f32)
 // com_velocity_sc           16      10         0   6.1e-15 (f64)  1.8e-6 m/s (f32)
@@ -22,7 +26,8 @@
 // regressor_cop_sc           4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // regressor_full_sc          4       2         0   8.9e-16 (f64)  4.8e-7 (f32)
 // cop_sc                     6       6         0   7.3e-16 (f64)  1.9e-7 m (f32)
-// zmp_sc                    58      43         0   1.5e-13 (f64)  5.0e-6 m (f32)  and 1 quotient
+// cop_jacobian_sc            8       6         0   7.2e-16 (f64)  1.7e-7 m/rad (f32)
+// zmp_sc                    58      43         0   1.5e-13 (f64)  5.0e-6 m (f32), 1 quotient
 // com_jacobian_along        16      10         0   1.0e-15 (f64)  3.4e-7 m/rad (f32)
 // regressor_along            8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
 // regressor_full_along       8       4         0   1.9e-15 (f64)  1.1e-6 (f32)
@@ -82,7 +87,7 @@ pub const JOINT_UPPER: [f64; DOF] = [
     0.0, // knee
 ];
 
-/// Total mass from CAD, kg: gravity moments times this and g are in N m.
+/// Total mass from CAD, kg: gravity moments times this and g are N m; a motor applies the opposite.
 #[allow(dead_code, clippy::all)]
 pub const TOTAL_MASS_KG: f64 = 10.0;
 
@@ -144,7 +149,7 @@ pub fn com_velocity<T: Real>(q: &[T; DOF], qd: &[T; DOF], r: &[T; BASE_PARAMS]) 
     TwoLinkFoot::com_velocity(q, qd, r)
 }
 
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
+/// The moment that gravity exerts about each joint, per kg of total mass times g, m: −∂CoM_z/∂q; a motor that holds the posture applies the opposite.
 #[allow(dead_code)]
 #[inline]
 pub fn gravity_moments<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; DOF] {
@@ -177,6 +182,13 @@ pub fn regressor_full<T: Real>(q: &[T; DOF]) -> [[T; FULL_PARAMS]; 3] {
 #[inline]
 pub fn cop<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     TwoLinkFoot::cop(q, r)
+}
+
+/// ∂cop/∂q, m/rad (m/m for prismatic joints), rows x and y: how the predicted reading moves with what encoders read.
+#[allow(dead_code)]
+#[inline]
+pub fn cop_jacobian<T: Real>(q: &[T; DOF], r: &[T; BASE_PARAMS]) -> [[T; DOF]; 2] {
+    TwoLinkFoot::cop_jacobian(q, r)
 }
 
 /// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
@@ -222,7 +234,7 @@ pub fn com_velocity_sc<T: Real>(
     TwoLinkFoot::com_velocity_sc(sin, cos, qd, r)
 }
 
-/// Moment of gravity about each joint, per kg of total mass and g: −∂CoM_z/∂q, m.
+/// The moment that gravity exerts about each joint, per kg of total mass times g, m: −∂CoM_z/∂q; a motor that holds the posture applies the opposite.
 ///
 /// From sines and cosines; a prismatic joint passes its position in `sin`.
 #[allow(dead_code)]
@@ -269,6 +281,19 @@ pub fn regressor_full_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF]) -> [[T; FULL_P
 #[inline]
 pub fn cop_sc<T: Real>(sin: &[T; DOF], cos: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
     TwoLinkFoot::cop_sc(sin, cos, r)
+}
+
+/// ∂cop/∂q, m/rad (m/m for prismatic joints), rows x and y: how the predicted reading moves with what encoders read.
+///
+/// From sines and cosines; a prismatic joint passes its position in `sin`.
+#[allow(dead_code)]
+#[inline]
+pub fn cop_jacobian_sc<T: Real>(
+    sin: &[T; DOF],
+    cos: &[T; DOF],
+    r: &[T; BASE_PARAMS],
+) -> [[T; DOF]; 2] {
+    TwoLinkFoot::cop_jacobian_sc(sin, cos, r)
 }
 
 /// Zero-moment point, m: c − (c_z c̈ + L̇⊥/M)/(g + c̈_z), L̇ by the URDF's masses and inertias.
@@ -395,6 +420,15 @@ impl v1::Robot for TwoLinkFoot {
     }
 
     #[inline(always)]
+    fn cop_jacobian_into<T: Real>(
+        q: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+        jacobian: &mut [[T; DOF]; 2],
+    ) {
+        TwoLinkFoot::cop_jacobian_core(&v1::Positions::new(q), r, jacobian);
+    }
+
+    #[inline(always)]
     fn zmp<T: Real>(q: &[T; DOF], qd: &[T; DOF], qdd: &[T; DOF], r: &[T; BASE_PARAMS]) -> [T; 2] {
         TwoLinkFoot::zmp_core(&v1::Positions::new(q), qd, qdd, r)
     }
@@ -503,6 +537,17 @@ impl v1::SinCosRobot for TwoLinkFoot {
         let v_foot_x = cos[0].mul_plus(v_ankle_x, r[0]);
         let v_foot_x = sin[0].mul_plus(v_ankle_y, v_foot_x);
         [v_foot_x, r[1]]
+    }
+
+    #[inline(always)]
+    fn cop_jacobian_sc<T: Real>(
+        sin: &[T; DOF],
+        cos: &[T; DOF],
+        r: &[T; BASE_PARAMS],
+    ) -> [[T; DOF]; 2] {
+        let mut jacobian = [[T::from_f64(0.0); DOF]; 2];
+        TwoLinkFoot::cop_jacobian_core(&(sin, cos), r, &mut jacobian);
+        jacobian
     }
 
     #[inline(always)]
@@ -700,6 +745,31 @@ impl TwoLinkFoot {
         rows[0][8] = bx_knee_y;
         let bz_knee_x = -bx_knee_y;
         rows[2][6] = bz_knee_x;
+    }
+
+    #[inline(always)]
+    fn cop_jacobian_core<T: Real>(
+        angles: &impl v1::Angles<T>,
+        r: &[T; BASE_PARAMS],
+        jacobian: &mut [[T; DOF]; 2],
+    ) {
+        let zero = T::from_f64(0.0);
+        jacobian[1][0] = zero;
+        jacobian[1][1] = zero;
+        // knee
+        let (s_knee, c_knee) = angles.sin_cos(1);
+        // ankle
+        let (s_ankle, c_ankle) = angles.sin_cos(0);
+        // knee
+        let tm_knee_x = c_knee.mul_plus(r[5], s_knee * r[6]);
+        let tm_knee_y = c_knee.mul_plus(r[6], -(s_knee * r[5]));
+        // ankle
+        let vm_ankle_x = r[3] + tm_knee_x;
+        let vm_ankle_y = r[4] + tm_knee_y;
+        let tm_ankle_y = c_ankle.mul_plus(vm_ankle_y, -(s_ankle * vm_ankle_x));
+        jacobian[0][0] = tm_ankle_y;
+        // knee
+        jacobian[0][1] = -s_ankle.mul_plus(tm_knee_x, -(c_ankle * tm_knee_y));
     }
 
     #[inline(always)]

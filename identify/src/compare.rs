@@ -20,11 +20,11 @@ use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
-use sesc_model::effects::about::subject;
 use sesc_model::{EffectRecord, ModelFile};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, Normal};
 
 use crate::Error;
+use crate::diagnose::subject;
 use criteria::{CHANCE, LEAST_CHANCE, LISTED};
 
 /// A number in both models.
@@ -396,13 +396,13 @@ fn sentence(found: &Comparison) -> String {
         own.collect::<Vec<_>>().join(", ")
     };
     for (change, what) in [
-        (Change::Appeared, "Only the second model has"),
-        (Change::Gone, "Only the first model has"),
+        (Change::Appeared, "These effects appeared:"),
+        (Change::Gone, "These effects are gone:"),
         (Change::Changed, "These effects differ by more than chance:"),
         (Change::Same, "These effects differ by no more than chance:"),
         (
             Change::Unknown,
-            "These effects differ, and the files give no deviations to judge them by:",
+            "These effects differ, and no deviations are known to judge them by:",
         ),
     ] {
         let labels = labels(change);
@@ -411,7 +411,9 @@ fn sentence(found: &Comparison) -> String {
         }
     }
     said.push(match found.chance {
-        None => "The files give no deviations of the masses' parameters to judge them by.".into(),
+        None => {
+            "Deviations of the masses' parameters are not known, so these are not judged.".into()
+        }
         Some(_) if found.chi2 == 0.0 => "The masses' parameters are the same.".into(),
         Some(chance) if chance < CHANCE => format!(
             "The masses' parameters differ by more than chance: without a change a difference \
@@ -434,7 +436,7 @@ fn sentence(found: &Comparison) -> String {
         );
     }
     if !found.same_urdf {
-        said.push("The two files are of different URDFs; parameters are compared by name.".into());
+        said.push("The two are of different URDFs; parameters are compared by name.".into());
     }
     said.join(" ")
 }

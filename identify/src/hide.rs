@@ -3,13 +3,21 @@
 //! ```text
 //! EFFECT[:TARGET][=VALUE[UNIT][,VALUE[UNIT]…]]      values in the order of its parameters
 //! ```
+//!
+//! A number without its unit that was hardly meant in rad, m or kg is refused.
 
 use std::collections::BTreeMap;
 
-use sesc_model::effects::{Catalog, EffectContext, Parameter};
+use sesc_model::effects::{Catalog, EffectContext, Parameter, Unit};
 use sesc_model::{EffectRecord, Model, ModelFile, Quantity};
 
 use crate::Error;
+
+/// An angle (rad) and a length (m) that are given without their unit are no larger.
+const ANGLE_RAD: f64 = 0.6;
+const LENGTH_M: f64 = 1.0;
+/// A mass that is given without its unit is no larger a part of what the robot weighs.
+const PART: f64 = 3.0;
 
 /// The model with effects hidden in it, in the words of the module's head.
 ///
@@ -37,7 +45,9 @@ pub fn hide<S: AsRef<str>>(model: Model, effects: &[S]) -> Result<Model, Error> 
     }
     let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
     let context = EffectContext::new(&model, cells, false, Catalog::standard());
-    let records = effects.iter().map(|text| record(&context, text.as_ref()));
+    let robot_kg = model.tree.mass;
+    let records = effects.iter();
+    let records = records.map(|text| record(&context, robot_kg, text.as_ref()));
     let records: Vec<EffectRecord> = records.collect::<Result<_, _>>()?;
     let mut file = match &model.file {
         Some(file) => file.clone(),
@@ -52,7 +62,7 @@ pub fn hide<S: AsRef<str>>(model: Model, effects: &[S]) -> Result<Model, Error> 
 }
 
 /// One effect as a model file has it.
-fn record(context: &EffectContext, text: &str) -> Result<EffectRecord, Error> {
+fn record(context: &EffectContext, robot_kg: f64, text: &str) -> Result<EffectRecord, Error> {
     let bad = |reason: String| Error::request(format!("`{text}`: {reason}"));
     let (name, values) = match text.rsplit_once('=') {
         Some((name, values)) => (name, Some(values)),
@@ -103,7 +113,7 @@ fn record(context: &EffectContext, text: &str) -> Result<EffectRecord, Error> {
     }
     let mut record = record;
     for (parameter, value) in parameters.iter().zip(values) {
-        let value = quantity(parameter, value.trim()).map_err(bad)?;
+        let value = quantity(parameter, robot_kg, value.trim()).map_err(bad)?;
         let value = Quantity { value, std: None };
         record.parameters.insert(parameter.name.to_string(), value);
     }
@@ -111,7 +121,7 @@ fn record(context: &EffectContext, text: &str) -> Result<EffectRecord, Error> {
 }
 
 /// `1.5deg` of a parameter in radians.
-fn quantity(parameter: &Parameter, text: &str) -> Result<f64, String> {
+fn quantity(parameter: &Parameter, robot_kg: f64, text: &str) -> Result<f64, String> {
     let units = parameter.unit.spellings();
     let unit = units.iter().find(|(unit, _)| text.ends_with(unit));
     let (number, factor) = match unit {
@@ -119,14 +129,36 @@ fn quantity(parameter: &Parameter, text: &str) -> Result<f64, String> {
         None => (text, 1.0),
     };
     let value = number.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-    value.map(|x| factor * x).ok_or_else(|| {
+    let value = value.ok_or_else(|| {
         let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
         format!(
             "`{text}` is no value of {}; give a number, with one of the units {} or none",
             parameter.name,
             names.join(", ")
         )
-    })
+    })?;
+    let bound = match parameter.unit {
+        Unit::Radian => Some((
+            ANGLE_RAD,
+            "deg",
+            "rad",
+            format!("{:.0}°", value.to_degrees()),
+        )),
+        Unit::Metre => Some((LENGTH_M, "mm", "m", format!("{} mm", 1e3 * value))),
+        Unit::Kilogram => {
+            let shown = format!("the robot weighs {robot_kg:.3} kg");
+            Some((PART * robot_kg, "g", "kg", shown))
+        }
+        _ => None,
+    };
+    match bound.filter(|(most, ..)| unit.is_none() && value.abs() > *most) {
+        Some((_, meant, own, shown)) => Err(format!(
+            "{text} of {} is {text} {own} ({shown}); give its unit: {text}{meant}, or {text}{own} \
+             if that is meant",
+            parameter.name
+        )),
+        None => Ok(factor * value),
+    }
 }
 
 #[cfg(test)]
@@ -183,6 +215,18 @@ mod tests {
             ("joint_offset:hip", wanted),
             ("joint_sign:hip=1", "takes no value"),
             ("joint_offset:hip=NaN", "no value of offset_rad"),
+            (
+                "joint_offset:hip=1.2",
+                "is 1.2 rad (69°); give its unit: 1.2deg, or 1.2rad",
+            ),
+            (
+                "joint_offset:lift=-3",
+                "is -3 m (-3000 mm); give its unit: -3mm",
+            ),
+            (
+                "payload:bob=200,0,0,0",
+                "the robot weighs 3.000 kg); give its unit: 200g",
+            ),
             ("time_delay=20ms", "shift the joint columns"),
             ("cell_gain:0=1%", "give a model file with `cells`"),
         ] {

@@ -60,8 +60,8 @@ pub enum NextStep {
     WidenRange {
         /// The joint.
         joint: String,
-        /// Its smallest detectable offset, with the unit.
-        detectable: String,
+        /// Its offsets that the log does not show: `up to 47°`.
+        unseen: String,
     },
     /// Look at the page of the diagnosis.
     LookAtPage,

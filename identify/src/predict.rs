@@ -173,12 +173,23 @@ impl Predictor {
         };
         let dofs = stance.robot.description.dofs();
         let reader = PostureReader::open(log, &dofs, &options)?;
+        let mut stance = stance.clone();
+        if stance.support.is_none() && reader.is_recording() {
+            let with_readings = Options {
+                readings: Readings::Optional,
+                ..options.clone()
+            };
+            let first = PostureReader::open(log, &dofs, &with_readings)?.first_support()?;
+            stance.support = first
+                .filter(|link| !link.is_empty())
+                .map(|link| link.to_string());
+        }
         let reader = match motion {
             MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?,
             MotionModel::Off => Moving::new(reader, dofs.len(), None, Wanted::Alone),
         };
         let mut predictor = Predictor {
-            stance: stance.clone(),
+            stance,
             log: log.name().to_string(),
             reader,
             evaluators: HashMap::new(),
@@ -283,7 +294,7 @@ impl Predictor {
             if self.evaluators.is_empty() {
                 let notes = model.tree.notes.iter().cloned();
                 notes
-                    .chain(model.left_out())
+                    .chain(model.cautions())
                     .for_each(|note| watch.note(&note));
             }
             let evaluators = Evaluators {

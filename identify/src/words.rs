@@ -16,6 +16,8 @@ pub enum Setting {
     Candidates,
     /// Least height of links above the ground.
     Clearance,
+    /// What columns of other names are: the name in the log, then ours.
+    Columns,
     /// Half the side of a square for the CoP.
     CopBox,
     /// Logs.
@@ -73,6 +75,7 @@ impl Setting {
             Setting::Angles => "angles",
             Setting::Candidates => "candidates",
             Setting::Clearance => "clearance",
+            Setting::Columns => "columns",
             Setting::CopBox => "cop_box",
             Setting::Data => "data",
             Setting::Feature(name) => name,

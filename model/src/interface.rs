@@ -43,7 +43,7 @@ pub enum Function {
     ComJacobian,
     /// The velocity of the centre of mass.
     ComVelocity,
-    /// Moments of gravity about the joints.
+    /// The moments that gravity exerts about the joints.
     GravityMoments,
     /// The base regressor of the CoM.
     Regressor,
@@ -53,6 +53,8 @@ pub enum Function {
     RegressorFull,
     /// The predicted reading of the centre of pressure.
     Cop,
+    /// Its derivative with respect to what encoders read.
+    CopJacobian,
     /// The zero-moment point of a robot that moves.
     Zmp,
     /// The CoP that a reading was made of, where the model has effects of the sensor.
@@ -63,7 +65,7 @@ const XYZ: &[usize] = &[0, 1, 2];
 
 impl Function {
     /// Those of a posture, which every robot has.
-    pub const ALL: [Function; 9] = [
+    pub const ALL: [Function; 10] = [
         Function::Com,
         Function::ComJacobian,
         Function::ComVelocity,
@@ -72,6 +74,7 @@ impl Function {
         Function::RegressorCop,
         Function::RegressorFull,
         Function::Cop,
+        Function::CopJacobian,
         Function::Zmp,
     ];
 
@@ -115,10 +118,12 @@ impl Function {
                 columns: Extent::Dof,
                 takes_parameters: true,
                 unit: "m",
-                sentence: "Moment of gravity about each joint, per kg of total mass and g: \
-                           −∂CoM_z/∂q, m.",
-                ascii: "Moment of gravity about each joint, per kg of total mass times g, m: \
-                        -d CoM_z / d q.",
+                sentence: "The moment that gravity exerts about each joint, per kg of total mass \
+                           times g, m: −∂CoM_z/∂q; a motor that holds the posture applies the \
+                           opposite.",
+                ascii: "The moment that gravity exerts about each joint, per kg of total mass \
+                        times g, m: -d CoM_z / d q; a motor that holds the posture applies the \
+                        opposite.",
             },
             Function::Regressor => Interface {
                 name: "regressor",
@@ -159,6 +164,18 @@ impl Function {
                 unit: "m",
                 sentence: "Centre of pressure that a static posture shows on a level sole, m.",
                 ascii: "Centre of pressure of a static posture on a level sole, m.",
+            },
+            Function::CopJacobian => Interface {
+                name: "cop_jacobian",
+                result: "jac",
+                axes: &[0, 1],
+                columns: Extent::Dof,
+                takes_parameters: true,
+                unit: "m/rad (m/m for prismatic joints)",
+                sentence: "∂cop/∂q, m/rad (m/m for prismatic joints), rows x and y: how the \
+                           predicted reading moves with what encoders read.",
+                ascii: "d cop / d q, m/rad (m/m for prismatic joints), row-major: x, y; how the \
+                        predicted reading moves with what encoders read.",
             },
             Function::Zmp => Interface {
                 name: "zmp",
@@ -201,7 +218,7 @@ impl Function {
             Function::Regressor | Function::RegressorCop | Function::RegressorFull => {
                 Some("With the wiring, offsets and scales named above; rows know no masses.")
             }
-            Function::Cop | Function::CorrectCop => None,
+            Function::Cop | Function::CopJacobian | Function::CorrectCop => None,
         }
     }
 

@@ -114,6 +114,16 @@ fn primes() -> impl Iterator<Item = usize> {
     (2..).filter(|&n: &usize| (2..).take_while(|d| d * d <= n).all(|d| n % d != 0))
 }
 
+/// Rows beyond the columns that are enough for any number of them.
+const SPARE: usize = 600;
+
+/// How many postures tell the rank of so many columns, where each gives so many `rows`: four times
+/// the rows that are needed, and no more beyond them than are enough, since what they cost goes
+/// with rows · columns².
+pub fn enough(columns: usize, rows: usize) -> usize {
+    (4 * columns).min(columns + SPARE) / rows + 30
+}
+
 /// Pivots of a matrix of `columns` columns, given row by row, by QR with column pivoting,
 /// relative to the largest one: as many as are above a tolerance are its numeric rank.
 pub fn pivots(rows: &[f64], columns: usize) -> Vec<f64> {
@@ -129,4 +139,16 @@ pub fn pivots(rows: &[f64], columns: usize) -> Vec<f64> {
     (0..r.nrows().min(r.ncols()))
         .map(|k| r[(k, k)].abs() / largest)
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn postures_are_enough_and_not_four_times_as_many_for_many_columns() {
+        assert_eq!([enough(20, 3), enough(200, 2)], [56, 430]);
+        assert!((1..5000).all(|columns| 3 * enough(columns, 3) > columns + 80));
+        assert!(2 * enough(2000, 2) < 2700);
+    }
 }

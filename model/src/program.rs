@@ -268,6 +268,12 @@ impl Program {
         }
     }
 
+    /// What bounds take node `id` to be at least, where they take anything.
+    #[doc(hidden)]
+    pub fn least(&self, id: Id) -> Option<f64> {
+        self.least.get(&id).copied()
+    }
+
     /// What node `id` is.
     #[doc(hidden)]
     pub fn expr(&self, id: Id) -> Expr {

@@ -159,6 +159,21 @@ impl Robot {
             .collect()
     }
 
+    /// The heaviest link, and where its x axis points in the support frame while every joint is
+    /// at zero.
+    #[doc(hidden)]
+    pub fn heaviest_ahead(&self) -> Option<(&str, [f64; 3])> {
+        let links = self.tree.links.iter().zip(&self.chain.places);
+        let placed = links.filter_map(|(link, place)| Some((link, place.as_ref()?)));
+        let (link, place) = placed.reduce(|most, next| match next.0.mass > most.0.mass {
+            true => next,
+            false => most,
+        })?;
+        let bodies = numeric::orientations(&self.chain, &vec![0.0; self.dof()]);
+        let ahead = bodies[place.body] * place.orientation.column(0);
+        Some((&link.name, ahead.into()))
+    }
+
     /// CoM as the plain sum r_0 + Σ B_i r_i over full CAD parameters, m; by
     /// numeric rotations, without frames, expressions or programs.
     #[doc(hidden)]

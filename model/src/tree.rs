@@ -33,6 +33,8 @@ use snaps::snaps;
 #[doc(hidden)]
 pub use edge::{Axis, Coordinate, Edge, Motion};
 #[doc(hidden)]
+pub use snaps::snapped;
+#[doc(hidden)]
 pub use sole::{below, is_support, like_sole, sole_of, sole_parts};
 #[doc(hidden)]
 pub use supports::{feet, is_sole, on_many_feet, support_rank};
@@ -56,6 +58,8 @@ pub struct Link {
     pub(crate) com: Vector3<f64>,
     /// Inertia about the centre of mass in the axes of the link frame, kg m².
     pub(crate) inertia: Matrix3<f64>,
+    /// No body of its mass and size has that inertia.
+    pub(crate) inertia_is_refuted: bool,
 }
 
 impl Link {
@@ -180,16 +184,17 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         .collect();
     let support = index[support];
     check_size(robot)?;
-    let links: Vec<Link> = robot
-        .links
-        .iter()
-        .map(|link| Link {
-            name: link.name.clone(),
-            mass: link.inertial.mass_kg,
-            com: Vector3::from(link.inertial.origin.xyz),
-            inertia: inertia(&link.inertial),
-        })
-        .collect();
+    let of = |link: &urdf::Link| Link {
+        name: link.name.clone(),
+        mass: link.inertial.mass_kg,
+        com: Vector3::from(link.inertial.origin.xyz),
+        inertia: inertia(&link.inertial),
+        inertia_is_refuted: false,
+    };
+    let mut links: Vec<Link> = robot.links.iter().map(of).collect();
+    for (link, _) in description.refuted_inertias() {
+        links[link].inertia_is_refuted = true;
+    }
 
     let (dofs, coordinates) = coordinates(robot);
     let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
@@ -200,6 +205,7 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
 
     // Depth first, on an explicit stack: chains may be thousands of links deep.
     let mut edges = Vec::new();
+    let mut odd_rotations = Vec::new();
     let mut errors = Vec::new(); // rotation error of each edge, beside `edges`
     let mut seen = vec![false; links.len()];
     seen[support] = true;
@@ -221,15 +227,8 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
             continue;
         }
         seen[far] = true;
-        let (edge, error) = edge(
-            joint,
-            near,
-            far,
-            reversed,
-            coordinates[j],
-            snapping,
-            &mut notes,
-        );
+        let (edge, error, odd) = edge(joint, near, far, reversed, coordinates[j], snapping);
+        odd_rotations.extend(odd.map(|said| (far, said)));
         edges.push(edge);
         errors.push(error);
         stack.extend(
@@ -240,6 +239,14 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
                 .map(|&k| (far, k)),
         );
     }
+
+    // Rotations of what has no mass enter no number.
+    let mut carried: Vec<f64> = links.iter().map(|link| link.mass).collect();
+    for edge in edges.iter().rev() {
+        carried[edge.near] += carried[edge.far];
+    }
+    odd_rotations.retain(|(far, _)| carried[*far] > 0.0);
+    notes.extend(odd_rotations.into_iter().map(|(_, said)| said));
 
     let mut tree = Tree {
         robot: description.name.clone(),
@@ -265,6 +272,11 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         return Err(Problem::NoMass { file }.into());
     }
     tree.snaps = snaps(&tree, &errors);
+    // No advice along a z that is not up.
+    let support = tree.links[tree.support].name.clone();
+    let standing = sole::turned(description, &tree);
+    tree.notes
+        .extend(standing.or_else(|| below(description, &support)));
     Ok(tree)
 }
 
@@ -335,6 +347,32 @@ impl Dof {
 }
 
 impl Tree {
+    /// The CoM in the support frame where every joint is in the middle of its range, m.
+    fn com_in_the_middle(&self) -> [f64; 3] {
+        let none = (Matrix3::identity(), Vector3::zeros());
+        let mut frames = vec![none; self.links.len()];
+        let mut first = self.links[self.support].com * self.links[self.support].mass;
+        let at = |by: &Coordinate| {
+            let dof = &self.dofs[by.dof];
+            by.factor * (0.5 * (dof.lower + dof.upper)) + by.offset
+        };
+        for edge in &self.edges {
+            let (turned, origin) = frames[edge.near];
+            let (own, moved) = match &edge.motion {
+                Motion::Fixed => (Matrix3::identity(), Vector3::zeros()),
+                Motion::Revolute { axis, by } => (snap::about(&axis.0, at(by)), Vector3::zeros()),
+                Motion::Prismatic { axis, by } => (Matrix3::identity(), axis.0 * at(by)),
+            };
+            let place = origin + turned * (edge.anchor + moved);
+            let turned = turned * edge.rotation * own;
+            let frame = (turned, place - turned * edge.offset);
+            let link = &self.links[edge.far];
+            first += (frame.1 + turned * link.com) * link.mass;
+            frames[edge.far] = frame;
+        }
+        (first / self.mass).into()
+    }
+
     /// Largest |θ| of a coordinate over the limits of its joint, rad or m.
     pub(crate) fn stroke(&self, by: &Coordinate) -> f64 {
         let dof = &self.dofs[by.dof];

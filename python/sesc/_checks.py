@@ -162,7 +162,7 @@ class Comparison(Found):
     def _repr_html_(self) -> str:
         from ._html import framed
 
-        return framed(self._state["page"])
+        return framed(self._state["page"], str(self))
 
 
 class Verification(Found):

@@ -15,6 +15,7 @@ from ._found import FoundInLogs
 from ._model import Model, Robot, restored
 from ._postures import Postures
 from ._run import Progress
+from ._words import Angles, Motion, Prior, Verdict
 
 __all__ = ["Diagnosis", "Quantity", "Step", "diagnose"]
 
@@ -96,14 +97,15 @@ class Diagnosis(FoundInLogs):
     """
 
     @property
-    def verdict(self) -> str:
-        """``none``, ``named``, ``class``, ``absorbed``, ``unexplained`` or ``unusable``.
+    def verdict(self) -> Verdict:
+        """``none``, ``named``, ``class``, ``absorbed``, ``unexplained``, ``too_short`` or ``unusable``.
 
         Example:
             >>> found.verdict in ("named", "class")
             True
         """
-        return str(self._found["verdict"])
+        found: Verdict = self._found["verdict"]
+        return found
 
     @property
     def sentence(self) -> str:
@@ -243,7 +245,7 @@ class Diagnosis(FoundInLogs):
     def _repr_html_(self) -> str:
         from ._html import framed
 
-        return framed(self._state["page"])
+        return framed(self._state["page"], str(self))
 
 
 def diagnose(
@@ -252,11 +254,11 @@ def diagnose(
     *,
     then: Any = (),
     support: str | None = None,
-    angles: str | None = None,
-    prior: str | os.PathLike[str] = "tight",
+    angles: Angles | None = None,
+    prior: Prior = "tight",
     noise: float | None = None,
     floor: float = 1e-4,
-    motion: str = "auto",
+    motion: Motion = "auto",
     settle: float | None = None,
     servos: str | os.PathLike[str] | None = None,
     mcap: str | os.PathLike[str] | None = None,

@@ -16,6 +16,7 @@ from ._log import Log
 from ._model import Model, Robot, restored
 from ._part import Part, options_of
 from ._run import Progress
+from ._words import Angles, Duplicates, Motion, Prior, Robust
 
 __all__ = ["CorrectedUrdf", "Fit", "Parameter", "fit"]
 
@@ -285,7 +286,7 @@ class Fit(FoundInLogs):
     def _repr_html_(self) -> str:
         from ._html import framed
 
-        return framed(self._page())
+        return framed(self._page(), str(self))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Fit, ({**self._state, "page": self._page(), "masses": self._masses()},)
@@ -296,17 +297,17 @@ def fit(
     log: Any = None,
     *,
     support: str | None = None,
-    angles: str | None = None,
-    prior: str | os.PathLike[str] = "cad",
+    angles: Angles | None = None,
+    prior: Prior = "cad",
     noise: float | None = None,
-    robust: str | None = None,
+    robust: Robust | None = None,
     folds: int | None = None,
     range: float | None = None,
     physical: bool = False,
-    motion: str = "auto",
+    motion: Motion = "auto",
     settle: float | None = None,
     unit: str | None = None,
-    duplicates: str = "refuse",
+    duplicates: Duplicates = "refuse",
     progress: Progress = False,
 ) -> Fit:
     """Identify the parameters of a robot from posture logs.

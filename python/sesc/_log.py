@@ -14,6 +14,7 @@ from . import _arrow, _sesc
 from ._arrays import Float64, unmasked
 from ._errors import ArgumentTypeError, LogError
 from ._found import Finding
+from ._words import Angles
 
 if TYPE_CHECKING:
     from ._model import Robot
@@ -34,7 +35,7 @@ class Log:
         columns: ``{"name in the log": "our name"}``.
         name: what messages call the log.
         robot: whose log it is; :attr:`health` then knows more.
-        readings_per_pose, cells, gravity, both_feet, other_foot, topic, experiment: as in the sidecar of a log file,
+        readings_per_pose, cells, gravity, both_feet, other_foot, topic, joints_topic, experiment: as in the sidecar of a log file,
             over which all of these win.
 
     A table is copied: later changes of it do not reach the log.
@@ -52,7 +53,7 @@ class Log:
         data: Any,
         *,
         support: str | None = None,
-        angles: str | None = None,
+        angles: Angles | None = None,
         columns: Mapping[str, str] | None = None,
         name: str | None = None,
         robot: Robot | None = None,
@@ -62,6 +63,7 @@ class Log:
         both_feet: bool | None = None,
         other_foot: str | None = None,
         topic: str | None = None,
+        joints_topic: str | None = None,
         experiment: str | None = None,
     ) -> None:
         settings = {
@@ -73,6 +75,7 @@ class Log:
             "both_feet": both_feet,
             "other_foot": other_foot,
             "topic": topic,
+            "joints_topic": joints_topic,
             "experiment": experiment,
             "columns": None if columns is None else dict(columns),
         }

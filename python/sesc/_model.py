@@ -14,6 +14,7 @@ import numpy as np
 from . import _sesc
 from ._arrays import Float64, floats
 from ._errors import ArgumentError, ArgumentTypeError, SescError, make
+from ._words import Layout, Scalar
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -199,9 +200,9 @@ class Model(_sesc.Model):
         self,
         folder: str | os.PathLike[str],
         *,
-        scalar: str = "f64",
+        scalar: Scalar | None = None,
         name: str | None = None,
-        layout: str = "bare",
+        layout: Layout = "bare",
         ticks: bool | None = None,
         servos: str | os.PathLike[str] | None = None,
         estimator: bool = False,
@@ -212,7 +213,8 @@ class Model(_sesc.Model):
 
         Args:
             folder: made if need be; files that would not change are left alone.
-            scalar: ``"f64"``, ``"f32"`` or ``"fixed32"`` (for processors without FPU).
+            scalar: ``"f64"``, ``"f32"`` or ``"fixed32"`` (for processors without FPU); ``"f64"`` unless
+                given, of the layouts for boards (Arduino, PlatformIO) ``"f32"``.
             name: prefix of the C names; robot and support unless given.
             layout: ``"bare"``, ``"cmake"``, ``"platformio"`` or ``"arduino"``.
             ticks: functions of servo ticks; for f32 and fixed32 unless given.

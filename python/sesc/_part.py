@@ -11,6 +11,7 @@ from ._errors import PartError, check_first, unreadable
 from ._found import Finding
 from ._model import Robot
 from ._run import Progress
+from ._words import Angles, Motion, Prior, Robust
 
 __all__ = ["Part", "gather", "options_of"]
 
@@ -212,12 +213,12 @@ def gather(
     log: Any,
     *,
     support: str | None = None,
-    angles: str | None = None,
-    prior: str | os.PathLike[str] = "cad",
+    angles: Angles | None = None,
+    prior: Prior = "cad",
     noise: float | None = None,
-    robust: str | None = None,
+    robust: Robust | None = None,
     folds: int | None = None,
-    motion: str = "auto",
+    motion: Motion = "auto",
     settle: float | None = None,
     unit: str | None = None,
     progress: Progress = False,
@@ -249,14 +250,14 @@ def gather(
 
 def options_of(
     support: str | None,
-    angles: str | None,
-    prior: str | os.PathLike[str],
+    angles: Angles | None,
+    prior: Prior,
     noise: float | None,
-    robust: str | None,
+    robust: Robust | None,
     folds: int | None,
     range: float | None,
     physical: bool,
-    motion: str,
+    motion: Motion,
     settle: float | None,
     unit: str | None,
 ) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from ._found import Found
 from ._log import Log
 from ._model import Model, Robot
 from ._run import Progress
+from ._words import Angles, Motion, Prior
 
 __all__ = ["Plan", "Postures", "plan", "predict", "simulate"]
 
@@ -37,11 +38,11 @@ class Postures:
 
     q: Float64
     experiment: str | None
-    #: Number of the first posture.
-    _first = 0
 
     def __init__(self, model: Model, q: Float64, experiment: str | None = None) -> None:
         self._model, self.q, self.experiment = model, q, experiment
+        #: The number of each row's posture.
+        self._numbers = np.arange(len(q))
 
     @property
     def joints(self) -> list[str]:
@@ -75,11 +76,8 @@ class Postures:
             'foot'
         """
         q = np.ascontiguousarray(self.q, dtype=np.float64)
-        about = (self.experiment, self._other_foot(), self._first, self._again())
-        _sesc.write_postures(self._model, q, os.fspath(path), *about)
-
-    def _again(self) -> list[int]:
-        return []
+        numbers = self._numbers.tolist()
+        _sesc.write_postures(self._model, q, numbers, os.fspath(path), self.experiment, self._other_foot())
 
     def _other_foot(self) -> str | None:
         return None
@@ -106,7 +104,7 @@ class Postures:
             ['pose', 'hip']
         """
         columns = {joint: self.q[:, k] for k, joint in enumerate(self.joints)}
-        return {"pose": self._first + np.arange(len(self.q)), **columns}
+        return {"pose": self._numbers, **columns}
 
     def __len__(self) -> int:
         return len(self.q)
@@ -140,22 +138,19 @@ class Plan(Found, Postures):
     """Postures that tell most about the parameters. ``str(plan)`` is what ``sesc plan`` prints,
     with calls for command lines.
 
-    Every key of the command's JSON is an attribute too: ``plan.expected_error``.
+    Its rows are those of its file: with ``revisits=10`` the last ten reach postures once again,
+    under their numbers in ``plan.columns()["pose"]``. Every key of the command's JSON is an
+    attribute too: ``plan.expected_error``.
 
     Example:
         >>> plan.poses == len(plan)
         True
     """
 
-    _first = 1
-
-    def __init__(self, model: Model, q: Float64, state: dict[str, Any]) -> None:
-        Postures.__init__(self, model, q)
+    def __init__(self, model: Model, rows: tuple[Any, Float64], state: dict[str, Any]) -> None:
+        Postures.__init__(self, model, rows[1])
+        self._numbers = rows[0]
         Found.__init__(self, state)
-
-    def _again(self) -> list[int]:
-        again = self._found["revisits"]
-        return list(again["poses"]) if again["written"] else []
 
     def _other_foot(self) -> str | None:
         both = self._found.get("both_feet") or {}
@@ -181,10 +176,10 @@ class Plan(Found, Postures):
     def _repr_html_(self) -> str:
         from ._html import framed
 
-        return framed(self._state["page"])
+        return framed(self._state["page"], str(self))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Plan, (self._model, self.q, self._state)
+        return Plan, (self._model, (self._numbers, self.q), self._state)
 
 
 def plan(
@@ -199,7 +194,7 @@ def plan(
     sigmas: float = 2.0,
     limits: str | os.PathLike[str] | Mapping[str, tuple[float, float]] | None = None,
     candidates: int | None = None,
-    prior: str | os.PathLike[str] = "cad",
+    prior: Prior = "cad",
     noise: float | None = None,
     clearance: float = 0.005,
     seed: int = 1,
@@ -229,8 +224,8 @@ def plan(
             it, unless given.
         clearance: least height of everything but the support body, m.
         seed: seed of the candidates.
-        revisits: so many rows more at the end, which reach postures once again: what visits of
-            one posture differ by shows in them. Unless given, five are named where ``data`` does
+        revisits: so many rows more at the end, which reach postures once again under their own
+            number: what visits of one posture differ by shows in them. Unless given, five are named where ``data`` does
             not know it, and none is written.
         data: a log of this robot (a :class:`Log` or what one is made of): its noise and what its
             visits differ by are taken for those to come.
@@ -282,7 +277,7 @@ def plan(
     finally:
         _run.ended(progress)
     state = {"json": found.json(), "text": found.text(), "page": found.page("plan", "sesc.plan(…)")}
-    return Plan(standing, found.q(), state)
+    return Plan(standing, found.rows(), state)
 
 
 def simulate(
@@ -292,9 +287,9 @@ def simulate(
     range: float | None = None,
     noise: float = 0.0,
     rate: float | None = None,
-    motion: str = "auto",
+    motion: Motion = "auto",
     seed: int = 1,
-    hide: Mapping[str, float | tuple[float, ...] | None] | list[str] | tuple[str, ...] = (),
+    hide: Mapping[str, float | str | tuple[float | str, ...] | None] | list[str] | tuple[str, ...] = (),
     progress: Progress = False,
 ) -> Log:
     """A posture log of an ideal robot, with CoP noise.
@@ -310,8 +305,9 @@ def simulate(
             postures.
         seed: seed of postures and noise.
         hide: effects that the robot shall have: ``{"joint_offset:r_knee": 0.026}`` in SI units
-            (a tuple where an effect has several parameters, None where none), or strings as of
-            the command line: ``["joint_offset:r_knee=1.5deg"]``.
+            (a tuple where an effect has several parameters, None where none; a text has its
+            unit: ``"1.5deg"``), or strings as of the command line:
+            ``["joint_offset:r_knee=1.5deg"]``. A size that was hardly meant in SI units is refused.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 
     Raises:
@@ -322,12 +318,14 @@ def simulate(
         <sesc.Log simulation: 6 columns, 100 rows>
     """
     check_first(model, Model, "a model")
-    postures = None
+    postures = numbers = None
     is_table = isinstance(poses, (Postures, Mapping)) or hasattr(poses, "columns")
     if not is_table and array_of(poses, "poses").ndim == 0:
         count = _run.whole("poses", poses, 0, LogError)
     else:
-        given = poses.q if isinstance(poses, Postures) else poses
+        given = poses
+        if isinstance(poses, Postures):
+            given, numbers = poses.q, poses._numbers.tolist()
         postures = positions(given, model.joints, "poses").reshape(-1, model.dof)
         count = len(postures)
     if isinstance(hide, Mapping):
@@ -337,6 +335,7 @@ def simulate(
     options = {
         "poses": count,
         "postures": postures,
+        "numbers": numbers,
         "range": range,
         "noise": noise,
         "seed": seed,
@@ -359,7 +358,7 @@ def _effect(name: str, value: Any) -> str:
 
 
 def predict(
-    model: Model, log: Any, *, angles: str | None = None, motion: str = "auto", progress: Progress = False
+    model: Model, log: Any, *, angles: Angles | None = None, motion: Motion = "auto", progress: Progress = False
 ) -> dict[str, Any]:
     """CoM and CoP of every row of a log, as ``sesc predict`` prints them.
 

@@ -12,6 +12,7 @@ from typing import Any, Union
 
 from ._errors import ArgumentError, ArgumentTypeError
 from ._log import Log
+from ._words import Angles, Motion
 
 #: ``True`` prints how far a call is; a function receives what is done, how much, and of how much,
 #: and how many seconds are left if it takes that, too.
@@ -124,14 +125,14 @@ def ended(progress: Progress) -> None:
         sys.stdout.flush()
 
 
-def degrees(angles: str | None) -> bool | None:
+def degrees(angles: Angles | None) -> bool | None:
     """The unit of revolute joints."""
     if angles not in (None, "deg", "rad"):
         raise ArgumentError(f"`angles` {angles!r}: give 'deg' or 'rad'")
     return None if angles is None else angles == "deg"
 
 
-def motion(motion: str) -> bool:
+def motion(motion: Motion) -> bool:
     """Whether the motion of the joints counts where a log knows it."""
     if motion not in ("auto", "off"):
         raise ArgumentError(f"`motion` {motion!r}: give 'auto' or 'off'")

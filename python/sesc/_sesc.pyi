@@ -29,7 +29,6 @@ __all__ = [
     "draw_postures",
     "draw_robot",
     "effects_about",
-    "escape_html",
     "fit_logs",
     "fleet_groups",
     "fleet_work",
@@ -133,11 +132,16 @@ class Model:
         """Velocity of the centre of mass, m/s, of joints at `qd` (rad/s, m/s): positions and
         velocities of one shape give ``(3,)`` or ``(n, 3)``."""
     def gravity_moments(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
-        """Moment of gravity about each joint, per kg of the total mass and g, m: ``(dof,)`` or
-        ``(n, dof)``; times ``model.total_mass * 9.80665`` it is Nm."""
+        """The moment that gravity exerts about each joint, per kg of total mass times g, m, −∂z/∂q of
+        the CoM: ``(dof,)`` or ``(n, dof)``. A motor that holds the posture applies the opposite,
+        ``-model.total_mass * 9.80665`` times it in Nm, which is Pinocchio's
+        ``computeGeneralizedGravity``."""
     def cop(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
         """Reading of the centre of pressure that a static posture gives, m, with the effects of the
         model: ``(2,)`` or ``(n, 2)``."""
+    def cop_jacobian(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
+        """How that reading moves with what encoders read, m/rad (prismatic: m/m): ``(2, dof)`` or
+        ``(n, 2, dof)``."""
     def cop_rows(self, q: Any, *, out: Float64 | None = None, threads: int | None = None) -> Float64:
         """Rows of the CoP in the parameters, ``cop = cop_rows @ params`` without effects: ``(2,
         p)`` or ``(n, 2, p)``."""
@@ -281,8 +285,8 @@ class PlanReport:
         """What `sesc plan` prints."""
     def page(self, file: str, command: str) -> str:
         """The page of `sesc plan --report`."""
-    def q(self) -> Float64:
-        """Joint positions, posture by posture."""
+    def rows(self) -> tuple[Any, Float64]:
+        """Numbers and joint positions of the rows of its file."""
 
 @final
 class Unusable:
@@ -313,7 +317,6 @@ def diagnose_log(
 def draw_postures(robot: Robot, model: Model, q: Float64) -> list[str]: ...
 def draw_robot(robot: Robot, model: Model) -> list[str]: ...
 def effects_about() -> str: ...
-def escape_html(text: str) -> str: ...
 def fit_logs(
     robot: Robot | None, logs: list[Log], parts: list[Part], options: dict[str, Any], show: _Show = None
 ) -> FitReport: ...
@@ -343,6 +346,8 @@ class FleetFound:
         """The rows as JSON, a list of objects with the columns of the table."""
     def json(self) -> str:
         """What `sesc fleet --json` prints."""
+    def text(self) -> str:
+        """What `sesc fleet` prints."""
     def write(self, path: str) -> None:
         """Write the table, as Parquet or CSV."""
     def pages(self, file: str, robots: int | None = None) -> tuple[str, str, list[tuple[str, str]]]:
@@ -381,10 +386,9 @@ def write_bytes(path: str, data: _Bytes) -> None: ...
 def write_postures(
     model: Model,
     q: Float64,
+    poses: list[int],
     path: str,
     experiment: str | None,
     other_foot: str | None,
-    first: int,
-    again: list[int],
 ) -> str: ...
 def write_text(path: str, text: str) -> None: ...

@@ -153,6 +153,10 @@ impl<'py> Target<'py> {
             let message = format!("out has the shape {found:?}{gaps}; {wanted}");
             return Err(refused(py, message));
         }
+        if !array.is_aligned() {
+            let message = "out is not aligned in memory; give an array that numpy made";
+            return Err(Failure::plain(Doing::ArgumentType, message).raise(py));
+        }
         array.try_readwrite().map(Target::Given).map_err(|wrong| {
             let message = match wrong {
                 BorrowError::NotWriteable => "out is read-only; give an array that is writeable",

@@ -17,7 +17,7 @@ use crate::options::taken;
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct COptions {
-    scalar: String,
+    scalar: Option<String>,
     name: Option<String>,
     layout: String,
     ticks: Option<bool>,
@@ -38,11 +38,12 @@ pub fn c_files(
     let options: COptions = taken(options, Doing::Code)?;
     let model = model.inner.clone();
     let (sources, _) = watched(py, None, Stopped::Abandoned, move |_| {
-        let scalar = match options.scalar.as_str() {
-            "f64" => Scalar::F64,
-            "f32" => Scalar::F32,
-            "fixed32" => Scalar::Fixed32,
-            other => return Err(unknown("scalar", other, "f64, f32, fixed32")),
+        let scalar = match options.scalar.as_deref() {
+            None => None,
+            Some("f64") => Some(Scalar::F64),
+            Some("f32") => Some(Scalar::F32),
+            Some("fixed32") => Some(Scalar::Fixed32),
+            Some(other) => return Err(unknown("scalar", other, "f64, f32, fixed32")),
         };
         let layout = match options.layout.as_str() {
             "bare" => Layout::Bare,

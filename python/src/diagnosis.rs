@@ -18,7 +18,7 @@ use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, During, Failure};
 use crate::log::Log;
 use crate::model::json;
-use crate::options::{angles, motion, stays, taken};
+use crate::options::{angles, motion, stays, taken, weighed};
 use crate::robot::Robot;
 use crate::steps;
 
@@ -127,7 +127,7 @@ impl DiagnosisReport {
 
     /// What `sesc diagnose` prints.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || Ok(self.shown(|_| true, text)))
+        detached(py, || Ok(self.shown(|_| true, |report| text(report, true))))
     }
 
     /// The page of `sesc diagnose --report`.
@@ -205,6 +205,7 @@ pub fn correct_urdf(
 ) -> PyResult<(String, Vec<String>)> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
     let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+        weighed(total_mass, &robot)?;
         let file = ModelFile::parse(&model_file, "model").during(Doing::ModelFile)?;
         let model = robot
             .model(&file.support, snapping, None)

@@ -9,25 +9,6 @@ use crate::calls::detached;
 use crate::model::Model;
 use crate::robot::Robot;
 
-/// `text` as it stands in an attribute of HTML.
-#[pyfunction]
-pub fn escape_html(py: Python<'_>, text: &str) -> PyResult<String> {
-    detached(py, || {
-        let mut escaped = String::with_capacity(text.len() + text.len() / 4);
-        for c in text.chars() {
-            match c {
-                '&' => escaped.push_str("&amp;"),
-                '<' => escaped.push_str("&lt;"),
-                '>' => escaped.push_str("&gt;"),
-                '"' => escaped.push_str("&quot;"),
-                '\'' => escaped.push_str("&#x27;"),
-                c => escaped.push(c),
-            }
-        }
-        Ok(escaped)
-    })
-}
-
 /// The robot with all joints at zero, from the front and from its right, as SVG.
 #[pyfunction]
 pub fn draw_robot(

@@ -210,6 +210,7 @@ const NO_SUCH_FILE: i32 = 2;
 pub fn keyword(setting: Setting) -> String {
     match setting {
         Setting::Angles => "`angles=\"deg\"`".to_string(),
+        Setting::Columns => "give `columns=` these pairs:".to_string(),
         Setting::Snapping => "`snap=False`".to_string(),
         Setting::Data => "`sesc.Log`".to_string(),
         Setting::Partial => "`sesc.gather`".to_string(),

@@ -14,7 +14,7 @@ use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, During, Failure};
 use crate::log::Log;
 use crate::model::json;
-use crate::options::{FitOptions, taken};
+use crate::options::{FitOptions, taken, weighed};
 use crate::part::Part;
 use crate::robot::Robot;
 use crate::steps;
@@ -70,7 +70,7 @@ impl FitReport {
     fn json(&self, py: Python<'_>) -> PyResult<String> {
         let found = &self.report().identification;
         detached(py, || match found.is_usable() {
-            false => json(&Unusable::new(found, &self.next_steps())),
+            false => json(&Unusable::new(&found.health, &self.next_steps())),
             true => json(&Printed {
                 found,
                 next_steps: &self.next_steps(),
@@ -83,7 +83,11 @@ impl FitReport {
     /// What `sesc fit` prints.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
-            Ok(text(&self.report().identification, &self.next_steps()))
+            Ok(text(
+                &self.report().identification,
+                &self.next_steps(),
+                true,
+            ))
         })
     }
 
@@ -138,11 +142,12 @@ impl FitReport {
     ) -> PyResult<(String, String, String)> {
         let inner = Arc::clone(&self.inner);
         let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+            weighed(total_mass, inner.1.robot())?;
             let corrected = inner.1.corrected_urdf(total_mass).during(Doing::Fit)?;
             Ok((
                 corrected.text.clone(),
                 json(&corrected)?,
-                corrections(&corrected),
+                corrections(&corrected, true),
             ))
         });
         Ok(corrected?.0)
@@ -189,6 +194,7 @@ pub fn correct_fit(
 ) -> PyResult<String> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
     let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+        weighed(total_mass, &robot)?;
         let model = robot.model(&support, snapping, None).during(Doing::Fit)?;
         // Where masses are known, a file of tolerances may be gone.
         let prior = match masses {

@@ -16,6 +16,7 @@ use sesc_identify::robot;
 use crate::calls::{Stopped, checked, detached, watched};
 use crate::errors::{Doing, During, Failure};
 use crate::model::{compact, json};
+use crate::options::sized;
 use crate::robot::Robot;
 
 /// The name of a file, and its text.
@@ -24,6 +25,15 @@ type NamedText = (String, String);
 fn parsed<T: DeserializeOwned>(json: &str) -> Result<T, Failure> {
     let found = serde_json::from_str(json);
     found.map_err(|error| Failure::plain(Doing::Fit, format!("no such value: {error}")))
+}
+
+/// The options of a fleet.
+fn read(json: &str) -> Result<Options, Failure> {
+    let options: Options = parsed(json)?;
+    let noise = options.noise.unwrap_or_default();
+    sized("noise", noise, Doing::Fit)?;
+    sized("floor", options.floor, Doing::Fit)?;
+    Ok(options)
 }
 
 /// The groups of patterns, folders, lists and manifests, and of a table of paths with what is
@@ -58,7 +68,7 @@ pub fn fleet_work(
 ) -> PyResult<String> {
     let robot = robot.inner.clone();
     checked(py, check, move |watch| {
-        let (options, group): (Options, Group) = (parsed(&options)?, parsed(&group)?);
+        let (options, group): (Options, Group) = (read(&options)?, parsed(&group)?);
         let store = store.map(Store::new);
         let done = fleet::work(&robot, &options, &group, store.as_ref(), watch);
         compact(&done.during(Doing::Fit)?)
@@ -75,7 +85,7 @@ struct Asked {
 
 impl Asked {
     fn of(py: Python<'_>, robot: &Robot, options: &str) -> PyResult<Asked> {
-        let options = parsed(options).map_err(|failure| failure.raise(py))?;
+        let options = read(options).map_err(|failure| failure.raise(py))?;
         Ok(Asked {
             robot: robot.inner.clone(),
             folder: robot.folder.clone(),
@@ -184,6 +194,11 @@ impl FleetFound {
     /// What `sesc fleet --json` prints.
     fn json(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || json(&report::answer(&self.fleet, &self.summary)))
+    }
+
+    /// What `sesc fleet` prints.
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || Ok(report::text(&self.fleet, &self.summary, false)))
     }
 
     /// Write the table, as Parquet or CSV.

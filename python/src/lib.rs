@@ -49,7 +49,7 @@ mod _sesc {
     #[pymodule_export]
     use super::diagnosis::{DiagnosisReport, correct_urdf, diagnose_log};
     #[pymodule_export]
-    use super::drawing::{draw_postures, draw_robot, escape_html};
+    use super::drawing::{draw_postures, draw_robot};
     #[pymodule_export]
     use super::fit::{FitReport, correct_fit, fit_logs};
     #[pymodule_export]

@@ -9,7 +9,6 @@ use serde::Serialize;
 use sesc::inspect::{inspect, notes};
 use sesc::report::next_steps::{WithSteps, Worded};
 use sesc_identify::next_steps::NextStep;
-use sesc_identify::robot;
 use sesc_model::{self as model, Function, ModelFile};
 
 use crate::arrays::{Axis, Target, numbers};
@@ -33,7 +32,6 @@ type Found<'py> = PyResult<Bound<'py, PyArrayDyn<f64>>>;
 #[pyclass(frozen, subclass, module = "sesc._sesc")]
 pub struct Model {
     pub inner: Arc<model::Model>,
-    robot: Arc<robot::Robot>,
     joints: Vec<String>,
     reading: [String; 2],
     prepared: Functions,
@@ -166,7 +164,6 @@ impl Model {
                 .map(|dof| dof.joint.clone())
                 .collect(),
             inner: Arc::new(inner),
-            robot: Arc::clone(&robot.inner),
             reading: READING.map(String::from),
             prepared: Functions::default(),
         })
@@ -271,15 +268,15 @@ impl Model {
     ///     True
     #[getter]
     fn notes(&self) -> Vec<String> {
-        let notes = notes(&self.robot.description, &self.inner).into_iter();
-        notes.chain(self.inner.left_out()).collect()
+        let notes = notes(&self.inner).into_iter();
+        notes.chain(self.inner.cautions()).collect()
     }
 
     /// What `sesc inspect --json` says.
     fn inspection(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
             json(&WithSteps {
-                found: &inspect(&self.robot.description, &self.inner),
+                found: &inspect(&self.inner),
                 next_steps: &self.next_step(),
             })
         })
@@ -341,8 +338,10 @@ impl Model {
         self.run(Function::ComVelocity, [("q", q), ("qd", qd)], out, threads)
     }
 
-    /// Moment of gravity about each joint, per kg of the total mass and g, m: ``(dof,)`` or
-    /// ``(n, dof)``; times ``model.total_mass * 9.80665`` it is Nm.
+    /// The moment that gravity exerts about each joint, per kg of total mass times g, m, −∂z/∂q of
+    /// the CoM: ``(dof,)`` or ``(n, dof)``. A motor that holds the posture applies the opposite,
+    /// ``-model.total_mass * 9.80665`` times it in Nm, which is Pinocchio's
+    /// ``computeGeneralizedGravity``.
     ///
     /// Raises:
     ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
@@ -374,6 +373,21 @@ impl Model {
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn cop<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
         self.run(Function::Cop, [("q", q)], out, threads)
+    }
+
+    /// How that reading moves with what encoders read, m/rad (prismatic: m/m): ``(2, dof)`` or
+    /// ``(n, 2, dof)``.
+    ///
+    /// Raises:
+    ///     ArgumentError: a last axis that is not the joints', or an unsuitable ``out``.
+    ///     ArgumentTypeError: no numbers.
+    ///
+    /// Example:
+    ///     >>> model.cop_jacobian([0.0]).shape
+    ///     (2, 1)
+    #[pyo3(signature = (q, *, out=None, threads=None))]
+    fn cop_jacobian<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
+        self.run(Function::CopJacobian, [("q", q)], out, threads)
     }
 
     /// Rows of the CoP in the parameters, ``cop = cop_rows @ params`` without effects: ``(2,

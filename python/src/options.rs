@@ -3,6 +3,7 @@
 
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
+use sesc::cli::units;
 use sesc_identify::fit::MotionModel;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::PriorChoice;
@@ -20,7 +21,7 @@ where
     T: FromPyObject<'a, 'py>,
 {
     let py = given.py();
-    given.extract().map_err(|error: T::Error| {
+    let options = given.extract().map_err(|error: T::Error| {
         let error: PyErr = error.into();
         let said = error.value(py).to_string();
         let Some(cause) = error.cause(py) else {
@@ -40,7 +41,43 @@ where
                 Failure::plain(Doing::ArgumentType, message).raise(py)
             }
         }
-    })
+    })?;
+    for name in [
+        "noise",
+        "floor",
+        "cop_box",
+        "clearance",
+        "margin",
+        "rate",
+        "range",
+    ] {
+        // What a call does not have, and None.
+        let value = given
+            .get_item(name)
+            .and_then(|value| value.extract::<f64>());
+        if let Ok(value) = value {
+            sized(name, value, doing).map_err(|failure| failure.raise(py))?;
+        }
+    }
+    Ok(options)
+}
+
+/// A value in SI units that can be meant.
+pub fn sized(name: &str, value: f64, doing: Doing) -> Result<(), Failure> {
+    let wrong = |wrong| Failure::plain(doing, format!("`{name}` {value:?}: {wrong}"));
+    units::check(name, value).map_err(wrong)
+}
+
+/// What a corrected robot may weigh, kg.
+pub fn weighed(
+    total_mass: Option<f64>,
+    robot: &sesc_identify::robot::Robot,
+) -> Result<(), Failure> {
+    let wrong = |wrong| {
+        let kg = total_mass.unwrap_or_default();
+        Failure::plain(Doing::Fit, format!("`total_mass` {kg:?}: {wrong}"))
+    };
+    units::check_mass(total_mass, robot).map_err(wrong)
 }
 
 /// Keywords of a fit, all of them given.

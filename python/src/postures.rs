@@ -147,37 +147,37 @@ impl PlanReport {
         })
     }
 
-    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows: Vec<Vec<f64>> = self.plan.postures().map(<[f64]>::to_vec).collect();
-        Ok(PyArray2::from_vec2(py, &rows)?)
+    /// Numbers and joint positions of the rows of its file.
+    #[allow(clippy::type_complexity)]
+    fn rows<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>)> {
+        let (poses, q): (Vec<i64>, Vec<Vec<f64>>) =
+            self.plan.rows().map(|(pose, q)| (pose, q.to_vec())).unzip();
+        Ok((PyArray1::from_vec(py, poses), PyArray2::from_vec2(py, &q)?))
     }
 }
 
-/// Write postures (of a stand on both feet where there is another foot), numbered from `first`, and those numbered `again` once more, as a log with a
-/// sidecar, whose path is given back.
+/// Write postures with their numbers (of a stand on both feet where there is another foot) as a
+/// log with a sidecar, whose path is given back.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn write_postures(
     py: Python<'_>,
     model: PyRef<'_, Model>,
     q: PyReadonlyArray2<'_, f64>,
+    poses: Vec<i64>,
     path: PathBuf,
     experiment: Option<String>,
     other_foot: Option<String>,
-    first: i64,
-    again: Vec<i64>,
 ) -> PyResult<PathBuf> {
     let (model, dof) = (model.inner.clone(), q.shape()[1]);
     let q = q.as_array().iter().copied().collect::<Vec<f64>>();
     detached(py, || {
         let write = || -> Result<_, sesc_identify::Error> {
             let mut log = PostureWriter::create(&path, &model.tree.dofs, Written::default())?;
-            let all: Vec<_> = (first..).zip(q.chunks_exact(dof.max(1))).collect();
-            let again = again.iter().filter_map(|pose| {
-                let place = usize::try_from(pose - first).ok()?;
-                all.get(place)
-            });
-            for &(pose, q) in all.iter().chain(again) {
+            for (pose, q) in poses.into_iter().zip(q.chunks_exact(dof.max(1))) {
                 log.row(&Row {
                     pose,
                     q,
@@ -204,6 +204,7 @@ pub fn write_postures(
 pub struct SimulateOptions<'py> {
     poses: usize,
     postures: Option<PyReadonlyArray2<'py, f64>>,
+    numbers: Option<Vec<i64>>,
     range: Option<f64>,
     noise: f64,
     seed: u64,
@@ -230,6 +231,7 @@ pub fn simulate_log(
         noise,
         seed,
         rate,
+        numbers,
         motion: moves,
         hide: hidden,
         ..
@@ -240,6 +242,7 @@ pub fn simulate_log(
             let model = hide((*model).clone(), &hidden)?;
             let mut request = simulate::Request::new(model, poses);
             request.postures = postures;
+            request.numbers = numbers;
             request.range = range;
             request.noise = noise;
             request.seed = seed;

@@ -7,12 +7,13 @@ use sesc_identify::evaluate::Evaluator;
 use sesc_model::{Function, Given, Model};
 
 /// Functions that Python calls.
-const FUNCTIONS: [Function; 10] = [
+const FUNCTIONS: [Function; 11] = [
     Function::Com,
     Function::ComJacobian,
     Function::ComVelocity,
     Function::GravityMoments,
     Function::Cop,
+    Function::CopJacobian,
     Function::RegressorCop,
     Function::Regressor,
     Function::RegressorFull,

@@ -77,6 +77,66 @@ def test_a_number_that_cannot_be_is_an_error_that_names_its_option(name: str, lo
     assert capfd.readouterr() == ("", "")
 
 
+#: Millimetres, degrees, grams and nanoseconds in place of SI units.
+OTHER_UNITS: list[tuple[Callable[[sesc.Log], Any], str]] = [
+    *[
+        (call, "`noise` 5.0: that is 5 m; give metres: 0.005 for 5 mm")
+        for call in (
+            lambda log: sesc.fit(ROBOT, log, noise=5),
+            lambda log: sesc.gather(ROBOT, log, noise=5),
+            lambda log: sesc.diagnose(ROBOT, log, noise=5),
+            lambda log: plan(noise=5),
+            lambda log: sesc.simulate(MODEL, 9, noise=5),
+            lambda log: sesc.fleet.run(ROBOT, [], noise=5),
+        )
+    ],
+    (lambda log: sesc.diagnose(ROBOT, log, floor=0.2), "`floor` 0.2: that is 0.2 m"),
+    (lambda log: plan(cop_box=30), "`cop_box` 30.0: that is 30 m"),
+    (lambda log: plan(margin=10), "`margin` 10.0: that is 10 m"),
+    (lambda log: plan(clearance=5), "`clearance` 5.0: that is 5 m"),
+    (lambda log: sesc.simulate(MODEL, 9, range=30), "`range` 30.0: that is 30 rad, more than a turn; give radians: 0.5236 for 30°"),
+    (lambda log: sesc.fit(ROBOT, log, range=1e9), "`range` 1000000000.0: give radians, 6.2832 at most"),
+    (lambda log: sesc.simulate(MODEL, 9, rate=1e7), "`rate` 10000000.0: that is 10000000 rows a second"),
+    (lambda log: sesc.fit(ROBOT, log, noise=1e-4).correct_urdf(total_mass=2000), "`total_mass` 2000.0: that is 2000 kg"),
+    (lambda log: sesc.diagnose(ROBOT, log).correct_urdf(total_mass=2000), "`total_mass` 2000.0: that is 2000 kg"),
+    (
+        lambda log: sesc.simulate(MODEL, 9, hide={"joint_offset:hip": 1.2}),
+        "`joint_offset:hip=1.2`: 1.2 of offset_rad is 1.2 rad (69°); give its unit: 1.2deg, or 1.2rad if that is meant",
+    ),
+    (lambda log: sesc.simulate(MODEL, 9, hide={"sensor_offset": (5, 0)}), "5.0 m (5000 mm)"),
+    (lambda log: sesc.simulate(MODEL, 9, hide={"payload:top": (200, 0, 0, 0)}), "200.0 kg (the robot weighs 2.000 kg)"),
+]
+
+
+@pytest.mark.parametrize(("call", "words"), OTHER_UNITS)
+def test_what_the_command_refuses_by_its_size_is_refused(call: Callable[[sesc.Log], Any], words: str, log: sesc.Log) -> None:
+    with pytest.raises(sesc.SescError, match=re.escape(words)):
+        call(log)
+
+
+def test_a_size_with_its_unit_is_taken() -> None:
+    meant = sesc.simulate(MODEL, 9, hide={"joint_offset:hip": "1.2rad"}).columns()
+    assert np.abs(meant["cop_x"] - sesc.simulate(MODEL, 9).columns()["cop_x"]).max() > 0.1
+
+
+def test_words_are_known_to_checkers_of_types(log: sesc.Log) -> None:
+    """An ignored error that there is not would be one of mypy."""
+    with pytest.raises(sesc.PriorError):
+        sesc.fit(ROBOT, log, prior="loose")  # type: ignore[arg-type]
+    with pytest.raises(sesc.FitError):
+        sesc.fit(ROBOT, log, robust="hubert")  # type: ignore[arg-type]
+    with pytest.raises(sesc.ArgumentError):
+        sesc.diagnose(ROBOT, log, motion="on")  # type: ignore[arg-type]
+    with pytest.raises(sesc.SescError):
+        MODEL.c99("nowhere", scalar="f16")  # type: ignore[arg-type]
+    with pytest.raises(sesc.SescError):
+        sesc.fleet.run(ROBOT, [], only="fits")  # type: ignore[arg-type]
+
+
+def test_a_package_shows_what_is_meant() -> None:
+    assert dir(sesc) == sorted(sesc.__all__) and not {"Any", "TYPE_CHECKING"} & set(dir(sesc))
+
+
 def test_limits_of_no_range_are_an_error_of_the_joint() -> None:
     for limits, words in (
         ({"hip": (1, -1)}, "joint `hip`: lower 1 is above upper -1; swap them"),
@@ -183,6 +243,9 @@ def test_arrays_at_any_address_are_taken() -> None:
     shifted = np.frombuffer(b"x" + q.tobytes(), dtype=np.float64, offset=1).reshape(5, 1)
     assert not shifted.flags.aligned
     np.testing.assert_array_equal(MODEL.com(shifted), MODEL.com(q))
+    out = np.frombuffer(bytearray(b"x" + bytes(5 * 24)), dtype=np.float64, offset=1).reshape(5, 3)
+    with pytest.raises(sesc.ArgumentTypeError, match="out is not aligned in memory"):
+        MODEL.com(q, out=out)
     records = np.zeros(5, dtype=[("flag", "u1"), ("q", "<f8", (1,))])
     records["q"] = q
     np.testing.assert_array_equal(MODEL.com(records["q"]), MODEL.com(q))

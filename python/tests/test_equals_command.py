@@ -54,7 +54,7 @@ def test_fits_are_equal(
     want = command_json("fit", robots / LEGS[0], "--data", log, *words)
     assert json.dumps(worded(found.to_dict())) == json.dumps(worded(want))
     outputs = ["--out", tmp_path / "a.toml", "--urdf", tmp_path / "a.urdf", "--total-mass", "3.5"]
-    text = command("fit", robots / LEGS[0], "--data", log, *words, *outputs)
+    text = command("fit", robots / LEGS[0], "--data", log, *words, "--long", *outputs)
     assert without_commands(str(found)) in without_commands(text)
     found.save(tmp_path / "b.toml")
     found.correct_urdf(total_mass=3.5).save(tmp_path / "b.urdf")
@@ -166,7 +166,7 @@ def test_plans_are_equal(robots: Path, op2: sesc.Robot, command_json: Any, tmp_p
 
 
 @pytest.mark.parametrize("scalar", ["f64", "f32", "fixed32"])
-def test_c_is_equal(robots: Path, model: sesc.Model, command: Any, scalar: str, tmp_path: Path) -> None:
+def test_c_is_equal(robots: Path, model: sesc.Model, command: Any, scalar: Any, tmp_path: Path) -> None:
     words = ["--support", "r_sole", "--lang", "c", "--scalar", scalar]
     command("generate", robots / "op2/op2.urdf", *words, "--out", tmp_path / "a")
     files = model.c99(tmp_path / "b", scalar=scalar)

@@ -119,6 +119,7 @@ def test_the_table_and_the_page_are_those_of_the_command(
         words = [command, "fleet", str(tmp_path / "pole.urdf"), "--data", glob(logs), "--out", str(out)]
         done = subprocess.run([*words, "--json"], check=True, capture_output=True, text=True)
         assert json.dumps(table.to_dict()) == json.dumps(json.loads(done.stdout))
+        assert str(table).rstrip() == subprocess.run(words, check=True, capture_output=True, text=True).stdout.rstrip()
         table.save(tmp_path / f"ours.{end}")
         assert (tmp_path / f"ours.{end}").read_bytes() == out.read_bytes()
     table.report(tmp_path / "fleet.html")

@@ -20,7 +20,7 @@ import sesc
 from conftest import POLE, worded
 
 RNG = np.random.default_rng(1)
-FUNCTIONS = ["com", "com_jacobian", "gravity_moments", "cop", "cop_rows", "com_rows", "full_rows"]
+FUNCTIONS = ["com", "com_jacobian", "gravity_moments", "cop", "cop_jacobian", "cop_rows", "com_rows", "full_rows"]
 
 
 def test_a_pole_obeys_its_closed_form() -> None:
@@ -31,6 +31,7 @@ def test_a_pole_obeys_its_closed_form() -> None:
     np.testing.assert_allclose(pole.com(q), np.stack([0.1 + sin, zero, cos], 1), atol=1e-15)
     np.testing.assert_allclose(pole.com_jacobian(q)[:, :, 0], np.stack([cos, zero, -sin], 1), atol=1e-15)
     np.testing.assert_allclose(pole.gravity_moments(q)[:, 0], sin, atol=1e-15)
+    np.testing.assert_allclose(pole.cop_jacobian(q)[:, :, 0], np.stack([cos, zero], 1), atol=1e-15)
     np.testing.assert_allclose(pole.cop(q), np.stack([0.1 + sin, zero], 1), atol=1e-15)
     assert pole.total_mass == 2.0
     np.testing.assert_array_equal(pole.limits, [[-1.0, 1.0]])

@@ -231,6 +231,23 @@ def test_columns_are_renamed(pole: sesc.Robot, columns: dict[str, Any], tmp_path
         params(pole, sesc.Log(other, support="foot", columns={**names, "hips": "t"}))
 
 
+def test_columns_that_have_the_name_of_a_joint_in_theirs_are_asked_about(pole: sesc.Robot, columns: dict[str, Any]) -> None:
+    other = {f"/joint_states/{name}.position [rad]" if name == "hip" else name: column for name, column in columns.items()}
+    with pytest.raises(sesc.LogError) as caught:
+        params(pole, other)
+    said = "if these columns are positions of joints, give `columns=` these pairs:"
+    assert f'{said} {{ "/joint_states/hip.position [rad]" = "hip" }}' in str(caught.value)
+
+
+def test_all_rows_with_faults_are_named_at_once(pole: sesc.Robot, columns: dict[str, Any]) -> None:
+    for rows, words in (([3, 7, 9], "; rows 8, 10 are faulty, too"), ([3, 7], "; row 8 is faulty, too"), (range(3, 23), "16 and 7 more are faulty, too")):
+        x = columns["cop_x"].copy()
+        x[list(rows)] = 1e300
+        with pytest.raises(sesc.LogError) as caught:
+            params(pole, {**columns, "cop_x": x})
+        assert ":4: column `cop_x`" in str(caught.value) and words in str(caught.value), caught.value
+
+
 def test_faults_have_file_line_and_column(pole: sesc.Robot, columns: dict[str, Any], tmp_path: Path) -> None:
     lines = csv_of(columns).splitlines()
     lines[3] = lines[3].replace(lines[3].split(",")[1], "two")
@@ -377,9 +394,9 @@ def test_settings_of_calls_are_checked(pole: sesc.Robot, columns: dict[str, Any]
     with pytest.raises(sesc.FitError, match="noise"):
         sesc.fit(pole, log, noise=-1)
     with pytest.raises(sesc.FitError, match="robust"):
-        sesc.fit(pole, log, robust="cauchy")
+        sesc.fit(pole, log, robust="cauchy")  # type: ignore[arg-type]
     with pytest.raises(sesc.PriorError):
-        sesc.fit(pole, log, prior="none.toml")
+        sesc.fit(pole, log, prior="none.toml")  # type: ignore[arg-type]
     with pytest.raises(sesc.SescError, match="support"):
         sesc.fit(pole, columns)
     with pytest.raises(sesc.SupportError):

@@ -100,7 +100,7 @@ def test_logs_that_are_there_already_are_refused_or_left_out(pole: sesc.Robot) -
     with pytest.raises(ValueError, match="is in both"):
         sesc.fit([a | b, b | c], duplicates="skip")
     with pytest.raises(sesc.FitError, match="`duplicates` drop: known are refuse, skip"):
-        sesc.fit([a, b], duplicates="drop")
+        sesc.fit([a, b], duplicates="drop")  # type: ignore[arg-type]
 
 
 def halves(part: sesc.Part) -> tuple[dict[str, Any], bytes]:

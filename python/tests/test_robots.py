@@ -75,7 +75,7 @@ def test_a_defect_is_an_error_of_its_own() -> None:
     assert type(pickle.loads(pickle.dumps(error))) is sesc.InternalError
     # A panic of the library, whose own check of the shape is left out here.
     model = sesc.Robot(POLE).on("foot")
-    options = {"poses": 1, "postures": np.zeros((1, 0)), "range": None, "noise": 0.0, "seed": 1}
+    options = {"poses": 1, "postures": np.zeros((1, 0)), "numbers": None, "range": None, "noise": 0.0, "seed": 1}
     with pytest.raises(sesc.SescError):
         sesc._sesc.simulate_log(model, {**options, "rate": None, "motion": True, "hide": []})
 

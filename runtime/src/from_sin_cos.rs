@@ -161,6 +161,25 @@ pub trait SescFromSinCos: Sesc {
         <Self::GeneratedSinCos as v1::SinCosRobot>::regressor_full_sc(sin, cos)
     }
 
+    /// [`Sesc::cop_jacobian`] from sines and cosines.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::{Sesc, SescFromSinCos, trig};
+    /// # let q = [0.3, -0.5];
+    /// # let (sin, cos) = (q.map(|q| trig::sin_cos(q).0), q.map(|q| trig::sin_cos(q).1));
+    /// let jacobian = TwoLinkFoot::cop_jacobian_sc(&sin, &cos, &CAD_PARAMS);
+    /// assert_eq!(jacobian, TwoLinkFoot::cop_jacobian(&q, &CAD_PARAMS));
+    /// ```
+    #[inline]
+    fn cop_jacobian_sc<T: Real>(
+        sin: &Posture<Self, T>,
+        cos: &Posture<Self, T>,
+        r: &Params<Self, T>,
+    ) -> [Posture<Self, T>; 2] {
+        <Self::GeneratedSinCos as v1::SinCosRobot>::cop_jacobian_sc(sin, cos, r)
+    }
+
     /// [`Sesc::cop`] from sines and cosines.
     ///
     /// ```

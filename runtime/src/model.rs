@@ -221,16 +221,17 @@ pub trait Sesc: Sized {
         <Self::Generated as v1::Robot>::com_velocity(q, qd, r)
     }
 
-    /// Moment of gravity at each joint, `τ_j = -(J_j)_z`, per kg of total mass and per
-    /// unit of g: metres. Times `M g` it is in N m (at a prismatic joint, the
-    /// force in N, the value here being a plain ratio); the joint holds the posture
-    /// with the opposite.
+    /// The moment that gravity exerts about each joint, `τ_j = -(J_j)_z`, per kg of total mass
+    /// times g: metres. Times `M g` it is in N m (at a prismatic joint, the force in N, the
+    /// value here being a plain ratio); a motor that holds the posture applies the opposite,
+    /// `−M g τ_j`, which is Pinocchio's `computeGeneralizedGravity`.
     ///
     /// ```
     /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot, joint};
     /// # use sesc_runtime::Sesc;
+    /// // Leaning forward, gravity turns the ankle further forward: positive, as its angle.
     /// let moments = TwoLinkFoot::gravity_moments(&[0.1, 0.0], &CAD_PARAMS);
-    /// assert!(moments[joint::ANKLE] > moments[joint::KNEE]);
+    /// assert!(moments[joint::ANKLE] > moments[joint::KNEE] && moments[joint::KNEE] > 0.0);
     /// ```
     #[inline]
     fn gravity_moments<T: Real>(q: &Posture<Self, T>, r: &Params<Self, T>) -> Posture<Self, T> {
@@ -301,6 +302,24 @@ pub trait Sesc: Sized {
     #[inline]
     fn cop<T: Real>(q: &Posture<Self, T>, r: &Params<Self, T>) -> [T; 2] {
         <Self::Generated as v1::Robot>::cop(q, r)
+    }
+
+    /// How [`cop`](Self::cop), the predicted reading, moves with what encoders read: `∂cop/∂q`,
+    /// m/rad (prismatic: m/m), rows x and y.
+    ///
+    /// ```
+    /// # use sesc_generated::two_link_foot::{CAD_PARAMS, TwoLinkFoot};
+    /// # use sesc_runtime::Sesc;
+    /// let [x, y] = TwoLinkFoot::cop_jacobian(&[0.3, -0.5], &CAD_PARAMS);
+    /// let jacobian = TwoLinkFoot::com_jacobian(&[0.3, -0.5], &CAD_PARAMS);
+    /// assert_eq!([x, y], jacobian[..2]); // without effects
+    /// ```
+    #[inline]
+    fn cop_jacobian<T: Real>(q: &Posture<Self, T>, r: &Params<Self, T>) -> [Posture<Self, T>; 2] {
+        let zero = T::from_f64(0.0);
+        let mut jacobian = [<Self::Dof as Dim>::filled(zero); 2];
+        <Self::Generated as v1::Robot>::cop_jacobian_into(q, r, &mut jacobian);
+        jacobian
     }
 
     /// The zero-moment point on the sole plane, metres, in the support frame, as joints at `q`

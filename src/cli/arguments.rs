@@ -229,7 +229,7 @@ impl RobotArguments {
         let model = stance.model()?;
         notes(&model.tree.notes);
         // Effects of a model file that no posture alone shows.
-        notes(&model.left_out());
+        notes(&model.cautions());
         Ok((stance.robot, model))
     }
 }

@@ -21,6 +21,7 @@ use super::{
 };
 use crate::Error;
 use crate::report::compare::{page, text};
+use crate::report::fit::Unusable;
 use crate::report::next_steps::{self, WithSteps};
 
 /// Say what changed between two model files, or two logs, and whether it is more than chance
@@ -209,11 +210,19 @@ fn model(
     let report = diagnose(&request, &mut Bar::new("reading"))?;
     let found = &report.diagnosis;
     if found.verdict == Verdict::Unusable {
+        let log = path.display().to_string();
         message(&format!(
-            "check failed: {} cannot be used: {}",
-            path.display(),
+            "check failed: {log} cannot be used: {}",
             found.sentence
         ));
+        if arguments.json {
+            let next_steps = &About::default().worded(&found.next_steps());
+            let unusable = Unusable::new(&found.health, next_steps);
+            print_json(&Unusable {
+                log: Some(&log),
+                ..unusable
+            })?;
+        }
         return Ok(None);
     }
     let mut model = report.model_file;

@@ -4,7 +4,7 @@
 //! support = "r_sole"
 //! prior = "tight"
 //! noise = 0.0005          # m
-//! limits = "limits.csv"   # paths are relative to this file
+//! limits = "limits.csv"   # in the folder of this file
 //! ```
 //!
 //! What the command line says wins over it, and so does the support link that the sidecar of a
@@ -177,7 +177,7 @@ pub(super) fn beside(urdf: &Path) -> Option<PathBuf> {
 }
 
 fn read(file: &Path) -> Result<Option<(String, toml::Table)>, Error> {
-    let text = match files::read_text(file, files::SIDECAR) {
+    let text = match files::read_found_text(file, files::SIDECAR) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(fault(file, None, error.to_string())),
@@ -212,13 +212,16 @@ fn spelled(value: &toml::Value, kind: Kind, folder: &Path) -> Result<Option<Stri
     use toml::Value::{Boolean, Float, Integer, String};
     match (kind, value) {
         (Kind::Text, String(text)) => Ok(Some(format!("={text}"))),
-        (Kind::Number, Float(number)) => Ok(Some(format!("={number}"))),
+        (Kind::Number, Float(number)) => Ok(Some(format!("={number:?}"))),
         (Kind::Number, Integer(number)) => Ok(Some(format!("={number}"))),
         (Kind::Flag, Boolean(on)) => Ok(on.then(Default::default)),
         (Kind::Path(words), String(text)) if words.contains(&text.as_str()) => {
             Ok(Some(format!("={text}")))
         }
-        (Kind::Path(_), String(text)) => Ok(Some(format!("={}", folder.join(text).display()))),
+        (Kind::Path(_), String(text)) => match files::named_in(folder, text) {
+            Ok(path) => Ok(Some(format!("={}", path.display()))),
+            Err(error) => Err(format!("{error}; type the option to read it")),
+        },
         (Kind::Number, _) => Err("give a number".to_string()),
         (Kind::Flag, _) => Err("give true or false".to_string()),
         (Kind::Text | Kind::Path(_), _) => Err("give a text in quotes".to_string()),

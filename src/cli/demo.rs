@@ -10,6 +10,7 @@ use sesc_identify::hide::hide;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate;
 use sesc_model::Snapping;
+use sesc_model::text::minus;
 
 use super::outputs::{Files, Kind};
 use super::{Bar, Outcome, command_line, message, print_json, show, steps};
@@ -208,7 +209,7 @@ fn text(demo: &Demo) -> String {
         out,
         "{lengths}\n3. on {} postures the fit never saw\n   \
          against noisy readings   {} mm mean absolute, of which the noise alone makes {} mm\n   \
-         against the true CoP     {} mm RMS (theory: noise × √(rank/2N) = {} mm)\n   \
+         against the true CoP     {} mm RMS per axis (theory: noise × √(rank/2N) = {} mm)\n   \
          CoM height               known up to one constant ({} mm with minimum norm); flat CoP cannot tell it, CAD gives it",
         report.held_out,
         mm(errors.measured_mae_m),
@@ -239,5 +240,5 @@ fn second_act(hidden: &HiddenAct) -> String {
 
 /// Millimetres, to hundredths.
 fn mm(metres: f64) -> String {
-    format!("{:.2}", 1e3 * metres)
+    minus(&format!("{:.2}", 1e3 * metres))
 }

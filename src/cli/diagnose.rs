@@ -8,8 +8,8 @@ use clap::Args;
 use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, cad_mass_kg,
-    command_line, message, not_written, notes, outputs, print_json, show_beside, steps, units,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, check_mass,
+    command_line, message, not_written, notes, outputs, print_json, show_beside, steps,
 };
 use crate::Error;
 use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
@@ -84,6 +84,9 @@ pub(super) struct Arguments {
     /// K noise floors, whatever explains it
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = super::positive)]
     fail_above: Option<f64>,
+    /// Lists of more than eight lines in full
+    #[arg(long, conflicts_with = "json")]
+    long: bool,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -157,7 +160,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     }
     match arguments.json {
         true => print_json(&printed)?,
-        false => show_beside(&text(&printed), streamed)?,
+        false => show_beside(&text(&printed, arguments.long), streamed)?,
     }
     let found = &report.diagnosis;
     let (error, floor) = (found.baseline.rmse, found.noise_floor);
@@ -187,7 +190,7 @@ fn model_use(arguments: &Arguments, report: &Report) -> Option<ModelUse> {
 
 fn request(arguments: &Arguments) -> Result<Request, Error> {
     let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
-    units::check_mass(arguments.total_mass, cad_mass_kg(&robot))?;
+    check_mass(arguments.total_mass, &robot)?;
     let (log, standing) = (outputs::log(&arguments.data)?, &arguments.robot.standing);
     let how = &arguments.how;
     let mut request = how.request(robot, log, standing, &arguments.feet, &arguments.stays)?;

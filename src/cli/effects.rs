@@ -2,7 +2,7 @@
 
 use clap::Args;
 use serde::Serialize;
-use sesc_identify::diagnose::MODEL_PAGES;
+use sesc_identify::diagnose::{MODEL_PAGES, subject};
 use sesc_model::effects::Catalog;
 use sesc_model::effects::about::{EffectAbout, TargetKind, about};
 use sesc_model::urdf::suggestion;
@@ -144,19 +144,27 @@ fn on_console(page: &str) -> String {
 }
 
 fn table(effects: &[EffectAbout]) -> String {
-    let mut table = Table::new(&["effect", "acts on", "what it is (its parameters)"]);
+    let mut table = Table::new(&[
+        "what may be missing (effect)",
+        "what it is (its parameters)",
+    ]);
     for effect in effects {
         let names: Vec<&str> = effect.parameters.iter().map(|p| p.name).collect();
         let parameters = match names.is_empty() {
             true => String::new(),
             false => format!(" ({})", names.join(", ")),
         };
-        let target = effect.target.to_string();
-        table.row(&[
-            effect.name,
-            &target,
-            &(effect.sentence.to_string() + &parameters),
-        ]);
+        let (target, others) = match &effect.target {
+            TargetKind::TwoJoints => ("JOINT,JOINT".to_string(), String::new()),
+            TargetKind::JointOrAll => ("JOINT".to_string(), " Or of all.".to_string()),
+            TargetKind::Ways(names) => {
+                let others = format!(" Or of: {}.", names[1..].join(", "));
+                (names[0].to_string(), others)
+            }
+            target => (target.to_string().to_uppercase(), String::new()),
+        };
+        let what = subject(effect.name, &target);
+        table.row(&[what, effect.sentence.to_string() + &others + &parameters]);
     }
     table.to_string()
 }

@@ -9,7 +9,7 @@ use super::defaults::Typed;
 use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
-    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, cad_mass_kg,
+    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, check_mass,
     command_line, message, not_written, notes, outputs, print_json, show, show_beside, units,
 };
 use crate::Error;
@@ -20,6 +20,7 @@ use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{self, Duplicates, Request};
 use sesc_identify::logs;
+use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -98,6 +99,9 @@ pub(super) struct Arguments {
     /// Page to write: figures, tables, what cannot be seen
     #[arg(long, value_name = "FILE", conflicts_with = "partial")]
     report: Option<PathBuf>,
+    /// Every parameter, and lists of more than eight lines in full
+    #[arg(long, conflicts_with = "json")]
+    long: bool,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -163,9 +167,17 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         if let Some(broken) = part.unusable() {
             message(&broken.sentence);
             not_written(path);
+            if arguments.json {
+                let next_steps = &About::default().worded([&NextStep::Repair]);
+                print_json(&Unusable::new(part.health(), next_steps))?;
+            }
             return Ok(Outcome::Failed);
         }
         part.write(path)?;
+        if arguments.json {
+            let (part, postures) = (path.display().to_string(), part.postures());
+            print_json(&Gathered { part, postures })?;
+        }
         message(&format!(
             "wrote {}: {} postures as factors",
             path.display(),
@@ -201,8 +213,12 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         }
         files.finish()?;
         match arguments.json {
-            true => print_json(&Unusable::new(&found.identification, next_steps))?,
-            false => show(&report::text(&found.identification, next_steps))?,
+            true => print_json(&Unusable::new(&found.identification.health, next_steps))?,
+            false => show(&report::text(
+                &found.identification,
+                next_steps,
+                arguments.long,
+            ))?,
         }
         return Ok(Outcome::Failed);
     }
@@ -229,9 +245,10 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         print_json(&report)?;
     } else {
         let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
-        show_beside(&report::text(&found.identification, next_steps), streamed)?;
+        let text = report::text(&found.identification, next_steps, arguments.long);
+        show_beside(&text, streamed)?;
         if let Some(corrected) = &found.corrected {
-            show_beside(&report::corrections(corrected), streamed)?;
+            show_beside(&report::corrections(corrected, arguments.long), streamed)?;
         }
     }
     let (error, floor) = (
@@ -240,6 +257,16 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     );
     let what = "the held-out error of the fit";
     Ok(super::judged(what, error, floor, arguments.fail_above))
+}
+
+/// What `--partial` prints as JSON.
+#[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct Gathered {
+    /// The factor file.
+    part: String,
+    /// Postures that it holds.
+    postures: u64,
 }
 
 fn is_part(path: &Path) -> bool {
@@ -290,7 +317,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         DuplicateParts::Skip => Duplicates::Skip,
     };
     if let Some(robot) = &request.robot {
-        units::check_mass(arguments.total_mass, cad_mass_kg(robot))?;
+        check_mass(arguments.total_mass, robot)?;
     }
     request.physical = arguments.physical;
     request.corrected_urdf = arguments.urdf.is_some();

@@ -79,6 +79,9 @@ pub(super) struct Arguments {
     /// Robots that get a page beside the report, at most: those to look at first before others
     #[arg(long, value_name = "N", default_value_t = ROBOTS, requires = "report")]
     pages: usize,
+    /// Lists of more than eight lines in full
+    #[arg(long, conflicts_with = "json")]
+    long: bool,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -171,7 +174,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     if arguments.json {
         print_json(&answer(&found, &summary))?;
     } else {
-        show(&text(&found, &summary))?;
+        show(&text(&found, &summary, arguments.long))?;
     }
     let any = found.rows.iter().any(Row::has_result);
     Ok(if any { Outcome::Ok } else { Outcome::Failed })

@@ -10,6 +10,7 @@ use sesc_codegen::facts::Facts;
 use sesc_codegen::sources::{self, C99};
 use sesc_identify::files::write_all_if_changed;
 use sesc_identify::next_steps::NextStep;
+use sesc_model::effects::EncoderMap;
 
 use super::outputs::{Files, Kind};
 use super::steps::About;
@@ -31,9 +32,10 @@ pub(super) struct Arguments {
     /// Language of the output
     #[arg(long, value_enum, default_value = "rust")]
     lang: Language,
-    /// Scalar type of C; Rust output is generic and serves f64, f32 and SIMD lanes alike
-    #[arg(long, value_enum, default_value = "f64")]
-    scalar: Scalar,
+    /// Scalar type of C [default: f64, of --layout arduino and platformio f32]; Rust output is
+    /// generic and serves f64, f32 and SIMD lanes alike
+    #[arg(long, value_enum)]
+    scalar: Option<Scalar>,
     /// Module name, or prefix of the C names; `ROBOT_SUPPORT` unless given
     #[arg(long)]
     name: Option<String>,
@@ -86,10 +88,65 @@ pub(super) struct Answer<'a> {
     support: &'a str,
     /// Files of the package.
     files: Vec<WrittenFile>,
+    /// Effects of the model file, and the functions that hold them.
+    effects: Vec<Held>,
+    /// What to add to the readings of encoders, of those that do not read the truth.
+    encoder_zeros: Vec<EncoderZero<'a>>,
     /// What was noticed.
     notes: &'a [String],
     /// What to do next.
     next_steps: Vec<Worded>,
+}
+
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct Held {
+    /// Its name in model files.
+    effect: &'static str,
+    /// What it acts on; `-` for the whole robot.
+    target: String,
+    /// `all`: every function, `com` and `model_com` too; `cop`: `cop` and `cop_jacobian` alone;
+    /// `none`: a log alone shows it.
+    functions: &'static str,
+}
+
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct EncoderZero<'a> {
+    /// Name of the joint.
+    joint: &'a str,
+    /// What its encoder's reading is multiplied with first.
+    scale: f64,
+    /// What is added then, rad or m.
+    add: f64,
+}
+
+/// Effects of a model file with the functions that hold them.
+fn held(facts: &Facts) -> Vec<Held> {
+    let effects = facts.effects.iter();
+    effects
+        .map(|effect| Held {
+            effect: effect.name,
+            target: effect.target.unwrap_or("-").to_string(),
+            functions: match (effect.is_static, effect.changes_body) {
+                (true, true) => "all",
+                (true, false) => "cop",
+                (false, _) => "none",
+            },
+        })
+        .collect()
+}
+
+/// Encoders that do not read the truth.
+fn encoder_zeros<'m>(facts: &Facts<'m>) -> Vec<EncoderZero<'m>> {
+    let pairs = facts.dofs.iter().zip(&facts.encoders);
+    let off = pairs.filter(|(_, map)| **map != EncoderMap::TRUE);
+    off.map(|(dof, map)| EncoderZero {
+        joint: &dof.joint,
+        scale: map.scale,
+        add: map.offset,
+    })
+    .collect()
 }
 
 #[derive(Serialize)]
@@ -174,11 +231,25 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     reads
         .writes(Kind::Source, files.iter().map(|(path, _)| path))
         .check()?;
+    if let Some(file) = sources::of_another(&facts, files.iter().map(|(path, _)| path)) {
+        let file = file.display();
+        let what = format!("{file} was generated for another robot or support");
+        match arguments.name {
+            None => {
+                return Err(Error::Usage(format!(
+                    "{what}; give this one a --name or --out"
+                )));
+            }
+            Some(_) => message(&format!("{what}, and is replaced")),
+        }
+    }
     let changed = write_all_if_changed(&files)?;
     let mut answer = Answer {
         robot: &model.tree.robot,
         support: model.support(),
         files: Vec::new(),
+        effects: held(&facts),
+        encoder_zeros: encoder_zeros(&facts),
         notes: &written.notes,
         next_steps: Vec::new(),
     };
@@ -223,7 +294,7 @@ fn check_rust(arguments: &Arguments) -> Result<(), Error> {
              sesc_runtime::Batch)",
         ),
         (
-            arguments.scalar != Scalar::F64,
+            arguments.scalar.is_some_and(|scalar| scalar != Scalar::F64),
             "--scalar f32 and fixed32 are for C; add --lang c, or leave --scalar out (one Rust \
              module serves f64, f32 and SIMD lanes)",
         ),
@@ -239,7 +310,7 @@ fn check_rust(arguments: &Arguments) -> Result<(), Error> {
 }
 
 fn wanted_c(arguments: &Arguments) -> Result<C99, Error> {
-    if arguments.lanes.is_some() && arguments.scalar == Scalar::Fixed32 {
+    if arguments.lanes.is_some() && arguments.scalar == Some(Scalar::Fixed32) {
         return Err(Error::Usage(
             "--lanes is for f64 and f32, fixed32 has one posture a call; leave one out".into(),
         ));
@@ -254,11 +325,11 @@ fn wanted_c(arguments: &Arguments) -> Result<C99, Error> {
         (None, ticks) => ticks.map(|wanted| wanted.then(Servos::default)),
     };
     Ok(C99 {
-        scalar: match arguments.scalar {
+        scalar: arguments.scalar.map(|scalar| match scalar {
             Scalar::F64 => sesc_codegen::Scalar::F64,
             Scalar::F32 => sesc_codegen::Scalar::F32,
             Scalar::Fixed32 => sesc_codegen::Scalar::Fixed32,
-        },
+        }),
         servos,
         estimator: arguments.estimator,
         lanes: arguments.lanes,

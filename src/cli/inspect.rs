@@ -6,6 +6,8 @@ use std::fmt::Write as _;
 use clap::Args;
 use sesc_codegen::emit::header::at_most;
 use sesc_identify::next_steps::NextStep;
+use sesc_model::text::listed;
+use sesc_model::tree::{Snap, snapped};
 use sesc_model::{Function, Interface};
 
 use super::steps::About;
@@ -13,7 +15,7 @@ use super::{Outcome, RobotArguments, print_json, show};
 use crate::Error;
 use crate::inspect::{Inspection, RankCheck, inspect};
 use crate::report::next_steps::{self, WithSteps};
-use crate::report::table::{Table, wrapped};
+use crate::report::table::{self, Table, gathered};
 
 /// Tree, chain, base parameters, what is unobservable, operation counts, snaps
 #[derive(Args)]
@@ -23,8 +25,8 @@ use crate::report::table::{Table, wrapped};
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// Rotations from the support link to each body, and a sentence on each function: lines may be
-    /// long
+    /// Lists of more than eight lines in full, rotations from the support link to each body, and a
+    /// sentence on each function: lines may be long
     #[arg(long, conflicts_with = "json")]
     long: bool,
     /// Machine-readable output
@@ -35,7 +37,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let stance = arguments.robot.stance(None)?;
     let model = stance.model()?;
-    let inspection = inspect(&stance.robot.description, &model);
+    let inspection = inspect(&model);
     super::notes(&inspection.notes);
     let support = model.support().to_string();
     let about = About::new(&arguments.robot.urdf);
@@ -90,18 +92,7 @@ fn text(i: &Inspection, long: bool) -> String {
             .clone(),
         ]);
     }
-    let _ = writeln!(out, "{chain}");
-    let _ = writeln!(
-        out,
-        "{} SESC parameters, {} base parameters; rank {} from CoM rows, {} from flat CoP rows \
-         (numerically {} and {})\n",
-        i.full_params,
-        i.base_params,
-        i.rank.xyz,
-        i.rank.cop,
-        i.numeric_rank.xyz,
-        i.numeric_rank.cop
-    );
+    let _ = writeln!(out, "{}", chain.listed(long));
     let mut parameters = Table::new(&["base parameter", "CAD", ""]);
     for parameter in &i.parameters {
         let (value, unit) = match parameter.unit {
@@ -110,7 +101,7 @@ fn text(i: &Inspection, long: bool) -> String {
         };
         parameters.row(&[parameter.name.clone(), value, unit.to_string()]);
     }
-    let _ = writeln!(out, "{parameters}");
+    let _ = writeln!(out, "{}", parameters.listed(long));
     let _ = writeln!(out, "What no data can see:");
     let _ = write!(out, "{}", unseen(i, long));
     // Divisions, clamps and powers: a column of their own where an effect needs any.
@@ -140,18 +131,44 @@ fn text(i: &Inspection, long: bool) -> String {
     if i.snaps.is_empty() {
         let _ = writeln!(out, "No right angle was snapped.");
     }
-    for snap in &i.snaps {
-        let _ = writeln!(
-            out,
+    let snap = |snap: &Snap| {
+        format!(
             "snapped {}: {:.1e} rad to a right angle, moves the CoM by at most {} m",
             snap.joint,
             snap.angle_error,
             at_most(snap.com_error)
-        );
-    }
+        )
+    };
+    let snaps: Vec<String> = snapped(&i.snaps, long).iter().map(snap).collect();
+    out += &table::listed(&snaps, long);
+    let notes = match i.notes.len() {
+        0 => String::new(),
+        1 => "; 1 note on the URDF, above".to_string(),
+        n => format!("; {n} notes on the URDF, above"),
+    };
+    let _ = writeln!(
+        out,
+        "\n{} on {}: {} bodies, {} independent joints, {:.6} kg\n{} SESC parameters, {} base \
+         parameters; rank {} from CoM rows, {} from flat CoP rows (numerically {} and {})\n{} \
+         directions that no data can see{notes}",
+        i.robot,
+        i.support,
+        i.bodies,
+        i.dof,
+        i.mass_kg,
+        i.full_params,
+        i.base_params,
+        i.rank.xyz,
+        i.rank.cop,
+        i.numeric_rank.xyz,
+        i.numeric_rank.cop,
+        i.unobservable.len()
+    );
     out
 }
 
+/// Joints that a sentence names, at most.
+const JOINTS: usize = 8;
 /// How names begin of what rotation about a joint's axis hides.
 const AXIS_OF: &str = "axis of ";
 
@@ -170,12 +187,13 @@ fn unseen(i: &Inspection, long: bool) -> String {
             "along the axis of each of {} joints, r of the body that it moves goes to the body \
              that carries it (table above): rotation about that axis leaves it unchanged. {}",
             joints.len(),
-            joints.join(", ")
+            listed(&joints, JOINTS)
         );
-        let _ = writeln!(out, "  {}", wrapped(&sentence, "    "));
+        let _ = writeln!(out, "  {}", table::wrapped(&sentence, "    "));
     }
-    for direction in others {
-        let _ = writeln!(out, "  {}", direction.sentence);
-    }
-    out
+    let others = others.iter().map(|direction| direction.sentence.clone());
+    let others: Vec<String> = others.collect();
+    let wrapped = |sentence: String| format!("  {}", table::wrapped(&sentence, "    "));
+    let others: Vec<String> = gathered(&others, long).into_iter().map(wrapped).collect();
+    out + &table::listed(&others, long)
 }

@@ -19,7 +19,7 @@ mod shell;
 mod simulate;
 mod steps;
 mod terminal;
-mod units;
+pub mod units;
 mod verify;
 mod width;
 
@@ -35,10 +35,11 @@ use arguments::{
 };
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Parser, Subcommand};
-use sesc_model::text::{is_hidden, visible_lines};
+use sesc_model::text::{is_hidden, visible, visible_lines};
 use terminal::Bar;
 
 use crate::Error;
+use crate::report::table::gathered;
 use sesc_identify::robot::Robot;
 
 /// Centre of mass by the statically equivalent serial chain: from a URDF to
@@ -242,7 +243,10 @@ fn complain(error: &Error) {
     for cause in causes(error) {
         text.push_str(&format!("  caused by: {cause}\n"));
     }
-    message(text.trim_end());
+    // A line break of a path begins no line.
+    let file = error.file().filter(|file| file.contains('\n'));
+    let text = file.map_or(text.clone(), |file| text.replace(file, &visible(file)));
+    messages(text.trim_end());
 }
 
 /// What caused an error, the nearest cause first.
@@ -257,14 +261,14 @@ fn causes(error: &Error) -> Vec<String> {
 }
 
 /// What the links of a robot weigh together in its URDF.
-fn cad_mass_kg(robot: &Robot) -> f64 {
-    let links = robot.description.links.iter();
-    links.map(|link| link.inertial.mass_kg).sum()
+fn check_mass(kg: Option<f64>, robot: &Robot) -> Result<(), Error> {
+    let wrong = |wrong| Error::Usage(format!("--total-mass {}: {wrong}", kg.unwrap_or_default()));
+    units::check_mass(kg, robot).map_err(wrong)
 }
 
-/// Notes, on stderr.
+/// Notes, on stderr; those of one kind together.
 fn notes(notes: &[String]) {
-    for note in notes {
+    for note in gathered(notes, false) {
         message(&format!("note: {note}"));
     }
 }
@@ -277,8 +281,13 @@ fn not_written(path: &Path) {
     ));
 }
 
-/// A line on stderr. Names of files may hold what a terminal obeys; it is spelled out.
+/// A line on stderr: a line break of a path begins no other.
 fn message(text: &str) {
+    messages(&visible(text));
+}
+
+/// Lines on stderr. Names of files may hold what a terminal obeys; it is spelled out.
+fn messages(text: &str) {
     if let Some(text) = terminal::worded(&visible_lines(text)) {
         // If stderr is closed, the message cannot be shown.
         let _ = writeln!(std::io::stderr(), "{text}");
@@ -298,7 +307,7 @@ fn show(text: &str) -> Result<(), Error> {
 fn show_beside(text: &str, streamed: bool) -> Result<(), Error> {
     match streamed {
         true => {
-            message(text.trim_end());
+            messages(text.trim_end());
             Ok(())
         }
         false => show(text),

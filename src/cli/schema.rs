@@ -28,7 +28,7 @@ type SchemaOf = fn(&mut SchemaGenerator) -> Schema;
 pub fn all() -> Schemas {
     let settings = SchemaSettings::draft2020_12().for_serialize();
     let mut generator = settings.into_generator();
-    let all: [(_, _, SchemaOf); 15] = [
+    let all: [(_, _, SchemaOf); 17] = [
         ("errors", "", Failure::json_schema),
         ("demo", "", demo::Answer::json_schema),
         ("inspect", "", WithSteps::<Inspection>::json_schema),
@@ -40,9 +40,15 @@ pub fn all() -> Schemas {
             "Of data that cannot be used",
             fit::Unusable::json_schema,
         ),
+        ("fit", "With `--partial`", super::fit::Gathered::json_schema),
         ("diagnose", "", DiagnoseReport::json_schema),
         ("effects", "", effects::Listed::json_schema),
         ("compare", "", WithSteps::<Comparison>::json_schema),
+        (
+            "compare",
+            "Of a log that cannot be used",
+            fit::Unusable::json_schema,
+        ),
         ("predict", "", WithSteps::<Predictions>::json_schema),
         ("predict", "With `--out`", predict::Written::json_schema),
         ("generate", "", generate::Answer::json_schema),

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::outputs::{Files, Kind};
 use super::steps::About;
-use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps, units};
+use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps};
 use crate::Error;
 use crate::report::next_steps::Worded;
 use sesc_identify::hide::hide;
@@ -94,7 +94,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .check_writable()?;
     let (_, model) = arguments.robot.load(arguments.model.as_deref())?;
     let model = hide(model, &arguments.hide)?;
-    units::check_hidden(&arguments.hide, &model)?;
     let poses = usize::try_from(arguments.poses).unwrap_or(usize::MAX);
     let mut request = Request::new(model, poses);
     request.range = arguments.range.map(f64::to_radians);

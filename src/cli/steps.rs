@@ -94,7 +94,7 @@ impl<'a> About<'a> {
 
 /// Say on stderr what to do next, where standard output is for data, scripts or names of files.
 pub(super) fn say(steps: &[Worded]) {
-    super::message(next_steps::text(steps).trim_end());
+    super::messages(next_steps::text(steps).trim_end());
 }
 
 /// A file as a command names it; what comes by standard input has no name.

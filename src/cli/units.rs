@@ -1,11 +1,8 @@
-//! Units of options: a value that can only have been meant in another unit, such as a length in
-//! millimetres, is refused with what was meant.
+//! Units of options and of Python's keywords: a value that can only have been meant in another
+//! unit, such as a length in millimetres, is refused with what was meant.
 
 use sesc_identify::logs::Stays;
-use sesc_model::Model;
-use sesc_model::effects::Unit;
-
-use crate::Error;
+use sesc_identify::robot::Robot;
 
 /// No sensor of a robot that stands is noisier, m.
 const NOISIEST_M: f64 = 0.1;
@@ -21,56 +18,30 @@ const FASTEST_HZ: f64 = 50_000.0;
 /// A robot does not weigh so many times what CAD says, or so small a part of it.
 const MASS_RATIO: f64 = 100.0;
 
-/// An angle or a length of a hidden effect that is given without its unit is no larger, rad or m.
-const HIDDEN_RAD: f64 = 0.6;
-const HIDDEN_M: f64 = 1.0;
-/// A mass that is given without its unit is no larger a part of what the robot weighs.
-const HIDDEN_PART: f64 = 3.0;
-
-/// What is hidden in a simulated robot: `effects` as they were typed, which the model has last.
+/// Whether the value of a keyword of Python can be meant: in SI units, so that a range is in rad.
 ///
 /// # Errors
-/// A number without a unit that is no likely one of rad, m or kg.
-pub(super) fn check_hidden(effects: &[String], model: &Model) -> Result<(), Error> {
-    let robot_kg = model.tree.mass;
-    let records = model.file.as_ref().map_or(&[][..], |file| &file.effects);
-    let typed = effects.iter().rev().zip(records.iter().rev());
-    for (text, record) in typed {
-        let values = text.rsplit_once('=').map_or("", |(_, values)| values);
-        let bare: Vec<f64> = values
-            .split(',')
-            .filter_map(|x| x.trim().parse().ok())
-            .collect();
-        for (name, value) in &record.parameters {
-            let value = value.value;
-            let (most, shown, meant, unit) = match Unit::of(name) {
-                Unit::Radian => (
-                    HIDDEN_RAD,
-                    format!("{:.0}°", value.to_degrees()),
-                    "deg",
-                    "rad",
-                ),
-                Unit::Metre => (HIDDEN_M, format!("{} mm", 1e3 * value), "mm", "m"),
-                Unit::Kilogram => {
-                    let shown = format!("the robot weighs {robot_kg:.3} kg");
-                    (HIDDEN_PART * robot_kg, shown, "g", "kg")
-                }
-                _ => continue,
-            };
-            if value.abs() > most && bare.contains(&value) {
-                return Err(Error::Usage(format!(
-                    "--hide {text}: {value} of {name} is {value} {unit} ({shown}); give its unit: \
-                     {value}{meant}, or {value}{unit} if that is meant"
-                )));
-            }
-        }
+/// What is more likely to be in another unit, with what was meant.
+pub fn check(keyword: &str, value: f64) -> Result<(), String> {
+    match keyword {
+        "noise" | "floor" => check_m(value, NOISIEST_M),
+        "cop_box" | "clearance" => check_m(value, LARGEST_M),
+        "margin" => check_m(value, WIDEST_M),
+        "rate" => check_hz(value),
+        "range" if value.to_degrees().abs() > TURN_DEG => Err(match value.abs() <= TURN_DEG {
+            true => format!(
+                "that is {value} rad, more than a turn; give radians: {:.4} for {value}°",
+                value.to_radians()
+            ),
+            false => format!("give radians, {:.4} at most", TURN_DEG.to_radians()),
+        }),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// A standard deviation of a reading, m.
 pub(super) fn deviation_m(text: &str) -> Result<f64, String> {
-    metres(text, NOISIEST_M)
+    parsed(text, "metres", |x| check_m(x, NOISIEST_M))
 }
 
 /// How long a robot holds still, s.
@@ -81,92 +52,82 @@ pub(super) fn stays(text: &str) -> Result<Stays, String> {
 
 /// A length on the robot's scale, m.
 pub(super) fn length_m(text: &str) -> Result<f64, String> {
-    metres(text, LARGEST_M)
+    parsed(text, "metres", |x| check_m(x, LARGEST_M))
 }
 
 /// A distance from the edge of a sole, m.
 pub(super) fn margin_m(text: &str) -> Result<f64, String> {
-    metres(text, WIDEST_M)
+    parsed(text, "metres", |x| check_m(x, WIDEST_M))
 }
 
 /// A range of joint angles, degrees.
 pub(super) fn range_deg(text: &str) -> Result<f64, String> {
     let meant = |x: f64| (x / 1000.0).to_degrees();
-    number(
-        text,
-        "degrees",
-        TURN_DEG,
-        |x| meant(x).abs() <= TURN_DEG,
-        |x| {
-            let meant = meant(x);
-            format!("that is {x}°, more than a turn; give degrees: {meant:.4} for {x} mrad")
-        },
-    )
+    let check = |x: f64| match x.abs() > TURN_DEG {
+        true if meant(x).abs() <= TURN_DEG => Err(format!(
+            "that is {x}°, more than a turn; give degrees: {:.4} for {x} mrad",
+            meant(x)
+        )),
+        true => Err(format!("give degrees, {TURN_DEG} at most")),
+        false => Ok(()),
+    };
+    parsed(text, "degrees", check)
 }
 
 /// Rows per second.
 pub(super) fn rate_hz(text: &str) -> Result<f64, String> {
-    number(
-        text,
-        "rows per second",
-        FASTEST_HZ,
-        |x| (0.0..=1e9).contains(&x),
-        |x| {
-            let rate = 1e9 / x;
-            format!(
-                "that is {x} rows a second, more than any robot logs; give Hz: {rate} for a row every \
-             {x} ns"
-            )
-        },
-    )
+    parsed(text, "rows per second", check_hz)
 }
 
-/// Whether a robot of `cad_kg` may weigh `kg`; what else is wrong with it is for the command to
-/// say.
-pub(super) fn check_mass(kg: Option<f64>, cad_kg: f64) -> Result<(), Error> {
-    let Some(kg) = kg.filter(|kg| *kg > MASS_RATIO * cad_kg && cad_kg > 0.0) else {
-        return Ok(());
-    };
-    Err(Error::Usage(format!(
-        "--total-mass {kg}: that is {kg} kg, and the robot weighs {cad_kg:.3} kg in its URDF; give \
-         kilograms: {} for {kg} g",
-        kg / 1000.0
-    )))
+fn check_hz(x: f64) -> Result<(), String> {
+    match x.abs() > FASTEST_HZ {
+        true if (0.0..=1e9).contains(&x) => Err(format!(
+            "that is {x} rows a second, more than any robot logs; give Hz: {} for a row every {x} ns",
+            1e9 / x
+        )),
+        true => Err(format!("give rows per second, {FASTEST_HZ} at most")),
+        false => Ok(()),
+    }
 }
 
-/// A number of metres, up to `most` either way; what else is wrong with it is for the command
-/// to say.
-fn metres(text: &str, most: f64) -> Result<f64, String> {
-    // Millimetres would be too much, too.
-    number(
-        text,
-        "metres",
-        most,
-        |x| (x / 1000.0).abs() <= most,
-        |x| {
-            let meant = x / 1000.0;
-            format!("that is {x} m; give metres: {meant} for {x} mm")
-        },
-    )
+/// Whether a robot may weigh `kg`; what else is wrong with it is for others to say.
+///
+/// # Errors
+/// What is more likely to be in grams.
+pub fn check_mass(kg: Option<f64>, robot: &Robot) -> Result<(), String> {
+    let links = robot.description.links.iter();
+    let cad_kg: f64 = links.map(|link| link.inertial.mass_kg).sum();
+    match kg.filter(|kg| *kg > MASS_RATIO * cad_kg && cad_kg > 0.0) {
+        None => Ok(()),
+        Some(kg) => Err(format!(
+            "that is {kg} kg, and the robot weighs {cad_kg:.3} kg in its URDF; give kilograms: {} \
+             for {kg} g",
+            kg / 1000.0
+        )),
+    }
 }
 
-/// A number up to `most` either way. What is more `is_likely` to have been typed in another unit is
-/// refused with what was `meant`.
-fn number(
+/// Metres, up to `most` either way.
+fn check_m(x: f64, most: f64) -> Result<(), String> {
+    let meant = x / 1000.0;
+    match x.abs() > most {
+        // Millimetres would be too much, too.
+        true if meant.abs() > most => Err(format!("give metres, {most} at most")),
+        true => Err(format!("that is {x} m; give metres: {meant} for {x} mm")),
+        false => Ok(()),
+    }
+}
+
+/// A number that can be meant; what else is wrong with it is for the command to say.
+fn parsed(
     text: &str,
     unit: &str,
-    most: f64,
-    is_likely: impl Fn(f64) -> bool,
-    meant: impl Fn(f64) -> String,
+    check: impl Fn(f64) -> Result<(), String>,
 ) -> Result<f64, String> {
     let value: f64 = text
         .parse()
         .map_err(|_| format!("give a number of {unit}"))?;
-    match value.abs() > most {
-        true if is_likely(value) => Err(meant(value)),
-        true => Err(format!("give {unit}, {most} at most")),
-        false => Ok(value),
-    }
+    check(value).map(|()| value)
 }
 
 #[cfg(test)]
@@ -186,7 +147,6 @@ mod tests {
         assert_eq!(range_deg("1e300").unwrap_err(), "give degrees, 360 at most");
         let said = rate_hz("inf").unwrap_err();
         assert_eq!(said, "give rows per second, 50000 at most");
-        assert!(check_mass(Some(3.0), 2.9).is_ok() && check_mass(None, 0.0).is_ok());
         assert_eq!(stays("0.5"), Ok(Stays::Alone(0.5)));
         assert_eq!(stays("0"), Ok(Stays::Moving));
         assert!(stays("-1").is_err() && stays("nan").is_err() && stays("x").is_err());

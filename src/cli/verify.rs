@@ -17,7 +17,7 @@ use crate::verify::{holds, samples, verify};
 /// With a model file, every function is compared with a virtual robot that has the file's
 /// effects: those of the body in all functions, those of ground and sensor in the CoP.
 /// Allowed is twice the proven rounding bound, what snapped right angles move, and what
-/// four rounds of the model's springs leave out (stated below the table). Where a joint has
+/// rounds of the model's springs leave out (stated below the table). Where a joint has
 /// a dead band, postures in which gravity does not decide its side are left out and counted.
 /// A function whose allowed error is more than a thousandth of the robot's reach fails:
 /// keeping so wide a bound says nothing.
@@ -80,8 +80,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
         if found.springs_left_out > 0.0 {
             text += &format!(
-                "springs: four rounds leave out up to {:.1e} m\n",
-                found.springs_left_out
+                "springs: {} rounds leave out up to {:.1e} m\n",
+                model.rounds, found.springs_left_out
             );
         }
         if !found.beyond_use.is_empty() {

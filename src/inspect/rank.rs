@@ -79,7 +79,7 @@ fn confirmed(
     let evaluator = Evaluator::new(model, function);
     let rest = undecided(model, &evaluator, rows);
     let alone = model.base.params.len() - rest.len();
-    let count = 4 * rest.len() / rows + 30;
+    let count = numeric::enough(rest.len(), rows);
     let postures = numeric::wide_postures(&model.chain, &model.tree.dofs, count);
     let mut values = Vec::with_capacity(count * rows * rest.len());
     for some in postures.chunks(POSITIONS * JOINTS) {

@@ -12,7 +12,7 @@ use super::fleet::{mark_effect, standing};
 use super::html::render;
 use super::next_steps::{self, Worded};
 use super::origin::recorded;
-use super::table::{Table, chance};
+use super::table::{Table, chance, in_words};
 use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
 use sesc_identify::diagnose::words::{NamedValue, spoken};
 use sesc_identify::skeleton::Skeleton;
@@ -186,11 +186,6 @@ fn card(comparison: &Comparison, skeleton: &Skeleton) -> Value {
     }
     let nothing = "No joint and no link has an effect that changed.";
     standing(skeleton, marks, &said, nothing, Vec::new())
-}
-
-/// `joint offset`: what stands in the tables of other pages, too.
-fn in_words(effect: &str) -> String {
-    effect.replace('_', " ")
 }
 
 fn effect(own: &EffectChange) -> Value {

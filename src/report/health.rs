@@ -4,6 +4,7 @@ use minijinja::{Value, context};
 
 use super::figures;
 use super::robot::Shown;
+use super::table::in_words;
 use sesc_identify::health::{Finding, Row};
 
 /// The rows that figures of findings show, as postures that the page's robot can be shown in.
@@ -58,7 +59,7 @@ pub fn rows(findings: &[Finding], first: Option<usize>) -> Vec<Value> {
     let number = |row: &Row| Some(first? + posed.at(row)?);
     let row = |finding: &Finding| {
         context! {
-            kind => finding.kind.name().replace('_', " "),
+            kind => in_words(finding.kind.name()),
             target => &finding.target,
             sentence => &finding.sentence,
             figure => finding.picture.as_ref().map(|picture| {

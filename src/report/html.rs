@@ -5,8 +5,10 @@
 //! engine; only the figures, which escape their own texts, pass as they are.
 
 use minijinja::value::{Serde, Value};
-use minijinja::{Environment, Error, Output, State, UndefinedBehavior, escape_formatter};
-use sesc_model::text::visible_lines;
+use minijinja::{
+    Environment, Error, HtmlEscape, Output, State, UndefinedBehavior, escape_formatter,
+};
+use sesc_model::text::{minus, visible_lines};
 
 use super::{svg, table};
 
@@ -21,7 +23,7 @@ pub(super) const SCRIPT: [&str; 6] = [
 ];
 
 /// The hash of that script by which a browser knows it: it runs no other.
-pub(super) const SCRIPT_HASH: &str = "sha256-2MSyMiNoUEu8vvybFiZu1ng5endqMULbZ7UWYIcCVhI=";
+pub(super) const SCRIPT_HASH: &str = "sha256-yZvZssxIk1l6A8FMCIvMIvYv7Jst5xQwm/enyFtPR/s=";
 
 /// A page of this folder in the frame that all share.
 pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
@@ -31,17 +33,22 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     environment.add_filter("mm", table::mm);
     environment.add_filter("scientific", scientific);
     environment.add_filter("code", code);
+    environment.add_filter("name", name);
+    environment.add_filter("verbatim", verbatim);
     environment.add_filter("chance", table::chance);
     // Columns of a table line up at the point.
-    environment.add_filter("hundredths", |metres: f64| format!("{:.2}", 1e3 * metres));
-    environment.add_filter("digits", |value: f64, digits: usize| {
-        format!("{value:.digits$}")
+    environment.add_filter("hundredths", |metres: f64| {
+        minus(&format!("{:.2}", 1e3 * metres))
     });
-    environment.add_filter("signed", |value: f64| format!("{value:+.2}"));
+    environment.add_filter("digits", |value: f64, digits: usize| {
+        minus(&format!("{value:.digits$}"))
+    });
+    environment.add_filter("signed", |value: f64| minus(&format!("{value:+.2}")));
+
     environment.add_filter("degrees", |radians: f64| {
         format!("{:.0}", radians.to_degrees())
     });
-    environment.add_filter("plain", |value: f64| value.to_string());
+    environment.add_filter("plain", |value: f64| minus(&value.to_string()));
     environment.add_global("colors", Serde(svg::PALETTE));
     let script = format!("\n'use strict';\n{}", SCRIPT.concat());
     environment.add_global("version", env!("CARGO_PKG_VERSION"));
@@ -71,22 +78,22 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     environment.get_template(page)?.render(context)
 }
 
-/// A value as the engine writes it, what is hidden in names spelled out: a browser turns text
-/// around where a name says so.
+/// A value as the engine writes it, numbers with a true minus and what is hidden in names spelled
+/// out: a browser turns text around where a name says so.
 fn spelled_out(
     out: &mut Output<'_>,
     state: &mut State<'_, '_>,
     value: &Value,
 ) -> Result<(), Error> {
     match value.as_str().filter(|_| !value.is_safe()) {
-        Some(text) => escape_formatter(out, state, &Value::from(visible_lines(text))),
+        Some(text) => escape_formatter(out, state, &Value::from(minus(&visible_lines(text)))),
         None => escape_formatter(out, state, value),
     }
 }
 
 /// A sentence with its `names` set as code.
 fn code(sentence: &str) -> Value {
-    let mut html = svg::escaped(sentence);
+    let mut html = svg::escaped(&minus(sentence));
     if html.matches('`').count().is_multiple_of(2) {
         for tag in ["<code>", "</code>"].into_iter().cycle() {
             let before = html.len();
@@ -99,9 +106,22 @@ fn code(sentence: &str) -> Value {
     Value::from_safe_string(html)
 }
 
+/// Text of programs, with the hyphens that they read.
+fn verbatim(text: &str) -> Value {
+    Value::from_safe_string(HtmlEscape(&visible_lines(text)).to_string())
+}
+
+/// A name that breaks behind its parts where it has to.
+fn name(name: &str) -> Value {
+    let breaks = svg::escaped(name)
+        .replace('_', "_<wbr/>")
+        .replace('.', "<wbr/>.");
+    Value::from_safe_string(breaks)
+}
+
 /// A small number as people write it: 4.4 × 10⁻¹⁶.
 fn scientific(value: f64) -> String {
-    let text = format!("{value:.1e}");
+    let text = minus(&format!("{value:.1e}"));
     let Some((digits, exponent)) = text.split_once('e').filter(|_| value != 0.0) else {
         return if value == 0.0 { "0".to_string() } else { text };
     };

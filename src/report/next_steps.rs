@@ -9,7 +9,7 @@ use sesc_identify::compare::{Change, Comparison};
 use sesc_identify::next_steps::{Functions, NextStep};
 use sesc_model::text::listed;
 
-use super::table::wrapped_at;
+use super::table::{in_words, wrapped_at};
 
 /// Names stand in a column of this width on the console.
 const NAME: usize = 17;
@@ -138,9 +138,9 @@ fn sentence(step: &NextStep) -> (String, String) {
             "Keep this log, and compare a later one with it",
             "what changes on the robot shows in the difference",
         ),
-        NextStep::WidenRange { joint, detectable } => both(
+        NextStep::WidenRange { joint, unseen } => both(
             format!("Record postures with larger ranges of joints, first of all `{joint}`"),
-            format!("this log shows an offset of it from {detectable} on"),
+            format!("this log does not show offsets of it {unseen}"),
         ),
         NextStep::LookAtPage => both(
             "Look at the page of the diagnosis",
@@ -204,7 +204,7 @@ fn sentence(step: &NextStep) -> (String, String) {
             "nothing differs from it by more than chance, and what was generated from it holds",
         ),
         NextStep::CheckChanged { effect, target } => {
-            let effect = effect.replace('_', " ");
+            let effect = in_words(effect);
             let of = match target.as_str() {
                 "-" => String::new(),
                 target => format!(" of `{target}`"),

@@ -15,14 +15,12 @@ use crate::report::robot::{Card, Correction, Shown};
 use crate::report::table::{lines, mm};
 use sesc_identify::plan::{Lesson, Plan};
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::text::{listed, shortened};
+use sesc_model::text::listed;
 
 /// Postures on the contact sheet, at most.
 const SHEET: usize = 120;
 /// Pairs of links that are named, at most.
 const EXEMPT: usize = 8;
-/// Letters of a parameter under a posture.
-const LETTERS: usize = 17;
 
 /// What a posture teaches.
 fn lesson(own: &Lesson) -> Value {
@@ -32,7 +30,6 @@ fn lesson(own: &Lesson) -> Value {
     };
     context! {
         name => &own.parameter,
-        short => shortened(&own.parameter, LETTERS),
         before => number(own.before),
         after => number(own.after),
         unit => if own.unit == "m" { "mm" } else { "‰" },

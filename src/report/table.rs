@@ -12,6 +12,70 @@
 
 use std::fmt;
 
+use sesc_model::text::{self, minus};
+
+/// Lines of a list, at most, unless all are asked for.
+pub const LISTED: usize = 8;
+
+/// Sentences that differ in the `names` of things alone as one that counts and names them; each by
+/// itself with `long`.
+pub fn gathered(sentences: &[String], long: bool) -> Vec<String> {
+    let name = |sentence: &str| sentence.split('`').nth(1).map(str::to_string);
+    // Lines of the file and sizes differ from one to the next.
+    let kind = |sentence: &str| -> String {
+        let bare = sentence.replacen(&name(sentence).unwrap_or_default(), "", 1);
+        bare.chars().filter(|c| !c.is_ascii_digit()).collect()
+    };
+    let mut kinds: Vec<(String, Vec<&String>)> = Vec::new();
+    for sentence in sentences {
+        let own = (!long && name(sentence).is_some()).then(|| kind(sentence));
+        match kinds
+            .iter_mut()
+            .find(|(kind, _)| own.as_ref() == Some(kind))
+        {
+            Some((_, alike)) => alike.push(sentence),
+            None => kinds.push((own.unwrap_or_default(), vec![sentence])),
+        }
+    }
+    let said = |(_, alike): (String, Vec<&String>)| {
+        let others = alike[1..].iter().filter_map(|sentence| name(sentence));
+        let others: Vec<String> = others.map(|name| format!("`{name}`")).collect();
+        match others.len() {
+            0 => alike[0].clone(),
+            n => format!(
+                "{} of this kind: {}; also {}",
+                n + 1,
+                alike[0],
+                text::listed(others, NAMED)
+            ),
+        }
+    };
+    kinds.into_iter().map(said).collect()
+}
+
+/// Names of things that a sentence is of, too, at most.
+const NAMED: usize = 4;
+
+/// What follows a list of which `count` lines do not stand there.
+pub fn and_more(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        _ => format!("and {count} more: --long lists all\n"),
+    }
+}
+
+/// Lines of a list: as many as there are with `long`.
+pub fn listed(lines: &[String], long: bool) -> String {
+    let shown = if long { lines.len() } else { LISTED };
+    let mut out: String = lines
+        .iter()
+        .take(shown)
+        .map(|line| format!("{line}\n"))
+        .collect();
+    out += &and_more(lines.len().saturating_sub(shown));
+    out
+}
+
 /// Space between columns.
 const GAP: &str = "  ";
 
@@ -39,10 +103,19 @@ impl Table {
             cells.len(),
             self.headers.len()
         );
-        let mut row: Vec<String> = cells.iter().map(|cell| one_line(cell.as_ref())).collect();
+        let cell = |cell: &S| minus(&one_line(cell.as_ref()));
+        let mut row: Vec<String> = cells.iter().map(cell).collect();
         row.resize(self.headers.len(), String::new());
         self.rows.push(row);
         self
+    }
+
+    /// The first rows, and how many follow; all of them with `long`.
+    pub fn listed(mut self, long: bool) -> String {
+        let shown = if long { self.rows.len() } else { LISTED };
+        let more = self.rows.len().saturating_sub(shown);
+        self.rows.truncate(shown);
+        format!("{self}{}", and_more(more))
     }
 
     fn column(&self, k: usize) -> Column {
@@ -97,7 +170,7 @@ fn width(cell: &str) -> usize {
 }
 
 fn is_number(cell: &str) -> bool {
-    cell == NO_NUMBER || cell.parse::<f64>().is_ok()
+    cell == NO_NUMBER || cell.replace('−', "-").parse::<f64>().is_ok()
 }
 
 /// Names come from files: a line break in one must not break the row.
@@ -124,13 +197,13 @@ pub fn mm(metres: f64) -> String {
     // -0.00 is a rounding artefact.
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_string(),
-        _ => text,
+        _ => minus(&text),
     }
 }
 
 /// Names in a column, and what is said of each: a line each.
 pub fn lines<'n>(facts: impl IntoIterator<Item = (&'n str, String)>) -> String {
-    let line = |(name, text): (&str, String)| format!("{name:<16} {text}\n");
+    let line = |(name, text): (&str, String)| format!("{name:<16} {}\n", minus(&text));
     facts.into_iter().map(line).collect()
 }
 
@@ -143,7 +216,7 @@ pub fn wrapped(text: &str, indent: &str) -> String {
 pub fn wrapped_at(text: &str, indent: &str, most: usize) -> String {
     let mut out = String::new();
     let mut length = 0;
-    for word in text.split_whitespace() {
+    for word in minus(text).split_whitespace() {
         let count = word.chars().count();
         if length > 0 && length + 1 + count > most {
             out.push_str(&format!("\n{indent}"));
@@ -156,6 +229,11 @@ pub fn wrapped_at(text: &str, indent: &str, most: usize) -> String {
         length += count;
     }
     out
+}
+
+/// `joint offset`: a name of programs as people read it.
+pub fn in_words(name: &str) -> String {
+    name.replace('_', " ")
 }
 
 /// A probability as people read it: `p = 0.37`, and `p < 0.005` where two digits would be zero.
@@ -179,6 +257,21 @@ mod tests {
     }
 
     #[test]
+    fn sentences_of_one_kind_are_one_and_long_lists_are_cut() {
+        let of = |name: &str| format!("`{name}` follows `hip`: tied");
+        let all: Vec<String> = ["a", "b", "c", "d", "e", "f"].map(of).to_vec();
+        let one = "6 of this kind: `a` follows `hip`: tied; also `b`, `c`, `d`, `e` and 1 more";
+        assert_eq!(gathered(&all, false), [one]);
+        assert_eq!(gathered(&all, true), all);
+        let others = ["no name".to_string(), of("a"), "no name".to_string()];
+        assert_eq!(gathered(&others, false), others);
+        let lines: Vec<String> = (1..=10).map(|k| k.to_string()).collect();
+        let cut = "1\n2\n3\n4\n5\n6\n7\n8\nand 2 more: --long lists all\n";
+        assert_eq!(listed(&lines, false), cut);
+        assert_eq!(listed(&lines, true), lines.join("\n") + "\n");
+    }
+
+    #[test]
     fn numbers_align_right_and_names_left() {
         let mut table = Table::new(&["function", "mul", "error, m", ""]);
         table.row(&["com", "80", "4.4e-16", "ok"]);
@@ -188,7 +281,7 @@ mod tests {
             "function      mul  error, m\n\
              ────────────  ───  ────────  ────\n\
              com            80   4.4e-16  ok\n\
-             com_jacobian  312        -1  FAIL\n"
+             com_jacobian  312        −1  FAIL\n"
         );
     }
 
@@ -211,7 +304,7 @@ mod tests {
     #[test]
     fn millimetres_have_sensible_digits() {
         let shown = [0.00393, 0.0123456, -0.2282, 1e-9, -1e-9, 0.009_999].map(mm);
-        assert_eq!(shown, ["3.93", "12.3", "-228.2", "0.00", "0.00", "10.0"]);
+        assert_eq!(shown, ["3.93", "12.3", "−228.2", "0.00", "0.00", "10.0"]);
         assert_eq!(mm(f64::NAN), NO_NUMBER);
     }
 }

@@ -101,6 +101,7 @@ pub fn still(page: &str, scripts: usize) -> String {
         count += 1;
     }
     assert_eq!(count, scripts);
+    true_minus(&out);
     let outside = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
     let outside = outside.replace("http-equiv", "");
     let references = "http src= href @import url( eval( innerHTML";
@@ -108,6 +109,34 @@ pub fn still(page: &str, scripts: usize) -> String {
         assert!(!outside.contains(reference), "{reference}");
     }
     out
+}
+
+/// Numbers of a page have a true minus; programs' text in `pre` and `code` is as programs write it.
+#[track_caller]
+pub fn true_minus(page: &str) {
+    let mut rest = page
+        .split_once("<body>")
+        .map_or(page, |(_, body)| body)
+        .to_string();
+    for (begin, end) in [
+        ("<pre", "</pre>"),
+        ("<code", "</code>"),
+        ("<style", "</style>"),
+    ] {
+        while let Some((before, after)) = rest.split_once(begin) {
+            rest = format!("{before} {}", after.split_once(end).unwrap().1);
+        }
+    }
+    let texts = rest
+        .split('<')
+        .filter_map(|part| Some(part.split_once('>')?.1));
+    for text in texts {
+        let words = text.split(|c: char| c.is_whitespace() || "(±".contains(c));
+        let hyphen = |word: &str| {
+            word.starts_with('-') && word[1..].starts_with(|c: char| c.is_ascii_digit())
+        };
+        assert!(!words.clone().any(hyphen), "a hyphen for a minus: {text}");
+    }
 }
 
 /// Asserts that a text holds all of these words.

@@ -11,6 +11,7 @@ use super::health::Posed;
 use super::html::render;
 use super::next_steps::{self, Worded};
 use super::origin::Origin;
+use super::table::in_words;
 use sesc_identify::fit::Identification;
 use sesc_identify::health::Finding;
 use sesc_identify::skeleton::Skeleton;
@@ -59,7 +60,7 @@ fn card(skeleton: &Skeleton, health: &[Finding]) -> Value {
     for finding in health {
         if let Some(body) = skeleton.carried_by(&finding.target) {
             marks.joints.push((body, finding.target.clone()));
-            let kind = finding.kind.name().replace('_', " ");
+            let kind = in_words(finding.kind.name());
             said.push(format!("`{}` ({kind})", finding.target));
         }
     }

@@ -133,6 +133,9 @@ pub(super) fn blocks(postures: &[f64], count: usize, dof: usize) -> Vec<Block> {
 fn is_derivative(function: Function) -> bool {
     matches!(
         function,
-        Function::ComJacobian | Function::ComVelocity | Function::GravityMoments
+        Function::ComJacobian
+            | Function::ComVelocity
+            | Function::GravityMoments
+            | Function::CopJacobian
     )
 }

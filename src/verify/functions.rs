@@ -170,7 +170,10 @@ fn allowed_by(
         Function::CorrectCop => 0.0,
         Function::Regressor | Function::RegressorCop => com + weighed(model.cad_params()),
         Function::RegressorFull => com + weighed(model.chain.full_cad()),
-        Function::ComJacobian | Function::ComVelocity | Function::GravityMoments => {
+        Function::ComJacobian
+        | Function::ComVelocity
+        | Function::GravityMoments
+        | Function::CopJacobian => {
             // A column is a × S: turning what is below the joint by ε changes it by
             // what it moves the CoM, turning the joint itself by no more. The
             // axis of a prismatic joint turns as a whole.
@@ -180,8 +183,16 @@ fn allowed_by(
                 Function::ComVelocity => velocities(model.dof()).iter().sum(),
                 _ => 1.0,
             };
+            // A sensor may magnify what is snapped and what differences leave.
+            let sensor = match function {
+                Function::CopJacobian => magnified(model),
+                _ => 1.0,
+            };
             2.0 * rounding(function, given)
-                + columns.max(1.0) * model.largest_tie() * (DIFFERENCES * model.reach() + turned)
+                + sensor
+                    * columns.max(1.0)
+                    * model.largest_tie()
+                    * (DIFFERENCES * model.reach() + turned)
         }
     }
 }

@@ -78,8 +78,15 @@ pub(super) struct Truth {
     pub cop: [f64; 2],
     /// The ZMP as joints move, where it is known.
     pub zmp: Option<[f64; 2]>,
-    /// Row-major Jacobian and gravity moments, where they were taken.
-    pub derivatives: Option<(Vec<f64>, Vec<f64>)>,
+    /// What is taken by differences, where it was.
+    pub derivatives: Option<Derivatives>,
+}
+
+/// Derivatives with respect to what encoders read, row-major.
+pub(super) struct Derivatives {
+    pub com: Vec<f64>,
+    pub cop: Vec<f64>,
+    pub moments: Vec<f64>,
 }
 
 impl Truth {
@@ -93,7 +100,11 @@ impl Truth {
         let derivatives = differentiate.then(|| {
             let jacobian = reference.com_jacobian(q).transpose();
             let moments = -jacobian.column(2);
-            (jacobian.as_slice().to_vec(), moments.as_slice().to_vec())
+            Derivatives {
+                com: jacobian.as_slice().to_vec(),
+                cop: jacobian.as_slice()[..2 * q.len()].to_vec(),
+                moments: moments.as_slice().to_vec(),
+            }
         });
         Truth {
             com: [com.x, com.y, com.z],
@@ -123,10 +134,17 @@ impl Truth {
             (Function::Regressor | Function::RegressorCop | Function::RegressorFull, _) => {
                 largest(&explained(values), &self.rows)
             }
-            (Function::ComJacobian, Some((jacobian, _))) => largest(values, jacobian),
-            (Function::GravityMoments, Some((_, moments))) => largest(values, moments),
-            (Function::ComVelocity, Some((jacobian, _))) => largest(values, &explained(jacobian)),
-            (Function::ComJacobian | Function::ComVelocity | Function::GravityMoments, None) => 0.0,
+            (Function::ComJacobian, Some(by)) => largest(values, &by.com),
+            (Function::CopJacobian, Some(by)) => largest(values, &by.cop),
+            (Function::GravityMoments, Some(by)) => largest(values, &by.moments),
+            (Function::ComVelocity, Some(by)) => largest(values, &explained(&by.com)),
+            (
+                Function::ComJacobian
+                | Function::CopJacobian
+                | Function::ComVelocity
+                | Function::GravityMoments,
+                None,
+            ) => 0.0,
         }
     }
 }

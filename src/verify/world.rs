@@ -17,12 +17,10 @@ use sesc_model::effects::{Catalog, EffectContext, Instance, Stage, Target};
 use sesc_model::{Function, Model};
 use sesc_reference::{ErrorKind, GRAVITY, Place, Reference, World};
 
-use super::motion::{JointMotion, Truth};
+use super::motion::{Derivatives, JointMotion, Truth};
 use crate::Error;
 use sesc_identify::robot::Robot;
 
-/// Rounds of the springs' fixed point in generated functions.
-const ROUNDS: usize = 4;
 /// Joints of the virtual robot that come to rest within 1e-13 rad, relative to its reach.
 pub(super) const AT_REST: f64 = 4e-12;
 /// Derivatives by central differences of fourth order, relative to its reach.
@@ -82,7 +80,7 @@ impl Bent {
             })
         };
         let rounded = |world: World| match in_rounds {
-            true => world.after_rounds(ROUNDS),
+            true => world.after_rounds(model.rounds),
             false => world,
         };
         let of_body = |r: &Record| r.instance.effect.changes_body(&r.instance.target);
@@ -165,26 +163,12 @@ impl Bent {
             com: self.body.com(q).into(),
             rows: self.encoders.com(q).into(),
             cop: self.cop.cop(q),
-            derivatives: differentiate.then(|| (self.jacobian(q), self.moments(q))),
+            derivatives: differentiate.then(|| Derivatives {
+                com: jacobian(q, |q| self.body.com(q).into()),
+                cop: jacobian(q, |q| self.cop.cop(q)),
+                moments: self.moments(q),
+            }),
         }
-    }
-
-    /// ∂CoM/∂q, row-major.
-    fn jacobian(&self, q: &[f64]) -> Vec<f64> {
-        let mut jacobian = vec![0.0; 3 * q.len()];
-        for j in 0..q.len() {
-            let at = |step: f64| {
-                let mut moved = q.to_vec();
-                moved[j] += step;
-                self.body.com(&moved)
-            };
-            let near = (at(STEP) - at(-STEP)) * (8.0 / (12.0 * STEP));
-            let slope = near - (at(2.0 * STEP) - at(-2.0 * STEP)) / (12.0 * STEP);
-            for axis in 0..3 {
-                jacobian[axis * q.len() + j] = slope[axis];
-            }
-        }
-        jacobian
     }
 
     /// The ZMP as encoders move: of where the joints are then, by differences of sixth order.
@@ -215,6 +199,26 @@ impl Bent {
         let moments = self.body.joint_moments(q);
         moments.iter().map(|moment| moment / self.weight).collect()
     }
+}
+
+/// ∂`of`/∂q, row-major.
+fn jacobian<const N: usize>(q: &[f64], of: impl Fn(&[f64]) -> [f64; N]) -> Vec<f64> {
+    let mut jacobian = vec![0.0; N * q.len()];
+    for j in 0..q.len() {
+        let at = |step: f64| {
+            let mut moved = q.to_vec();
+            moved[j] += step;
+            of(&moved)
+        };
+        let [ahead, back] = [at(STEP), at(-STEP)];
+        let [far_ahead, far_back] = [at(2.0 * STEP), at(-2.0 * STEP)];
+        for axis in 0..N {
+            let near = 8.0 * (ahead[axis] - back[axis]);
+            let far = far_ahead[axis] - far_back[axis];
+            jacobian[axis * q.len() + j] = (near - far) / (12.0 * STEP);
+        }
+    }
+    jacobian
 }
 
 /// An effect of a model file with its values in the order of its parameters.
@@ -277,7 +281,7 @@ fn left_out(model: &Model, records: &[Record], weight: f64) -> f64 {
             (sum + x, most.max(*x))
         });
     let softness = weight * model.reach() * sum.min(3.0 * most);
-    model.reach() * softness.powi(5)
+    model.reach() * softness.powi(model.rounds as i32 + 1)
 }
 
 /// How far beyond rounding the model may be from the virtual robot, in the unit of
@@ -290,6 +294,7 @@ pub(super) fn beyond_rounding(model: &Model, function: Function, left_out: f64) 
         Function::GravityMoments => AT_REST * reach + 5.0 * left_out,
         // What is left of a deflection changes with each of its five factors.
         Function::ComJacobian | Function::ComVelocity => DIFFERENCES * reach + 10.0 * left_out,
+        Function::CopJacobian => (DIFFERENCES * reach + 10.0 * left_out) * magnified(model),
         // Joints at rest within 1e-13 rad, over the square of the interval, on the ground.
         Function::Zmp => ACCELERATIONS * reach * reach + 100.0 * left_out,
         Function::Regressor | Function::RegressorCop | Function::RegressorFull => AT_REST * reach,

@@ -47,10 +47,13 @@ fn arduino_library_and_its_example_run() {
         let properties = properties(&library);
         assert_eq!(properties["name"], NAME);
         assert_eq!(properties["version"], VERSION);
-        assert_eq!(properties["architectures"], "*");
+        // No core of 8-bit AVR, whose `double` has 32 bits.
+        let cores: Vec<&str> = properties["architectures"].split(',').collect();
+        assert_eq!(cores == ["*"], scalar != "f64");
+        assert!(!cores.contains(&"avr") && !cores.contains(&"megaavr"));
         assert_eq!(properties["includes"], "op2_r_sole.h");
         assert_eq!(properties["category"], "Device Control");
-        assert!(properties["url"].starts_with("https://"));
+        assert!(properties.contains_key("url"));
         for key in ["author", "maintainer", "sentence", "paragraph"] {
             assert!(!properties[key].is_empty(), "{key}");
         }

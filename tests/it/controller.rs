@@ -180,7 +180,7 @@ fn the_examples_of_the_page_are_a_controller_that_runs() {
     let blocks: Vec<&str> = fences
         .map(|block| block.split("```").next().unwrap())
         .collect();
-    let [generated, crate_text, of_log] = blocks[..] else {
+    let [generated, crate_text, holding, of_log, stand, _] = blocks[..] else {
         panic!("the page has {} examples in Rust", blocks.len())
     };
     assert!(
@@ -193,6 +193,10 @@ fn the_examples_of_the_page_are_a_controller_that_runs() {
     let child = Child::controller("of_the_page");
     let (build, main) = crate_text.split_once("// src/main.rs\n").unwrap();
     child.write("build.rs", build);
-    child.write("src/main.rs", &format!("{main}{of_log}{OF_LOG}"));
+    let hold = format!(
+        "#[allow(dead_code)]\nfn hold(q: [f64; DOF], r: [f64; BASE_PARAMS]) -> [f64; DOF] {{\n{holding}feed_forward\n}}\n"
+    );
+    let text = format!("{main}{of_log}{hold}#[allow(dead_code)]\n{stand}{OF_LOG}");
+    child.write("src/main.rs", &text);
     child.cargo(&["run", "--quiet"]).unwrap();
 }

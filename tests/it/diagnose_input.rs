@@ -98,9 +98,9 @@ fn logs_that_are_none_are_refused_by_place_and_remedy() {
             &["binary.csv"],
         ),
         (
-            "nan.csv",
-            b"pose,hip,knee,cop_x,cop_y\n1,0,0,0,0\n2,0,NaN,0,0\n",
-            &["nan.csv:3", "`knee`", "not finite", "mend"],
+            "inf.csv",
+            b"pose,hip,knee,cop_x,cop_y\n1,0,0,0,0\n2,0,inf,0,0\n",
+            &["inf.csv:3", "`knee`", "not finite", "mend"],
         ),
         (
             "word.csv",

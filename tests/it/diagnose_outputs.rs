@@ -299,12 +299,8 @@ fn the_command_says_what_to_change() {
     let steps = json["steps"].as_array().unwrap();
     let step = |name: &str| steps.iter().find(|step| step["effect"] == name).unwrap();
     let remedy = &step("joint_offset")["remedy"];
-    let zero = &remedy["servo_zero"];
-    assert_eq!(zero["before"], 2048);
-    assert!(
-        (zero["after"].as_i64().unwrap() - 2015).abs() <= 2,
-        "{zero}"
-    );
+    // No servos were given here.
+    assert!(remedy.get("servo_zero").is_none());
     // The line that is named holds what stands there before.
     let [before, line] = ["before", "line"].map(|key| &remedy["urdf"][key]);
     let text = fs::read_to_string(arm).unwrap();

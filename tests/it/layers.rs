@@ -19,7 +19,7 @@ const ROOMS: [(&str, &str); 5] = [
          base robot standard inertia expr program bounds wide tape interface functions \
          measurement effects model",
     ),
-    ("codegen", "error routines facts emit sources builder"),
+    ("codegen", "error routines facts seen emit sources builder"),
     (
         "identify",
         "words next_steps error watch files threads svd logs xacro robot stance poses hide evaluate \

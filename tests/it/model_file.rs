@@ -203,7 +203,7 @@ fn a_spring_that_pushes_once_masses_settle_is_passed_over() {
         "--hide",
         "payload:chest=0.5,0,0,0.1",
         "--hide",
-        "joint_compliance:right_ankle_pitch=200",
+        "joint_compliance:right_ankle_pitch=2000",
         "--out",
         log.to_str().unwrap(),
     ]);

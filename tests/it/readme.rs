@@ -75,6 +75,11 @@ fn the_lines_shown_are_generated() {
     let page = fs::read_to_string(format!("{ROOT}/docs/controller.md")).unwrap();
     let module = fs::read_to_string(format!("{ROOT}/generated/src/op2_r_sole.rs")).unwrap();
     assert!(module.contains(&blocks(&page, "rust")[0]));
+    // What stands a robot on a corrected model is what the example runs.
+    let example = fs::read_to_string(format!("{ROOT}/examples/controller/src/main.rs")).unwrap();
+    let shown = blocks(&page, "rust");
+    let stand = shown.iter().find(|block| block.contains("fn stand("));
+    assert!(example.contains(stand.unwrap().as_str()));
 }
 
 /// README's example in Rust, and that it is the one that compiles here.
@@ -87,12 +92,13 @@ mod example {
 use op2::{CAD_PARAMS, DOF, Op2RSole, joint};
 use sesc_runtime::{Simd, Single};
 
-/// CoM (m, sole frame) and the moment that the right knee holds (N m).
+/// CoM (m, sole frame) and what the motor of the right knee feeds forward (N m).
 fn tick(q: &[f64; DOF], r: &[f64; op2::BASE_PARAMS]) -> ([f64; 3], f64) {
     let com = Op2RSole::com_single(Simd::best(), q, r); // AVX2 or AVX-512 where they are
     let moments = op2::gravity_moments(q, r); // the same bits on every machine
     let weight = 9.80665 * op2::TOTAL_MASS_KG;
-    (com, weight * moments[joint::R_KNEE])
+    // The moment that gravity exerts; a motor that holds the posture applies the opposite.
+    (com, -weight * moments[joint::R_KNEE])
 }
 let (com, knee) = tick(&[0.0; DOF], &CAD_PARAMS);
 
@@ -102,5 +108,14 @@ let (com, knee) = tick(&[0.0; DOF], &CAD_PARAMS);
         // A straight leg: the CoM lies above the sole and near the line of the knee.
         assert!(com[2] > 0.2 && com[2] < 0.3, "{com:?}");
         assert!(knee.abs() < 1.0, "{knee}");
+        // Lifting the robot by its bent knee is work that the motor does.
+        let text = std::fs::read_to_string(format!("{}/robots/op2/op2.urdf", super::ROOT)).unwrap();
+        let robot = sesc_reference::Robot::from_urdf(&text).unwrap();
+        let reference = sesc_reference::Reference::new(&robot, "r_sole").unwrap();
+        let bent = |angle: f64| std::array::from_fn(|j| if j == joint::R_KNEE { angle } else { 0.0 });
+        let energy = |angle: f64| 9.80665 * reference.total_mass() * reference.com(&bent(angle)).z;
+        let work = (energy(-1.0 + 1e-4) - energy(-1.0 - 1e-4)) / 2e-4;
+        let (_, applied) = tick(&bent(-1.0), &CAD_PARAMS);
+        assert!(work.abs() > 0.1 && (applied - work).abs() < 1e-6, "{applied} {work}");
     }
 }

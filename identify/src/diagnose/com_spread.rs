@@ -35,7 +35,7 @@ pub(super) fn sentence(found: &Explained) -> Option<String> {
         format!(
             "These explanations do not agree on the CoM: with {} it lies {:.1} mm RMS away; \
              take the next postures before a controller relies on it.",
-            member.effects.join(" + "),
+            member.subjects,
             1e3 * apart
         )
     })

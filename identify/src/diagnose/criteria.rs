@@ -271,3 +271,7 @@ pub mod motion {
     /// How late joints may be against readings, s. Chosen: as for the offset.
     pub const DELAY_S: f64 = 0.1;
 }
+
+/// Gains of a sensor that is in another unit, too. Chosen: calibrations are wrong by a third at most;
+/// more allows nearly every factor, as a product of the two.
+pub(super) const GAIN_BESIDE_UNIT: std::ops::Range<f64> = 0.67..1.5;

@@ -13,7 +13,7 @@ use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
 use super::resting;
 use super::search::Search;
-use super::statements::{blind_spots, last, members, outliers, rest, told};
+use super::statements::{detectable, last, members, outliers, rest, told};
 use super::words::{self, capital};
 use crate::Error;
 use crate::observations::noise::NoiseSource;
@@ -32,8 +32,12 @@ pub fn find<'m>(
     watch: &mut dyn Watch,
 ) -> Result<Explained, Error> {
     let mut search = Search::new(&mut *whole_problem);
-    let blind = search.visible().to_vec();
-    let mut ranked = match about.usable {
+    let visible = search.visible().to_vec();
+    let too_few = search.problem().too_few();
+    // Nothing at all is left to tell the noise from.
+    let hopeless =
+        too_few.is_some_and(|[rows, directions]| rows < directions + noise::LEFT_AT_LEAST);
+    let mut ranked = match about.usable && !hopeless {
         true => search.run(watch)?,
         // Whatever explains broken data explains nothing.
         false => vec![search.fit(&[], None)],
@@ -57,7 +61,8 @@ pub fn find<'m>(
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let soles = about.usable && closure::is_open(search.problem(), &best);
     let no_known = known && misfit.is_clear() || soles;
-    let unexplained = no_known || crowd || implausible.is_some();
+    let is_short = about.usable && too_few.is_some() && best.terms.is_empty() && !soles;
+    let unexplained = !is_short && (no_known || crowd || implausible.is_some());
     let problem = search.problem();
     if unexplained {
         class = vec![best.clone()];
@@ -106,6 +111,7 @@ pub fn find<'m>(
     let closure = closure::said(problem, &null, &best);
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         _ if !about.usable => Verdict::Unusable,
+        _ if is_short => Verdict::TooShort,
         (true, _, _) => Verdict::Unexplained,
         (_, true, _) if raw.is_clear() && !expected.is_clear() => Verdict::Absorbed,
         (_, true, _) => Verdict::None,
@@ -115,6 +121,7 @@ pub fn find<'m>(
     let told = told(problem, &best, &steps, &start, &held, &evidence);
     let (told, steps): (Vec<usize>, Vec<Step>) = told.into_iter().unzip();
     let (leftover, suspects) = rest(problem, &best, unexplained);
+    let (blind, bearing) = detectable(problem, &visible);
     let diagnosis = Diagnosis {
         verdict,
         health: about.health.clone(),
@@ -125,6 +132,7 @@ pub fn find<'m>(
         again: noise::untold(problem, verdict)
             .and_then(|untold| Again::of(untold, problem.model, &problem.data)),
         sentence: String::new(),
+        lead: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),
         log: about.log.to_string(),
@@ -153,7 +161,8 @@ pub fn find<'m>(
         model_on_log: ModelOnLog::default(),
         leftover,
         outliers: outliers(problem, &best),
-        blind: blind_spots(problem, &blind),
+        blind,
+        detectable: bearing,
         hypotheses_fitted: counted,
         next_postures: NextPostures::default(),
         left_out_of_urdf: None,
@@ -241,6 +250,24 @@ fn pass_over_impossible(
 fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
     let context = &problem.context;
     let found = words::values(problem, fit);
+    let of = |name: &str| {
+        fit.terms
+            .iter()
+            .zip(&found)
+            .find(|(term, _)| term.name() == name)
+    };
+    // One sensor is not in a wrong unit and, beside that, wrong by half of itself.
+    if let (Some(_), Some((term, gain))) = (of("units"), of("sensor_gain"))
+        && gain
+            .iter()
+            .any(|gain| !criteria::GAIN_BESIDE_UNIT.contains(&gain.value))
+    {
+        let clause = capital(&words::clause(context, term, gain));
+        return Some(format!(
+            "{clause} beside another unit would explain it best and is implausible: together they \
+             are no unit and no calibration."
+        ));
+    }
     fit.terms.iter().zip(&found).find_map(|(term, found)| {
         let instance = term.effect()?;
         let values: Vec<f64> = found.iter().map(|v| v.value).collect();

@@ -35,18 +35,21 @@ pub enum Verdict {
     Absorbed,
     /// Nothing known explains it.
     Unexplained,
+    /// The data cannot tell noise from what is missing.
+    TooShort,
     /// The data are broken: no effect is looked for.
     Unusable,
 }
 
 impl Verdict {
     /// Every verdict.
-    pub const ALL: [Verdict; 6] = [
+    pub const ALL: [Verdict; 7] = [
         Verdict::None,
         Verdict::Named,
         Verdict::Class,
         Verdict::Absorbed,
         Verdict::Unexplained,
+        Verdict::TooShort,
         Verdict::Unusable,
     ];
 
@@ -58,6 +61,7 @@ impl Verdict {
             Verdict::Class => "class",
             Verdict::Absorbed => "absorbed",
             Verdict::Unexplained => "unexplained",
+            Verdict::TooShort => "too_short",
             Verdict::Unusable => "unusable",
         }
     }
@@ -247,12 +251,15 @@ pub struct Member {
     pub score_difference: f64,
     /// The explanation as a sentence.
     pub sentence: String,
+    /// Effects as people call them, each with its label.
+    #[serde(skip)]
+    pub subjects: String,
     /// RMS CoM distance from the first, m.
     #[serde(rename = "com_apart_m")]
     pub com_apart: Option<f64>,
 }
 
-/// An effect that this log can hardly show.
+/// An effect with the size from which this log shows it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Blind {
@@ -265,6 +272,13 @@ pub struct Blind {
     pub from: f64,
     /// The same as people read it.
     pub size: String,
+}
+
+impl Blind {
+    /// The offsets that do not show: `up to 47°`.
+    pub fn unseen(&self) -> String {
+        format!("up to {}", self.size.trim_start_matches("over "))
+    }
 }
 
 /// What the explanation leaves over.
@@ -355,6 +369,9 @@ pub struct Diagnosis {
     pub again: Option<Again>,
     /// The whole result in sentences.
     pub sentence: String,
+    /// What it adds to a title that names the effects and to a table of errors.
+    #[serde(skip)]
+    pub lead: String,
     /// File of the robot's description.
     pub robot: String,
     /// Link on the ground.
@@ -404,8 +421,10 @@ pub struct Diagnosis {
     pub leftover: Leftover,
     /// Poses that are rather outliers.
     pub outliers: Vec<i64>,
-    /// Smallest detectable joint offsets.
+    /// Joint offsets that this log could not have shown, the largest first.
     pub blind: Vec<Blind>,
+    /// Smallest detectable offsets of the joints that carry most of the mass, the best seen first.
+    pub detectable: Vec<Blind>,
     /// How many explanations were fitted.
     pub hypotheses_fitted: usize,
     /// Experiments that separate the class.

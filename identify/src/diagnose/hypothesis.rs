@@ -31,7 +31,10 @@ pub enum Term {
 /// Unknowns of the noise of two widths: its share and its width.
 const OUTLIER_UNKNOWNS: usize = 2;
 /// The name of free masses in reports, rows and files.
-pub const FREE_MASSES: &str = "mass_distribution";
+pub const FREE_MASSES: &str = FREED.0;
+/// Names and subjects of terms that are no effects.
+const FREED: (&str, &str) = ("mass_distribution", "masses that differ from CAD");
+const OUTLIERS: (&str, &str) = ("cop_outliers", "a few readings that come from elsewhere");
 /// Kinds of terms that are no effects.
 pub const MODELS: usize = 2;
 
@@ -45,11 +48,21 @@ pub const MODEL_PAGES: [(&str, &str, &str); MODELS] = [
         include_str!("pages/mass_distribution.md"),
     ),
     (
-        "cop_outliers",
+        OUTLIERS.0,
         "readings",
         include_str!("pages/cop_outliers.md"),
     ),
 ];
+
+/// What an explanation names, by its effect and target in rows and files, with that label beside
+/// it: `an offset of l_knee (joint_offset:l_knee)`.
+#[doc(hidden)]
+pub fn subject(effect: &str, target: &str) -> String {
+    match [FREED, OUTLIERS].into_iter().find(|own| own.0 == effect) {
+        Some((name, phrase)) => format!("{phrase} ({name})"),
+        None => effects::about::subject(effect, target),
+    }
+}
 
 /// Each of `terms` with the places of its unknowns among those of all.
 pub fn with_places<'t>(
@@ -148,7 +161,7 @@ impl Term {
     pub fn name(&self) -> &'static str {
         match self {
             Term::Effect(instance) => instance.effect.id().name(),
-            Term::Outliers => "cop_outliers",
+            Term::Outliers => OUTLIERS.0,
             Term::FreeMasses => FREE_MASSES,
         }
     }
@@ -169,9 +182,14 @@ impl Term {
     pub fn phrase(&self, context: &EffectContext) -> String {
         match self {
             Term::Effect(instance) => instance.phrase(context),
-            Term::Outliers => "a few readings that come from elsewhere".to_string(),
-            Term::FreeMasses => "masses that differ from CAD".to_string(),
+            Term::Outliers => OUTLIERS.1.to_string(),
+            Term::FreeMasses => FREED.1.to_string(),
         }
+    }
+
+    /// The same with its label: `an offset of l_knee (joint_offset:l_knee)`.
+    pub fn subject(&self, context: &EffectContext) -> String {
+        format!("{} ({})", self.phrase(context), self.label(context))
     }
 
     /// Order among terms: that of the catalog, then the models, then targets.

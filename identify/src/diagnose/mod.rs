@@ -52,6 +52,6 @@ pub use findings::{
 };
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]
-pub use hypothesis::MODEL_PAGES;
+pub use hypothesis::{MODEL_PAGES, subject};
 pub use report::{NextLog, Report};
 pub use request::{Request, diagnose, look};

@@ -291,12 +291,13 @@ pub fn why(next: &Next, found: &Explained) -> String {
     let Some(best) = next.proposals.first() else {
         return match (found.diagnosis.verdict, found.class.len()) {
             (Verdict::Unusable, _) => "These data cannot be used.".to_string(),
+            (Verdict::TooShort, _) => "The log is too short to tell anything apart.".to_string(),
             (Verdict::Unexplained, _) => {
                 "No known effect explains these data, so there are no explanations that postures \
                  would tell apart: check the robot by hand first."
                     .to_string()
             }
-            (_, 0 | 1) => "Nothing is left to tell apart.".to_string(),
+            (_, 0 | 1) => "No other explanation fits these data.".to_string(),
             _ => "No experiment is known that would tell these apart.".to_string(),
         };
     };

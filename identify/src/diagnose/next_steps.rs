@@ -9,6 +9,9 @@ impl Diagnosis {
     pub fn next_steps(&self) -> Vec<NextStep> {
         let mut steps = match self.verdict {
             Verdict::Unusable => return vec![NextStep::Repair],
+            Verdict::TooShort => vec![NextStep::Plan {
+                support: self.support.clone(),
+            }],
             Verdict::Unexplained => self.checks(),
             Verdict::Class => vec![self.tell_apart(), NextStep::KeepModel],
             Verdict::Named => vec![NextStep::Change, NextStep::KeepModel],
@@ -16,7 +19,7 @@ impl Diagnosis {
             Verdict::None => {
                 let widest = self.blind.first().map(|blind| NextStep::WidenRange {
                     joint: blind.target.clone(),
-                    detectable: blind.size.clone(),
+                    unseen: blind.unseen(),
                 });
                 [NextStep::CompareLater].into_iter().chain(widest).collect()
             }

@@ -9,6 +9,10 @@ use crate::health::{Finding, FitResiduals, Picture, Row};
 use crate::observations::noise::{NoiseSource, scale};
 use crate::observations::revisits::Untold;
 
+/// Readings beyond what masses take of them, at least, for the noise to be known from what is left.
+/// Chosen: as many as a fit asks for.
+pub(super) const LEFT_AT_LEAST: usize = 5;
+
 /// What the best explanation and free masses leave, m, and how many of the readings they take
 /// up, where the noise is known from what free masses alone leave and this is less.
 pub(super) fn beside(problem: &Problem, found: &Explained) -> Option<(Vec<f64>, f64)> {

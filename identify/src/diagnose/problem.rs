@@ -341,6 +341,14 @@ impl<'m> Problem<'m> {
         }
     }
 
+    /// Readings and the directions that masses take of them, where nothing states the noise and
+    /// readings are fewer than twice those: what masses leave says little of it.
+    pub fn too_few(&self) -> Option<[usize; 2]> {
+        let unknown = self.data.noise_source == NoiseSource::Residuals;
+        let (rows, directions) = (self.rows.nrows(), self.rows.ncols());
+        (unknown && rows < 2 * directions).then_some([rows, directions.min(rows)])
+    }
+
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
     pub fn penalty(&self, terms: &[Term]) -> f64 {

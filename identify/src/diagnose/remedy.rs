@@ -11,7 +11,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use sesc_model::effects::{EncoderMap, Target};
+use sesc_model::effects::{EncoderMap, Stage, Target};
 use sesc_model::urdf::Description;
 
 use super::corrected_urdf::edited;
@@ -133,21 +133,38 @@ pub(super) fn add(
         .map(|found| found.iter().map(|value| value.value).collect())
         .collect();
     let terms = &found.best.terms;
+    let order = corrections(terms);
     for (step, &at) in found.diagnosis.steps.iter_mut().zip(&found.told) {
         let (term, own) = (&terms[at], &values[at]);
         step.remedy = of_term(problem, term, own, description);
+        if let Some(place) = order.iter().position(|stage| term.stage() == Some(*stage)) {
+            step.remedy.sentence += match place {
+                0 => "; of the corrections of the reading, apply this one first",
+                1 => {
+                    "; of the corrections of the reading, apply this one second, to what the first gives"
+                }
+                _ => "; of the corrections of the reading, apply this one last",
+            };
+        }
         if let Some(joint) = joint_of(term, own) {
             let dof = &problem.context.robot.tree.dofs[joint];
-            let usual = (!dof.prismatic).then(Servo::default);
-            let servo = servos.get(&dof.joint).copied().or(usual);
             let map = encoder_of(joint, terms, &values);
-            if let (Some(old), Some(map)) = (servo, map)
+            if let (Some(&old), Some(map)) = (servos.get(&dof.joint), map)
                 && let Some(new) = old.corrected(map)
             {
                 step.remedy.set_servo(old, new);
             }
         }
     }
+}
+
+/// Stages of corrections of the reading in the order in which they are applied, the last that acts
+/// first; empty where the order does not matter.
+fn corrections(terms: &[Term]) -> Vec<Stage> {
+    let own = [Stage::Offset, Stage::Rotation, Stage::Gain];
+    let has = |stage: &Stage| terms.iter().any(|term| term.stage() == Some(*stage));
+    let own: Vec<Stage> = own.into_iter().filter(has).collect();
+    if own.len() > 1 { own } else { Vec::new() }
 }
 
 /// The joint whose encoder an effect is about.
@@ -225,7 +242,7 @@ fn of_term(problem: &Problem, term: &Term, values: &[f64], description: &Descrip
 }
 
 /// Elements that differ; `None` where none does.
-fn changed(old: &str, new: &str) -> Option<UrdfChange> {
+pub(super) fn changed(old: &str, new: &str) -> Option<UrdfChange> {
     let (a, b) = (elements(old), elements(new));
     let (mut i, mut j) = (0, 0);
     let (mut before, mut after, mut line) = (Vec::new(), Vec::new(), None);
@@ -235,26 +252,40 @@ fn changed(old: &str, new: &str) -> Option<UrdfChange> {
         let (x, y) = (0..rest)
             .flat_map(|sum| (0..=sum).map(move |x| (x, sum - x)))
             .find(|&(x, y)| match (a.get(i + x), b.get(j + y)) {
-                (Some(a), Some(b)) => a.1 == b.1,
+                (Some(a), Some(b)) => a.text == b.text,
                 _ => false,
             })
             .unwrap_or((a.len() - i, b.len() - j));
         if x + y > 0 && line.is_none() {
-            line = a.get(i).or(a.last()).map(|element| element.0);
+            line = a.get(i).or(a.last()).map(|element| element.line);
         }
-        before.extend(a[i..i + x].iter().map(|element| element.1));
-        after.extend(b[j..j + y].iter().map(|element| element.1));
+        before.extend(&a[i..i + x]);
+        after.extend(&b[j..j + y]);
         (i, j) = ((i + x + 1).min(a.len()), (j + y + 1).min(b.len()));
     }
     line.map(|line| UrdfChange {
         line,
-        before: before.join("\n"),
-        after: after.join("\n"),
+        before: indented(&before),
+        after: indented(&after),
     })
 }
 
-/// Tags with the text after them, and their lines.
-fn elements(text: &str) -> Vec<(usize, &str)> {
+/// A tag with the text after it.
+struct Element<'t> {
+    line: usize,
+    /// Spaces before its line.
+    indent: usize,
+    text: &'t str,
+}
+
+/// Elements below each other, indented as they were against each other.
+fn indented(elements: &[&Element]) -> String {
+    let least = elements.iter().map(|own| own.indent).min().unwrap_or(0);
+    let line = |own: &&Element| " ".repeat(own.indent - least) + own.text;
+    elements.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+fn elements(text: &str) -> Vec<Element<'_>> {
     let mut starts: Vec<usize> = text.match_indices('<').map(|(at, _)| at).collect();
     starts.push(text.len());
     let mut line = 1;
@@ -263,7 +294,12 @@ fn elements(text: &str) -> Vec<(usize, &str)> {
     for pair in starts.windows(2) {
         line += text[counted..pair[0]].matches('\n').count();
         counted = pair[0];
-        out.push((line, text[pair[0]..pair[1]].trim()));
+        let whole = &text[text[..pair[0]].rfind('\n').map_or(0, |end| end + 1)..];
+        out.push(Element {
+            line,
+            indent: whole.len() - whole.trim_start_matches([' ', '\t']).len(),
+            text: text[pair[0]..pair[1]].trim(),
+        });
     }
     out
 }

@@ -26,7 +26,7 @@ use super::remedy::{self, Servo};
 use super::report::{Report, next_log};
 use super::view::DiagnosisView;
 use super::{closure, experiment, model_check, motion, noise, samples, verdict};
-use crate::feet::Feet;
+use crate::feet::{Feet, Places};
 use crate::fit::check_result;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::health::{self, Finding, Health};
@@ -73,7 +73,7 @@ pub struct Request {
     pub meshes: Option<PathBuf>,
     /// Where the caller will write the next postures; the diagnosis names it.
     pub next_file: Option<PathBuf>,
-    /// Servos by joint; [`Servo::default`] of revolute joints that are not named.
+    /// Servos by joint; none of joints that are not named, whose remedies say nothing of ticks.
     pub servos: BTreeMap<String, Servo>,
     /// Whether the corrected URDF is wanted.
     pub corrected_urdf: bool,
@@ -266,7 +266,9 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     }
     let on_log = model_check::check(&problem, &found, &model_file)?;
     found.diagnosis.model_on_log = on_log;
-    found.diagnosis.sentence = verdict::sentence(&problem, &found);
+    let said = verdict::sentences(&problem, &found);
+    found.diagnosis.sentence = said.whole();
+    found.diagnosis.lead = said.lead;
     Ok(Report {
         model_file,
         corrected_urdf: corrected,
@@ -376,7 +378,8 @@ fn reading(request: &Request, support: Option<String>) -> Options {
         support,
         any_unit: true,
         stays: request.stays,
-        soles: request.feet.soles(&request.robot, request.snapping),
+        soles: Some(Places::of(&request.robot, request.snapping)),
+        one_foot: request.feet.both == Some(false),
         ..Options::default()
     }
 }

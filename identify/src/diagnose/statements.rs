@@ -85,6 +85,12 @@ pub(super) fn last(held: &HeldOut) -> Last {
     }
 }
 
+/// The effects of an explanation as people call them, each with its label.
+fn subjects(problem: &Problem, fit: &Fit) -> String {
+    let each = fit.terms.iter().map(|term| term.subject(&problem.context));
+    each.collect::<Vec<_>>().join(" with ")
+}
+
 /// The explanations of a class, as they are listed.
 pub(super) fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
     let first = class.first().map_or(0.0, Fit::score);
@@ -103,6 +109,7 @@ pub(super) fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
                     .collect(),
                 score_difference: fit.score() - first,
                 sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
+                subjects: subjects(problem, fit),
                 com_apart: None,
             }
         })
@@ -131,8 +138,9 @@ pub(super) fn outliers(problem: &Problem, best: &Fit) -> Vec<i64> {
     named.into_iter().map(|k| problem.data.pose[k]).collect()
 }
 
-/// Joints whose offset this log hardly shows, with the size from which it would.
-pub(super) fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Blind> {
+/// Joint offsets with the size from which this log shows them: those that it hardly shows, the
+/// largest first, and those of the joints that carry most of the mass, the smallest first.
+pub(super) fn detectable(problem: &Problem, visible: &[(Term, f64)]) -> (Vec<Blind>, Vec<Blind>) {
     let context = &problem.context;
     let reach = context.robot.reach();
     let mut spots = Vec::new();
@@ -145,10 +153,6 @@ pub(super) fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Bli
         }
         let scales = term.scales(context);
         let from = scales[0] * (criteria::VISIBLE / chi2.max(1e-9)).sqrt();
-        // A smaller offset than this is no gap in what the log shows.
-        if from < criteria::SMALLEST_REPORTED {
-            continue;
-        }
         let parameters = instance.effect.parameters(context, &instance.target);
         let unit = parameters.first().map_or(Unit::One, |p| p.unit);
         spots.push(Blind {
@@ -161,11 +165,28 @@ pub(super) fn blind_spots(problem: &Problem, visible: &[(Term, f64)]) -> Vec<Bli
                 _ if unit == Unit::Metre && from > reach => {
                     format!("over {:.0} mm", 1e3 * reach)
                 }
-                (factor, "°") => format!("{:.0}°", factor * from),
-                (factor, symbol) => format!("{:.0} {symbol}", factor * from),
+                (factor, symbol) => {
+                    let digits = (1.0 - (factor * from).log10().floor()).clamp(0.0, 3.0) as usize;
+                    let gap = if symbol == "°" { "" } else { " " };
+                    format!("{:.digits$}{gap}{symbol}", factor * from)
+                }
             },
         });
     }
-    spots.sort_by(|a, b| b.from.total_cmp(&a.from));
-    spots
+    spots.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let bodies = &context.robot.chain.bodies;
+    let carried = |spot: &Blind| {
+        let body = bodies
+            .iter()
+            .find(|body| body.joint.as_ref() == Some(&spot.target));
+        body.map_or(0.0, |body| body.carried)
+    };
+    let most = spots.iter().map(carried).fold(0.0, f64::max);
+    let half = most.min(0.5 * bodies[0].carried);
+    let bearing = spots.iter().filter(|spot| carried(spot) >= half).cloned();
+    let bearing = bearing.collect();
+    // A smaller offset than this is no gap in what the log shows.
+    spots.retain(|spot| spot.from >= criteria::SMALLEST_REPORTED);
+    spots.reverse();
+    (spots, bearing)
 }

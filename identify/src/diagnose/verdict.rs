@@ -2,22 +2,46 @@
 
 use super::com_spread;
 use super::criteria;
-use super::findings::{Explained, Verdict};
+use sesc_model::text::listed;
+
+use super::findings::{Diagnosis, Explained, Verdict};
 use super::problem::Problem;
 use super::words::{self, capital};
 
 /// Names in a row, at most.
 const NAMED: usize = 4;
 
+/// What is said of a diagnosis.
+pub(super) struct Said {
+    /// Errors of the uncorrected robot.
+    before: String,
+    /// The verdict, without what a title and a table of errors say.
+    pub lead: String,
+    /// The verdict with its effects.
+    verdict: String,
+    /// Errors and limits of the explanation.
+    after: String,
+}
+
+impl Said {
+    /// All of it.
+    pub fn whole(&self) -> String {
+        let parts = [&self.before, &self.verdict, &self.after];
+        let parts = parts.into_iter().filter(|part| !part.is_empty());
+        parts.cloned().collect::<Vec<_>>().join(" ")
+    }
+}
+
 /// What a good colleague would say, in a few sentences.
-pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
+pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
     let d = &found.diagnosis;
     let mm = |x: f64| format!("{:.2} mm", 1e3 * x);
-    let mut said = vec![format!(
-        "Simulated and measured CoP differ by {} RMS; noise explains {}.",
+    let before = format!(
+        "Simulated and measured CoP differ by {} RMS per axis; noise explains {}.",
         mm(d.baseline.rmse),
         mm(d.noise_floor)
-    )];
+    );
+    let mut said = Vec::new();
     if d.samples.independent < d.samples.rows {
         said.push(format!("The log has {}.", d.samples.sentence()));
     }
@@ -26,6 +50,7 @@ pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
     }
     said.extend(d.health.iter().map(|finding| finding.sentence.clone()));
     said.extend(d.closure.iter().map(|closure| closure.sentence.clone()));
+    let mut lead = said.clone();
     let values = words::values(problem, &found.best);
     let clauses: Vec<String> = found
         .best
@@ -38,8 +63,17 @@ pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
         .class
         .iter()
         .skip(1)
-        .map(|m| m.effects.join(" + "))
+        .map(|member| member.subjects.clone())
         .collect();
+    // The title of a page has the effects.
+    let mut rest_of_title = None;
+    let mut missing = |how: &str, rest: &str| {
+        said.push(format!("Missing: {how}{}; {rest}", clauses.join(", and ")));
+        let sizes = values.iter().map(|own| words::sizes(own));
+        let sizes = sizes.filter(|own| !own.is_empty()).collect::<Vec<_>>();
+        let sizes = (!sizes.is_empty()).then(|| capital(&sizes.join("; ")) + ".");
+        rest_of_title = Some(sizes.into_iter().chain([capital(rest)]).collect::<Vec<_>>());
+    };
     match d.verdict {
         Verdict::None => said.push("Nothing is missing that these data could show.".to_string()),
         Verdict::Absorbed => said.push(format!(
@@ -47,10 +81,7 @@ pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
              behind it would not be visible in these data.",
             mm(d.absorbed_by_masses)
         )),
-        Verdict::Named => said.push(format!(
-            "Missing: {}; nothing else that is known explains these data.",
-            clauses.join(", and ")
-        )),
+        Verdict::Named => missing("", "nothing else that is known explains these data."),
         Verdict::Class => {
             let shown = others
                 .iter()
@@ -62,9 +93,16 @@ pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
                 0 => String::new(),
                 n => format!("; and {n} more"),
             };
+            let it = if clauses.len() > 1 { "them" } else { "it" };
+            let rest = format!("these data cannot tell {it} from {shown}{more}.");
+            missing("most plainly ", &rest);
+        }
+        Verdict::TooShort => {
+            let [rows, directions] = problem.too_few().unwrap_or_default();
             said.push(format!(
-                "Missing: most plainly {}; these data cannot tell it from {shown}{more}.",
-                clauses.join(", and ")
+                "The log is too short: {rows} readings for {directions} directions of the masses leave \
+                 too few to tell the noise from, so that it is not known whether something is \
+                 missing. Record more postures, reach some of them again, or state the noise."
             ));
         }
         Verdict::Unusable => {
@@ -108,14 +146,18 @@ pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
             }
         }
     }
+    lead.extend(rest_of_title.unwrap_or_else(|| said[lead.len()..].to_vec()));
+    let verdict = said.join(" ");
+    let mut said = Vec::new();
     if !d.steps.is_empty() {
         let of = match d.last.left_out {
             0 => String::new(),
             1 => " (1 posture apart)".to_string(),
             n => format!(" ({n} postures apart)"),
         };
+        let with = if d.steps.len() > 1 { "them" } else { "it" };
         said.push(format!(
-            "With it the held-out error is {}{of}.",
+            "With {with} the held-out error is {}{of}.",
             mm(d.last.rmse)
         ));
     }
@@ -128,17 +170,38 @@ pub(super) fn sentence(problem: &Problem, found: &Explained) -> String {
             mm(on_log.stated_rmse)
         ));
     }
-    let blind: Vec<String> = d
+    said.extend(limits(d));
+    Said {
+        before,
+        lead: lead.join(" "),
+        verdict,
+        after: said.join(" "),
+    }
+}
+
+/// From which size on offsets of the joints that matter show, and which offsets do not.
+fn limits(d: &Diagnosis) -> Vec<String> {
+    let mut said = Vec::new();
+    match &d.detectable[..] {
+        [] => {}
+        [only] => said.push(format!(
+            "Offsets of {}, the joint that carries most of the mass, show from {} on.",
+            only.target, only.size
+        )),
+        [best, .., worst] => said.push(format!(
+            "Of the joints that carry most of the mass, {} shows offsets from {} on, {} from {} on.",
+            best.target, best.size, worst.target, worst.size
+        )),
+    }
+    let blind = d
         .blind
         .iter()
-        .take(NAMED)
-        .map(|b| format!("{} {}", b.target, b.size))
-        .collect();
-    if !blind.is_empty() {
+        .map(|own| format!("of {} {}", own.target, own.unseen()));
+    if !d.blind.is_empty() {
         said.push(format!(
-            "Smallest detectable offsets: {}.",
-            blind.join(", ")
+            "Could not have been seen: offsets {}.",
+            listed(blind, NAMED)
         ));
     }
-    said.join(" ")
+    said
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 use sesc_model::effects::{EffectContext, Unit, Value};
+use sesc_model::text::minus;
 
 use super::hypothesis::{Term, with_places};
 use super::problem::{Fit, Problem};
@@ -71,10 +72,8 @@ pub fn spoken(found: &NamedValue) -> String {
         _ => 3,
     };
     let gap = if unit == "°" { "" } else { " " };
-    format!("{value:.digits$}{gap}{unit} ± {std:.digits$}{gap}{unit}")
-        .replace("  ", " ")
-        .trim_end()
-        .to_string()
+    let said = format!("{value:.digits$}{gap}{unit} ± {std:.digits$}{gap}{unit}");
+    minus(said.replace("  ", " ").trim_end())
 }
 
 /// `width 0.93° ± 0.04°`: what it is called, without the unit, and its value.
@@ -85,15 +84,20 @@ pub fn named(found: &NamedValue) -> String {
 /// `subject`, with its values: `backlash in every joint: width 0.93° ± 0.04°`.
 pub fn clause(context: &EffectContext, term: &Term, values: &[NamedValue]) -> String {
     let subject = term.phrase(context);
-    let said: Vec<String> = values.iter().map(named).collect();
-    match said.is_empty() {
+    match values.is_empty() {
         true => subject,
-        false => format!("{subject} ({})", said.join(", ")),
+        false => format!("{subject} ({})", sizes(values)),
     }
 }
 
+/// Values after each other: `mass 155 g ± 6 g, x 22.6 mm ± 2.3 mm`.
+pub(super) fn sizes(values: &[NamedValue]) -> String {
+    let said: Vec<String> = values.iter().map(named).collect();
+    said.join(", ")
+}
+
 /// The text with a capital at its beginning.
-pub(super) fn capital(text: &str) -> String {
+pub(crate) fn capital(text: &str) -> String {
     let mut letters = text.chars();
     match letters.next() {
         Some(first) => first.to_uppercase().collect::<String>() + letters.as_str(),

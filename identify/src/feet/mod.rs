@@ -25,5 +25,5 @@ pub use other::Feet;
 #[doc(hidden)]
 pub use other::OtherFoot;
 pub(crate) use other::of_many;
-pub(crate) use places::tell_contacts;
+pub(crate) use places::{Places, tell_contacts};
 pub use soles::{ClosureFound, Lies, Offset};

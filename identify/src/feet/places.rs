@@ -14,8 +14,8 @@ use nalgebra::Vector3;
 use sesc_model::effects::PostureContext;
 use sesc_model::{Model, Snapping};
 
-use super::other::{Feet, OtherFoot};
-use crate::logs::Soles;
+use super::other::OtherFoot;
+use crate::logs::{Frame, Soles};
 use crate::observations::postures::Postures;
 use crate::poses;
 use crate::robot::Robot;
@@ -26,14 +26,6 @@ pub(crate) struct Places {
     snapping: Snapping,
     /// The robot on each link that was asked about; none on what is no support.
     on: Mutex<HashMap<String, Option<Arc<Model>>>>,
-}
-
-impl Feet {
-    /// Where soles are, for recordings of both contacts; none where the caller says that one foot
-    /// stands.
-    pub(crate) fn soles(&self, robot: &Arc<Robot>, snapping: Snapping) -> Option<Arc<dyn Soles>> {
-        (self.both != Some(false)).then(|| Places::of(robot, snapping))
-    }
 }
 
 impl Places {
@@ -74,6 +66,18 @@ impl Soles for Places {
         let sole = bodies.get(body)?.then(&place);
         let point = sole.point(&Vector3::new(at[0], at[1], 0.0));
         Some([point.x, point.y])
+    }
+
+    fn fixed(&self, from: &str, of: &str) -> Option<Frame> {
+        let model = self.model(from)?;
+        let link = model.tree.links.iter().position(|link| link.name == of)?;
+        let (_, place) = poses::of_link(&model, link).filter(|(body, _)| *body == 0)?;
+        let origin = place.point(&Vector3::zeros());
+        let axis = |k: usize| (place.point(&Vector3::ith(k, 1.0)) - origin).into();
+        Some(Frame {
+            axes: [axis(0), axis(1), axis(2)],
+            origin: origin.into(),
+        })
     }
 }
 

@@ -9,6 +9,7 @@ use super::part::{About, Part, PartOptions};
 use super::request::{Duplicates, FOLDS, Request};
 use super::revisits;
 use super::soles;
+use crate::feet::Places;
 use crate::health::Finding;
 use crate::logs::{Options, Readings, Stays};
 use crate::observations::motion_use::MotionModel;
@@ -167,7 +168,8 @@ pub(super) fn logs<'r>(
             links: links.map(|link| link.name.clone()).collect(),
             support: request.support.clone(),
             stays: request.stays,
-            soles: request.feet.soles(robot, request.snapping),
+            soles: Some(Places::of(robot, request.snapping)),
+            one_foot: request.feet.both == Some(false),
             ..Options::default()
         },
         support,

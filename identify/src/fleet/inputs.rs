@@ -258,7 +258,7 @@ fn manifest(path: &Path, by: &[String], found: &mut Vec<Input>) -> Result<bool, 
     let mut head = Vec::new();
     let read = fs::File::open(path)
         .and_then(|file| BufReader::new(file.take(1 << 16)).read_until(b'\n', &mut head));
-    let (Ok(_), Ok(between)) = (read, delimiter(&head)) else {
+    let (Ok(_), Ok(between)) = (read, delimiter(&head, 0)) else {
         return Ok(false);
     };
     let head = String::from_utf8_lossy(&head);

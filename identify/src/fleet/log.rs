@@ -65,7 +65,7 @@ impl Log {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             Error::read(visible(&name), error)
         };
-        let bytes = regular(path).and_then(|()| files::read_bytes(path, LOG));
+        let bytes = files::read_found(path, LOG);
         let bytes = bytes.map_err(|error| match error.kind() {
             io::ErrorKind::NotFound if path.to_string_lossy().contains('\u{fffd}') => failed(
                 path,
@@ -74,7 +74,7 @@ impl Log {
             _ => failed(path, error),
         })?;
         for beside in Sidecar::paths(path) {
-            match regular(&beside).and_then(|()| files::read_text(&beside, files::SIDECAR)) {
+            match files::read_found_text(&beside, files::SIDECAR) {
                 Ok(sidecar) => return Ok(Log::new(bytes, sidecar)),
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 Err(error) => return Err(failed(&beside, error)),
@@ -93,24 +93,11 @@ impl Log {
     }
 }
 
-/// Opening a pipe blocks until it is written, and a device may have no end: one of them would
-/// hold up the whole fleet.
-fn regular(path: &Path) -> io::Result<()> {
-    let about = std::fs::metadata(path)?;
-    match (about.is_file(), about.is_dir()) {
-        (true, _) => Ok(()),
-        (false, true) => Err(io::Error::other("it is a folder")),
-        (false, false) => Err(io::Error::other(
-            "it is a pipe or a device; a fleet reads regular files",
-        )),
-    }
-}
-
 /// A URDF that was found beside a log or that a manifest names: its text is read and no program
 /// is started for it.
 pub(super) fn read_urdf(path: &Path) -> Result<Robot, Error> {
     let file = path.display().to_string();
-    let text = regular(path).and_then(|()| files::read_text(path, URDF));
+    let text = files::read_found_text(path, URDF);
     let text = text.map_err(|error| Error::read(file.clone(), error))?;
     Robot::parse(&text, &file)
 }

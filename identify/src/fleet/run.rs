@@ -227,6 +227,15 @@ pub fn work(
     let name = (group.robot.as_str(), group.day.as_str());
     let key = key(&robot, &options, name, &logs);
     let known = store.and_then(|store| store.get(&key));
+    // What stands under the right key of a store that was merged or half restored may be another's.
+    let known = known.filter(|row| {
+        let inputs = logs.iter().map(|log| &log.hash);
+        let support = options.support.as_ref();
+        (row.robot.as_str(), row.day.as_str()) == name
+            && row.urdf_hash == robot.description.hash
+            && support.is_none_or(|support| row.support == *support)
+            && row.inputs.iter().eq(inputs)
+    });
     done.from_store = known.is_some();
     done.row = match known {
         Some(row) => row,
@@ -343,6 +352,46 @@ pub fn gathered(all: Vec<Done>, robot: &Arc<Robot>) -> Fleet {
 mod tests {
     use super::*;
     use crate::robot::ROD;
+
+    /// Under a right key and with a right hash.
+    #[test]
+    fn a_kept_row_of_another_group_is_made_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = folder.path().join("r_1.csv");
+        std::fs::write(&log, "pose,hip,cop_x,cop_y\n0,0,0,0\n").unwrap();
+        let robot = Arc::new(Robot::parse(ROD, "rod.urdf").unwrap());
+        let group = Group {
+            robot: "r".into(),
+            day: "1".into(),
+            urdf: None,
+            logs: vec![log],
+            support: Some("foot".into()),
+        };
+        let (options, store) = (Options::default(), Store::new(folder.path().join("store")));
+        let work = || work(&robot, &options, &group, Some(&store), &mut ()).unwrap();
+        let own = work().row;
+        assert!(work().from_store);
+        let logs = [Log::read(&group.logs[0]).unwrap()];
+        let asked = Options {
+            support: group.support.clone(),
+            ..options.clone()
+        };
+        let key = key(&robot, &asked, ("r", "1"), &logs);
+        let others: [fn(&mut Row); 5] = [
+            |row| row.robot = "../../evil".into(),
+            |row| row.day = "2".into(),
+            |row| row.urdf_hash = "0".into(),
+            |row| row.support = "leg".into(),
+            |row| row.inputs.clear(),
+        ];
+        for change in others {
+            let mut other = own.clone();
+            change(&mut other);
+            store.put(&key, &other).unwrap();
+            let done = work();
+            assert!(!done.from_store && done.row == own, "{other:?}");
+        }
+    }
 
     /// Whether a row is kept is not judged by the words of its error, which may quote a log.
     #[test]

@@ -229,3 +229,11 @@ pub(super) const TURNED_SHOWS: f64 = 2.0;
 /// turned back, m over m. Chosen: with 30 independent samples the odds are e²⁴ (closed form);
 /// half as much above 1 is what noise and motion leave of either.
 pub(super) const MASSES_LEAVE: f64 = 1.5;
+
+/// A joint without a velocity limit leaps where it is so many times as fast as in the middle of its
+/// moves. Chosen: a sine spends half of its time above 0.7 of its peak (closed form); joints that
+/// creep between fast moves have 5.
+pub(super) const TIMES_MEDIAN: f64 = 10.0;
+/// Between rows that are further apart, s, no leap is seen: much may happen there. Chosen: rows of a
+/// recording are closer, those of postures are not.
+pub(super) const SHORT_S: f64 = 0.25;

@@ -25,6 +25,8 @@ pub enum Kind {
     RowsShuffled,
     /// The encoder of a joint, the target, does not move, and the joint does.
     EncoderStuck,
+    /// A joint, the target, moves faster than it can.
+    JointLeaps,
     /// The CoP, or one axis, the target, stays the same for a while and the joints move.
     CopFrozen,
     /// Readings lie where no CoP can be.
@@ -49,6 +51,7 @@ impl Kind {
             Kind::FrameTurned => "frame_turned",
             Kind::RowsShuffled => "rows_shuffled",
             Kind::EncoderStuck => "encoder_stuck",
+            Kind::JointLeaps => "joint_leaps",
             Kind::CopFrozen => "cop_frozen",
             Kind::CopOutsideSole => "cop_outside_sole",
             Kind::RowsCopied => "rows_copied",
@@ -68,13 +71,14 @@ impl Kind {
 const UNUSABLE: usize = 5;
 
 /// Every kind, those first that make data unusable.
-pub const KINDS: [Kind; 12] = [
+pub const KINDS: [Kind; 13] = [
     Kind::CopConstant,
     Kind::CopAxisDead,
     Kind::OtherFoot,
     Kind::FrameTurned,
     Kind::RowsShuffled,
     Kind::EncoderStuck,
+    Kind::JointLeaps,
     Kind::CopFrozen,
     Kind::CopOutsideSole,
     Kind::RowsCopied,

@@ -12,7 +12,7 @@ use super::wirings::Wirings;
 use super::{Finding, Kind, Look};
 use crate::evaluate::Evaluator;
 use crate::robot::Robot;
-use sesc_model::tree::like_sole;
+use sesc_model::tree::{like_sole, sole_parts};
 use sesc_model::{Function, Model};
 
 /// Another link, or other axes of this one, that the readings fit.
@@ -46,12 +46,14 @@ pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
         _ if turned < FITS * here => {
             let known = better(wirings.left(axes));
             (!known).then(|| {
+                let (axis, down) = frame.up;
                 let sentence = format!(
                     "The readings are {:.0} mm off in the frame of `{support}` and {:.1} mm where \
-                     another of its axes points up: its z axis is not the normal of the sole; \
+                     its {axis} axis points {}: its z axis is not the normal of the sole; \
                      give a sole link as support.",
                     1e3 * here,
-                    1e3 * turned
+                    1e3 * turned,
+                    if down { "down" } else { "up" }
                 );
                 let marks = ["with another axis up", "in this frame"];
                 let picture = look.distances(&frame.cop, marks);
@@ -78,6 +80,8 @@ struct Frame {
     left: f64,
     /// Axes that lie in the sole.
     flat: [usize; 2],
+    /// The axis of the support that points up, and whether it points down instead.
+    up: (&'static str, bool),
     /// CoP by CAD in it, m.
     cop: Vec<f64>,
 }
@@ -118,16 +122,32 @@ fn leaf_links(robot: &Robot) -> Vec<String> {
 
 /// The frame, turned by right angles, that the readings fit best.
 fn turned(look: &Look) -> Frame {
+    // The sole of a link is moved along the link's z: another axis points up from the link itself.
+    let height = match sole_parts(look.model.support()) {
+        Some(Ok((_, height))) if look.model.tree.by_height => height,
+        _ => 0.0,
+    };
     let frames = axes_with_another_up().into_iter().map(|(axes, flat)| {
-        let row = |c: &[f64], k: usize| -> f64 { (0..3).map(|m| axes[(k, m)] * c[m]).sum() };
+        let row = |c: &[f64], k: usize| -> f64 {
+            let at = [c[0], c[1], c[2] - height];
+            (0..3).map(|m| axes[(k, m)] * at[m]).sum()
+        };
+        let up = (0..3).find(|m| axes[(2, *m)] != 0.0).unwrap_or(2);
+        let up = (["x", "y", "z"][up], axes[(2, up)] < 0.0);
         let com = look.com.chunks_exact(3);
         let cop: Vec<f64> = com.flat_map(|c| [row(c, 0), row(c, 1)]).collect();
         let left = gap(look.data, cop.iter().copied());
-        Frame { left, flat, cop }
+        Frame {
+            left,
+            flat,
+            up,
+            cop,
+        }
     });
     let nothing = Frame {
         left: f64::INFINITY,
         flat: [0, 1],
+        up: ("z", false),
         cop: Vec::new(),
     };
     frames.fold(nothing, |best, own| match own.left < best.left {

@@ -11,25 +11,30 @@
 //! the variance to first order in the independent deviations `σ_k`, since
 //! `∂CoP/∂f_k = (p_k − CoP) / F`.
 //!
+//! A row that misses a value which it should have, NaN or an empty field, is left out and counted;
+//! an optional column without any value in the first rows is as if it were not there.
+//!
 //! A column of deviations is about a single reading. The sidecar's
 //! `readings_per_pose` readings of a pose are in its rows, evenly: a row alone
 //! in its pose is their mean and known to `std / √readings_per_pose`; in a log
 //! that lists every reading a row is known to `std`.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
 use sesc_model::spelling::nearest;
+use sesc_model::text::listed;
 use sesc_model::tree::{Dof, is_support};
 
 use super::block::{Block, Cells};
 use super::bounds::{self, LEAST_LOAD_N, check, check_gravity, check_joint, three_digits};
-use super::columns::Columns;
+use super::columns::{Columns, POSE};
 use super::names::short;
 use super::options::Options;
 use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR, Sidecar};
-use super::source::Raw;
+use super::source::{MISSING, Raw};
 use crate::{Error, Message, Setting, message};
 
 /// A revolute joint further out than this was hardly logged in radians.
@@ -37,6 +42,9 @@ const FULL_TURN: f64 = 6.3;
 
 /// No sole is so large: a log whose typical CoP is further out is not in metres, m.
 const FAR: f64 = 2.0;
+
+/// Rows that are no further apart follow each other, s.
+const FOLLOWS_S: f64 = 1.0;
 
 /// Makes blocks of raw rows.
 pub(super) struct Assembler {
@@ -54,9 +62,25 @@ pub(super) struct Assembler {
     /// Rows without load on the cells are no fault; their reading is zero.
     pub no_load: bool,
     next_pose: i64,
+    missing: Missing,
+    /// Joints, time and posture of the last row.
+    last: (Vec<f64>, f64, i64),
+}
+
+/// Values that rows do not have.
+#[derive(Default)]
+struct Missing {
+    rows: u64,
+    /// The first of these rows.
+    first: u64,
+    /// How many rows miss a value of each column, the `pose` last.
+    of: Vec<u64>,
+    /// Columns that have no value at all.
+    unused: Vec<usize>,
 }
 
 struct Joint {
+    endless: bool,
     /// To rad or m.
     scale: f64,
     /// Largest |value| that can be meant, rad; none of prismatic and endless joints.
@@ -75,6 +99,7 @@ impl Joint {
             false => bounds::ANGLE_RAD,
         };
         Joint {
+            endless: dof.continuous,
             scale: match angles {
                 Angles::Deg if !dof.prismatic => std::f64::consts::PI / 180.0,
                 _ => 1.0,
@@ -115,6 +140,11 @@ impl Assembler {
             shrink: 1.0,
             no_load: false,
             next_pose: 0,
+            missing: Missing {
+                of: vec![0; columns.numbers.len() + 1],
+                ..Missing::default()
+            },
+            last: (Vec::new(), f64::NAN, MISSING),
         };
         if let Some(link) = &assembler.support {
             let known = assembler.known_link(link);
@@ -144,9 +174,11 @@ impl Assembler {
         Error::log(self.file.clone(), line, message)
     }
 
-    /// Look at the first rows for what holds for all: whether rows are means,
-    /// and whether the CoP is in metres.
-    pub fn look(&mut self, raw: &Raw) -> Result<(), Error> {
+    /// Look at the first rows for what holds for all: which columns have values, whether rows
+    /// are means, and whether the CoP is in metres.
+    pub fn look(&mut self, raw: &mut Raw) -> Result<(), Error> {
+        self.find_unused(raw);
+        self.fill_unused(raw);
         let rows = typical_run(&raw.pose).max(1) as f64;
         self.shrink = (rows / self.readings_per_pose as f64).min(1.0).sqrt();
         let Some(k) = self.columns.cop else {
@@ -171,6 +203,107 @@ impl Assembler {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Optional columns without a value.
+    fn find_unused(&mut self, raw: &Raw) {
+        let width = self.columns.numbers.len();
+        let empty = |k: usize| {
+            raw.numbers
+                .iter()
+                .skip(k)
+                .step_by(width)
+                .all(|x| x.is_nan())
+        };
+        let columns = &mut self.columns;
+        let cells = columns.cells.len();
+        for (column, count) in [
+            (&mut columns.t, 1),
+            (&mut columns.cop_std, 2),
+            (&mut columns.cell_std, cells),
+            (&mut columns.gravity, 3),
+        ] {
+            if let Some(first) = column.filter(|first| (*first..first + count).any(empty)) {
+                self.missing.unused.extend(first..first + count);
+                *column = None;
+            }
+        }
+    }
+
+    /// Columns without a value cost no row.
+    pub fn fill_unused(&self, raw: &mut Raw) {
+        let width = self.columns.numbers.len();
+        for k in &self.missing.unused {
+            let values = raw.numbers.iter_mut().skip(*k).step_by(width);
+            values.for_each(|x| *x = 0.0);
+        }
+    }
+
+    /// Whether rows have times.
+    pub fn is_timed(&self) -> bool {
+        self.columns.t.is_some()
+    }
+
+    /// What is said at the end of the log of values that its rows do not have.
+    ///
+    /// # Errors
+    /// A log of which no row is left.
+    pub fn conclude(&self, rows: u64, warnings: &mut Vec<Message>) -> Result<(), Error> {
+        let Missing {
+            rows: lost,
+            first,
+            of,
+            unused,
+        } = &self.missing;
+        let named = |k: usize| self.columns.names.get(k).map_or(POSE, String::as_str);
+        if !unused.is_empty() {
+            let names: Vec<&str> = unused.iter().map(|k| named(*k)).collect();
+            let said = format!(
+                "{}: {} without a value, and not used: {}",
+                self.file,
+                if names.len() == 1 {
+                    "a column"
+                } else {
+                    "columns"
+                },
+                super::names::list(&names)
+            );
+            warnings.push(said.into());
+        }
+        if *lost == 0 {
+            return Ok(());
+        }
+        let of = of.iter().enumerate().filter(|(_, count)| **count > 0);
+        let of = of.map(|(k, count)| format!("`{}` in {count}", short(named(k))));
+        let said = format!(
+            "{lost} of {} rows have no value of a column and are left out: {} (the first is row \
+             {first})",
+            rows + lost,
+            listed(of, 8)
+        );
+        match rows {
+            0 => Err(self.fault(Some(*first), said)),
+            _ => {
+                warnings.push(format!("{}: {said}", self.file).into());
+                Ok(())
+            }
+        }
+    }
+
+    /// Take note of a row that misses values.
+    fn miss(&mut self, line: u64, numbers: &[f64], pose: Option<i64>) {
+        let missing = &mut self.missing;
+        if missing.rows == 0 {
+            missing.first = line;
+        }
+        missing.rows += 1;
+        let without = numbers.iter().map(|x| x.is_nan());
+        let without = without.chain([pose == Some(MISSING)]);
+        missing
+            .of
+            .iter_mut()
+            .zip(without)
+            .for_each(|(n, is)| *n += u64::from(is));
     }
 
     /// The typical length of columns `k` and `k + 1`, as they stand in the log.
@@ -231,15 +364,55 @@ impl Assembler {
         for k in rows {
             let line = raw.line[k];
             let numbers = &raw.numbers[k * width..(k + 1) * width];
+            let pose = raw.pose.get(k).copied();
+            if pose == Some(MISSING) || numbers.iter().fold(false, |any, x| any | x.is_nan()) {
+                self.miss(line, numbers, pose);
+                continue;
+            }
             self.row(numbers, block)
                 .and_then(|()| Ok(self.support(raw.support.get(k), block)?))
-                .map_err(|message| self.fault(Some(line), message))?;
+                .map_err(|message| self.fault(Some(line), self.and_others(message, raw, k + 1)))?;
             block.line.push(line);
-            let pose = raw.pose.get(k).copied().unwrap_or(self.next_pose);
+            let pose = pose.unwrap_or(self.next_pose);
+            self.unwrap(pose, block);
             block.pose.push(pose);
             self.next_pose = pose.saturating_add(1);
         }
         Ok(())
+    }
+
+    /// Joints of the newest row that turn without end, on the branch nearest to the row before
+    /// where it follows that: programs log them within ±π.
+    fn unwrap(&mut self, pose: i64, block: &mut Block) {
+        let t = block.t.as_ref().and_then(|all| all.last()).copied();
+        let t = t.unwrap_or(f64::NAN);
+        let start = block.q.len() - self.joints.len();
+        let q = &mut block.q[start..];
+        let (last, last_t, last_pose) = &mut self.last;
+        let follows = *last_pose == pose || (0.0..=FOLLOWS_S).contains(&(t - *last_t));
+        for ((q, last), joint) in q.iter_mut().zip(last.iter()).zip(&self.joints) {
+            if joint.endless && follows {
+                *q -= TAU * ((*q - last) / TAU).round();
+            }
+        }
+        last.clear();
+        last.extend(&*q);
+        (*last_t, *last_pose) = (t, pose);
+    }
+
+    /// What is wrong with a row, and which of those after it in `raw`, from `next` on, are faulty,
+    /// too.
+    fn and_others(&self, message: Message, raw: &Raw, next: usize) -> Message {
+        let width = self.columns.numbers.len().max(1);
+        let rows = raw.numbers.chunks_exact(width).zip(&raw.line).skip(next);
+        let whole = rows.filter(|(numbers, _)| !numbers.iter().any(|x| x.is_nan()));
+        let faulty = whole.filter(|(numbers, _)| self.row(numbers, &mut self.start()).is_err());
+        let lines: Vec<String> = faulty.map(|(_, line)| line.to_string()).collect();
+        match lines.len() {
+            0 => message,
+            1 => message.and(format!("; row {} is faulty, too", lines[0])),
+            _ => message.and(format!("; rows {} are faulty, too", listed(lines, 12))),
+        }
     }
 
     fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), Message> {

@@ -19,6 +19,8 @@ pub(crate) const LEAST_LOAD_N: f64 = 1.0;
 pub(super) const TIME_S: f64 = 1e15;
 /// Largest entry of gravity, m/s².
 pub(super) const GRAVITY: f64 = 1e6;
+/// Least gravity that holds a robot on the ground, m/s²; a direction of length 1 is more.
+const LEAST_GRAVITY: f64 = 0.01;
 /// Part of gravity that must pull onto the sole: the sine of a degree.
 pub(super) const ONTO_SOLE: f64 = 0.017;
 /// A CoP is typically known better than this, m, or its deviation is not in metres.
@@ -69,12 +71,15 @@ pub(super) fn check_gravity([x, y, z]: [f64; 3]) -> Result<(), String> {
         .sum::<f64>()
         .sqrt();
     let pulls = z < 0.0 && -z / largest >= ONTO_SOLE * size;
-    if pulls && largest <= GRAVITY && [x, y, z].iter().all(|g| g.is_finite()) {
+    if pulls
+        && (LEAST_GRAVITY..=GRAVITY).contains(&largest)
+        && [x, y, z].iter().all(|g| g.is_finite())
+    {
         Ok(())
     } else {
         Err(format!(
             "gravity [{x:?}, {y:?}, {z:?}] does not pull onto the sole; its z must be negative, \
-             and not small beside the others"
+             m/s², and not small beside the others"
         ))
     }
 }
@@ -108,6 +113,26 @@ pub(super) fn check_typical_std(typical: f64) -> Result<(), Message> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gravity_pulls_onto_the_sole() {
+        for [x, y, z] in [[0.0, 0.0, -9.80665], [0.0, 0.0, -1.0], [1.0, 1.0, -9.7]] {
+            assert_eq!(check_gravity([x, y, z]), Ok(()));
+        }
+        let least = f64::MIN_POSITIVE;
+        for z in [
+            9.8,
+            0.0,
+            -least,
+            -1e-300,
+            -1e-3,
+            -1e7,
+            f64::NEG_INFINITY,
+            f64::NAN,
+        ] {
+            assert!(check_gravity([0.0, 0.0, z]).is_err(), "{z:?}");
+        }
+    }
 
     #[test]
     fn numbers_have_three_digits_that_count() {

@@ -6,8 +6,9 @@ use std::ops::Range;
 
 use sesc_model::tree::Dof;
 
-use super::names::{list, suggestion};
+use super::names::{list, meant, suggestion};
 use super::options::Readings;
+use crate::{Message, Setting, message};
 
 pub(super) const POSE: &str = "pose";
 pub(super) const T: &str = "t";
@@ -175,19 +176,20 @@ pub(super) struct Columns {
 impl Columns {
     /// Match the names of a log with the robot's joints. The error is the
     /// message without the file.
-    pub fn of(header: &[String], dofs: &[Dof], readings: Readings) -> Result<Columns, String> {
+    pub fn of(header: &[String], dofs: &[Dof], readings: Readings) -> Result<Columns, Message> {
         check_joints(dofs)?;
         if header.len() > MOST {
             return Err(format!(
                 "{} columns; a log has one per joint and reading, {MOST} at most",
                 header.len()
-            ));
+            )
+            .into());
         }
         let mut at: HashMap<&str, usize> = HashMap::new();
         for (k, name) in header.iter().enumerate() {
             // Tables often carry an unnamed index.
             if !name.is_empty() && at.insert(name, k).is_some() {
-                return Err(format!("column `{name}` appears twice; remove one"));
+                return Err(format!("column `{name}` appears twice; remove one").into());
             }
         }
         let mut columns = Columns {
@@ -208,7 +210,8 @@ impl Columns {
             return Err(format!(
                 "no readings; add the columns `cop_x` and `cop_y` (m, support frame), \
                  or `fsr_1`, `fsr_2`, … (N){near}"
-            ));
+            )
+            .into());
         }
         columns.ignored = header
             .iter()
@@ -218,7 +221,7 @@ impl Columns {
         Ok(columns)
     }
 
-    fn take_joints(&mut self, at: &mut HashMap<&str, usize>, dofs: &[Dof]) -> Result<(), String> {
+    fn take_joints(&mut self, at: &mut HashMap<&str, usize>, dofs: &[Dof]) -> Result<(), Message> {
         let mut missing = Vec::new();
         for dof in dofs {
             let joint = dof.joint.trim();
@@ -231,11 +234,24 @@ impl Columns {
         if missing.is_empty() {
             return Ok(());
         }
-        let near = suggestion(&missing, at.keys().copied());
-        Err(format!(
-            "no column for joint {}; columns carry the URDF's joint names{near}",
-            list(&missing)
-        ))
+        let said = format!("no column for joint {}", list(&missing));
+        let mut others: Vec<&str> = at.keys().copied().collect();
+        others.sort_unstable();
+        let meant = meant(&missing, others.iter().copied());
+        if !meant.is_empty() {
+            let pairs = meant
+                .iter()
+                .map(|(column, joint)| format!("{column:?} = {joint:?}"));
+            let pairs = pairs.collect::<Vec<_>>().join(", ");
+            let said = format!("{said}; if these columns are positions of joints, ");
+            return Err(message![said, Setting::Columns, format!(" {{ {pairs} }}")]);
+        }
+        let near = suggestion(&missing, others.iter().copied());
+        let has = match others.is_empty() || !near.is_empty() {
+            true => String::new(),
+            false => format!("; the log has {}", list(&others)),
+        };
+        Err(format!("{said}; columns carry the URDF's joint names{near}{has}").into())
     }
 
     fn take_readings(&mut self, at: &mut HashMap<&str, usize>) -> Result<(), String> {
@@ -349,7 +365,7 @@ fn is_reading(name: &str) -> bool {
 }
 
 /// What a column of this name is, joints aside.
-fn meaning(name: &str) -> Option<&'static Column> {
+pub(super) fn meaning(name: &str) -> Option<&'static Column> {
     let generic = match cell_number(name) {
         Some(_) if name.ends_with(STD) => "fsr_k_std",
         Some(_) => "fsr_k",

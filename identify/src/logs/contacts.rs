@@ -16,6 +16,35 @@ pub trait Soles: Debug + Send + Sync {
     /// x and y of the point `at` (m) on the sole of link `of`, seen from link `from`, where joints
     /// are at `q` (rad or m); none where nothing that a log knows holds the two together.
     fn seen(&self, q: &[f64], from: &str, of: &str, at: [f64; 2]) -> Option<[f64; 2]>;
+
+    /// Axes and origin (m) of link `of` in the frame of link `from`, where both are of one rigid
+    /// body.
+    fn fixed(&self, from: &str, of: &str) -> Option<Frame>;
+}
+
+/// Axes, as columns, and origin of a frame in another one, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Its axes in the other frame.
+    pub axes: [[f64; 3]; 3],
+    /// m
+    pub origin: [f64; 3],
+}
+
+impl Frame {
+    /// A vector in the other frame.
+    pub fn turned(&self, own: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|k| (0..3).map(|axis| self.axes[axis][k] * own[axis]).sum())
+    }
+
+    /// A wrench about the origin of this frame as one about that of the other.
+    pub fn moved(&self, force: [f64; 3], torque: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        let (force, torque) = (self.turned(force), self.turned(torque));
+        let at = self.origin;
+        let of = |a: usize, b: usize| at[a] * force[b] - at[b] * force[a];
+        let moment = [of(1, 2), of(2, 0), of(0, 1)];
+        (force, [0, 1, 2].map(|k| torque[k] + moment[k]))
+    }
 }
 
 /// Two links that both stand on the ground: the support, and the other.

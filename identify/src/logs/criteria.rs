@@ -25,3 +25,20 @@ pub const SMOOTH: f64 = 0.05;
 /// A joint moves if it scatters by more than this, rad or m. Chosen: below it lies the noise of
 /// encoders, which says nothing of speeds.
 pub const MOVES: f64 = 0.01;
+/// Rows are of a robot that moves where its steps change by less than this part of themselves, as
+/// squares. Closed form: a sine of 0.4 Hz at 10 Hz has 0.06; steps that are independent have 2.
+pub const GOES_ON: f64 = 0.5;
+/// Stamps are coarse where more than this part of the rows has that of the row above. Chosen: a
+/// clock of 1 ms shares one in a hundred at 1 kHz.
+pub const SHARED: f64 = 0.2;
+/// A joint leaps where it moves by more than this, rad or m, and faster than [`FASTER`] limits.
+/// Chosen: 3°, above what jitter of stamps makes of a fast motion.
+pub const LEAP: f64 = 0.05;
+/// Velocity limits that no joint exceeds by more than this factor. Chosen: servos are up to a
+/// third faster than their data sheet says, and stamps jitter.
+pub const FASTER: f64 = 1.5;
+/// The limit of joints that have none, rad/s or m/s. Chosen: twice that of fast servos.
+pub const FASTEST_RAD_S: f64 = 20.0;
+/// A leap returns where what remains of it is a smaller part than this. Chosen: a step of a
+/// controller overshoots by less.
+pub const RETURNS: f64 = 0.2;

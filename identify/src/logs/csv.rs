@@ -1,8 +1,8 @@
 //! CSV logs, plain or packed with gzip.
 //!
-//! The first line names the columns and tells the delimiter (`,`, `;` or a
-//! tab). A byte order mark, Windows line ends, blanks around fields and quoted
-//! names are all fine. Memory: a MiB of rows and one row more, which must not be endless, see
+//! The line with the names of columns tells the delimiter (`,`, `;` or a
+//! tab); what other programs write above and below it is known to [`header`](super::header). A
+//! byte order mark, Windows line ends, blanks around fields and quoted names are all fine. Memory: a MiB of rows and one row more, which must not be endless, see
 //! [`RowInput`].
 //!
 //! ```text
@@ -20,9 +20,10 @@ use csv::ByteRecord;
 use memchr::{memchr, memchr_iter};
 
 use super::columns::{Columns, POSE};
+use super::header::{preamble, units, with_unit};
 use super::input::{Meter, Metered};
 use super::names::short;
-use super::source::{Interner, Raw, RowSource};
+use super::source::{Interner, MISSING, Raw, RowSource};
 use crate::Error;
 use crate::threads::each_long;
 
@@ -36,6 +37,10 @@ pub(super) struct CsvSource {
     record: ByteRecord,
     batch: Batch,
     header: Vec<String>,
+    /// The line of the header.
+    names_line: u64,
+    /// The first row, which was looked at for units.
+    first: Option<Result<bool, Error>>,
     meter: Arc<Meter>,
     passing: Arc<Passing>,
     links: Interner,
@@ -61,8 +66,11 @@ impl CsvSource {
             .take(HEAD)
             .read_to_end(&mut head)
             .map_err(|error| bad(None, unreadable(&error)))?;
-        let delimiter = delimiter(&head).map_err(|message| bad(None, message))?;
+        let above = preamble(&head);
+        let told = delimiter(&head, above.start).map_err(|message| bad(None, message))?;
+        let head = head.split_off(above.start);
         let passing = Arc::new(Passing::default());
+        passing.lines.store(above.line - 1, Ordering::Relaxed);
         let input = RowInput {
             input: Cursor::new(head).chain(input),
             passing: passing.clone(),
@@ -72,36 +80,58 @@ impl CsvSource {
             ended: false,
         };
         let mut reader = csv::ReaderBuilder::new()
-            .delimiter(delimiter)
+            .delimiter(above.delimiter.unwrap_or(told))
             .flexible(true)
             .from_reader(Box::new(input) as Box<dyn Read + Send>);
         let header: Vec<String> = match reader.headers() {
             Ok(header) => header.iter().map(name).collect(),
-            Err(error) => return Err(bad(Some(1), fault(&error))),
+            Err(error) => return Err(bad(Some(above.line), fault(&error))),
         };
         if header.iter().all(String::is_empty) {
             return Err(bad(
-                Some(1),
+                Some(above.line),
                 "no header row; a log starts with the names of its columns".into(),
             ));
         }
         passing.since_row.store(0, Ordering::Relaxed);
-        Ok(CsvSource {
+        let mut source = CsvSource {
             file: file.to_string(),
             reader,
             record: ByteRecord::new(),
             batch: Batch::default(),
             header,
+            names_line: above.line,
+            first: None,
             meter,
             passing,
             links: Interner::default(),
-            line: 1,
+            line: above.line,
             below: 0,
-        })
+        };
+        source.take_units();
+        Ok(source)
+    }
+
+    /// A row of units below the names becomes a part of these.
+    fn take_units(&mut self) {
+        let first = self.next();
+        let fields = self.record.iter().map(|f| str::from_utf8(f).unwrap_or("?"));
+        match units(fields)
+            .filter(|own| matches!(first, Ok(true)) && own.len() == self.header.len())
+        {
+            Some(units) => {
+                let names = self.header.iter().zip(&units);
+                self.header = names.map(|(name, unit)| with_unit(name, unit)).collect();
+            }
+            None => self.first = Some(first),
+        }
     }
 
     /// The next row that is not blank.
     fn next(&mut self) -> Result<bool, Error> {
+        if let Some(first) = self.first.take() {
+            return first;
+        }
         loop {
             let more = self.reader.read_byte_record(&mut self.record);
             self.passing.since_row.store(0, Ordering::Relaxed);
@@ -161,6 +191,10 @@ impl RowSource for CsvSource {
         &self.header
     }
 
+    fn names_line(&self) -> u64 {
+        self.names_line
+    }
+
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
         let mut left = count;
         while left > 0 {
@@ -205,16 +239,14 @@ fn name(text: &str) -> String {
     bare.unwrap_or(text).trim().to_string()
 }
 
-/// The delimiter of a log that starts with `head`: the one its first line has most of.
-pub(crate) fn delimiter(head: &[u8]) -> Result<u8, String> {
+/// The delimiter of a log that starts with `head`: the one that the line of its names, which
+/// begins at `start`, has most of.
+pub(crate) fn delimiter(head: &[u8], start: usize) -> Result<u8, String> {
     if head.is_empty() {
         return Err("empty; a log starts with a header row, the names of its columns".into());
     }
     if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
         return Err("UTF-16 text; save it as UTF-8".into());
-    }
-    if head.starts_with(b"PK\x03\x04") {
-        return Err("a packed folder or spreadsheet; export it as CSV".into());
     }
     if head.contains(&0) {
         return Err("not text; is this a CSV file?".into());
@@ -222,7 +254,7 @@ pub(crate) fn delimiter(head: &[u8]) -> Result<u8, String> {
     let mut quoted = false;
     let mut counts = [0usize; 3];
     let known = *b",;\t";
-    for byte in head {
+    for byte in &head[start..] {
         match byte {
             b'"' => quoted = !quoted,
             b'\n' | b'\r' if !quoted => break,
@@ -573,14 +605,24 @@ impl Batch {
 }
 
 fn whole(text: &str) -> Result<i64, String> {
-    // Tables that once had gaps write whole numbers as 3.0.
-    let digits = text
-        .split_once('.')
-        .filter(|(_, rest)| !rest.is_empty() && rest.bytes().all(|b| b == b'0'))
-        .map_or(text, |(digits, _)| digits);
-    digits
-        .parse()
-        .map_err(|_| format!("column `{POSE}`: `{}` is no whole number", short(text)))
+    if let Ok(number) = text.parse() {
+        return Ok(number);
+    }
+    // Programs write whole numbers as 3.0 or 3e0, too.
+    match text.parse() {
+        _ if is_missing(text) => Ok(MISSING),
+        Ok(number) => super::source::whole(number),
+        Err(_) => Err(format!(
+            "column `{POSE}`: `{}` is no whole number",
+            short(text)
+        )),
+    }
+}
+
+/// Whether a field says that it has no value, as programs write it.
+fn is_missing(text: &str) -> bool {
+    let words = ["", "nan", "na", "n/a", "null", "none", "nil", "-", "--"];
+    words.iter().any(|word| text.eq_ignore_ascii_case(word))
 }
 
 fn number(text: &str, column: &str) -> Result<f64, String> {
@@ -589,13 +631,13 @@ fn number(text: &str, column: &str) -> Result<f64, String> {
         return Ok(number);
     }
     let text = text.trim();
+    if is_missing(text) {
+        return Ok(f64::NAN);
+    }
     text.parse().map_err(|_| {
-        let why = match text {
-            "" => "the field is empty; remove the row or fill in the value".to_string(),
-            _ if text.replace(',', ".").parse::<f64>().is_ok() => {
-                format!("`{}` has a decimal comma; write a point", short(text))
-            }
-            _ => format!("`{}` is no number", short(text)),
+        let why = match text.replace(',', ".").parse::<f64>() {
+            Ok(_) => format!("`{}` has a decimal comma; write a point", short(text)),
+            Err(_) => format!("`{}` is no number", short(text)),
         };
         format!("column `{column}`: {why}")
     })

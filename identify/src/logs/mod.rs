@@ -18,9 +18,11 @@ mod block;
 mod bounds;
 mod columns;
 mod contacts;
-mod criteria;
+pub(crate) mod criteria;
 mod csv;
+mod foreign;
 mod guard;
+mod header;
 mod input;
 #[cfg(feature = "mcap")]
 mod mcap;
@@ -48,7 +50,7 @@ pub(crate) use bounds::LEAST_LOAD_N;
 pub use columns::columns_text;
 pub use columns::{COLUMNS, Column, Need, Row, Written};
 #[doc(hidden)]
-pub use contacts::Soles;
+pub use contacts::{Frame, Soles};
 pub(crate) use csv::delimiter;
 #[doc(hidden)]
 pub use guard::panic_becomes_error;

@@ -1,5 +1,7 @@
 //! Names in messages: lists that stay short, and the nearest right spelling.
 
+use std::collections::HashMap;
+
 use sesc_model::spelling::nearest;
 use sesc_model::text::listed;
 
@@ -9,6 +11,29 @@ const LONGEST: usize = 64;
 const COMPARED: usize = 2_000;
 /// Wrong names that a message says more of.
 const SUGGESTED: usize = 3;
+
+/// What joints' columns are called beside the joint, best first: positions, then what is none.
+const POSITIONS: [&str; 6] = ["position", "pos", "angle", "q", "actual", "measured"];
+const NO_POSITIONS: [&str; 16] = [
+    "velocity",
+    "vel",
+    "speed",
+    "qd",
+    "qdd",
+    "dq",
+    "effort",
+    "torque",
+    "tau",
+    "current",
+    "cmd",
+    "command",
+    "target",
+    "desired",
+    "reference",
+    "error",
+];
+/// Columns that a message proposes to rename, at most.
+const RENAMED: usize = 100;
 
 /// Names for a message, a dozen at most.
 pub(crate) fn list(names: &[&str]) -> String {
@@ -39,6 +64,50 @@ pub(super) fn suggestion<'a>(wrong: &[&str], right: impl Iterator<Item = &'a str
     }
 }
 
+/// The columns of a log that are positions of `missing` joints by their names: the name in
+/// the log, then the joint.
+pub(super) fn meant<'a>(
+    missing: &[&'a str],
+    columns: impl Iterator<Item = &'a str>,
+) -> Vec<(&'a str, &'a str)> {
+    let mut found: HashMap<&str, Vec<&str>> = HashMap::new();
+    for column in columns {
+        // `l_hip_roll_pos` is of `l_hip_roll`, not of a joint `hip`.
+        let of = missing.iter().filter(|joint| holds(column, joint));
+        if let Some(joint) = of.max_by_key(|joint| joint.len()) {
+            found.entry(*joint).or_default().push(column);
+        }
+    }
+    let pairs = missing.iter().filter_map(|joint| {
+        let mut own = found.remove(joint)?;
+        let rest = |column: &str| column.replacen(joint, " ", 1).to_lowercase();
+        let says = |column: &str, words: &[&str]| {
+            let rest = rest(column);
+            let mut parts = rest.split(|c: char| !c.is_alphanumeric());
+            parts.any(|part| words.contains(&part))
+        };
+        own.retain(|column| !says(column, &NO_POSITIONS));
+        if own.len() > 1 {
+            own.retain(|column| says(column, &POSITIONS));
+        }
+        match own[..] {
+            [one] => Some((one, *joint)),
+            _ => None,
+        }
+    });
+    pairs.take(RENAMED).collect()
+}
+
+/// Whether `name` has `part` in it, as a word or words of its own.
+fn holds(name: &str, part: &str) -> bool {
+    let is_end = |c: Option<char>| c.is_none_or(|c| !c.is_alphanumeric());
+    let mut places = name.match_indices(part);
+    places.any(|(at, _)| {
+        let (before, after) = (&name[..at], &name[at + part.len()..]);
+        is_end(before.chars().next_back()) && is_end(after.chars().next())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -59,5 +128,23 @@ mod tests {
         assert_eq!(list(&["a", "b"]), "`a`, `b`");
         assert!(list(&["x"; 20]).ends_with("and 8 more"));
         assert_eq!(short(&"é".repeat(500)).chars().count(), LONGEST + 1);
+    }
+
+    #[test]
+    fn columns_that_hold_a_joint_s_name_are_told() {
+        let joints = ["knee", "l_knee", "ankle"];
+        let columns = [
+            "/joint_states/l_knee/position",
+            "/joint_states/l_knee/velocity",
+            "knee_pos",
+            "knee_cmd",
+            "ankles",
+        ];
+        let found = meant(&joints, columns.into_iter());
+        let expected = [
+            ("knee_pos", "knee"),
+            ("/joint_states/l_knee/position", "l_knee"),
+        ];
+        assert_eq!(found, expected);
     }
 }

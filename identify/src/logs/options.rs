@@ -37,9 +37,12 @@ pub struct Options {
     /// Take angles and CoP of any size: which unit they are in is the question.
     pub any_unit: bool,
     /// Where the robot's soles are: with it an MCAP recording of two loaded contacts is one of
-    /// both feet.
+    /// both feet, and a wrench in another frame of the support's body is moved to the sole.
     #[doc(hidden)]
     pub soles: Option<Arc<dyn Soles>>,
+    /// One foot stands, whatever is loaded.
+    #[doc(hidden)]
+    pub one_foot: bool,
 }
 
 /// Whether readings are wanted from a log.

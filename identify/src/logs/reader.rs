@@ -12,6 +12,8 @@ use super::block::Block;
 use super::columns::Columns;
 use super::contacts::Standing;
 use super::csv::CsvSource;
+use super::foreign;
+use super::header;
 use super::input::{Bytes, LogSource, Metered, Place, Screening};
 use super::options::{Options, Stays, StillnessLimits};
 use super::settle::Settling;
@@ -44,6 +46,8 @@ pub struct Summary {
 pub struct PostureReader {
     source: Box<dyn RowSource>,
     columns: Columns,
+    /// What brings each column to SI units.
+    factors: Vec<f64>,
     assembler: Assembler,
     suspicions: Suspicions,
     raw: Raw,
@@ -53,6 +57,8 @@ pub struct PostureReader {
     chunk: usize,
     started: bool,
     ended: bool,
+    /// All was said of the whole log.
+    concluded: bool,
     last_pose: Option<i64>,
     settling: Option<Settling>,
     stays: Stays,
@@ -90,10 +96,23 @@ impl PostureReader {
         let watched = log.watched()?;
         let mut source = open_source(&log, dofs, options, &sidecar)?;
         let misnamed = misnamed(&log, &*source);
-        let bad = |message: String| Error::log(&file, Some(1), format!("{misnamed}{message}"));
-        let header = sidecar.renamed(source.header()).map_err(bad)?;
-        let columns = Columns::of(&header, dofs, options.readings).map_err(bad)?;
+        let at = Some(source.names_line());
+        let bad = |message: Message| Error::log(&file, at, message.after(misnamed));
+        let header = sidecar
+            .renamed(source.header())
+            .map_err(|said| bad(said.into()))?;
+        let named = header::named(&header, dofs);
+        let columns = Columns::of(&named.names, dofs, options.readings);
+        let columns =
+            columns.map_err(|said| bad(header::no_names(&header).map_or(said, Message::from)))?;
         warnings.extend(source.warnings());
+        warnings.extend(named.note.map(|note| format!("{file}: {note}").into()));
+        if let (Some(given), Some(own)) = (&options.support, &sidecar.support)
+            && given != own
+        {
+            let said = format!("{file}: its sidecar has `{own}` on the ground; `{given}` is taken");
+            warnings.push(said.into());
+        }
         if !columns.ignored.is_empty() {
             let names: Vec<&str> = columns.ignored.iter().map(String::as_str).collect();
             let (noun, verb) = match names.len() {
@@ -104,6 +123,16 @@ impl PostureReader {
             warnings.push(format!("{file}: {noun} {names} {verb} ignored").into());
         }
         let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
+        // Degrees that a name says need no other word for it.
+        let own = |k: usize, factor: f64| match columns.joints.contains(&k) && factor != 1.0 {
+            true if angles == Angles::Deg => factor.to_degrees(),
+            _ => factor,
+        };
+        let factors = columns.numbers.iter().map(|column| named.factors[*column]);
+        let factors = factors
+            .enumerate()
+            .map(|(k, factor)| own(k, factor))
+            .collect();
         let mut assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
         assembler.no_load = log.screen.is_some();
         let soles = options.soles.clone().zip(source.both());
@@ -125,12 +154,14 @@ impl PostureReader {
             suspicions: Suspicions::new(&file, dofs, angles),
             source,
             columns,
+            factors,
             assembler,
             raw: Raw::default(),
             given: 0,
             chunk: CHUNK,
             started: false,
             ended: false,
+            concluded: false,
             last_pose: None,
             settling,
             stays: options.stays,
@@ -254,8 +285,16 @@ impl PostureReader {
         Ok(block.support.and_then(|all| all.first().cloned()))
     }
 
+    /// Whether it is a recording, whose readings name their frames.
+    pub(crate) fn is_recording(&self) -> bool {
+        self.source.knows_stays()
+    }
+
     /// The next rows as they are in the log.
     fn rows(&mut self, count: usize) -> Result<Block, Error> {
+        if !self.started {
+            self.refill()?;
+        }
         let mut block = self.assembler.start();
         while block.len() < count {
             if self.given == self.raw.line.len() && !self.refill()? {
@@ -275,8 +314,9 @@ impl PostureReader {
         let ends = self.times.into_iter().chain(known.map(|t| [t, t]));
         self.times = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         self.suspicions.see(&block);
-        if self.rows > 0 && block.len() < count {
+        if block.len() < count && !std::mem::replace(&mut self.concluded, true) {
             self.suspicions.judge(&mut self.warnings);
+            self.assembler.conclude(self.rows, &mut self.warnings)?;
         }
         Ok(block)
     }
@@ -295,15 +335,31 @@ impl PostureReader {
                 return Err(error);
             }
             self.ended = self.raw.line.len() < self.chunk;
+            self.scale();
+            self.assembler.fill_unused(&mut self.raw);
             self.warnings.extend(self.source.warnings());
         }
         if first {
             if self.raw.line.is_empty() {
                 return Err(self.assembler.fault(None, "no postures below the header"));
             }
-            self.assembler.look(&self.raw)?;
+            self.assembler.look(&mut self.raw)?;
+            if !self.assembler.is_timed() {
+                self.settling = None;
+            }
         }
         Ok(!self.raw.line.is_empty())
+    }
+
+    /// Bring what was taken from the file to SI units.
+    fn scale(&mut self) {
+        let scaled = self.factors.iter().enumerate();
+        for (k, factor) in scaled.filter(|(_, factor)| **factor != 1.0) {
+            let values = self.raw.numbers.iter_mut().skip(k);
+            values
+                .step_by(self.factors.len())
+                .for_each(|x| *x *= factor);
+        }
     }
 
     /// Names of columns that mean nothing to a robot of these joints.
@@ -356,6 +412,12 @@ fn open_source(
     if let Place::Table(table) = place {
         return Ok(Box::new(TableSource::open(table)?));
     }
+    let wrong = |message: String| Error::log(file.to_string(), None, message);
+    if let Place::File(path) = place
+        && path.is_dir()
+    {
+        return Err(wrong(foreign::folder(path)));
+    }
     let mut input = Metered::new(Bytes::open(place).map_err(failed)?);
     let mut head = Vec::new();
     (&mut input)
@@ -376,8 +438,11 @@ fn open_source(
     if head.starts_with(b"\x89MCAP") {
         return open_mcap(place, file, dofs, options, sidecar);
     }
+    if let Some(message) = foreign::file(file, &head) {
+        return Err(wrong(message));
+    }
     if let Some(message) = damaged_from_the_start(file, &head) {
-        return Err(Error::log(file.to_string(), None, message));
+        return Err(wrong(message));
     }
     Ok(Box::new(CsvSource::open(file, head, input)?))
 }
@@ -439,16 +504,17 @@ fn open_mcap(
     sidecar: &Sidecar,
 ) -> Result<Box<dyn RowSource>, Error> {
     let topic = options.topic.as_deref().or(sidecar.topic.as_deref());
+    let topics = (topic, sidecar.joints_topic.as_deref());
     let mut options = options.clone();
     options.support = options.support.or_else(|| sidecar.support.clone());
     if sidecar.both_feet == Some(false) {
-        options.soles = None;
+        options.one_foot = true;
     }
     if let Stays::Alone(duration) = options.stays {
         options.stillness.duration = duration;
     }
     let options = &options;
-    let source = super::mcap::McapSource::open(place, file, dofs, options, topic)?;
+    let source = super::mcap::McapSource::open(place, file, dofs, options, topics)?;
     Ok(Box::new(source))
 }
 

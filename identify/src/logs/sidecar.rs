@@ -18,7 +18,7 @@ use crate::{Error, Message};
 /// The keys that a sidecar may have, each with what it says: for readers, messages and
 /// documentation.
 #[doc(hidden)]
-pub const KEYS: [(&str, &str); 11] = [
+pub const KEYS: [(&str, &str); 12] = [
     ("robot", "a name, for reports"),
     (
         "support",
@@ -50,6 +50,10 @@ pub const KEYS: [(&str, &str); 11] = [
          too",
     ),
     ("topic", "topic of the CoP in a recording that has several"),
+    (
+        "joints_topic",
+        "topic of the joints in a recording that has several with the same joints",
+    ),
     ("experiment", "the experiment that a diagnosis asked for"),
     (
         "columns",
@@ -98,6 +102,9 @@ pub struct Sidecar {
     /// Topic of the CoP in a recording that has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
+    /// Topic of the joints in a recording that has several with the same joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joints_topic: Option<String>,
     /// What `sesc diagnose --next` asked for, where the log is of such an experiment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub experiment: Option<String>,
@@ -160,7 +167,7 @@ impl Sidecar {
                 "{file} ends like a sidecar; give the log itself"
             )));
         }
-        match files::read_text(&path, files::SIDECAR) {
+        match files::read_found_text(&path, files::SIDECAR) {
             Ok(text) => Sidecar::parse(&text, &file)
                 .map_err(|fault| Error::log(file, fault.line, fault.reason)),
             // `/dev/stdin` has no neighbours either.

@@ -11,7 +11,7 @@ use crate::{Error, Message};
 #[derive(Debug, Clone, Default)]
 pub(super) struct Raw {
     pub line: Vec<u64>,
-    /// Empty where the log has no such column.
+    /// Empty where the log has no such column; [`MISSING`] where a row has no value.
     pub pose: Vec<i64>,
     /// Empty where the log has no such column.
     pub support: Vec<Arc<str>>,
@@ -37,6 +37,11 @@ impl Raw {
 pub(super) trait RowSource: Send {
     /// Names of the columns, without blanks around them.
     fn header(&self) -> &[String];
+
+    /// The line or row of these names.
+    fn names_line(&self) -> u64 {
+        1
+    }
 
     /// Append up to `count` rows to `raw`; fewer only at the end of the file.
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error>;
@@ -91,9 +96,14 @@ impl Interner {
     }
 }
 
+/// The pose of a row that has no value there.
+pub(super) const MISSING: i64 = i64::MIN;
+
 /// A pose as a number; integers up to 2^53 come through floats unchanged.
 pub(super) fn whole(value: f64) -> Result<i64, String> {
-    if value.fract() == 0.0 && value.abs() <= 9_007_199_254_740_992.0 {
+    if value.is_nan() {
+        Ok(MISSING)
+    } else if value.fract() == 0.0 && value.abs() <= 9_007_199_254_740_992.0 {
         Ok(value as i64)
     } else {
         Err(format!(

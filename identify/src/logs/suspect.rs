@@ -8,7 +8,7 @@ use sesc_model::tree::Dof;
 
 use super::block::Block;
 use super::columns::T;
-use super::criteria::{CREEPS, FASTEST, FEW, LOGGED, MOVES, SLACK, SMOOTH, SOLE};
+use super::criteria::{CREEPS, FASTEST, FEW, GOES_ON, LOGGED, MOVES, SHARED, SLACK, SMOOTH, SOLE};
 use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
@@ -26,7 +26,7 @@ pub(super) struct Suspicions {
     last_t: f64,
     backwards: Option<u64>,
     stamps: Stamps,
-    said: [bool; 7],
+    said: [bool; 8],
 }
 
 /// What the columns of all joints show: a row is taken note of by a few operations on whole
@@ -119,7 +119,7 @@ impl Suspicions {
             last_t: f64::NEG_INFINITY,
             backwards: None,
             stamps: Stamps::new(dofs),
-            said: [false; 7],
+            said: [false; 8],
         }
     }
 
@@ -138,8 +138,9 @@ impl Suspicions {
             }
             self.last_t = *t;
         }
-        if let Some(t) = &block.t {
-            self.stamps.see(t, &block.q);
+        match &block.t {
+            Some(t) => self.stamps.see(t, &block.q),
+            None => self.stamps.see(&vec![f64::NAN; block.len()], &block.q),
         }
     }
 
@@ -156,6 +157,7 @@ impl Suspicions {
             }),
             self.stamps.all_the_same().map(Message::from),
             self.stamps.other_unit().map(Message::from),
+            self.stamps.unusable().map(Message::from),
         ];
         for (said, found) in self.said.iter_mut().zip(found) {
             if let (false, Some(found)) = (*said, found) {
@@ -264,12 +266,16 @@ struct Stamps {
     limits: Vec<f64>,
     rows: u64,
     ends: [f64; 2],
+    /// Rows that share the stamp of the row above.
+    shared: u64,
     last_t: f64,
     last_q: Vec<f64>,
     /// Largest speed of each joint by the stamps.
     fastest: Vec<f64>,
-    /// Sum of the squares of its steps.
+    /// Its last step, the sum of the squares of its steps, and that of their changes.
+    last_step: Vec<f64>,
     stepped: Vec<f64>,
+    bent: Vec<f64>,
     /// Mean of its positions, and sum of squares about it.
     mean: Vec<f64>,
     about: Vec<f64>,
@@ -282,10 +288,13 @@ impl Stamps {
             limits: dofs.iter().map(|dof| dof.speed).collect(),
             rows: 0,
             ends: [f64::INFINITY, f64::NEG_INFINITY],
+            shared: 0,
             last_t: f64::NAN,
             last_q: zeros.clone(),
             fastest: zeros.clone(),
+            last_step: zeros.clone(),
             stepped: zeros.clone(),
+            bent: zeros.clone(),
             mean: zeros.clone(),
             about: zeros,
         }
@@ -301,6 +310,7 @@ impl Stamps {
             self.rows += 1;
             self.ends = [self.ends[0].min(t), self.ends[1].max(t)];
             let follows = self.rows > 1;
+            self.shared += u64::from(t == self.last_t);
             let per_second = match follows && t > self.last_t {
                 true => 1.0 / (t - self.last_t),
                 false => 0.0,
@@ -309,6 +319,7 @@ impl Stamps {
             let (last, fastest) = (&mut self.last_q[..n], &mut self.fastest[..n]);
             let (stepped, mean) = (&mut self.stepped[..n], &mut self.mean[..n]);
             let about = &mut self.about[..n];
+            let (last_step, bent) = (&mut self.last_step[..n], &mut self.bent[..n]);
             for j in 0..n {
                 let step = if follows { q[j] - last[j] } else { 0.0 };
                 let speed = step.abs() * per_second;
@@ -318,6 +329,8 @@ impl Stamps {
                     fastest[j]
                 };
                 stepped[j] += step * step;
+                bent[j] += (step - last_step[j]) * (step - last_step[j]);
+                last_step[j] = step;
                 let off = q[j] - mean[j];
                 mean[j] += off * weight;
                 about[j] += off * (q[j] - mean[j]);
@@ -329,12 +342,51 @@ impl Stamps {
 
     /// Said where all rows have one stamp.
     fn all_the_same(&self) -> Option<String> {
-        (self.rows >= FEW && self.ends[0] == self.ends[1]).then(|| {
+        (self.rows >= FEW && self.shared + 1 == self.rows).then(|| {
             format!(
                 "`{T}` is {} in every row: the log says nothing of time, and motion and lasting \
                  noise are not seen; stamp each row, or leave the column out",
                 self.ends[0]
             )
+        })
+    }
+
+    /// The joints that move.
+    fn moving(&self) -> Vec<usize> {
+        let moves = |j: &usize| self.about[*j] > MOVES * MOVES * self.rows as f64;
+        (0..self.limits.len()).filter(moves).collect()
+    }
+
+    /// Whether rows follow each other as those of a robot that moves do.
+    fn is_smooth(&self, moving: &[usize]) -> bool {
+        let sum = |of: &[f64]| moving.iter().map(|&j| of[j]).sum::<f64>();
+        sum(&self.stepped) < SMOOTH * 2.0 * sum(&self.about)
+    }
+
+    /// Said where rows are of a robot that moves and stamps do not say when: its motion is not
+    /// counted.
+    fn unusable(&self) -> Option<String> {
+        let moving = self.moving();
+        let timed = self.ends[0].is_finite();
+        let coarse = timed && self.shared as f64 > SHARED * self.rows as f64;
+        // Postures that are put in order step back and forth; a joint that moves goes on.
+        let sum = |of: &[f64]| moving.iter().map(|&j| of[j]).sum::<f64>();
+        let goes_on = sum(&self.bent) < GOES_ON * sum(&self.stepped);
+        let told = timed && !coarse || self.shared + 1 == self.rows;
+        if self.rows < FEW || told || !goes_on || !self.is_smooth(&moving) {
+            return None;
+        }
+        let motion = "rows follow each other as those of a robot that moves do";
+        Some(match timed {
+            true => format!(
+                "{} of {} rows share the stamp of the row above, and {motion}: `{T}` has too few \
+                 digits, and motion is not counted; write times with at least three decimals",
+                self.shared, self.rows
+            ),
+            false => format!(
+                "{motion}, and the log has no column `{T}`: motion is not counted, and every row is \
+                 taken for a robot that stands; add the time of each row, s"
+            ),
         })
     }
 
@@ -345,10 +397,8 @@ impl Stamps {
         }
         let rows = self.rows as f64;
         let step = (self.ends[1] - self.ends[0]) / (rows - 1.0);
-        let moves = |j: &usize| self.about[*j] > MOVES * MOVES * rows;
-        let moving: Vec<usize> = (0..self.limits.len()).filter(moves).collect();
-        let sum = |of: &[f64]| moving.iter().map(|&j| of[j]).sum::<f64>();
-        let smooth = sum(&self.stepped) < SMOOTH * 2.0 * sum(&self.about);
+        let moving = self.moving();
+        let smooth = self.is_smooth(&moving);
         // Parts of their limits that joints reach.
         let reached = moving.iter().filter(|&&j| self.limits[j] > 0.0);
         let reached = reached.map(|&j| self.fastest[j] / self.limits[j]);
@@ -395,8 +445,10 @@ mod tests {
         let mut warnings = Vec::new();
         suspicions.judge(&mut warnings);
         suspicions.judge(&mut warnings);
-        let said: Vec<String> = warnings.iter().map(Message::to_string).collect();
-        said.join("\n")
+        let said = warnings.iter().map(Message::to_string);
+        // Rows of these tests follow each other and have no times.
+        let said = said.filter(|said| !said.contains("motion is not counted"));
+        said.collect::<Vec<_>>().join("\n")
     }
 
     #[test]

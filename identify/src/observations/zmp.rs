@@ -177,6 +177,7 @@ impl Parts {
 impl Zmp {
     /// Prepare the ZMP of `model` on its support.
     pub fn new(model: &Model) -> Zmp {
+        let model = &*model.with_believed_inertias();
         Zmp {
             tape: Tape::new(&motion_rows(model)),
             by_cad: Tape::new(&motion_parts(model)),

@@ -1,12 +1,12 @@
 //! The box around a mesh: STL files, binary or text; others are not read.
 
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
+use sesc_model::files;
 
-/// Larger files are not cheap to read.
-const LARGEST: u64 = 64 << 20;
+/// Larger files are not cheap to read, MiB.
+const LARGEST: u64 = 64;
 /// Bytes before the triangles of a binary STL: a title and their number.
 const HEADER: usize = 84;
 /// Bytes of a triangle: a normal, three corners, an attribute.
@@ -22,17 +22,8 @@ pub fn bounds(name: &str, folder: Option<&Path>) -> Result<(Vector3<f64>, Vector
         return Err("a mesh that is no STL file".to_string());
     }
     let path = find(name, folder).ok_or("a mesh whose file is not found")?;
-    let read = || -> std::io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        std::fs::File::open(path)?
-            .take(LARGEST + 1)
-            .read_to_end(&mut bytes)?;
-        Ok(bytes)
-    };
-    let bytes = read().map_err(|_| "a mesh whose file cannot be read")?;
-    if bytes.len() as u64 > LARGEST {
-        return Err("a mesh larger than 64 MiB".to_string());
-    }
+    let bytes = files::read_found(&path, LARGEST)
+        .map_err(|_| "a mesh whose file cannot be read, or is larger than 64 MiB")?;
     let around = binary(&bytes).or_else(|| text(&bytes));
     around.ok_or_else(|| "a mesh that is no valid STL".to_string())
 }

@@ -146,12 +146,11 @@ impl Plan {
 
     /// The postures as a log in memory, those that come back included.
     pub fn log(&self) -> LogSource {
-        let rows: Vec<usize> = self.rows().collect();
-        let poses: Vec<i64> = rows.iter().map(|&k| k as i64 + 1).collect();
+        let (poses, rows): (Vec<i64>, Vec<&[f64]>) = self.rows().unzip();
         let table = Table::new("plan").integers("pose", poses);
-        let joints = self.joints.iter();
-        let table = joints.fold(table, |table, joint| {
-            let values: Vec<f64> = rows.iter().map(|&k| joint.values[k]).collect();
+        let joints = self.joints.iter().enumerate();
+        let table = joints.fold(table, |table, (k, joint)| {
+            let values: Vec<f64> = rows.iter().map(|q| q[k]).collect();
             table.numbers(&joint.joint, values)
         });
         LogSource::from(table).with_sidecar(self.sidecar())
@@ -163,22 +162,24 @@ impl Plan {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, mut log: PostureWriter) -> Result<Option<PathBuf>, Error> {
-        let postures: Vec<&[f64]> = self.postures().collect();
-        for k in self.rows() {
+        for (pose, q) in self.rows() {
             log.row(&Row {
-                pose: k as i64 + 1,
-                q: postures[k],
+                pose,
+                q,
                 ..Row::default()
             })?;
         }
         log.finish(&self.sidecar())
     }
 
-    /// Places of the postures, row by row.
-    fn rows(&self) -> impl Iterator<Item = usize> {
-        let again = self.revisits.poses.iter().map(|pose| *pose as usize - 1);
+    /// The rows of its file: the number of each posture, from 1, and the posture; those that
+    /// come back are last.
+    pub fn rows(&self) -> impl Iterator<Item = (i64, &[f64])> {
+        let postures: Vec<&[f64]> = self.postures().collect();
+        let again = self.revisits.poses.iter().copied();
         let again = again.filter(|_| self.revisits.written);
-        (0..self.chosen.len()).chain(again)
+        let numbers = (1..=postures.len() as i64).chain(again);
+        numbers.map(move |pose| (pose, postures[pose as usize - 1]))
     }
 
     fn sidecar(&self) -> Sidecar {

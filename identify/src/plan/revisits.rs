@@ -13,6 +13,7 @@ use sesc_model::Snapping;
 
 use super::request::Request;
 use crate::Error;
+use crate::feet::Places;
 use crate::logs::{Options, Readings};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, Taking};
@@ -54,7 +55,8 @@ impl Known {
                 readings: Readings::Required,
                 links: links.map(str::to_string).collect(),
                 support: Some(model.support().to_string()),
-                soles: request.feet.soles(robot, Snapping::default()),
+                soles: Some(Places::of(robot, Snapping::default())),
+                one_foot: request.feet.both == Some(false),
                 ..Options::default()
             },
             noise: None,

@@ -36,6 +36,9 @@ pub struct Request {
     pub poses: usize,
     /// The postures, `q[posture * dof + joint]`, rad or m; drawn unless given.
     pub postures: Option<Vec<f64>>,
+    /// The numbers of the given postures, of which two that are equal are visits of one; from 0
+    /// unless given.
+    pub numbers: Option<Vec<i64>>,
     /// Draw revolute joints within ± this of zero and within their limits, rad; else
     /// within their limits.
     pub range: Option<f64>,
@@ -56,6 +59,7 @@ impl Request {
             model: model.into(),
             poses,
             postures: None,
+            numbers: None,
             range: None,
             noise: 0.0,
             seed: 1,
@@ -99,6 +103,7 @@ impl Request {
         let mut simulator = Simulator::new(&model.tree.dofs, self.range, self.seed);
         let evaluator = Evaluator::new(model, Function::Cop);
         let dof = model.dof();
+        let numbers = self.numbers.as_ref().filter(|all| all.len() == self.poses);
         let waves = self.rate.map(|_| simulator.waves());
         let zmp = match self.motion {
             MotionModel::Auto => waves.as_ref().map(|_| MotionPredictor::new(model)),
@@ -131,7 +136,7 @@ impl Request {
             }
             for (k, cop) in readings.chunks_exact(2).enumerate() {
                 take(&Row {
-                    pose: (start + k) as i64,
+                    pose: numbers.map_or((start + k) as i64, |numbers| numbers[start + k]),
                     t: time(k),
                     q: &q[k * dof..(k + 1) * dof],
                     cop: [cop[0], cop[1]].map(|x| x + simulator.gauss(self.noise)),

@@ -97,7 +97,7 @@ fn sampled(
     columns: &[Column],
     rows: &[usize],
 ) -> DMatrix<f64> {
-    let count = 4 * columns.len() / rows.len() + 30;
+    let count = numeric::enough(columns.len(), rows.len());
     let mut stacked = DMatrix::zeros(rows.len() * count, columns.len());
     for (n, q) in numeric::wide_postures(chain, &tree.dofs, count)
         .iter()

@@ -209,7 +209,10 @@ mod tests {
             ("payload", "link"),
             ("cell_gain", "cell"),
             ("sensor_offset", "-"),
-            ("units", "degrees, millimetres, centimetres"),
+            (
+                "units",
+                "degrees, millimetres, centimetres, inches, kilograms_force, pounds_force",
+            ),
         ] {
             assert_eq!(named(name).target.to_string(), target);
         }

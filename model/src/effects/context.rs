@@ -2,7 +2,7 @@
 
 use super::{Catalog, Effect};
 use crate::inertia::GRAVITY;
-use crate::measurement::foot;
+use crate::measurement::{ROUNDS, foot};
 use crate::robot::Robot;
 
 /// Lever arms reach this far beyond what is known of a link, as a part of the
@@ -56,6 +56,8 @@ pub struct EffectContext<'m> {
     /// Whether readings are compared with the ZMP, so that loads are accelerated with their
     /// links.
     pub moving: bool,
+    /// Rounds in which joints give way.
+    pub rounds: usize,
     /// The effects that are known.
     pub catalog: Catalog,
     /// A link of each body, the heaviest: loads on others of the same body
@@ -84,6 +86,7 @@ impl<'m> EffectContext<'m> {
             cells: cells.to_vec(),
             times,
             moving: false,
+            rounds: ROUNDS,
             catalog,
             links: robot.chain.bodies.iter().filter_map(heaviest).collect(),
             reach: robot.reach(),

@@ -129,6 +129,25 @@ pub(crate) fn apply(
     measured.record();
 }
 
+/// How the reading of [`apply`] moves with what encoders read: rows x and y.
+pub(crate) fn reading_slopes(
+    measured: &mut Measured,
+    context: &EffectContext,
+    instances: &[Instance],
+    unknowns: &[Id],
+) -> Vec<Id> {
+    let [_, after] = by_stage(context, instances, unknowns);
+    apply_before_sensor(measured, context, instances, unknowns);
+    measured.stand(context.moving);
+    let slopes = measured.cop_slopes();
+    measured.through(&slopes, |measured| {
+        for (instance, own) in after {
+            instance.effect.rewrite(&instance.target, measured, own);
+        }
+        measured.record();
+    })
+}
+
 /// The part of [`apply`] that comes before the CoP: where the joints are, and the loads.
 pub(crate) fn apply_before_sensor(
     measured: &mut Measured,
@@ -140,7 +159,7 @@ pub(crate) fn apply_before_sensor(
     for (instance, own) in before {
         instance.effect.rewrite(&instance.target, measured, own);
     }
-    measured.bend();
+    measured.bend(context.rounds);
 }
 
 /// The sensor's part of [`apply`], from a CoP in [`Measured::reading`].

@@ -67,7 +67,7 @@ pub use catalog::{Catalog, EffectId};
 pub use context::{EffectContext, Target};
 pub use experiment::{Carry, Experiment};
 pub use instance::{Instance, instances};
-pub(crate) use instance::{apply, apply_before_sensor, sense, undo};
+pub(crate) use instance::{apply, apply_before_sensor, reading_slopes, sense, undo};
 pub use parameter::{Fitted, Parameter, Unit, Value};
 pub use payload::known_weight;
 pub use programs::{

@@ -25,6 +25,9 @@ pub fn known_weight(
     Some((Instance { effect, target }, unknowns))
 }
 
+/// So many lever arms from its link a load is on no robot.
+const FAR: f64 = 10.0;
+
 pub(super) struct Payload;
 
 impl Effect for Payload {
@@ -129,7 +132,9 @@ impl Effect for Payload {
             context.mass(),
             plausible::NEGATIVE_MASS,
         );
+        let far = libm::hypot(libm::hypot(values[1], values[2]), values[3]);
         match values[0] < 0.0 {
+            _ if far > FAR * context.lever_of(link) => Some(plausible::PAYLOAD_FARTHER),
             true => plausible::outside(missing, values[0]),
             false => plausible::above((context.mass(), plausible::PAYLOAD_HEAVIER), values[0]),
         }

@@ -36,6 +36,8 @@ pub const LARGEST_PULL: (f64, &str) = (
 );
 /// Reason against a payload.
 pub const PAYLOAD_HEAVIER: &str = "it would weigh as much as the robot and more";
+/// Reason against a payload at the end of a long pole.
+pub const PAYLOAD_FARTHER: &str = "it would be many times farther out than the robot reaches";
 /// Reason against a link that lacks mass.
 pub const NEGATIVE_MASS: &str = "its body would weigh nothing or less";
 /// Reason against a spring.

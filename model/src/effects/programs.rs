@@ -97,7 +97,7 @@ pub fn moments(context: &EffectContext, instances: &[Instance], params: &[f64]) 
     );
     let dof = context.robot.dof();
     let moments = measured.moments("m");
-    let slopes = measured.slopes();
+    let slopes = measured.slopes("m");
     let outputs: Vec<Id> = moments.into_iter().chain(slopes).collect();
     let shape = Shape::Matrix { rows: 3, cols: dof };
     let inputs = inputs(context, unknowns.len());

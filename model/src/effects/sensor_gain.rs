@@ -40,10 +40,9 @@ impl Effect for SensorGain {
 
     fn bound_violation(&self, _: &EffectContext, _: &Target, unknowns: &[f64]) -> Vec<f64> {
         // A gain near zero leaves no signal; a negative one is a wiring error.
-        unknowns
-            .iter()
-            .map(|g| (g.abs() - 0.6).max(0.0) / 0.05)
-            .collect()
+        let (_, largest, _) = plausible::SENSOR_GAIN;
+        let beyond = |g: &f64| (-0.6 - g).max(g + 1.0 - largest).max(0.0);
+        unknowns.iter().map(|g| beyond(g) / 0.05).collect()
     }
 
     fn invalid_reason(&self, _: &EffectContext, _: &Target, values: &[f64]) -> Reason {

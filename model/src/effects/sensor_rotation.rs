@@ -1,6 +1,6 @@
 #![doc = include_str!("pages/sensor_rotation.md")]
 
-use super::remedy::{degrees, signed};
+use super::remedy::degrees;
 use super::{Effect, EffectContext, Measured, Parameter, Target};
 use crate::expr::Id;
 
@@ -18,10 +18,14 @@ impl Effect for SensorRotation {
     }
 
     fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
+        let way = if values[0] > 0.0 {
+            "clockwise"
+        } else {
+            "counter-clockwise"
+        };
         format!(
-            "true CoP = reading turned by {} about the vertical, counter-clockwise seen from \
-             above; mount the sensor straight",
-            signed(degrees(-values[0]))
+            "true CoP = reading turned {way} by {}, seen from above; mount the sensor straight",
+            degrees(values[0].abs())
         )
     }
 

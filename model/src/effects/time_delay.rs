@@ -1,6 +1,5 @@
 #![doc = include_str!("pages/time_delay.md")]
 
-use super::remedy::signed;
 use super::{
     Carry, Effect, EffectContext, Experiment, Measured, Parameter, PostureContext, Target,
 };
@@ -27,9 +26,10 @@ impl Effect for TimeDelay {
     }
 
     fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
+        let way = if values[0] > 0.0 { "later" } else { "earlier" };
         format!(
-            "true angle = reading of the encoder {} later; shift the columns against each other",
-            signed(format!("{:.1} ms", 1e3 * values[0]))
+            "true angle = what the encoder reads {:.1} ms {way}; shift the columns against each other",
+            1e3 * values[0].abs()
         )
     }
 

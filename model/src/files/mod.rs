@@ -21,7 +21,10 @@ use crate::Error;
 use crate::error::Problem;
 pub use crate::stamp::Stamp;
 pub use parse::{MARKS, TomlFault, parse_toml};
-pub use read::{MODEL, PART, SETTINGS, SIDECAR, read_bytes, read_text};
+pub use read::{
+    MODEL, PART, SETTINGS, SIDECAR, check_regular, named_in, read_bytes, read_found,
+    read_found_text, read_text,
+};
 
 /// Write files that belong together, in folders that are made for them: none takes its place
 /// before all are on the disk, and what would not change is not touched. Returns which of them

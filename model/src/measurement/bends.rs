@@ -23,7 +23,8 @@ use crate::functions::{Direction, Wanted};
 use crate::program::operands;
 
 /// Rounds of `φ' = φ + bend(τ(φ'))`: each adds a factor of (gravity stiffness /
-/// joint stiffness), 0.2 and less in joints that can carry the robot.
+/// joint stiffness), 0.2 and less in joints that can carry the robot; a model file with softer
+/// springs takes more.
 pub const ROUNDS: usize = 4;
 /// Gravity moment (m) times this, clamped to ±1, is its sign. A power of two, so that
 /// no scalar rounds it; no larger, so that 32 bits hold the moment of a robot of 10 m.
@@ -55,7 +56,7 @@ impl Measured<'_> {
     /// Springs by iteration. Loose joints slide all at once from the middle of
     /// their bands, an equal step each round along their moments, so that one
     /// that carries the robot sees where the others went before it is at its end.
-    pub(crate) fn bend(&mut self) {
+    pub(crate) fn bend(&mut self, rounds: usize) {
         self.straight = self.joints.clone();
         if self.bends.is_empty() {
             return;
@@ -63,7 +64,7 @@ impl Measured<'_> {
         let straight = self.joints.clone();
         let zero = self.constant(0.0);
         let mut slid = vec![zero; self.bends.len()];
-        for round in 0..ROUNDS {
+        for round in 0..rounds {
             self.rounds.push(self.joints.clone());
             let moments = self.moments(&format!("{round}"));
             let mut bent = straight.clone();
@@ -74,7 +75,7 @@ impl Measured<'_> {
                         (joint, self.mul(compliance, moments[joint]))
                     }
                     Bend::Slack(joint, half) => {
-                        *slid = self.slide(*slid, joint, moments[joint]);
+                        *slid = self.slide(*slid, joint, moments[joint], rounds);
                         self.sides[joint] = Some(*slid);
                         (joint, self.mul(half, *slid))
                     }
@@ -90,12 +91,12 @@ impl Measured<'_> {
     }
 
     /// How far into its band a loose joint is, −1 to 1, after one more round.
-    fn slide(&mut self, before: Id, joint: usize, moment: Id) -> Id {
+    fn slide(&mut self, before: Id, joint: usize, moment: Id, rounds: usize) -> Id {
         if self.source == ContextSource::Log {
             let at = PostureContext::of(self.robot()).side(joint);
             return self.posture_context(at);
         }
-        let (sharp, step) = (self.constant(SHARP), self.constant(1.0 / ROUNDS as f64));
+        let (sharp, step) = (self.constant(SHARP), self.constant(1.0 / rounds as f64));
         let scaled = self.mul(sharp, moment);
         let sign = self.scratch.g.clamp(scaled);
         let moved = self.mul(step, sign);
@@ -221,7 +222,17 @@ impl Measured<'_> {
         let subtrees = self.scratch.subtrees(Wanted::Rotated);
         let gravity = self.gravity();
         self.scratch.pass = format!("{tag}{k}");
-        self.scratch.slope_rates(&gravity, &subtrees, rates)
+        let mut moving = self.scratch.slope_rates(&gravity, &subtrees, rates);
+        for p in 0..self.pulls.len() {
+            let pull = self.direction_of(p);
+            let more = self.at_point(p, &format!("{tag}{k}p{p}"), |scratch, subtrees| {
+                scratch.slope_rates(&pull, &subtrees, rates)
+            });
+            for (moving, more) in moving.iter_mut().zip(more) {
+                *moving = self.add(*moving, more);
+            }
+        }
+        moving
     }
 
     /// `∂φ/∂q_j` of the joints that encoder `j` says something of, zeros left out.

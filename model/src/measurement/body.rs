@@ -14,12 +14,12 @@ use super::Measured;
 use crate::expr::{Argument, Id};
 use crate::functions::{self, JointMotion, Wanted};
 use crate::interface::{Function, Given};
-use crate::program::{Array, Program, Shape};
+use crate::program::Program;
 
 impl Measured<'_> {
     /// The outputs of a function of the body, row-major, once all effects of the body are
     /// written.
-    fn outputs(&mut self, function: Function) -> Vec<Id> {
+    pub(crate) fn outputs(&mut self, function: Function) -> Vec<Id> {
         match function {
             Function::Com => {
                 self.at_rest();
@@ -66,7 +66,9 @@ impl Measured<'_> {
                     _ => self.scratch.regressor(&directions),
                 }
             }
-            Function::Cop | Function::CorrectCop => self.reading.to_vec(),
+            Function::Cop | Function::CopJacobian | Function::CorrectCop => {
+                unreachable!("the reading is no function of the body")
+            }
         }
     }
 
@@ -78,21 +80,14 @@ impl Measured<'_> {
             .collect()
     }
 
-    /// The program of a function; `None` where sines and cosines do not tell all of it.
-    pub(crate) fn program(mut self, function: Function, given: Given) -> Option<Program> {
-        let outputs = self.outputs(function);
-        functions::program(self.scratch, function, given, &outputs)
-    }
-
-    /// The same from positions, parameters as an input, and what else `inputs` name.
-    pub(crate) fn with_inputs(
-        mut self,
+    /// The program of a function of these outputs; `None` where sines and cosines do not tell all of it.
+    pub(crate) fn program(
+        self,
         function: Function,
-        inputs: Vec<Array>,
-        shape: Shape,
-    ) -> Program {
-        let outputs = self.outputs(function);
-        Program::new(self.scratch.g, inputs, shape, &outputs)
+        given: Given,
+        outputs: &[Id],
+    ) -> Option<Program> {
+        functions::program(self.scratch, function, given, outputs)
     }
 
     /// From here on expressions are those of the robot at rest.

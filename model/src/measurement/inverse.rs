@@ -23,13 +23,35 @@ use crate::expr::{Argument, Id};
 const ROUNDS: [f64; 8] = [0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
 
 impl Measured<'_> {
-    /// The reading becomes the one that `rewrite` turns into it.
-    pub fn solve(&mut self, rewrite: impl FnOnce(&mut Self)) {
-        let goal = self.reading;
+    /// Slopes of the reading that `rewrite` makes of the CoP, by those of the CoP: rows x and y.
+    pub(crate) fn through(&mut self, slopes: &[Id], rewrite: impl FnOnce(&mut Self)) -> Vec<Id> {
+        let cop = self.reading;
+        let (free, found) = self.freely(rewrite);
+        let by_cop = free.map(|x| self.g().derivative(&found, x));
+        let [by_x, by_y] = by_cop.map(|by| self.g().substitute(&by, &free, &cop));
+        let (x, y) = slopes.split_at(slopes.len() / 2);
+        let mut rows = Vec::with_capacity(slopes.len());
+        for axis in 0..2 {
+            for (x, y) in x.iter().zip(y) {
+                let (x, y) = (self.mul(by_x[axis], *x), self.mul(by_y[axis], *y));
+                rows.push(self.add(x, y));
+            }
+        }
+        rows
+    }
+
+    /// A CoP that is free, and the reading that `rewrite` makes of it.
+    fn freely(&mut self, rewrite: impl FnOnce(&mut Self)) -> ([Id; 2], [Id; 2]) {
         let free = [0, 1].map(|axis| self.g().input(Argument::Free, axis));
         self.reading = free;
         rewrite(self);
-        let found = self.reading;
+        (free, self.reading)
+    }
+
+    /// The reading becomes the one that `rewrite` turns into it.
+    pub fn solve(&mut self, rewrite: impl FnOnce(&mut Self)) {
+        let goal = self.reading;
+        let (free, found) = self.freely(rewrite);
         let [by_x, by_y] = free.map(|x| self.g().derivative(&found, x));
         let g = self.g();
         let [ex, ey] = [0, 1].map(|axis| g.sub(goal[axis], found[axis]));

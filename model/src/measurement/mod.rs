@@ -293,16 +293,11 @@ impl<'m> Measured<'m> {
         let subtrees = self.scratch.subtrees(Wanted::Rotated);
         let gravity = self.gravity();
         let mut moments = self.scratch.slopes_along(&[gravity], &subtrees, false);
-        let zero = self.constant(0.0);
         for k in 0..self.pulls.len() {
-            let force = self.sideways(k);
-            let subtrees = self.at_point(k, &format!("{pass}p{k}"));
-            let pull = Direction {
-                entries: [force[0], force[1], zero],
-                norm: f64::INFINITY,
-                tag: "f",
-            };
-            let more = self.scratch.slopes_along(&[pull], &subtrees, false);
+            let pull = self.direction_of(k);
+            let more = self.at_point(k, &format!("{pass}p{k}"), |scratch, subtrees| {
+                scratch.slopes_along(&[pull], &subtrees, false)
+            });
             for (moment, more) in moments.iter_mut().zip(more) {
                 *moment = self.scratch.g.add(*moment, more);
             }
@@ -310,9 +305,41 @@ impl<'m> Measured<'m> {
         moments
     }
 
+    /// Where pull `k` pulls beside the load that it is counted as.
+    fn direction_of(&mut self, k: usize) -> Direction {
+        let [x, y] = self.sideways(k);
+        Direction {
+            entries: [x, y, self.constant(0.0)],
+            norm: f64::INFINITY,
+            tag: "f",
+        }
+    }
+
+    /// How far the CoP moves with what each encoder reads, pulls and springs included: x row
+    /// then y row.
+    pub(crate) fn cop_slopes(&mut self) -> Vec<Id> {
+        // The CoP has vectors of its own.
+        let mut slopes = self.slopes("m");
+        let dof = self.robot().dof();
+        for k in 0..self.pulls.len() {
+            let force = self.sideways(k);
+            let rising = self.at_point(k, &format!("p{k}"), |scratch, subtrees| {
+                let up = scratch.axes_of_support(&[2]);
+                scratch.slopes_along(&up, &subtrees, false)
+            });
+            for (place, slope) in slopes.iter_mut().enumerate() {
+                let more = self.mul(force[place / dof], rising[place % dof]);
+                *slope = self.add(*slope, more);
+            }
+        }
+        let rows = slopes.chunks(dof.max(1)).zip(["x", "y"]);
+        rows.flat_map(|(row, tag)| self.by_encoders(row, tag))
+            .collect()
+    }
+
     /// How far a perfect sensor's reading moves with each joint, x row then y row.
-    pub(crate) fn slopes(&mut self) -> Vec<Id> {
-        self.at(self.joints.clone(), "m");
+    pub(crate) fn slopes(&mut self, pass: &str) -> Vec<Id> {
+        self.at(self.joints.clone(), pass);
         let subtrees = self.scratch.subtrees(Wanted::Rotated);
         let rows = self.scratch.axes_of_support(&[0, 1, 2]);
         let jacobian = self.scratch.slopes_along(&rows, &subtrees, false);
@@ -340,7 +367,7 @@ impl<'m> Measured<'m> {
         }
         let mut pulled = [self.constant(0.0); 2];
         for k in 0..self.pulls.len() {
-            let height = self.at_point(k, &format!("p{k}"))[0].v.entries[2];
+            let height = self.at_point(k, &format!("p{k}"), |_, subtrees| subtrees[0].v.entries[2]);
             let force = self.sideways(k);
             for (axis, force) in force.into_iter().enumerate() {
                 let moved = self.mul(force, height);
@@ -362,22 +389,34 @@ impl<'m> Measured<'m> {
         self.scratch.pass = pass.to_string();
     }
 
-    /// Subtree vectors of the point that pull `k` holds.
-    fn at_point(&mut self, k: usize, pass: &str) -> Vec<Subtree> {
+    /// What comes of the subtree vectors of the point that pull `k` holds.
+    fn at_point<T>(
+        &mut self,
+        k: usize,
+        pass: &str,
+        of: impl FnOnce(&mut Scratch, Vec<Subtree>) -> T,
+    ) -> T {
         let point = self.pulls[k].point.clone();
-        self.of_point(point, pass)
+        self.of_point(point, pass, of)
     }
 
-    /// Subtree vectors of a point, or of a direction, that base parameters stand for.
-    fn of_point(&mut self, point: Vec<f64>, pass: &str) -> Vec<Subtree> {
+    /// What comes of the subtree vectors of a point, or of a direction, that base parameters
+    /// stand for.
+    fn of_point<T>(
+        &mut self,
+        point: Vec<f64>,
+        pass: &str,
+        made: impl FnOnce(&mut Scratch, Vec<Subtree>) -> T,
+    ) -> T {
         let of = |x: f64| (self.scratch.g.constant(x), libm::fabs(x));
         let point = point.into_iter().map(of).collect();
         let masses = self.scratch.masses.replace(point);
         let before = std::mem::replace(&mut self.scratch.pass, pass.to_string());
         let subtrees = self.scratch.subtrees(Wanted::Rotated);
+        let made = made(&mut self.scratch, subtrees);
         self.scratch.pass = before;
         self.scratch.masses = masses;
-        subtrees
+        made
     }
 
     /// How `link` lies on the sole plane at [`Measured::joints`]: the height of the point that is
@@ -394,7 +433,8 @@ impl<'m> Measured<'m> {
                 _ => own,
             };
             let point = point.iter().copied().collect();
-            self.of_point(point, &format!("o{column}"))[0].v.entries[2]
+            let height = |_: &mut Scratch, subtrees: Vec<Subtree>| subtrees[0].v.entries[2];
+            self.of_point(point, &format!("o{column}"), height)
         };
         let [origin, x, y] = [0, 1, 2].map(&mut height);
         let pitch = self.neg(x);

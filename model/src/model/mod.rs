@@ -12,13 +12,15 @@ mod information;
 mod posture;
 mod records;
 mod sensor;
+mod springs;
 
+use std::borrow::Cow;
 use std::ops::Deref;
 
 use crate::Error;
 use crate::base::{self, Column};
 use crate::bounds::{self, Bound, Precision};
-use crate::effects::Instance;
+use crate::effects::{EncoderMap, Instance, ROUNDS, Target};
 use crate::expr::Argument;
 use crate::interface::{Function, Given};
 use crate::program::{Array, Program};
@@ -49,6 +51,9 @@ pub struct Model {
     /// Largest |r_k| that bounds hold for, m (a mass fraction for a prismatic joint's).
     #[doc(hidden)]
     pub param_limits: Vec<f64>,
+    /// Rounds in which joints give way.
+    #[doc(hidden)]
+    pub rounds: usize,
 }
 
 impl Deref for Model {
@@ -60,6 +65,20 @@ impl Deref for Model {
 }
 
 impl Model {
+    /// The model for motion that was measured: links whose inertia no body of their size has are
+    /// points at their centres of mass.
+    pub fn with_believed_inertias(&self) -> Cow<'_, Model> {
+        if !self.tree.links.iter().any(|link| link.inertia_is_refuted) {
+            return Cow::Borrowed(self);
+        }
+        let mut believed = self.clone();
+        let links = believed.robot.tree.links.iter_mut();
+        for link in links.filter(|link| link.inertia_is_refuted) {
+            link.inertia.fill(0.0);
+        }
+        Cow::Owned(believed)
+    }
+
     /// The model of a robot with the parameters of its CAD masses.
     ///
     /// # Errors
@@ -79,6 +98,7 @@ impl Model {
             file: None,
             effects: Vec::new(),
             param_limits: Vec::new(),
+            rounds: ROUNDS,
         };
         model.param_limits = model.limits_of(&model.cad_params());
         model
@@ -98,6 +118,9 @@ impl Model {
         self.param_limits = self.limits_of(&file.values());
         self.effects = file.instances(&self.robot)?;
         self.file = Some(file);
+        let rounds = springs::rounds(&self);
+        let file = self.file.as_ref().map_or("", |file| &file.file);
+        self.rounds = rounds.map_err(|reason| Error::model_file(file, reason))?;
         Ok(self)
     }
 
@@ -111,7 +134,7 @@ impl Model {
     #[doc(hidden)]
     pub fn effects_of(&self, function: Function) -> Vec<&(Instance, Vec<f64>)> {
         let acts = |(Instance { effect, target }, _): &&(Instance, Vec<f64>)| match function {
-            Function::Cop => true,
+            Function::Cop | Function::CopJacobian => true,
             Function::CorrectCop => effect.is_sensor_effect(target),
             Function::Com
             | Function::ComJacobian
@@ -125,6 +148,19 @@ impl Model {
         self.static_effects().filter(acts).collect()
     }
 
+    /// How what each encoder reads becomes its joint's position, in the order of `q`.
+    pub fn encoders(&self) -> Vec<EncoderMap> {
+        let context = posture::context(self);
+        let mut maps = vec![EncoderMap::TRUE; self.dof()];
+        for (Instance { effect, target }, unknowns) in &self.effects {
+            let values = effect.values(&context, target, unknowns);
+            if let (Target::Joint(joint), Some(map)) = (target, effect.encoder_map(&values)) {
+                maps[*joint] = maps[*joint].and(map);
+            }
+        }
+        maps
+    }
+
     /// What the robot weighs with its loads, kg: gravity moments are per kg of this.
     pub fn total_mass_kg(&self) -> f64 {
         let loads = self.effects_of(Function::Com).into_iter();
@@ -135,8 +171,31 @@ impl Model {
         })
     }
 
+    /// What a user of the model file should know, as sentences: effects with values that are
+    /// believed of no robot, and effects that generated code leaves out.
+    pub fn cautions(&self) -> Vec<String> {
+        let mut cautions = self.implausible();
+        cautions.extend(self.left_out());
+        cautions
+    }
+
+    /// Effects with values that are believed of no robot.
+    fn implausible(&self) -> Vec<String> {
+        let context = posture::context(self);
+        let said = self.effects.iter().filter_map(|(instance, unknowns)| {
+            let Instance { effect, target } = instance;
+            let values = effect.values(&context, target, unknowns);
+            let reason = effect.implausible_reason(&context, target, &values)?;
+            let label = instance.label(&context);
+            Some(format!(
+                "effect `{label}` is believed of no robot: {reason}"
+            ))
+        });
+        said.collect()
+    }
+
     /// Effects of the model file that generated code leaves out, as sentences.
-    pub fn left_out(&self) -> Vec<String> {
+    fn left_out(&self) -> Vec<String> {
         let of_log = self.effects.iter().filter(|(i, _)| !i.effect.is_static());
         of_log
             .map(|(instance, _)| {

@@ -16,7 +16,9 @@ use crate::tape::{Kernels, Tape, Values};
 /// The robot with the foot cells of the model file.
 pub(super) fn context(model: &Model) -> EffectContext<'_> {
     let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
-    EffectContext::new(model, cells, false, Catalog::standard())
+    let mut context = EffectContext::new(model, cells, false, Catalog::standard());
+    context.rounds = model.rounds;
+    context
 }
 
 /// The program of a function, with the parameters as constants where they are `baked`.
@@ -29,8 +31,8 @@ pub(super) fn program(
     if !can_be_had(model, function, given) {
         return None;
     }
-    let measured = measured(model, ContextSource::Posture, function, given, baked);
-    measured.program(function, given)
+    let (measured, outputs) = measured(model, ContextSource::Posture, function, given, baked);
+    measured.program(function, given, &outputs)
 }
 
 /// The predicted reading of postures with their [`PostureContext`], of which only
@@ -44,8 +46,8 @@ pub fn tilted_com(model: &Model) -> Program {
     tilted(model, Function::Com, 3)
 }
 
-fn tilted(model: &Model, function: Function, outputs: usize) -> Program {
-    let measured = measured(
+fn tilted(model: &Model, function: Function, count: usize) -> Program {
+    let (measured, outputs) = measured(
         model,
         ContextSource::Tilted,
         function,
@@ -57,7 +59,8 @@ fn tilted(model: &Model, function: Function, outputs: usize) -> Program {
         Array::new(Argument::Parameters, model.base.params.len()),
         Array::new(Argument::Context, PostureContext::of(model).len()),
     ];
-    measured.with_inputs(function, inputs, Shape::Vector(outputs))
+    let shape = Shape::Vector(count);
+    Program::new(measured.into_graph(), inputs, shape, &outputs)
 }
 
 impl Model {
@@ -92,14 +95,15 @@ impl Model {
     }
 }
 
-/// The measurement with the effects that act on `function`, up to what it is made of.
+/// The measurement with the effects that act on `function`, up to what it is made of, and its
+/// outputs, row-major.
 fn measured(
     model: &Model,
     source: ContextSource,
     function: Function,
     given: Given,
     baked: Option<Vec<f64>>,
-) -> Measured<'_> {
+) -> (Measured<'_>, Vec<Id>) {
     let parameters = match baked {
         Some(values) => Parameters::Baked(values),
         None => Parameters::Argument(model.param_limits.clone()),
@@ -110,9 +114,18 @@ fn measured(
     let instances: Vec<Instance> = acting.iter().map(|(i, _)| (*i).clone()).collect();
     let values = acting.iter().flat_map(|(_, x)| x.iter());
     let unknowns: Vec<Id> = values.map(|x| measured.constant(*x)).collect();
-    match function {
-        Function::Cop => effects::apply(&mut measured, &context, &instances, &unknowns),
-        _ => effects::apply_before_sensor(&mut measured, &context, &instances, &unknowns),
-    }
-    measured
+    let outputs = match function {
+        Function::Cop => {
+            effects::apply(&mut measured, &context, &instances, &unknowns);
+            measured.reading.to_vec()
+        }
+        Function::CopJacobian => {
+            effects::reading_slopes(&mut measured, &context, &instances, &unknowns)
+        }
+        _ => {
+            effects::apply_before_sensor(&mut measured, &context, &instances, &unknowns);
+            measured.outputs(function)
+        }
+    };
+    (measured, outputs)
 }

@@ -1,9 +1,11 @@
 //! A model file against the robot that it is for: every record checked, every effect
 //! made an instance.
 
+use std::collections::HashSet;
+
 use super::file::{EffectRecord, ModelFile, Parameter};
 use crate::Error;
-use crate::effects::{Catalog, Effect, EffectContext, Instance, Stage};
+use crate::effects::{Catalog, Effect, EffectContext, Instance, Stage, Target};
 use crate::robot::Robot;
 use crate::text::listed;
 use crate::urdf::suggestion;
@@ -80,13 +82,55 @@ fn no_target(effect: &dyn Effect, wrong: &str, context: &EffectContext) -> Strin
     }
 }
 
+/// Effects for each joint, link and cell, at most.
+const MOST_OF_EACH: usize = 4;
+
+/// A link of a body that loads leave no mass.
+fn without_mass<'r>(robot: &'r Robot, all: &[(Instance, Vec<f64>)]) -> Option<&'r str> {
+    let mut masses: Vec<f64> = robot.chain.bodies.iter().map(|body| body.mass).collect();
+    all.iter().find_map(|(instance, unknowns)| {
+        let Target::Link(link) = instance.target else {
+            return None;
+        };
+        let share = instance.effect.load_share(unknowns);
+        if !instance.effect.changes_body(&instance.target) || share >= 0.0 {
+            return None;
+        }
+        let mass = &mut masses[robot.chain.places[link].as_ref()?.body];
+        *mass += robot.tree.mass * share / (1.0 - share);
+        (*mass <= 0.0).then_some(robot.tree.links[link].name.as_str())
+    })
+}
+
 impl ModelFile {
     /// The effects as instances with their unknowns, in the file's order.
     pub(crate) fn instances(&self, robot: &Robot) -> Result<Vec<(Instance, Vec<f64>)>, Error> {
         let context = EffectContext::new(robot, &self.cells, true, Catalog::standard());
         let bad = |reason: String| Error::model_file(&self.file, reason);
         let of = |record: &EffectRecord| record.instance(&context).map_err(bad);
-        self.effects.iter().map(of).collect()
+        let most = MOST_OF_EACH * (robot.dof() + robot.tree.links.len() + self.cells.len());
+        if self.effects.len() > most {
+            return Err(bad(format!(
+                "{} effects, and this robot can have {most} at most; keep those that data showed",
+                self.effects.len()
+            )));
+        }
+        let all: Vec<(Instance, Vec<f64>)> =
+            self.effects.iter().map(of).collect::<Result<_, _>>()?;
+        let mut known = HashSet::new();
+        if let Some((twice, _)) = all.iter().find(|(instance, _)| !known.insert(instance)) {
+            return Err(bad(format!(
+                "effect `{}` stands there twice; keep one, with the values of both together",
+                twice.label(&context)
+            )));
+        }
+        match without_mass(robot, &all) {
+            Some(link) => Err(bad(format!(
+                "effect `payload`: the body of link `{link}` would weigh nothing or less; give \
+                 mass_kg above minus what it weighs"
+            ))),
+            None => Ok(all),
+        }
     }
 
     /// Whether the file belongs to this robot and support, parameter by parameter.

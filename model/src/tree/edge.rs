@@ -86,7 +86,8 @@ impl Edge {
     }
 }
 
-/// One joint as an edge, and the rotation error that snapping left in it, rad.
+/// One joint as an edge, the rotation error that snapping left in it, rad, and what is odd about
+/// its rotation.
 pub(super) fn edge(
     joint: &urdf::Joint,
     near: usize,
@@ -94,16 +95,15 @@ pub(super) fn edge(
     reversed: bool,
     coordinate: Option<Coordinate>,
     snapping: Snapping,
-    notes: &mut Vec<String>,
-) -> (Edge, f64) {
+) -> (Edge, f64, Option<String>) {
     let origin = snap::rotation(joint.origin.rpy, snapping);
-    if let Some(off) = origin.nearly {
-        notes.push(format!(
+    let odd = origin.nearly.map(|off| {
+        format!(
             "joint `{}`: a rotation is {off:.1e} rad off a right angle, too far to snap; \
              taken as written (write more digits if a right angle is meant)",
             joint.name
-        ));
-    }
+        )
+    });
     let point = Vector3::from(joint.origin.xyz);
     let axis = snap::direction(Vector3::from(joint.axis), snapping);
     let outward = |m: Matrix3<f64>| if reversed { m.transpose() } else { m };
@@ -176,5 +176,5 @@ pub(super) fn edge(
         offset,
         motion,
     };
-    (edge, error)
+    (edge, error, odd)
 }

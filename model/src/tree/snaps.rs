@@ -2,6 +2,28 @@
 
 use super::{Motion, Snap, Tree};
 
+/// A snap that moves the CoM by no more moves nothing: less than doubles hold of a robot's size, m.
+const NOTHING: f64 = 1e-12;
+
+/// Snaps as lines say them: those that move nothing are one line with the largest errors
+/// of all, unless each is wanted.
+#[doc(hidden)]
+pub fn snapped(snaps: &[Snap], each: bool) -> Vec<Snap> {
+    let moves = |snap: &&Snap| each || snap.com_error > NOTHING;
+    let (moving, still): (Vec<&Snap>, Vec<&Snap>) = snaps.iter().partition(moves);
+    let mut lines: Vec<Snap> = moving.into_iter().cloned().collect();
+    let largest = |of: fn(&Snap) -> f64| still.iter().map(|snap| of(snap)).fold(0.0, f64::max);
+    lines.extend(still.first().map(|first| Snap {
+        joint: match still.len() {
+            1 => first.joint.clone(),
+            n => format!("{} and {} more", first.joint, n - 1),
+        },
+        angle_error: largest(|snap| snap.angle_error),
+        com_error: largest(|snap| snap.com_error),
+    }));
+    lines
+}
+
 /// What each rotation error can do to the CoM: a lever arm argument.
 ///
 /// Rotating everything beyond edge e by ε about the joint's point moves the CoM

@@ -10,9 +10,10 @@
 use std::borrow::Cow;
 
 use super::supports::name_some;
+use super::{Motion, Tree};
 use crate::Error;
 use crate::error::Problem;
-use crate::urdf::{Description, Inertial, Joint, JointType, Limit, Link, Origin, extents};
+use crate::urdf::{Description, Inertial, Joint, JointType, Limit, Link, Origin};
 
 /// No foot is higher, mm.
 const HIGHEST_MM: f64 = 2000.0;
@@ -40,10 +41,9 @@ fn parts(support: &str) -> Option<(&str, &str)> {
 /// What is said of a robot whose support link has a shape that reaches below its frame.
 #[doc(hidden)]
 pub fn below(robot: &Description, support: &str) -> Option<String> {
-    let boxes = extents(robot).ok()?;
-    let mut links = robot.link_names().zip(boxes);
+    let mut links = robot.link_names().zip(&robot.shapes);
     let (link, shape) = links.find(|(link, _)| *link == support)?;
-    let mm = -1000.0 * shape?.low[2];
+    let mm = -1000.0 * shape.as_ref()?.low[2];
     let sole = sole_of(link, libm::round(10.0 * mm) / 1e4);
     (mm > SHALLOW_MM).then(|| {
         format!(
@@ -52,6 +52,78 @@ pub fn below(robot: &Description, support: &str) -> Option<String> {
              its support link is `{sole}`"
         )
     })
+}
+
+/// How much further the CoM is along another axis than along z before that axis is asked about.
+const SIDEWAYS: f64 = 3.0;
+
+/// What is said of a foot whose z axis does not point to the CoM where all joints are in their
+/// middle, with the lines of URDF that make a sole of it.
+pub(super) fn turned(robot: &Description, tree: &Tree) -> Option<String> {
+    let support = &tree.links[tree.support].name;
+    let link = sole_parts(support)
+        .and_then(Result::ok)
+        .map_or(&**support, |(link, _)| link);
+    let body = |name: &String| name == link || rigid_with(tree, name);
+    if !tree.feet.iter().any(body) {
+        return None;
+    }
+    let com = tree.com_in_the_middle();
+    let reach = |axis: usize| libm::fabs(com[axis]);
+    let up = if reach(0) > reach(1) { 0 } else { 1 };
+    let is_up = com[2] > 0.0 && reach(up) < SIDEWAYS * com[2];
+    if is_up || !(reach(up) > SIDEWAYS * reach(2) || com[2] < 0.0) {
+        return None;
+    }
+    let up = if reach(up) > SIDEWAYS * reach(2) {
+        up
+    } else {
+        2
+    };
+    let down = com[up] < 0.0;
+    let (name, sign) = (["x", "y", "z"][up], if down { "-" } else { "" });
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let rpy = match (up, down) {
+        (0, false) => [0.0, quarter, 0.0],
+        (0, true) => [0.0, -quarter, 0.0],
+        (1, false) => [-quarter, 0.0, 0.0],
+        (1, true) => [quarter, 0.0, 0.0],
+        _ => [2.0 * quarter, 0.0, 0.0],
+    };
+    let mut links = robot.link_names().zip(&robot.shapes);
+    let shape = links
+        .find(|(own, _)| *own == link)
+        .and_then(|(_, shape)| shape.as_ref());
+    let lowest = shape.map_or(
+        0.0,
+        |shape| if down { shape.high[up] } else { shape.low[up] },
+    );
+    let mut xyz = [0.0; 3];
+    xyz[up] = lowest;
+    let [x, y, z] = xyz;
+    let [roll, pitch, yaw] = rpy;
+    let mm = com.map(|x| libm::round(1000.0 * x));
+    Some(format!(
+        "in the middle of its joints the CoM is {} mm along x, {} mm along y and {} mm along z of \
+         `{support}`: does {sign}{name} point up? A sole needs z up; these lines before </robot> are \
+         one: <link name=\"{link}_sole\"/> <joint name=\"{link}_sole_fixed\" type=\"fixed\"><parent \
+         link=\"{link}\"/><child link=\"{link}_sole\"/><origin xyz=\"{x} {y} {z}\" rpy=\"{roll} {pitch} \
+         {yaw}\"/></joint>",
+        mm[0], mm[1], mm[2]
+    ))
+}
+
+/// Whether a link is of the rigid body of the support.
+fn rigid_with(tree: &Tree, name: &str) -> bool {
+    let mut body = vec![false; tree.links.len()];
+    body[tree.support] = true;
+    for edge in &tree.edges {
+        body[edge.far] = body[edge.near] && edge.motion == Motion::Fixed;
+    }
+    tree.links
+        .iter()
+        .zip(body)
+        .any(|(link, own)| own && link.name == name)
 }
 
 /// The link and the height of its frame over the sole, m, of a name `LINK@40mm`; none of another

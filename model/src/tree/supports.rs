@@ -1,10 +1,10 @@
 //! Links that a robot may stand on, by their names.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::text;
-use crate::urdf::Description;
 use crate::urdf::nearest::suggest;
+use crate::urdf::{Description, Joint, JointType};
 
 /// Words in the names of links that stand on the ground, the likeliest first.
 const SUPPORTS: [&str; 3] = ["sole", "foot", "ankle"];
@@ -23,26 +23,57 @@ pub fn is_sole(link: &str) -> bool {
     support_rank(link) == 0
 }
 
-/// The feet of a robot by their names: links with `sole` or `foot` in it that no other such link
-/// carries, so that a sole frame and the foot that it is fixed to are one. `base_footprint`, the
-/// frame of a robot on the ground, is none.
+/// The feet of a robot: rigid bodies at the end of a chain of joints, toes aside, with a link that
+/// has `sole` or `foot` in its name; each by the first such link, which carries the others.
+/// `base_footprint`, the frame of a robot on the ground, is none, nor are frames of sensors.
 #[doc(hidden)]
 pub fn feet(robot: &Description) -> Vec<String> {
     let names: Vec<&str> = robot.link_names().collect();
     let is_foot = |name: &str| support_rank(&name.to_lowercase().replace("footprint", "")) < 2;
-    let foot: Vec<bool> = names.iter().map(|name| is_foot(name)).collect();
     let index: HashMap<&str, usize> = names.iter().copied().zip(0..).collect();
+    let ends = |joint: &Joint| {
+        let of = |link: &String| index.get(link.as_str()).copied();
+        Some([of(&joint.parent)?, of(&joint.child)?])
+    };
     let mut carrier = vec![None; names.len()];
     for joint in &robot.joints {
-        if let Some(&child) = index.get(joint.child.as_str()) {
-            carrier[child] = index.get(joint.parent.as_str()).copied();
+        if let Some([parent, child]) = ends(joint) {
+            carrier[child] = Some((parent, joint.joint_type == JointType::Fixed));
         }
     }
-    let is_first = |&link: &usize| {
-        let mut carriers = std::iter::successors(carrier[link], |&link| carrier[link]);
-        foot[link] && !carriers.any(|link| foot[link])
+    // Links that are one rigid body have its first link.
+    let body = |link: usize| {
+        let fixed = |link: &usize| carrier[*link].and_then(|(parent, is)| is.then_some(parent));
+        std::iter::successors(Some(link), fixed)
+            .last()
+            .unwrap_or(link)
     };
-    let first = (0..names.len()).filter(is_first);
+    let mut beside: HashMap<usize, Vec<usize>> = HashMap::new();
+    for joint in robot
+        .joints
+        .iter()
+        .filter(|joint| joint.joint_type != JointType::Fixed)
+    {
+        if let Some([parent, child]) = ends(joint) {
+            let (parent, child) = (body(parent), body(child));
+            beside.entry(parent).or_default().push(child);
+            beside.entry(child).or_default().push(parent);
+        }
+    }
+    let degree = |body: &usize| beside.get(body).map_or(0, Vec::len);
+    let is_end = |own: usize| {
+        // Toes hang on one that leads on to the robot alone.
+        let all = beside.get(&own).into_iter().flatten();
+        degree(&own) < 2 || all.filter(|body| degree(body) > 1).count() == 1
+    };
+    let mut seen = HashSet::new();
+    let first = (0..names.len()).filter(|&link| {
+        let mut carriers = std::iter::successors(carrier[link], |(link, _)| carrier[*link]);
+        is_foot(names[link])
+            && !carriers.any(|(link, _)| is_foot(names[link]))
+            && is_end(body(link))
+            && seen.insert(body(link))
+    });
     first.map(|link| names[link].to_string()).collect()
 }
 
@@ -77,15 +108,19 @@ mod tests {
     use super::*;
     use crate::urdf;
 
-    /// Feet of a robot whose links hang on each other by fixed joints.
+    /// Feet of a robot whose links hang on each other by fixed joints, but for those on the trunk.
     fn feet_of(carried: &[(&str, &str)]) -> Vec<String> {
         let mut text = "<robot name='r'><link name='trunk'><inertial><mass value='1'/></inertial>\
             </link>"
             .to_string();
         for (child, parent) in carried {
+            let kind = match *parent == "trunk" && !child.contains("base") {
+                true => "continuous",
+                false => "fixed",
+            };
             text += &format!(
-                "<link name='{child}'/><joint name='to_{child}' type='fixed'>\
-                 <parent link='{parent}'/><child link='{child}'/></joint>"
+                "<link name='{child}'/><joint name='to_{child}' type='{kind}'>\
+                 <parent link='{parent}'/><child link='{child}'/><axis xyz='0 1 0'/></joint>"
             );
         }
         feet(&urdf::parse(&(text + "</robot>"), "r.urdf").unwrap())
@@ -95,6 +130,7 @@ mod tests {
     fn a_foot_and_its_sole_are_one_foot() {
         let humanoid = [
             ("base_footprint", "trunk"),
+            ("base_foot_camera", "trunk"),
             ("l_foot", "trunk"),
             ("l_sensor", "l_foot"),
             ("l_sole", "l_sensor"),

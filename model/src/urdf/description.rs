@@ -23,6 +23,9 @@ pub struct Description {
     pub hash: String,
     /// The file as the caller named it; messages start with it.
     pub file: String,
+    /// The box around the collision shapes of each link, where the file gives it.
+    #[doc(hidden)]
+    pub shapes: Vec<Option<Extent>>,
     /// The text that was read.
     #[doc(hidden)]
     pub text: String,
@@ -38,6 +41,15 @@ impl Description {
     pub fn link_names(&self) -> impl Iterator<Item = &str> {
         self.links.iter().map(|link| link.name.as_str())
     }
+}
+
+/// A box along the axes of a link frame, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// The corner of the least coordinates.
+    pub low: [f64; 3],
+    /// The corner of the greatest coordinates.
+    pub high: [f64; 3],
 }
 
 /// A link: its name and its mass.

@@ -11,17 +11,8 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::collision::{Collision, Shape, collisions};
-use super::description::Description;
+use super::description::{Description, Extent};
 use super::error::Error;
-
-/// A box along the axes of a link frame, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extent {
-    /// The corner of the least coordinates.
-    pub low: [f64; 3],
-    /// The corner of the greatest coordinates.
-    pub high: [f64; 3],
-}
 
 /// The box of each link in document order; `None` where the file gives no
 /// collision geometry, or one of unknown size (a mesh).

@@ -12,6 +12,7 @@
 mod check;
 mod collision;
 mod description;
+mod doubts;
 mod draft;
 mod edit_joints;
 mod edit_masses;
@@ -45,7 +46,7 @@ use crate::stamp::Stamp;
 pub use collision::{Collision, Shape, collisions};
 pub use description::Description;
 #[doc(hidden)]
-pub use description::{Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
+pub use description::{Extent, Inertial, Joint, JointType, Limit, Link, Mimic, Origin};
 #[doc(hidden)]
 pub use edit_joints::{Load, Shift, add_loads, edit_joints};
 #[doc(hidden)]
@@ -53,7 +54,7 @@ pub use edit_masses::{Weight, edit_masses};
 pub use error::{Error, ErrorKind};
 use error::{directory, too_large, unreadable};
 #[doc(hidden)]
-pub use extent::{Extent, extents};
+pub use extent::extents;
 pub use nearest::suggestion;
 pub use report::Complaint;
 use report::{Lines, Report};
@@ -124,15 +125,20 @@ pub fn parse(text: &str, file: &str) -> Result<Description, Error> {
     check::check(&draft, &mut report);
     mimic::check(&draft, &mut report);
     let notes = report.finish()?;
-    Ok(Description {
+    let mut robot = Description {
         name: draft.name,
         links: draft.links.into_iter().map(Into::into).collect(),
         joints: draft.joints.into_iter().map(Into::into).collect(),
         notes,
         hash: hash(source.text),
         file: file.to_owned(),
+        shapes: Vec::new(),
         text: text.to_owned(),
-    })
+    };
+    robot.shapes = extents(&robot)?;
+    let doubts = robot.doubts();
+    robot.notes.extend(doubts);
+    Ok(robot)
 }
 
 fn hash(text: &str) -> String {

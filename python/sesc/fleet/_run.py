@@ -12,6 +12,7 @@ from typing import Any
 from .. import _run, _sesc
 from .._errors import ArgumentTypeError, FitError
 from .._model import Robot
+from .._words import Angles, Motion, Only, Prior
 from ._engines import worked
 from ._tables import is_table, rows_of
 from ._unit import Job
@@ -179,6 +180,9 @@ class Fleet:
     def __iter__(self) -> Iterator[dict[str, Any]]:
         return iter(self.rows)
 
+    def __str__(self) -> str:
+        return self._found.text()
+
     def __repr__(self) -> str:
         return f"<sesc.fleet.Fleet: {len(self.rows)} rows, {len(self.failed)} failed>"
 
@@ -201,14 +205,14 @@ def run(
     engine: Any = None,
     *,
     support: str | None = None,
-    angles: str | None = None,
-    prior: str | os.PathLike[str] | None = None,
+    angles: Angles | None = None,
+    prior: Prior | None = None,
     noise: float | None = None,
     floor: float = 1e-4,
-    motion: str = "auto",
+    motion: Motion = "auto",
     both_feet: bool | None = None,
     other_foot: str | None = None,
-    only: str | None = None,
+    only: Only | None = None,
     information: bool = False,
     threads: int | None = None,
     progress: _run.Progress = False,

@@ -60,6 +60,31 @@ def test_the_centre_of_mass_is_pinocchios(name: str) -> None:
             np.testing.assert_allclose(model.com(q), data.oMf[frame].actInv(com), atol=1e-12)
 
 
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_motor_applies_pinocchios_generalized_gravity(name: str) -> None:
+    text = (repository() / "robots" / name / f"{name}.urdf").read_text()
+    document = ET.fromstring(text)
+    for limit in document.iter("limit"):
+        limit.attrib.setdefault("velocity", "1")
+    # Its root is fixed to the world: ours stands on the root link.
+    peer = pin.buildModelFromXML(ET.tostring(document, encoding="unicode"))
+    data, rng = peer.createData(), np.random.default_rng(3)
+    children = {child.attrib["link"] for child in document.iter("child")}
+    root = next(link.attrib["name"] for link in document.iter("link") if link.attrib["name"] not in children)
+    model = sesc.Robot(text, snap=False).on(root)
+    weight = -peer.gravity.linear[2] * model.total_mass
+    for q in rng.uniform(-1.0, 1.0, (5, model.dof)):
+        joints = dict(zip(model.joints, q, strict=True))
+        theirs = pin.computeGeneralizedGravity(peer, data, configuration(peer, document, joints))
+        holding = {joint: theirs[peer.joints[peer.getJointId(joint)].idx_v] for joint in model.joints}
+        for joint in document.iter("joint"):
+            mimic = joint.find("mimic")
+            if mimic is not None:
+                own = theirs[peer.joints[peer.getJointId(joint.attrib["name"])].idx_v]
+                holding[mimic.attrib["joint"]] += float(mimic.get("multiplier", 1)) * own
+        np.testing.assert_allclose(-weight * model.gravity_moments(q), list(holding.values()), atol=1e-9)
+
+
 def test_positions_go_there_by_name_and_back() -> None:
     model = sesc.Robot(sesc.OP2_URDF).on("r_sole")
     peer = pin.buildModelFromXML(sesc.OP2_URDF, pin.JointModelFreeFlyer())

@@ -89,6 +89,9 @@ impl World {
             }
             ("units", Place::Way("millimetres"), []) => Ok(self.sensor_unit(1000.0)),
             ("units", Place::Way("centimetres"), []) => Ok(self.sensor_unit(100.0)),
+            ("units", Place::Way("inches"), []) => Ok(self.sensor_unit(1.0 / 0.0254)),
+            ("units", Place::Way("kilograms_force"), []) => Ok(self.sensor_unit(9.80665)),
+            ("units", Place::Way("pounds_force"), []) => Ok(self.sensor_unit(4.448_221_615_260_5)),
             _ => Err(Problem::UnknownImperfection {
                 name: name.to_owned(),
             }

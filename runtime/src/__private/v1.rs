@@ -143,6 +143,15 @@ pub trait Robot {
     }
 
     #[inline(always)]
+    fn cop_jacobian_into<T: Real>(
+        q: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+        jacobian: &mut [Array<Self::Dof, T>; 2],
+    ) {
+        left_out!("cop_jacobian")
+    }
+
+    #[inline(always)]
     fn zmp<T: Real>(
         q: &Array<Self::Dof, T>,
         qd: &Array<Self::Dof, T>,
@@ -229,6 +238,15 @@ pub trait SinCosRobot: Robot {
         r: &Array<Self::Base, T>,
     ) -> [T; 2] {
         left_out!("cop")
+    }
+
+    #[inline(always)]
+    fn cop_jacobian_sc<T: Real>(
+        sin: &Array<Self::Dof, T>,
+        cos: &Array<Self::Dof, T>,
+        r: &Array<Self::Base, T>,
+    ) -> [Array<Self::Dof, T>; 2] {
+        left_out!("cop_jacobian")
     }
 
     #[inline(always)]

@@ -60,7 +60,7 @@ fn the_page_says_what_changed_and_whether_it_is_more_than_chance() {
         "hash 00c0ffee00c0ffee",
         "<pre>sesc compare a b</pre>",
         "Orange: <code>knee</code> (joint offset appeared).",
-        "Only the second model has an offset of knee (joint_offset:knee).",
+        "These effects appeared: an offset of knee (joint_offset:knee).",
         "<td class=\"name\">joint offset</td>",
         "two&lt;link&gt;",
     ];
@@ -80,7 +80,7 @@ fn nothing_changed_is_said_so() {
     let html = page(&found, [&monday, &friday], &[], None, "sesc compare a b").unwrap();
     let words = [
         "Nothing changed by more than chance",
-        "Neither model has an effect.",
+        "No effect, neither before nor after.",
     ];
     says(&html, &words);
 }

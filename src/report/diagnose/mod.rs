@@ -15,6 +15,7 @@ use sesc_identify::diagnose::words::{NamedValue, named};
 use sesc_identify::diagnose::{Diagnosis, Step, Verdict};
 
 use super::next_steps::Worded;
+use super::table::in_words;
 
 /// All that `sesc diagnose` prints, as JSON.
 #[derive(Debug, Clone, Serialize)]
@@ -56,7 +57,7 @@ fn parameters(step: &Step) -> Vec<String> {
 
 /// `backlash l_knee`, in words that stay apart.
 fn effect(step: &Step) -> String {
-    step.effect.replace('_', " ")
+    in_words(step.effect)
 }
 
 /// `1 posture`, `2 postures`.
@@ -74,10 +75,10 @@ fn where_to(verdict: Verdict) -> &'static str {
             "What was found explains a part only: find the rest before anything is changed."
         }
         Verdict::Class => {
-            "If the first explanation is right, correct it in one place only: servo, URDF or model \
-             file."
+            "If the first explanation is right, correct it in one place only: on the robot, in its \
+             URDF or by the model file."
         }
-        _ => "Correct it in one place only: servo, URDF or model file.",
+        _ => "Correct it in one place only: on the robot, in its URDF or by the model file.",
     }
 }
 

@@ -16,7 +16,7 @@ use crate::report::robot::{Card, Correction, Shown};
 use crate::report::table::mm;
 use crate::report::{next_steps, soles};
 use sesc_identify::diagnose::view::{DiagnosisView, Posture};
-use sesc_identify::diagnose::{ActsOn, CLASS_SCORE, Diagnosis, OVER_NOTHING, Step, Verdict};
+use sesc_identify::diagnose::{ActsOn, Blind, CLASS_SCORE, Diagnosis, OVER_NOTHING, Step, Verdict};
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 use sesc_model::effects::Unit;
@@ -43,6 +43,7 @@ pub fn page(
         found => Serde(found),
         origin => Origin::of_diagnosis(found, made, command).context(),
         last => Serde(&found.last),
+        lead => &found.lead,
         headline => headline(found, view),
         robot => card(found, view).context(),
         verdict => verdict(found.verdict),
@@ -59,7 +60,8 @@ pub fn page(
         class => class(found),
         outliers => poses.copied().collect::<Vec<i64>>(),
         more_outliers => found.outliers.len().saturating_sub(POSES),
-        blind => Serde(&found.blind[..found.blind.len().min(BLIND)]),
+        blind => spots(&found.blind),
+        bearing => spots(&found.detectable),
         experiments => experiments(found),
         next_file => file_name(found),
         next => next_steps::context(report.next_steps),
@@ -136,6 +138,7 @@ fn headline(found: &Diagnosis, view: &DiagnosisView) -> String {
                 n => format!("one of {n} others that look alike"),
             }
         ),
+        Verdict::TooShort => "The log is too short to tell noise from a fault".to_string(),
         Verdict::Unusable => "These data cannot be used".to_string(),
         Verdict::Unexplained if subjects.is_empty() => {
             "No known effect explains the gap".to_string()
@@ -154,6 +157,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Class => "one of several that these data cannot tell apart",
         Verdict::Absorbed => "absorbed by masses, not visible in these data",
         Verdict::Unexplained => "nothing known explains all of it",
+        Verdict::TooShort => "too short to tell noise from a fault",
         Verdict::Unusable => "data that cannot be used",
     }
 }
@@ -170,6 +174,14 @@ fn steps(found: &Diagnosis) -> Vec<Value> {
         }
     };
     found.steps.iter().map(row).collect()
+}
+
+/// Offsets with the size from which they show.
+fn spots(all: &[Blind]) -> Vec<Value> {
+    let spot = |own: &Blind| {
+        context! { joint => &own.target, unseen => own.unseen(), size => &own.size }
+    };
+    all.iter().take(BLIND).map(spot).collect()
 }
 
 /// How the model file is used, without the folders of this machine.
@@ -203,7 +215,7 @@ fn changes(found: &Diagnosis) -> Vec<Value> {
 fn class(found: &Diagnosis) -> Vec<Value> {
     let row = |member: &sesc_identify::diagnose::Member| {
         context! {
-            effects => member.effects.join(" + "),
+            effects => &member.subjects,
             sentence => &member.sentence,
             score_difference => format!("{:.1}", member.score_difference),
             odds => format!("1 : {:.0}", (0.5 * member.score_difference).exp().max(1.0)),
@@ -318,17 +330,7 @@ fn suspects(steps: &[Step], skeleton: &Skeleton) -> Suspects {
     for step in steps {
         let before = (found.marks.clone(), found.cells.len());
         mark(&mut found, &step.acts_on, skeleton);
-        let (what, sizes) = (effect(step), parameters(step).join(", "));
-        // `offset 1.5°` says what it is.
-        let told = sizes
-            .split(' ')
-            .next()
-            .is_some_and(|word| what.ends_with(word));
-        let what = match (sizes.is_empty(), told) {
-            (true, _) => what,
-            (_, true) => sizes,
-            _ => format!("{what}: {sizes}"),
-        };
+        let what = effect(step);
         let marked = before != (found.marks.clone(), found.cells.len());
         if marked {
             let target = step.target.replace(',', "`, `");

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use sesc_model::{DataUsed, Function, Model, ModelFile, Snapping};
 
-use super::{DiagnoseReport, page, text};
+use super::{DiagnoseReport, page, parameters, text};
 use crate::report::next_steps::{Worded, worded};
 use crate::report::tests::{says, still};
 use sesc_identify::diagnose::view::DiagnosisView;
@@ -85,7 +85,7 @@ fn next(found: &Diagnosis) -> Vec<Worded> {
 
 /// What the console prints.
 fn console(found: &Diagnosis) -> String {
-    text(&printed(found, &next(found)))
+    text(&printed(found, &next(found)), false)
 }
 
 fn printed<'a>(found: &'a Diagnosis, next_steps: &'a [Worded]) -> DiagnoseReport<'a> {
@@ -119,6 +119,7 @@ fn sound(found: &Diagnosis, view: &DiagnosisView) -> String {
         assert!(!figure.contains("NaN") && !figure.contains("inf"));
     }
     let figures = still(&html, 2);
+    once(&html, found);
     // Closed like XML, but for what HTML leaves open.
     let closed = figures
         .lines()
@@ -129,6 +130,30 @@ fn sound(found: &Diagnosis, view: &DiagnosisView) -> String {
     let closed = closed.collect::<Vec<_>>().join("\n");
     roxmltree::Document::parse(&closed).expect("a page is well-formed");
     html
+}
+
+/// The result stands once above the robot: effects in the title, sizes below it, errors in tiles.
+fn once(html: &str, found: &Diagnosis) {
+    let top = html.split("<body>").nth(1).unwrap();
+    let top = top.split("<figure class=\"robot\">").next().unwrap();
+    says(
+        html,
+        &["<dt>in words</dt><dd>Simulated and measured CoP differ by"],
+    );
+    assert!(
+        !top.contains("Could not have been seen") && !top.contains("differ by"),
+        "{top}"
+    );
+    for step in &found.steps {
+        let sizes = parameters(step);
+        let first = sizes
+            .first()
+            .map_or("none", |said| said.split_once(' ').unwrap().1);
+        assert!(top.matches(first).count() < 2, "{first}: {top}");
+        let caption = html.split("<figcaption>").nth(1).unwrap();
+        let caption = caption.split("</figcaption>").next().unwrap();
+        assert!(!caption.contains(first), "{caption}");
+    }
 }
 
 /// Console, page and JSON say the same next steps; the sentences of JSON.
@@ -245,6 +270,7 @@ fn a_class_of_twenty_is_numbered_and_mapped() {
     let (mut found, mut view) = small((38, false), |_, _| [0.004, 0.0]);
     let member = |k: usize| Member {
         effects: vec![format!("joint_offset:a<{k}>"), "ground_slope".to_string()],
+        subjects: format!("an offset of a<{k}> (joint_offset:a<{k}>)"),
         score_difference: 0.4 * k as f64,
         com_apart: None,
         sentence: format!("An offset of a<{k}>"),
@@ -272,8 +298,14 @@ fn a_class_of_twenty_is_numbered_and_mapped() {
     says(&html, &[odds, "19 others that look alike"]);
     says(
         &console(&found),
-        &["cannot tell apart", "and 12 more in JSON"],
+        &[
+            "cannot tell apart",
+            "an offset of a<7> (joint_offset:a<7>)\nand 12 more: --long lists all",
+        ],
     );
+    let all = text(&printed(&found, &[]), true);
+    says(&all, &["an offset of a<19> (joint_offset:a<19>)\n"]);
+    assert!(!all.contains("--long"));
 }
 
 /// Rows of findings are postures of the page behind those of its slider, and every dot of a

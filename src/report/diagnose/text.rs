@@ -8,21 +8,20 @@ use crate::report::{next_steps, soles};
 use sesc_identify::diagnose::Diagnosis;
 use sesc_model::text::listed;
 
-/// Explanations and poses in a row, at most.
-const LISTED: usize = 8;
+/// Poses in a row, at most.
 const POSES: usize = 12;
 /// Spaces as wide as the column of names.
 const INDENT: &str = "                 ";
 
 /// The sentence, and what it stands on.
-pub fn text(report: &DiagnoseReport<'_>) -> String {
+pub fn text(report: &DiagnoseReport<'_>, long: bool) -> String {
     let found = report.found;
     let mut out = format!("{}\n", wrapped(&found.sentence, ""));
     if !found.steps.is_empty() {
         let _ = write!(out, "\n{}", steps(found));
     }
     if found.class.len() > 1 {
-        let _ = write!(out, "\n{}", class(found));
+        let _ = write!(out, "\n{}", class(found, long));
     }
     let _ = write!(out, "\n{}", facts(found));
     if !found.steps.is_empty() {
@@ -66,25 +65,20 @@ fn steps(found: &Diagnosis) -> Table {
     table
 }
 
-fn class(found: &Diagnosis) -> String {
+fn class(found: &Diagnosis, long: bool) -> String {
     let mut table = Table::new(&[
-        "these data cannot tell apart",
         "score difference",
         "CoM apart, mm",
+        "these data cannot tell apart",
     ]);
-    for member in found.class.iter().take(LISTED) {
+    for member in &found.class {
         table.row(&[
-            member.effects.join(" + "),
             format!("{:.1}", member.score_difference),
-            member.com_apart.map_or("-".to_string(), mm),
+            member.com_apart.map_or("–".to_string(), mm),
+            member.subjects.clone(),
         ]);
     }
-    let mut out = table.to_string();
-    if found.class.len() > LISTED {
-        let more = found.class.len() - LISTED;
-        let _ = writeln!(out, "and {more} more in JSON");
-    }
-    out
+    table.listed(long)
 }
 
 fn facts(found: &Diagnosis) -> String {
@@ -115,13 +109,13 @@ fn facts(found: &Diagnosis) -> String {
     );
     facts.extend(found.closure.iter().map(|own| ("soles", soles(own))));
     facts.extend(found.visits.iter().map(|own| ("visits", own.sentence())));
-    let beside = if found.steps.is_empty() {
+    let another = if found.steps.is_empty() {
         ""
     } else {
-        " beside that"
+        "another "
     };
     let prior = &found.prior;
-    let masses = format!("take {absorbed} mm of the gap{beside}; prior {prior}");
+    let masses = format!("take {another}{absorbed} mm of the gap; prior {prior}");
     facts.push(("masses", masses));
     if !found.outliers.is_empty() {
         let poses = listed(&found.outliers, POSES);

@@ -118,11 +118,12 @@ impl Arrows {
             let place = [edges[0] + 20.0, edges[1] + 20.0];
             figure.note(place, Anchor::Start, MUTED, "no readings at hand");
         }
-        let length = mm(self.rms[which]);
+        // Of two axes.
+        let rms = mm(self.rms[which] / 2.0_f64.sqrt());
         let text = match gain > 1.0 {
             _ if beside => format!("gap × {gain}"),
-            true => format!("{length} mm RMS of the length, drawn × {gain}"),
-            false => format!("{length} mm RMS of the length"),
+            true => format!("{rms} mm RMS per axis, drawn × {gain}"),
+            false => format!("{rms} mm RMS per axis"),
         };
         let marks = [(Mark::Line(color, 1.5), text.as_str())];
         key(&mut figure, edges[2], edges[1] - HEADING, &marks);

@@ -3,7 +3,7 @@
 
 use super::super::svg::{Anchor, BAND, Color, Figure, GRID, INK, NUMBER, text_width};
 use super::super::table::mm;
-use sesc_model::text::shortened;
+use sesc_model::text::apart;
 
 /// Letters beside a bar, at most.
 const NAME: usize = 33;
@@ -39,8 +39,7 @@ impl Scale {
     /// A bar with its name before it and its number behind `end`.
     pub fn bar(&self, figure: &mut Figure, [upper, thick]: [f64; 2], bar: &Bar<'_>, end: f64) {
         let middle = upper + thick / 2.0;
-        let name = shortened(bar.name, NAME);
-        figure.note([self.left - 10.0, middle], Anchor::End, INK, &name);
+        figure.note([self.left - 10.0, middle], Anchor::End, INK, bar.name);
         let corners = [[self.left, upper], [self.at(bar.length_m), upper + thick]];
         figure.fill(corners, bar.color, 1.0);
         let text = format!("{} mm", mm(bar.length_m));
@@ -59,15 +58,20 @@ pub struct Bar<'t> {
 
 /// Bars one below the other, with a line down from the end of `noise_m`.
 pub fn waterfall(title: &str, bars: &[Bar<'_>], noise_m: f64) -> String {
-    let widths = bars
-        .iter()
-        .map(|bar| text_width(&shortened(bar.name, NAME)));
-    let left = widths.fold(90.0, f64::max) + 12.0;
-    let scale = Scale::new(bars.iter().map(|b| b.length_m), left, WIDTH - left - ROOM);
     let words = bars
         .iter()
         .map(|bar| format!("{} {} mm", bar.name, mm(bar.length_m)));
     let label = format!("{title}: {}", words.collect::<Vec<_>>().join(", "));
+    let names: Vec<&str> = bars.iter().map(|bar| bar.name).collect();
+    let names = apart(&names, NAME);
+    let bars = bars
+        .iter()
+        .zip(&names)
+        .map(|(bar, name)| Bar { name, ..*bar });
+    let bars: Vec<Bar<'_>> = bars.collect();
+    let widths = names.iter().map(|name| text_width(name));
+    let left = widths.fold(90.0, f64::max) + 12.0;
+    let scale = Scale::new(bars.iter().map(|b| b.length_m), left, WIDTH - left - ROOM);
     let height = TOP + PITCH * bars.len() as f64 + 4.0;
     let mut figure = Figure::new([WIDTH, height], &label);
     figure.title(13.0, title);

@@ -6,7 +6,7 @@ use super::super::table::mm;
 use super::super::{CopRow, DemoReport, Errors, HeightRow, LengthRow};
 use super::bars::{Bar, Scale};
 use super::to_mm;
-use sesc_model::text::shortened;
+use sesc_model::text::apart;
 
 // What the error is made of: noise against readings, little against truth.
 
@@ -296,12 +296,13 @@ fn draw_lengths(
         edges: [BODIES_LEFT, BODIES_TOP, BODIES_RIGHT, bottom],
     }
     .draw(&mut figure);
+    let names: Vec<&str> = rows.iter().map(|row| row.body.as_str()).collect();
+    let names = apart(&names, NAME);
     for (k, row) in rows.iter().enumerate() {
         let at = |x: f64| plane.at([x, -(k as f64) - 0.5]);
         let [left, middle] = at(0.0);
         figure.line([at(0.0), at(end)], GRID, 1.0);
-        let name = shortened(&row.body, NAME);
-        figure.note([left - 8.0, middle], Anchor::End, INK, &name);
+        figure.note([left - 8.0, middle], Anchor::End, INK, &names[k]);
         let lengths = pair(row).map(to_mm);
         let [cad, identified] = lengths.map(at);
         let (color, mark) = match partly_unseen(row) {

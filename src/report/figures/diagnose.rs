@@ -18,7 +18,7 @@ use sesc_identify::diagnose::view::{
     DiagnosisView, EDGE, Middle, Posture, Predicted, Regions, Spread, Stage, StageKind, Trend,
     chosen,
 };
-use sesc_model::text::shortened;
+use sesc_model::text::apart;
 
 /// Right edge of the planes of such a figure.
 const RIGHT: f64 = 972.0;
@@ -242,10 +242,13 @@ pub fn predicted(rows: &[Predicted]) -> String {
         (Mark::Line(BLUE, 1.75), "line that fits best"),
     ];
     key(&mut figure, WIDE - 8.0, 13.0, &marks);
+    let names: Vec<&str> = rows.iter().map(|row| row.subject.as_str()).collect();
+    let names = apart(&names, PREDICTED_LETTERS);
     for (k, row) in rows.iter().enumerate() {
         predicted_panel(
             &mut figure,
             row,
+            &names[k],
             [
                 PREDICTED_LEFT[k % 2],
                 PREDICTED_TOP + PREDICTED_PITCH * (k / 2) as f64,
@@ -263,7 +266,7 @@ pub fn predicted(rows: &[Predicted]) -> String {
     figure.finish()
 }
 
-fn predicted_panel(figure: &mut Figure, row: &Predicted, [left, top]: [f64; 2]) {
+fn predicted_panel(figure: &mut Figure, row: &Predicted, name: &str, [left, top]: [f64; 2]) {
     let kept = || row.points.iter().filter(|p| !p.outlier);
     let along = span(row.points.iter().map(|p| to_mm(p.change)).chain([0.0]));
     // Outliers would flatten the rest: they stay at the edge. The lines are in sight.
@@ -288,11 +291,7 @@ fn predicted_panel(figure: &mut Figure, row: &Predicted, [left, top]: [f64; 2]) 
         ],
     }
     .draw(figure);
-    let name = format!(
-        "{} ({})",
-        shortened(&row.subject, PREDICTED_LETTERS),
-        ["x", "y"][row.axis]
-    );
+    let name = format!("{} ({})", name, ["x", "y"][row.axis]);
     figure.text([left, top - HEADING + 6.0], Anchor::Start, NAME, INK, &name);
     let ends = [along.start.max(range.start), along.end.min(range.end)];
     figure.line(ends.map(|x| plane.at([x, x])), INK, 1.0);
@@ -339,12 +338,20 @@ pub fn trends(rows: &[Trend], what: &str) -> String {
     figure.title(13.0, &format!("Gap in mm against the {what}"));
     let marks = [(Mark::Dot(ORANGE), "before"), (Mark::Dot(BLUE), "after")];
     key(&mut figure, 472.0, 13.0, &marks);
+    let names: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
+    let [names, beside_mark] = [TREND_LETTERS, TREND_LETTERS - 9].map(|most| apart(&names, most));
     for (k, row) in rows.iter().enumerate() {
         let corner = [
             TREND_LEFT + TREND_PITCH[0] * (k % TREND_COLUMNS) as f64,
             TREND_TOP + TREND_PITCH[1] * (k / TREND_COLUMNS) as f64,
         ];
-        trend_panel(&mut figure, row, corner);
+        // What is named is marked at the other end of the line.
+        let name = if row.named {
+            &beside_mark[k]
+        } else {
+            &names[k]
+        };
+        trend_panel(&mut figure, row, name, corner);
     }
     if rows.is_empty() {
         figure.note([TREND_LEFT, TREND_TOP], Anchor::Start, MUTED, "no joints");
@@ -352,7 +359,7 @@ pub fn trends(rows: &[Trend], what: &str) -> String {
     figure.finish()
 }
 
-fn trend_panel(figure: &mut Figure, row: &Trend, [left, top]: [f64; 2]) {
+fn trend_panel(figure: &mut Figure, row: &Trend, name: &str, [left, top]: [f64; 2]) {
     // Outliers would flatten the rest: they stay at the edge.
     let kept = row.points.iter().filter(|p| !p.outlier);
     let kept = kept.flat_map(|p| [p.before, p.after]).map(to_mm);
@@ -375,13 +382,7 @@ fn trend_panel(figure: &mut Figure, row: &Trend, [left, top]: [f64; 2]) {
     }
     .draw(figure);
     let axis = ["x", "y"][row.axis];
-    // What is named is marked at the other end of the line.
-    let letters = if row.named {
-        TREND_LETTERS - 10
-    } else {
-        TREND_LETTERS
-    };
-    let name = format!("{} ({axis})", shortened(&row.joint, letters));
+    let name = format!("{name} ({axis})");
     let place = [left, top - HEADING + 6.0];
     figure.text(place, Anchor::Start, NAME, INK, &name);
     if row.named {

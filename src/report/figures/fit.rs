@@ -12,7 +12,7 @@ use super::bars::{self, Bar};
 use super::{shade, to_mm};
 use sesc_identify::fit::residuals::{Residual, rms_lengths};
 use sesc_identify::fit::{BodyLength, Identification, ParameterFound};
-use sesc_model::text::shortened;
+use sesc_model::text::apart;
 
 /// Top and right edge of a plane.
 const TOP: f64 = 32.0;
@@ -100,12 +100,13 @@ pub fn bodies(rows: &[BodyLength]) -> String {
         edges: [158.0, TOP, RIGHT, bottom],
     }
     .draw(&mut figure);
+    let names: Vec<&str> = rows.iter().map(|row| row.body.as_str()).collect();
+    let names = apart(&names, NAME);
     for (k, row) in rows.iter().enumerate() {
         let at = |x: f64| plane.at([x, -(k as f64) - 0.5]);
         let [left, middle] = at(low);
         figure.line([at(low), at(range.end)], GRID, 1.0);
-        let name = shortened(&row.body, NAME);
-        figure.note([left - 8.0, middle], Anchor::End, INK, &name);
+        figure.note([left - 8.0, middle], Anchor::End, INK, &names[k]);
         let found = to_mm(row.identified);
         figure.mark(at(to_mm(row.cad)), Mark::Stroke(INK));
         // What is no number is not drawn.
@@ -184,11 +185,12 @@ pub fn deviations(title: &str, mut rows: Vec<(&str, f64)>) -> String {
         BAND,
         1.0,
     );
+    let names: Vec<&str> = rows.iter().map(|(name, _)| *name).collect();
+    let names = apart(&names, NAME);
     for (k, (name, change)) in rows.iter().enumerate() {
         let at = |x: f64| plane.at([x, -(k as f64) - 0.5]);
         let [left, middle] = at(range.start);
-        let short = shortened(name, NAME);
-        figure.note([left - 8.0, middle], Anchor::End, INK, &short);
+        figure.note([left - 8.0, middle], Anchor::End, INK, &names[k]);
         figure.line([at(0.0), at(*change)], BLUE, 2.0);
         let words = format!("{name} · {change:+.1} standard deviations").replace('-', "−");
         figure.worded(&words, |figure| figure.mark(at(*change), Mark::Dot(BLUE)));

@@ -10,7 +10,7 @@ use super::to_mm;
 use sesc_identify::plan::Plan;
 use sesc_identify::plan::efficiency::Efficiency;
 use sesc_identify::plan::joint_use::JointUse;
-use sesc_model::text::shortened;
+use sesc_model::text::apart;
 
 // Where the CoP of the planned postures is, and where it may be.
 
@@ -155,11 +155,12 @@ pub fn joints(rows: &[JointUse]) -> String {
         edges: [LEFT, TOP, RIGHT, bottom],
     }
     .draw(&mut figure);
+    let names: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
+    let names = apart(&names, NAME);
     for (k, row) in rows.iter().enumerate() {
         let at = |x: f64| plane.at([x, -(k as f64) - 0.5]);
         let [_, middle] = at(0.0);
-        let name = shortened(&row.joint, NAME);
-        figure.note([170.0, middle], Anchor::End, INK, &name);
+        figure.note([170.0, middle], Anchor::End, INK, &names[k]);
         let [low, high] = row.limits.map(|limit| number(limit, row.prismatic));
         figure.note([LEFT - 10.0, middle], Anchor::End, MUTED, &low);
         figure.note([RIGHT + 10.0, middle], Anchor::Start, MUTED, &high);
@@ -219,5 +220,7 @@ pub fn range_bar(limits: [f64; 2], used: [f64; 2], values: &[f64]) -> String {
     let step = values.len().div_ceil(BAR_MOST).max(1);
     let ticks = values.iter().step_by(step).map(|value| at(*value));
     figure.lines(ticks.map(|x| [[x, 1.5], [x, 10.5]]), INK, 0.75);
-    figure.finish()
+    figure
+        .finish()
+        .replacen("<svg ", "<svg preserveAspectRatio=\"none\" ", 1)
 }

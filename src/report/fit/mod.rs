@@ -38,12 +38,15 @@ pub struct FitReport<'a> {
     pub shown: Option<&'a Shown>,
 }
 
-/// What `sesc fit` prints as JSON of data that cannot be used.
+/// What `sesc fit` and `sesc compare` print as JSON of data that cannot be used.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unusable<'a> {
     /// Always `unusable`.
     pub verdict: &'static str,
+    /// The log, where several are given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub log: Option<&'a str>,
     /// Why.
     pub health: &'a [Finding],
     /// What to do next.
@@ -51,11 +54,12 @@ pub struct Unusable<'a> {
 }
 
 impl<'a> Unusable<'a> {
-    /// What a fit to unusable data says.
-    pub fn new(found: &'a Identification, next_steps: &'a [Worded]) -> Unusable<'a> {
+    /// What is wrong with the data, and what to do next.
+    pub fn new(health: &'a [Finding], next_steps: &'a [Worded]) -> Unusable<'a> {
         Unusable {
             verdict: "unusable",
-            health: &found.health,
+            log: None,
+            health,
             next_steps,
         }
     }

@@ -79,8 +79,8 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
         "42 <small>of 43</small>",
         "not seen",
         "corrected URDF",
-        "1.00 mm RMS of the length",
-        "4.00 mm RMS of the length",
+        "0.71 mm RMS per axis",
+        "2.83 mm RMS per axis",
         "What moved most, in standard deviations: <code>",
         "0 of 20 use more than half of their range",
     ];
@@ -106,17 +106,43 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     says(&html, &["the readings are not at hand"]);
     let json = serde_json::to_value(&bare).unwrap();
     assert_eq!(json.get("residuals"), None);
-    assert!(corrections(&corrected).contains("inertia is scaled"));
+    assert!(corrections(&corrected, false).contains("inertia is scaled"));
 }
 
 #[test]
 fn the_console_counts_what_every_robot_hides() {
     let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
-    let said = text(&fit(&robot), &[]);
+    let said = text(&fit(&robot), &[], false);
     let joints = "along 20 joints mass moves to the parent";
     says(
         &said,
         &[joints, "the height of the CoM is known up to one constant"],
     );
     assert!(said.matches("cannot be seen").count() < 4, "{said}");
+    // What the tutorial reads first stands first, the table after it and short.
+    let place = |words: &str| {
+        said.find(words)
+            .unwrap_or_else(|| panic!("{words}: {said}"))
+    };
+    let first = [
+        "lack of fit",
+        "held-out error",
+        "cannot be seen",
+        "parameter ",
+        "rank ",
+    ];
+    assert!(first.map(place).is_sorted(), "{said}");
+    says(
+        &said,
+        &[
+            "The parameters that moved most",
+            "and 35 more: --long lists all",
+        ],
+    );
+    let long = text(&fit(&robot), &[], true);
+    says(&long, &["r_el_link.z "]);
+    assert!(
+        !long.contains("--long") && !long.contains("moved most"),
+        "{long}"
+    );
 }

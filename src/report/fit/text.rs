@@ -4,15 +4,19 @@ use std::fmt::Write as _;
 
 use crate::report::next_steps::{self, Worded};
 use crate::report::soles;
-use crate::report::table::{self, Table, chance, lines, wrapped};
-use sesc_identify::fit::Identification;
+use crate::report::table::{self, LISTED, Table, chance, gathered, lines, listed, wrapped};
 use sesc_identify::fit::corrected::Corrected;
+use sesc_identify::fit::{Identification, ParameterFound};
+use sesc_model::text::{minus, visible};
+
+/// A name, and what is said of it.
+type Fact = (&'static str, String);
 
 /// Fewer degrees of freedom than this are mentioned.
 const FEW: f64 = 50.0;
 
-/// Parameters with uncertainty, observability and held-out error.
-pub fn text(found: &Identification, next: &[Worded]) -> String {
+/// Parameters with uncertainty, observability and held-out error; lists in full with `long`.
+pub fn text(found: &Identification, next: &[Worded], long: bool) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
@@ -28,37 +32,34 @@ pub fn text(found: &Identification, next: &[Worded]) -> String {
     if !found.is_usable() {
         return out + &next_steps::text(next);
     }
-    let _ = write!(out, "{}", parameters(found));
-    let _ = writeln!(out, "\n{}", facts(found));
-    let _ = write!(out, "{}", unseen(found));
-    for bound in found.active_bounds.iter().flatten() {
-        let _ = writeln!(out, "held by a bound  {bound}");
-    }
+    let (first, facts) = facts(found);
+    let _ = write!(out, "{}{}", lines(first), unseen(found, long));
+    let _ = writeln!(out, "\n{}\n{}", parameters(found, long), lines(facts));
+    let bounds = found.active_bounds.iter().flatten();
+    let bounds: Vec<String> = bounds
+        .map(|bound| format!("held by a bound  {bound}"))
+        .collect();
+    out += &listed(&bounds, long);
     for pair in found.correlations.iter().take(5) {
         let _ = writeln!(
             out,
-            "known together   {} and {} (correlation {:+.3})",
-            pair.a, pair.b, pair.correlation
+            "known together   {} and {} (correlation {})",
+            pair.a,
+            pair.b,
+            minus(&format!("{:+.3}", pair.correlation))
         );
     }
-    for posture in found.down_weighted.iter().take(12) {
-        let _ = writeln!(
-            out,
+    let less = found.down_weighted.iter().map(|posture| {
+        format!(
             "trusted less     pose {} ({}:{}): {} mm off, weight {:.2}",
             posture.pose,
-            posture.file,
+            visible(&posture.file),
             posture.line,
             mm(posture.residual),
             posture.weight
-        );
-    }
-    if found.down_weighted.len() > 12 {
-        let _ = writeln!(
-            out,
-            "                 and {} more in JSON",
-            found.down_weighted.len() - 12
-        );
-    }
+        )
+    });
+    out += &listed(&less.collect::<Vec<String>>(), long);
     for warning in &found.warnings {
         let _ = writeln!(out, "warning          {warning}");
     }
@@ -66,28 +67,31 @@ pub fn text(found: &Identification, next: &[Worded]) -> String {
 }
 
 /// What cannot be seen; what no such data ever tell only as a number.
-fn unseen(found: &Identification) -> String {
-    let mut out = String::new();
+fn unseen(found: &Identification, long: bool) -> String {
     let structural = |name: &str| name.starts_with("axis of ") || name.starts_with("r of ");
     let (moved, named): (Vec<_>, Vec<_>) = found
         .unobservable
         .iter()
         .partition(|unseen| structural(&unseen.name));
-    for unseen in named {
-        let _ = writeln!(out, "cannot be seen   {}", unseen.sentence);
-    }
-    if !moved.is_empty() {
-        let _ = writeln!(
-            out,
-            "cannot be seen   along {} joints mass moves to the parent without a trace (all \
-             are named in JSON and on the page)",
+    let named = named.iter().map(|unseen| unseen.sentence.clone());
+    let named = gathered(&named.collect::<Vec<String>>(), long);
+    let moved = (!moved.is_empty()).then(|| {
+        format!(
+            "along {} joints mass moves to the parent without a trace (all are named in JSON and \
+             on the page)",
             moved.len()
-        );
-    }
-    out
+        )
+    });
+    lines(
+        named
+            .into_iter()
+            .chain(moved)
+            .map(|sentence| ("cannot be seen", sentence)),
+    )
 }
 
-fn parameters(found: &Identification) -> Table {
+/// All parameters, or those that are furthest from CAD, in their deviations.
+fn parameters(found: &Identification, long: bool) -> String {
     let mut table = Table::new(&[
         "parameter",
         "CAD, mm",
@@ -95,7 +99,16 @@ fn parameters(found: &Identification) -> Table {
         "± std, mm",
         "told by",
     ]);
-    for parameter in &found.parameters {
+    let mut parameters: Vec<&ParameterFound> = found.parameters.iter().collect();
+    let all = long || parameters.len() <= LISTED;
+    if !all {
+        let moved = |own: &ParameterFound| {
+            let std = own.std.filter(|std| *std > 0.0);
+            std.map_or(0.0, |std| ((own.value - own.cad) / std).abs())
+        };
+        parameters.sort_by(|a, b| moved(b).total_cmp(&moved(a)));
+    }
+    for parameter in parameters {
         table.row(&[
             parameter.name.clone(),
             mm(parameter.cad),
@@ -104,10 +117,15 @@ fn parameters(found: &Identification) -> Table {
             parameter.source.to_string(),
         ]);
     }
-    table
+    let said = match all {
+        true => "",
+        false => "The parameters that moved most, in their deviations:\n",
+    };
+    format!("{said}{}", table.listed(long))
 }
 
-fn facts(found: &Identification) -> String {
+/// What to read first, and the rest.
+fn facts(found: &Identification) -> (Vec<Fact>, Vec<Fact>) {
     let condition = found.condition_number;
     let rank = format!("{} of {} base parameters", found.rank, found.base_params);
     let noise = match found.noise_axes {
@@ -130,6 +148,7 @@ fn facts(found: &Identification) -> String {
     );
     facts.extend(found.closure.iter().map(|own| ("soles", soles(own))));
     facts.extend(found.visits.iter().map(|own| ("visits", own.sentence())));
+    let mut first = Vec::new();
     if let Some(test) = found.lack_of_fit {
         let verdict = match test.p_value {
             p if p < 1e-3 => "the model misses something",
@@ -138,7 +157,11 @@ fn facts(found: &Identification) -> String {
         };
         let (ratio, chance) = (test.ratio, chance(test.p_value));
         let text = format!("{ratio:.2} times the noise's mean square ({chance}): {verdict}");
-        facts.push(("lack of fit", text));
+        first.push(("lack of fit", text));
+    } else {
+        let text =
+            "not known: the noise is taken from what the fit leaves; repeated readings tell it";
+        first.push(("lack of fit", text.to_string()));
     }
     if found.folds > 0 {
         let text = format!(
@@ -149,7 +172,7 @@ fn facts(found: &Identification) -> String {
             found.folds,
             mm(found.cad_rmse)
         );
-        facts.push(("held-out error", text));
+        first.push(("held-out error", text));
     }
     let expected = format!(
         "{} mm where data were taken, {} mm over {} (of the CoP itself, noise apart)",
@@ -164,7 +187,7 @@ fn facts(found: &Identification) -> String {
     let deviation = deviation.unwrap_or("from CAD".to_string());
     let text = format!("its constant {name} is {value} mm {deviation}, told by {source}");
     facts.push(("CoM height", text));
-    lines(facts)
+    (first, facts)
 }
 
 /// Where the noise comes from, and how well it is known where that is little.
@@ -177,11 +200,11 @@ fn source(found: &Identification) -> String {
 }
 
 fn mm(x: f64) -> String {
-    format!("{:.2}", 1e3 * x)
+    minus(&format!("{:.2}", 1e3 * x))
 }
 
 /// The console's account of a corrected URDF: links that changed, by how much.
-pub fn corrections(corrected: &Corrected) -> String {
+pub fn corrections(corrected: &Corrected, long: bool) -> String {
     let mut table = Table::new(&[
         "corrected link",
         "CAD, kg",
@@ -203,7 +226,7 @@ pub fn corrections(corrected: &Corrected) -> String {
             table::mm(change.shift()),
         ]);
     }
-    let mut out = format!("\n{table}");
+    let mut out = format!("\n{}", table.listed(long));
     let _ = writeln!(
         out,
         "\nThe URDF weighs {:.4} kg; inertia is scaled with the mass of its link: a robot at rest \

@@ -6,7 +6,8 @@ use serde::Serialize;
 use sesc_identify::diagnose::Verdict;
 use sesc_identify::fleet::Row;
 
-use super::label;
+use super::subject;
+use crate::report::table::in_words;
 
 /// A row: verdict, worth of the data, and what was found, in short.
 #[derive(Serialize)]
@@ -22,9 +23,12 @@ pub(super) struct Line {
 
 /// A row as pages have it.
 pub(super) fn line(row: &Row) -> Line {
-    let effects = row.effects.iter().map(label);
+    let effects = row.effects.iter().map(subject);
     let health = row.health.iter();
-    let health = health.map(|f| format!("{} {}", f.kind.name(), f.target));
+    let health = health.map(|f| match f.target.as_str() {
+        "-" => in_words(f.kind.name()),
+        target => format!("{}: {target}", in_words(f.kind.name())),
+    });
     let error = row.error.iter().cloned();
     let said: Vec<String> = effects.chain(health).chain(error).collect();
     Line {

@@ -16,6 +16,7 @@ pub use text::text;
 use std::collections::BTreeSet;
 
 use serde::Serialize;
+use sesc_identify::diagnose;
 use sesc_identify::fleet::summary::Summary;
 use sesc_identify::fleet::{EffectFound, Failed, Fleet, Row, Twice};
 
@@ -47,12 +48,9 @@ pub fn answer<'a>(fleet: &'a Fleet, summary: &'a Summary) -> Answer<'a> {
     }
 }
 
-/// `joint_offset:l_knee`, or `ground_slope`.
-fn label(found: &EffectFound) -> String {
-    match found.target.as_str() {
-        "-" => found.effect.clone(),
-        target => format!("{}:{target}", found.effect),
-    }
+/// `an offset of l_knee (joint_offset:l_knee)`
+fn subject(found: &EffectFound) -> String {
+    diagnose::subject(&found.effect, &found.target)
 }
 
 /// What became of a log that came twice.

@@ -176,12 +176,25 @@ fn folder_of(fleet: &Path) -> String {
 
 /// The name of a robot's file: letters, digits, `-`, `_` and `.` as they are, all else by its
 /// number behind `~`, which means nothing in an address. Of a long name the beginning and, behind
-/// `~~`, which is in no other, the hash of all of it: no two robots have one file.
+/// `~~`, which is in no other, the hash of all of it. Behind `~_` stands which letters are capital:
+/// no two robots have one file, on systems either that take `A.html` for `a.html`.
 fn file_of(robot: &str) -> String {
     let name = spelt(robot, '~');
+    let capitals: Vec<bool> = robot.chars().map(|c| c.is_ascii_uppercase()).collect();
     match name.get(..NAME) {
         Some(first) if name.len() > NAME => {
             format!("{first}~~{}.html", content_hash(name.as_bytes()))
+        }
+        _ if capitals.contains(&true) => {
+            let four = capitals.chunks(4).map(|four| {
+                let digit = four
+                    .iter()
+                    .rev()
+                    .fold(0, |sum, one| 2 * sum + u8::from(*one));
+                format!("{digit:x}")
+            });
+            let all = four.collect::<String>();
+            format!("{name}~_{}.html", all.trim_end_matches('0'))
         }
         _ => format!("{name}.html"),
     }

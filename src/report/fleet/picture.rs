@@ -12,9 +12,10 @@ use sesc_identify::skeleton::Skeleton;
 use sesc_model::effects::about::{TargetKind, about};
 use sesc_model::effects::{Catalog, Target};
 
-use super::{count, label};
+use super::{count, subject};
 use crate::report::figures::robot::Marks;
 use crate::report::robot::{Card, Correction, Shown};
+use crate::report::table::in_words;
 
 /// The robot of a fleet as it is drawn, on the support of most of its rows; none where no row has
 /// its URDF and a support. Meshes are looked for in `folder`.
@@ -50,13 +51,18 @@ pub(super) fn card(fleet: &Fleet, summary: &Summary, skeleton: &Skeleton) -> Val
         }
     };
     for group in &summary.shared {
-        let what = format!("{} in {}", group.effect, count(group.robots.len(), "robot"));
+        let what = format!(
+            "{} in {}",
+            in_words(&group.effect),
+            count(group.robots.len(), "robot")
+        );
         point(acts_on_links(&group.effect), &group.target, what);
     }
     let changes = summary.changes.iter();
     for change in changes.filter(|change| change.kind == ChangeKind::Effect) {
         if let Some((effect, target)) = change.target.split_once(':') {
-            let what = format!("{effect} of {} from {} on", change.robot, change.day);
+            let said = in_words(effect);
+            let what = format!("{said} of {} from {} on", change.robot, change.day);
             point(acts_on_links(effect), target, what);
         }
     }
@@ -79,7 +85,7 @@ pub(super) fn of_robot(rows: &[&Row], skeleton: &Skeleton) -> Option<Value> {
     let mut said = Vec::new();
     for effect in &last.effects {
         if mark_effect(&mut marks, skeleton, &effect.effect, &effect.target) {
-            said.push(format!("`{}`", label(effect)));
+            said.push(subject(effect));
         }
     }
     let findings = rows.iter().flat_map(|row| &row.health);

@@ -12,7 +12,7 @@ use super::super::html::render;
 use super::super::origin::Origin;
 use super::line::{Line, line};
 use super::picture::of_robot;
-use super::{hashes, label};
+use super::{hashes, subject};
 
 /// An effect with its size on every day.
 #[derive(Serialize)]
@@ -68,7 +68,7 @@ fn courses(rows: &[&Row]) -> Vec<Course> {
                     "" => stem,
                     unit => format!("{stem}, {unit}"),
                 };
-                let name = label(effect);
+                let name = subject(effect);
                 let is_it = |course: &Course| course.effect == name && course.parameter == shown;
                 let at = found.iter().position(is_it).unwrap_or_else(|| {
                     found.push(Course {

@@ -43,7 +43,7 @@ fn fleet() -> Fleet {
 fn shown(fleet: &Fleet, drawn: Option<&Skeleton>, file: &str, most: usize) -> (Pages, String) {
     let summary = summary(&fleet.rows, &Default::default(), None);
     let pages = pages(fleet, &summary, drawn, ("sesc fleet", file), most);
-    (pages.unwrap(), text(fleet, &summary))
+    (pages.unwrap(), text(fleet, &summary, false))
 }
 
 /// File systems have names of 255 bytes at most.
@@ -66,12 +66,44 @@ fn pages_of_robots_with_long_names_have_short_names_of_their_own() {
     assert_eq!(path.file_name().unwrap().to_str(), Some(names[1]));
 }
 
+/// `A.html` and `a.html` are one file on macOS and Windows, and so are the pages of these.
+#[test]
+fn pages_of_robots_that_differ_in_capitals_are_files_of_their_own() {
+    let mut fleet = Fleet::default();
+    let robots = ["A", "a", "Ab", "aB", "AB", "ab", "A~_1", "Robot17"];
+    robots
+        .iter()
+        .for_each(|robot| fleet.rows.push(row(robot, "1", "")));
+    let (all, _) = shown(&fleet, None, "fleet.html", ROBOTS);
+    let names = all.robots.iter().map(|(name, _)| name.to_lowercase());
+    let names: BTreeSet<String> = names.collect();
+    assert_eq!(names.len(), robots.len(), "{names:?}");
+    assert!(
+        names.contains("a~_1.html") && names.contains("a.html"),
+        "{names:?}"
+    );
+}
+
+/// A folder's name writes no lines of its own into a report.
+#[test]
+fn a_line_break_of_a_path_begins_no_line() {
+    let mut fleet = Fleet::default();
+    let path = "l3/robot=new\\nnext   all is well/log.csv";
+    let twice = format!(r#"{{"input": "{path}", "same_as": "{path}", "counted_once": true}}"#);
+    let failed = format!(r#"{{"input": "{path}", "error": "no log"}}"#);
+    fleet.twice.push(serde_json::from_str(&twice).unwrap());
+    fleet.failed.push(serde_json::from_str(&failed).unwrap());
+    let (_, text) = shown(&fleet, None, "fleet.html", ROBOTS);
+    assert_eq!(text.matches("robot=new\\u{a}next").count(), 3, "{text}");
+    assert!(!text.contains("\nnext   all"), "{text}");
+}
+
 #[test]
 fn the_page_says_what_robots_share_and_escapes_names() {
     let fleet = fleet();
     let (all, text) = shown(&fleet, None, "my fleet.html", ROBOTS);
     let page = all.fleet;
-    let shared = "4 robots share joint_offset:l_&lt;knee&gt;";
+    let shared = "4 robots share an offset of l_&lt;knee&gt; (joint_offset:l_&lt;knee&gt;)";
     says(
         &page,
         &[shared, "offset 2.87", "1 shared effect, no change"],
@@ -131,7 +163,11 @@ fn the_page_of_a_robot_shows_what_is_suspected_on_it() {
     let (all, _) = shown(&fleet, Some(&drawn), "fleet.html", ROBOTS);
     let [first, second] = [&all.robots[0].1, &all.robots[1].1];
     assert_eq!(first.matches("<svg ").count(), 2);
-    says(first, &["Orange: <code>joint_offset:knee</code>."]);
+    says(first, &["Orange: an offset of knee (joint_offset:knee)."]);
+    says(
+        first,
+        &["<td class=\"words\">an offset of knee (joint_offset:knee)</td>"],
+    );
     assert_eq!(second.matches("<svg ").count(), 0);
     for (page, hash) in [(first, drawn.hash.as_str()), (second, "another")] {
         let own = format!("<dd>hash {hash}</dd>");

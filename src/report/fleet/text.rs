@@ -4,16 +4,14 @@ use std::collections::BTreeSet;
 
 use sesc_identify::fleet::Fleet;
 use sesc_identify::fleet::summary::Summary;
+use sesc_model::text::visible;
 
-use super::super::table::Table;
+use super::super::table::{Table, listed};
 use super::line::outcomes;
 use super::{count, headline, twice};
 
-/// Lines of a list, at most.
-const LISTED: usize = 20;
-
 /// What was found, for people.
-pub fn text(fleet: &Fleet, summary: &Summary) -> String {
+pub fn text(fleet: &Fleet, summary: &Summary, long: bool) -> String {
     let mut table = Table::new(&["verdict", "rows"]);
     for (verdict, count) in outcomes(fleet.rows.iter()) {
         table.row(&[verdict.to_string(), count.to_string()]);
@@ -44,21 +42,19 @@ pub fn text(fleet: &Fleet, summary: &Summary) -> String {
         ("Logs with errors", failed.collect()),
         ("Logs that came twice", twice),
     ] {
-        out += &list(title, &lines);
+        out += &list(title, &lines, long);
     }
     out
 }
 
-fn list(title: &str, lines: &[String]) -> String {
+fn list(title: &str, lines: &[String], long: bool) -> String {
     if lines.is_empty() {
         return String::new();
     }
-    let mut out = format!("{title}:\n");
-    for line in lines.iter().take(LISTED) {
-        out += &format!("  {line}\n");
-    }
-    if lines.len() > LISTED {
-        out += &format!("  and {} more\n", lines.len() - LISTED);
-    }
-    out + "\n"
+    // A line break of a path is no line of the report.
+    let lines: Vec<String> = lines
+        .iter()
+        .map(|line| format!("  {}", visible(line)))
+        .collect();
+    format!("{title}:\n{}\n", listed(&lines, long))
 }

@@ -53,7 +53,7 @@ function correction(data, figure, apply) {
       share = chi2 / a;
       parts.push(`χ² ${chi2.toFixed(0)}, of which noise alone makes about ${expected.toFixed(0)}`);
     }
-    parts.push(`gap ${millimetres(gap(data, s))} mm RMS`);
+    parts.push(`gap ${millimetres(gap(data, s))} mm RMS per axis`);
     output.textContent = parts.join(' · ');
     input.setAttribute('aria-valuetext', output.textContent);
     bar.style.width = `${Math.min(100, 100 * share).toFixed(1)}%`;
@@ -69,7 +69,7 @@ function significant(value) {
   return size >= 100 ? value.toFixed(0) : size >= 10 ? value.toFixed(1) : value.toFixed(2);
 }
 
-/** RMS length of the gap under part s of the correction, m. */
+/** RMS gap per axis under part s of the correction, m. */
 function gap(data, s) {
   let sum = 0, count = 0;
   for (const { measured, predicted, outlier } of data.postures.filter((own) => own)) {
@@ -77,7 +77,7 @@ function gap(data, s) {
       for (const i of [0, 1]) {
         sum += (predicted[0][i] + s * (predicted[1][i] - predicted[0][i]) - measured[i]) ** 2;
       }
-      count++;
+      count += 2;
     }
   }
   return Math.sqrt(sum / Math.max(1, count));

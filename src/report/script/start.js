@@ -1,6 +1,15 @@
 // Puts life into a page; without it every figure stands still and says the same.
 
+/** What reaches beyond its box says that it scrolls. */
+function hints() {
+  for (const box of document.querySelectorAll('.scroll, figure, .xml')) {
+    box.classList.toggle('more', box.scrollWidth > box.clientWidth + 1);
+  }
+}
+
 function start() {
+  hints();
+  window.addEventListener('resize', hints);
   document.querySelectorAll('table').forEach(sortable);
   const source = document.getElementById('robot');
   const data = source ? JSON.parse(source.textContent) : { postures: [] };

@@ -140,8 +140,9 @@ fn bounded(case: &Case, scalar: Scalar, compiled: &Compiled, entries: &[&Entry])
             false if case.has_springs() => 1e6,
             false => 2000.0,
         };
+        // Where the header has no bound of use, it says what was seen.
         assert!(
-            measured >= proven / loosest,
+            measured >= proven / loosest || proven.is_infinite(),
             "{} {name}: {measured:e} of {proven:e}",
             case.name
         );

@@ -9,7 +9,7 @@ use sesc_codegen::emit::c::Scalar;
 use sesc_model::bounds::Precision;
 use sesc_model::{Function, Given};
 
-use super::case::Case;
+use super::case::{Case, ROBOTS};
 use super::compiled::{Compiled, folder, parallel};
 use super::draw::{Draw, draw};
 use super::entry::Entry;
@@ -94,6 +94,50 @@ fn the_op2s_com_is_proven_to_three_micrometres_and_measured_to_half_of_one() {
             assert!(measured <= 0.5e-6, "{name}: measured {measured:.1e}");
         }
     });
+}
+
+/// Of a ZMP in f32 without a bound below a millimetre the header says what was seen: no posture of
+/// ours is off by ten times as much, and none has a bound beyond a millimetre.
+#[test]
+fn a_zmp_has_a_bound_below_a_millimetre_or_the_error_that_was_seen() {
+    let folder = folder("seen");
+    let zmp = |robot: &str, support: &str| Case {
+        functions: vec![Function::Com, Function::Zmp],
+        ..Case::robot(robot, support)
+    };
+    let cases = ROBOTS.map(|(robot, support)| zmp(robot, support));
+    let seen = parallel(cases.iter().collect(), |case| {
+        let compiled = Compiled::plain(&folder, case, Scalar::F32, COMPILERS[0], "-O1");
+        let entries = case.entries(Scalar::F32);
+        let of_zmp = |entry: &&Entry| entry.function == Function::Zmp;
+        let entries: Vec<&Entry> = entries.iter().filter(of_zmp).collect();
+        let mut drawn = draw(case, 600, 61, &*compiled.hold());
+        drawn.r = case.model.cad_params().repeat(600);
+        let rows = check(case, &compiled, &entries, &drawn);
+        let header = case.package(Scalar::F32).header;
+        for (name, measured, proven) in &rows {
+            assert!(
+                *proven <= 1e-3 || proven.is_infinite(),
+                "{}_{name}: {proven}",
+                case.name
+            );
+            if proven.is_infinite() {
+                let row = header
+                    .lines()
+                    .find(|line| line.starts_with(&format!(" * {name} ")));
+                let (_, seen) = row.unwrap().split_once("none; seen ").unwrap();
+                let seen: f64 = seen.split_once(' ').unwrap().0.parse().unwrap();
+                assert!(
+                    *measured < 10.0 * seen,
+                    "{}_{name}: {measured:.1e} of {seen:.1e}",
+                    case.name
+                );
+                assert!(seen < 1e-4, "{}_{name}: {seen:.1e} m", case.name);
+            }
+        }
+        rows.iter().any(|row| row.2.is_infinite())
+    });
+    assert!(seen.contains(&true) && seen.contains(&false), "{seen:?}");
 }
 
 /// Largest distance of `found` from the same program in pairs of doubles.

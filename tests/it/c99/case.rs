@@ -223,7 +223,7 @@ impl Case {
     /// Effects that act on every function of the body, and leave all of them smooth.
     pub fn bodies() -> [Case; 5] {
         [
-            Case::with_effect("joint_compliance", "all", ("stiffness_nm_per_rad", 60.0)),
+            Case::with_effect("joint_compliance", "all", ("stiffness_nm_per_rad", 200.0)),
             Case::with_effect("joint_offset", "knee", ("offset_rad", 0.03)),
             Case::with_effect("joint_scale", "knee", ("scale", 1.05)),
             Case::robot("two_link", "foot").and("payload", &[("payload", "shank", LOAD)]),
@@ -318,7 +318,14 @@ impl Case {
         let mut functions: Vec<(Function, bool)> =
             self.functions.iter().map(|f| (*f, false)).collect();
         if self.model.file.is_some() {
-            functions.extend([(Function::Com, true), (Function::Cop, true)]);
+            let baked = [
+                Function::Com,
+                Function::ComJacobian,
+                Function::Cop,
+                Function::CopJacobian,
+            ];
+            let baked = baked.into_iter().filter(|f| self.functions.contains(f));
+            functions.extend(baked.map(|function| (function, true)));
         }
         functions
     }

@@ -137,11 +137,16 @@ impl Compiled {
         line.map_or(0, |bits| bits.parse().unwrap())
     }
 
-    /// The proven bound that the header's table gives.
+    /// The proven bound that the header's table gives; infinite where it says what was seen.
     pub fn bound(&self, entry: &Entry) -> f64 {
         let row = self.header.lines().find_map(|line| {
             let mut words = line.strip_prefix(" * ")?.split_whitespace();
-            (words.next()? == entry.name).then(|| words.nth(4).unwrap().parse().unwrap())
+            let is_own = words.next()? == entry.name;
+            let bound = is_own.then(|| words.nth(5).unwrap())?;
+            Some(bound.parse().unwrap_or_else(|_| match bound {
+                "none;" | "none" => f64::INFINITY,
+                other => panic!("{other} is no bound"),
+            }))
         });
         row.unwrap_or_else(|| panic!("the header of {} has no row for {}", self.name, entry.name))
     }

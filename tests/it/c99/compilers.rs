@@ -3,6 +3,8 @@
 use std::fs;
 use std::process::Command;
 
+use sesc_codegen::emit::c::Scalar;
+
 use super::case::{cases, few, jobs};
 use super::compiled::{WARNINGS, folder, parallel, printed, write};
 use crate::COMPILERS;
@@ -45,4 +47,66 @@ fn compiles_without_warnings_to_constants_and_code_only() {
             assert!(allowed, "{}: {line}", case.name);
         }
     });
+}
+
+/// A compiler that cannot compile the source, or whose numbers are not those that bounds are
+/// proven for, is refused by the preprocessor in one sentence.
+#[test]
+fn what_cannot_hold_the_promise_is_refused_in_a_sentence() {
+    let folder = folder("refused");
+    let case = super::case::Case::robot("two_link", "foot");
+    let said = |scalar: Scalar, compiler: &str, flags: &[&str]| {
+        let source = write(&folder, &case.name, &case.package(scalar));
+        let mut command = Command::new(compiler);
+        command.args([
+            "-x",
+            if compiler == "c++" { "c++" } else { "c" },
+            "-fsyntax-only",
+        ]);
+        let output = command.args(flags).arg(&source).output().unwrap();
+        assert!(!output.status.success(), "{scalar:?} {compiler} {flags:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    // <float.h> as targets have it whose double is a float, or whose floats are not binary.
+    let limits = |name: &str, radix: u32| {
+        let text = format!(
+            "#define FLT_RADIX {radix}\n#define DBL_MANT_DIG 24\n#define DBL_MAX_EXP 128\n\
+             #define FLT_MANT_DIG 24\n#define FLT_MAX_EXP 128\n#define FLT_EVAL_METHOD 0\n"
+        );
+        fs::create_dir_all(folder.join(name)).unwrap();
+        fs::write(folder.join(name).join("float.h"), text).unwrap();
+        format!("-I{}", folder.join(name).display())
+    };
+    let (small, odd) = (limits("avr", 2), limits("odd", 16));
+    let (small, odd) = (["-std=c99", &small], ["-std=c99", &odd]);
+    let rows: [(Scalar, &str, &[&str], &str); 6] = [
+        (
+            Scalar::F64,
+            "c++",
+            &[],
+            "is C99: compile it as C; two_link_foot.h is for C and C++",
+        ),
+        (Scalar::Fixed32, "c++", &[], "is C99: compile it as C"),
+        (Scalar::F32, "cc", &["-std=c90"], "is C99: add -std=c99"),
+        (
+            Scalar::F32,
+            "cc",
+            &["-D_MSC_VER=1940", "-std=c11"],
+            "compile it with clang-cl",
+        ),
+        (Scalar::F64, "cc", &small, "double has no 64 bits here"),
+        (
+            Scalar::F32,
+            "cc",
+            &odd,
+            "float is not of IEEE's 32 bits here",
+        ),
+    ];
+    for (scalar, compiler, flags, sentence) in rows {
+        let said = said(scalar, compiler, flags);
+        assert!(
+            said.contains("#error") && said.contains(sentence),
+            "{sentence}: {said}"
+        );
+    }
 }

@@ -26,6 +26,13 @@ const TRAPS: [&str; 3] = [
 fn checked(case: &Case, source: String) -> String {
     let cast = format!("({}_real)((wide", case.name);
     assert!(source.contains(&cast), "{}: narrow() narrows", case.name);
+    // Sums that wrap for inputs out of range overflow, and trap, inside the ranges.
+    let mut source = source;
+    for sign in ["+", "-"] {
+        let wraps = format!("(int32_t)((uint32_t)(a) {sign} (uint32_t)(b))");
+        source = source.replace(&wraps, &format!("(a) {sign} (b)"));
+    }
+    assert!(!source.contains("(uint32_t)(a)"));
     // The phase of an angle is a turn's remainder: meant to wrap.
     let kept = "(int32_t)beside";
     let source = source.replace(kept, "@@").replace("(int32_t)(", "checked(");
@@ -262,6 +269,51 @@ fn a_chain_of_hundreds_of_joints_stays_inside() {
     let entries: Vec<&Entry> = entries.iter().collect();
     let drawn = draw(&case, 60, 41, &*compiled.hold());
     println!("{:?}", check(&case, &compiled, &entries, &drawn));
+}
+
+/// A sensor that is broken gives any number: no rule of C is broken by it, in any function.
+#[test]
+fn any_position_velocity_and_tick_is_defined_in_fixed_point() {
+    let folder = folder("any_input");
+    let robots = [
+        ("op2", "r_sole"),
+        ("lift_base", "hand"),
+        ("skew_humanoid", "left_sole"),
+    ];
+    parallel(robots.to_vec(), |(robot, support)| {
+        let case = Case::robot(robot, support);
+        let compiler = COMPILERS[COMPILERS.len() - 1];
+        let compiled = Compiled::build(&folder, &case, Scalar::Fixed32, compiler, &TRAPS, |s| s);
+        let entries = case.entries(Scalar::Fixed32);
+        let entries: Vec<&Entry> = entries.iter().collect();
+        let mut drawn = draw(&case, 200, 47, &*compiled.hold());
+        let ends = [
+            -i32::MAX,
+            i32::MAX,
+            1 - i32::MAX,
+            -1,
+            1 << 30,
+            987_654_321,
+            -123_456_789,
+        ];
+        let mut ends = ends.into_iter().cycle();
+        let [q_bits, qd_bits, sc_bits] = ["Q", "QD", "SC"].map(|quantity| compiled.bits(quantity));
+        let dof = case.model.dof();
+        for k in 0..drawn.q.len() {
+            // In the first seven postures some joints alone, then all of them.
+            let any = k / dof == k % 7 || k >= 7 * dof;
+            let [q, qd, tick] = [(); 3].map(|()| ends.next().unwrap());
+            if any {
+                // A stroke stands among the sines, too.
+                let stroke = case.model.tree.dofs[k % dof].prismatic;
+                let bits = if stroke { q_bits.max(sc_bits) } else { q_bits };
+                drawn.q[k] = f64::from(q) * (-f64::from(bits)).exp2();
+                drawn.qd[k] = f64::from(qd) * (-f64::from(qd_bits)).exp2();
+                drawn.ticks[k] = tick;
+            }
+        }
+        compiled.run(&case, &entries, &drawn);
+    });
 }
 
 /// C without its comments.

@@ -19,7 +19,7 @@ use super::entry::Entry;
 pub fn cases() -> Vec<Case> {
     let mut two_link = Case::robot("two_link", "foot");
     two_link.take_values(|_, x| x);
-    let mut springs = Case::with_effect("joint_compliance", "all", ("stiffness_nm_per_rad", 60.0));
+    let mut springs = Case::with_effect("joint_compliance", "all", ("stiffness_nm_per_rad", 200.0));
     springs.name = "springs".to_string();
     vec![
         two_link.of_many(8),

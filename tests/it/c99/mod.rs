@@ -13,4 +13,5 @@ pub mod fixed;
 pub mod lanes;
 mod model;
 mod rounding;
+mod stack;
 mod text;

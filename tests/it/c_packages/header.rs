@@ -148,7 +148,7 @@ fn convention(header: &str) -> BTreeMap<String, (i32, i32, f64, String)> {
     let lines = header
         .lines()
         .skip_while(|line| !line.starts_with(" *     joint "));
-    let lines = lines.skip(1).take_while(|line| *line != " */");
+    let lines = lines.skip(1).take_while(|line| *line != " *");
     let row = |line: &str| {
         let words: Vec<&str> = line[2..].split_whitespace().collect();
         let [joint, zero, sign, scale, unit @ ..] = words.as_slice() else {
@@ -236,4 +236,55 @@ fn look_ups_of_ticks_are_counted() {
     generate(&folder, &op2(), "r_sole", &more);
     let header = fs::read_to_string(folder.join("op2.h")).unwrap();
     assert_eq!(costs(&header, "com_ticks")[2..], [1, 19]);
+}
+
+/// A header in one line, without the marks of its comments.
+fn words(header: &str) -> String {
+    let words = header.split_whitespace().filter(|word| *word != "*");
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// The trunk of `turned` looks along y of its foot; standing on the other side of a joint changes
+/// nothing of that.
+#[test]
+fn headers_say_which_way_axes_point_and_what_ticks_out_of_range_give() {
+    let folder = fresh("axes");
+    let robot = "<robot name='turned'><link name='foot'><inertial><mass value='1'/></inertial></link>\
+        <link name='trunk'><inertial><origin xyz='0 0 1'/><mass value='2'/></inertial></link>\
+        <joint name='hip' type='revolute'><origin rpy='0 0 1.5707963267948966'/>\
+        <parent link='foot'/><child link='trunk'/><axis xyz='0 1 0'/>\
+        <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+    let urdf = write(&folder, "turned.urdf", robot);
+    let header = |more: &[&str]| {
+        generate(
+            &folder,
+            &urdf,
+            "foot",
+            &[&["--name", "turned"], more].concat(),
+        );
+        words(&fs::read_to_string(folder.join("turned.h")).unwrap())
+    };
+    let said = "z up from the ground, x and y in the sole plane; joints turn by the right-hand rule \
+                about their URDF axes; with all at 0, x of trunk points along (0.00, 1.00, 0.00)";
+    let table = header(&["--scalar", "f32"]);
+    assert!(table.contains(said), "{table}");
+    assert!(table.contains("a whole turn more is the same angle, for every int32_t"));
+    let servos = write(&folder, "servos.toml", "[default]\nresolution = 300.5\n");
+    for (scalar, beyond) in [
+        (
+            "f32",
+            "angles beyond 1024 rad give NaN. Nothing is undefined.",
+        ),
+        (
+            "f64",
+            "angles beyond 2^20 rad give NaN. Nothing is undefined.",
+        ),
+        (
+            "fixed32",
+            "what 32 bits do not hold wraps to another posture. Nothing is undefined.",
+        ),
+    ] {
+        let found = header(&["--scalar", scalar, "--servos", &servos]);
+        assert!(found.contains(beyond), "{found}");
+    }
 }

@@ -1,5 +1,6 @@
 //! Generated C as its users take it in: CMake, pkg-config, PlatformIO, Arduino.
 
+mod corrected;
 mod header;
 mod output;
 mod pairs;

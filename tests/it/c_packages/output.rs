@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 use super::user::*;
-use sesc_test_support::command::{Folder, ROOT, folder};
+use sesc_test_support::command::{Folder, ROOT, folder, stderr};
 
 #[test]
 fn names_of_robots_break_no_format() {
@@ -116,5 +116,74 @@ fn platformio_finds_what_its_manifest_names() {
             &include,
             &library.join("package.o"),
         );
+    }
+}
+
+/// Boards have no double of 64 bits, or none in hardware: their layouts are in f32 unless the
+/// scalar is said. Nobody's page and name stand in them.
+#[test]
+fn layouts_for_boards_are_in_f32_unless_told_otherwise() {
+    let folder = Folder::with("two_link");
+    let base = "generate two_link.urdf --support foot --lang c --name legs";
+    for (layout, more, real, cores) in [
+        ("arduino", "", "float", "architectures=*\n"),
+        ("platformio", "", "float", ""),
+        ("cmake", "", "double", ""),
+        ("arduino", "--scalar f64", "double", "architectures=esp32,"),
+        (
+            "arduino",
+            "--scalar fixed32",
+            "int32_t",
+            "architectures=*\n",
+        ),
+    ] {
+        folder.stdout(&format!("{base} --layout {layout} {more} --out {layout}"));
+        let header = if layout == "arduino" {
+            "src"
+        } else {
+            "include"
+        };
+        let header = folder.read(&format!("{layout}/{header}/legs.h"));
+        assert!(
+            header.contains(&format!("typedef {real} legs_real;")),
+            "{layout} {more}"
+        );
+        if layout == "arduino" {
+            let text = folder.read("arduino/library.properties");
+            assert!(text.contains(cores), "{more}: {text}");
+            assert!(text.contains("\nmaintainer=owner of two_link\n") && text.contains("\nurl=\n"));
+        }
+    }
+}
+
+/// Robot `a` on link `b_c` and robot `a_b` on link `c` come to one name.
+#[test]
+fn a_file_of_another_robot_is_not_replaced_without_a_word() {
+    let folder = Folder::empty();
+    let robot = |name: &str, link: &str| {
+        format!(
+            "<robot name='{name}'><link name='{link}'><inertial><mass value='1'/></inertial></link>\
+             <link name='top'><inertial><origin xyz='0 0 1'/><mass value='2'/></inertial></link>\
+             <joint name='j' type='revolute'><parent link='{link}'/><child link='top'/>\
+             <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>"
+        )
+    };
+    folder.write("a.urdf", robot("a", "b_c"));
+    folder.write("a_b.urdf", robot("a_b", "c"));
+    for lang in ["c", "rust"] {
+        let first = format!("generate a.urdf --support b_c --lang {lang} --out out");
+        let other = format!("generate a_b.urdf --support c --lang {lang} --out out");
+        folder.stdout(&first);
+        folder.refuses(
+            &other,
+            &["a_b_c.", "another robot or support", "--name or --out"],
+        );
+        // The same robot, changed, replaces its own; a name of one's own is a word.
+        folder.write("a.urdf", robot("a", "b_c").replace("'2'", "'3'"));
+        folder.stdout(&first);
+        let said = stderr(&folder.run(&format!("{other} --name a_b_c")));
+        assert!(said.contains("and is replaced"), "{said}");
+        folder.stdout(&other);
+        folder.write("a.urdf", robot("a", "b_c"));
     }
 }

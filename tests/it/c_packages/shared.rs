@@ -86,7 +86,7 @@ fn of_the_table(floats: bool) -> BTreeSet<String> {
     let functions = Function::ALL
         .iter()
         .filter(|f| floats || **f != Function::Zmp);
-    let baked = [Function::Com, Function::Cop].map(|f| format!("model_{}", f.name()));
+    let baked = ["com", "com_jacobian", "cop", "cop_jacobian"].map(|f| format!("model_{f}"));
     for function in functions.map(|f| f.name().to_string()).chain(baked) {
         names.extend(VARIANTS.map(|end| format!("{function}{end}")));
         names.insert(function);

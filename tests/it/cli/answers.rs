@@ -23,7 +23,7 @@ fn effects_are_listed_and_explained() {
         assert!(named(name)["sentence"].as_str().unwrap().ends_with('.'));
     }
     let table = stdout(&sesc(&["effects"]));
-    assert!(table.contains("backlash") && table.contains("joint or all"));
+    assert!(table.contains("backlash:JOINT") && table.contains("Or of all."));
     let page = |name: &str| {
         let page = fs::read_to_string(format!("{ROOT}/docs/effects/{name}.md")).unwrap();
         page.replace("```text\n", "").replace("```\n", "")

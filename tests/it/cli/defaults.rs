@@ -25,6 +25,11 @@ fn options_of_the_robot_need_not_be_typed() {
         "{note}"
     );
 
+    // A number has no more digits than it was written with.
+    folder.write("sesc.toml", "support = \"r_sole\"\nnoise = 1e-300\n");
+    let note = stderr(&folder.run("diagnose op2.urdf --data log.csv"));
+    assert!(note.contains("--noise=1e-300"), "{note}");
+
     // What is typed wins, and is not in the note.
     let left = folder.run("inspect op2.urdf --support l_sole");
     assert!(stdout(&left).starts_with("op2 on l_sole"));

@@ -235,7 +235,7 @@ fn tables_of_a_robot_fit_a_wide_terminal_and_long_ones_are_asked_for() {
     assert!(text.contains("Ry(-r_knee)"));
     // Twenty joints hide the same.
     assert_eq!(text.matches("moves to its parent").count(), 0);
-    assert!(text.contains("along the axis of each of 20 joints") && text.contains("l_knee"));
+    assert!(text.contains("along the axis of each of 20 joints") && text.contains("r_knee"));
     let long = folder.stdout("inspect op2.urdf --support r_sole --long");
     assert_eq!(long.matches("moves to its parent").count(), 20);
     assert!(long.contains("Rx(-r_ank_roll) Ry(r_ank_pitch) Ry(-r_knee)"));

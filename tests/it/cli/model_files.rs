@@ -1,6 +1,6 @@
 //! Model files: whose parameters they are, and what they spare the user to say.
 
-use sesc_test_support::command::Folder;
+use sesc_test_support::command::{Folder, stderr};
 
 /// Two links in a folder with a log and `model.toml`, which stands on `foot`, all of it moved
 /// 0.5 m along x.
@@ -84,4 +84,119 @@ fn a_model_file_says_what_stands_on_the_ground() {
     other.write("model.toml", folder.read("model.toml"));
     let line = "simulate op2.urdf --poses 5 --model model.toml --out log.csv";
     other.refuses(line, &["model.toml", "hash"]);
+}
+
+/// What no robot has is refused where a model file is read, by every command and by `build.rs`;
+/// what is believed of none is warned of.
+#[test]
+fn effects_that_no_robot_has_are_refused_or_warned_of_by_every_command() {
+    let (folder, model) = shifted();
+    let effect = |name: &str, target: &str, values: &[(&str, &str)]| {
+        let values = values
+            .iter()
+            .map(|(key, x)| format!("parameters.{key} = {{ value = {x} }}\n"));
+        format!(
+            "[[effects]]\neffect = \"{name}\"\ntarget = \"{target}\"\n{}",
+            values.collect::<String>()
+        )
+    };
+    let spring = |x: &str| effect("joint_compliance", "knee", &[("stiffness_nm_per_rad", x)]);
+    let load = |mass: &str, x: &str| {
+        effect(
+            "payload",
+            "shank",
+            &[
+                ("mass_kg", mass),
+                ("x_m", x),
+                ("y_m", "0.0"),
+                ("z_m", "0.1"),
+            ],
+        )
+    };
+    let gain = |x: &str| effect("sensor_gain", "-", &[("gain_x", x), ("gain_y", "1.0")]);
+    let offset = effect("joint_offset", "knee", &[("offset_rad", "0.01")]);
+    let commands = [
+        "generate two_link.urdf --model other.toml --name m --out src",
+        "generate two_link.urdf --model other.toml --lang c --name m --out src",
+        "predict two_link.urdf --model other.toml --data bare.csv",
+        "simulate two_link.urdf --model other.toml --poses 3 --out log.csv",
+        "verify two_link.urdf --model other.toml --samples 10",
+        "plan two_link.urdf --model other.toml --poses 3 --cop-box 1 --sigmas 0 --out poses.csv",
+    ];
+    let build = |text: &str| {
+        let path = folder.write("other.toml", format!("{model}{text}"));
+        let builder = sesc_codegen::Builder::new(folder.join("two_link.urdf")).support("foot");
+        builder.model(path).out_dir(folder.join("out")).emit()
+    };
+    // The shank weighs 3 kg; gravity's stiffness at the knee is 5 kg · 0.2 m · g = 9.8 Nm/rad.
+    for (text, words) in [
+        (
+            load("-9.999999999999999", "0.1"),
+            &["body of link `shank`", "nothing or less"][..],
+        ),
+        (load("-3.0", "0.1"), &["body of link `shank`"]),
+        (
+            load("-2.0", "0.1")
+                + &effect(
+                    "payload",
+                    "thigh",
+                    &[
+                        ("mass_kg", "-5.0"),
+                        ("x_m", "0.0"),
+                        ("y_m", "0.0"),
+                        ("z_m", "0.1"),
+                    ],
+                ),
+            &["body of link `thigh`"],
+        ),
+        (
+            spring("1e-300"),
+            &["springs are too soft", "stiffness_nm_per_rad"],
+        ),
+        (spring("5.0"), &["springs are too soft", "1.96"]),
+        (spring("10.0"), &["springs are too soft", "0.98"]),
+        (offset.repeat(2), &["joint_offset:knee", "twice"]),
+        (offset.repeat(21), &["21 effects", "20 at most"]),
+    ] {
+        let refused = build(&text).unwrap_err();
+        for word in words {
+            assert!(refused.to_string().contains(word), "{refused}");
+        }
+        for command in commands {
+            folder.refuses(command, words);
+        }
+    }
+    for (text, words) in [
+        (gain("1e6"), "sensor_gain"),
+        (
+            effect(
+                "ground_slope",
+                "-",
+                &[("slope_x", "1e6"), ("slope_y", "0.0")],
+            ),
+            "ground_slope",
+        ),
+        (load("1.0", "1e6"), "payload:shank"),
+    ] {
+        build(&text).unwrap();
+        for command in &commands[..4] {
+            let said = stderr(&folder.run(command));
+            assert!(
+                said.contains(words) && said.contains("believed of no robot"),
+                "{command}: {said}"
+            );
+        }
+    }
+    // What robots have is taken without a word, and softer springs take more rounds.
+    let text = spring("400.0") + &gain("1.1") + &load("-1.0", "0.1");
+    build(&text).unwrap();
+    assert!(!stderr(&folder.run(commands[2])).contains("believed"));
+    let rounds = |x: &str| {
+        folder.write("other.toml", format!("{model}{}", spring(x)));
+        let said = folder.stdout("verify two_link.urdf --model other.toml --samples 200");
+        let (before, _) = said.split_once(" rounds leave out").unwrap();
+        before.rsplit(' ').next().unwrap().parse::<usize>().unwrap()
+    };
+    // 9.8/60 = 0.16 of what gravity bends is bent again; 9.8/25 = 0.39.
+    assert_eq!((rounds("60.0"), rounds("25.0")), (4, 6));
 }

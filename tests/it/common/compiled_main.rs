@@ -70,6 +70,7 @@ macro_rules! run {
         write(name, "regressor_cop", &each(&|q| $m::regressor_cop(q).concat()));
         write(name, "regressor_full", &each(&|q| $m::regressor_full(q).concat()));
         write(name, "cop", &each(&|q| $m::cop(q, &r).to_vec()));
+        write(name, "cop_jacobian", &each(&|q| $m::cop_jacobian(q, &r).concat()));
         let (r32, qd32) = (r.map(|x| x as f32), qd.map(|x| x as f32));
         let single = |what: &str, f: &dyn Fn(&[f32; $m::DOF]) -> Vec<f32>| {
             let wide = |q: &[f64; $m::DOF]| f(&q.map(|x| x as f32)).into_iter().map(f64::from).collect();
@@ -83,6 +84,7 @@ macro_rules! run {
         single("regressor_cop_f32", &|q| $m::regressor_cop(q).concat());
         single("regressor_full_f32", &|q| $m::regressor_full(q).concat());
         single("cop_f32", &|q| $m::cop(q, &r32).to_vec());
+        single("cop_jacobian_f32", &|q| $m::cop_jacobian(q, &r32).concat());
         // Lanes: four postures at once, each lane the same bits as alone.
         for four in all[..WRITTEN].chunks_exact(4) {
             let q = core::array::from_fn(|j| Lanes(core::array::from_fn::<f64, 4, _>(|k| four[k][j])));
@@ -118,6 +120,7 @@ macro_rules! run_sc {
             near(&$m::com_sc(&sin, &cos, &r), &$m::com(&q, &r));
             near(&$m::cop_sc(&sin, &cos, &r), &$m::cop(&q, &r));
             near(&$m::com_jacobian_sc(&sin, &cos, &r).concat(), &$m::com_jacobian(&q, &r).concat());
+            near(&$m::cop_jacobian_sc(&sin, &cos, &r).concat(), &$m::cop_jacobian(&q, &r).concat());
             near(&$m::com_velocity_sc(&sin, &cos, &qd, &r), &$m::com_velocity(&q, &qd, &r));
             near(&$m::gravity_moments_sc(&sin, &cos, &r), &$m::gravity_moments(&q, &r));
             near(&$m::regressor_sc(&sin, &cos).concat(), &$m::regressor(&q).concat());

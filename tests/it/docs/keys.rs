@@ -104,6 +104,8 @@ const LINES: &[&str] = &[
     "awk -F, -v OFS=, 'NR == 1 {for (i = 1; i <= NF; i++) if ($i ~ /^cop_[xy]$/) cop[i]} \
      NR > 1 {for (i in cop) $i = 0} 1' knee.csv > dead.csv; cp knee.csv.toml dead.csv.toml",
     "sesc fit op2.urdf --data dead.csv",
+    "sesc fit op2.urdf --data knee.csv --partial knee.part",
+    "sesc compare knee.csv dead.csv --urdf op2.urdf",
     "sesc diagnose op2.urdf --data dead.csv",
     "printf '[joints.r_knee]\nzero = 2048\n' > servos.toml",
     "sesc diagnose op2.urdf --data knee.csv --servos servos.toml --out found.toml --urdf found.urdf",

@@ -61,7 +61,7 @@ fn the_command_says_what_springs_and_dead_bands_leave_out() {
     folder.write("model.toml", text);
     let text = folder.stdout("verify two_link.urdf --model model.toml --samples 300");
     for words in [
-        "springs: four rounds leave out up to",
+        "springs: 4 rounds leave out up to",
         "postures left out",
         "com_velocity",
         "m/s",

@@ -47,7 +47,7 @@ fn what_is_no_regular_file_is_an_error_of_its_row() {
     std::os::unix::fs::symlink("/dev/zero", folder.join("mixed/c_1.csv")).unwrap();
     let (found, json) = errors(&folder, "mixed", "--only parameters");
     let said = |name: &str| {
-        format!("cannot read {name}: it is a pipe or a device; a fleet reads regular files")
+        format!("cannot read {name}: it is a pipe or a device, where a regular file is read")
     };
     let [b, c, d] = ["b_1.csv", "c_1.csv", "d_1.csv.toml"].map(said);
     let expected = [("a", String::new()), ("b", b), ("c", c), ("d", d)];

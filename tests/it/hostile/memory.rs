@@ -1,9 +1,10 @@
 //! Memory in proportion to the input: each format at two sizes, the larger four times the smaller.
 #![cfg(target_os = "linux")]
 
+use std::f64::consts::TAU;
 use std::fs;
 use std::io::Write as _;
-use std::process::Stdio;
+use std::process::{ExitStatus, Stdio};
 use std::thread;
 use std::time::Duration;
 
@@ -16,19 +17,27 @@ const BASE: u64 = 120 << 20;
 
 /// Largest memory of a command, bytes, as the system counts it while the command runs.
 fn peak(folder: &Folder, line: &str) -> u64 {
+    ended(folder, line).0
+}
+
+/// The same with how the command ended.
+fn ended(folder: &Folder, line: &str) -> (u64, ExitStatus) {
     let mut command = folder.command(line);
     let quiet = command.stdout(Stdio::null()).stderr(Stdio::null());
     let mut child = quiet.spawn().unwrap();
     let status = format!("/proc/{}/status", child.id());
     let mut most = 0;
-    while child.try_wait().unwrap().is_none() {
+    let end = loop {
+        if let Some(end) = child.try_wait().unwrap() {
+            break end;
+        }
         let text = fs::read_to_string(&status).unwrap_or_default();
         let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
         let kib = line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok());
         most = most.max(kib.unwrap_or(0_u64) << 10);
         thread::sleep(Duration::from_millis(2));
-    }
-    most
+    };
+    (most, end)
 }
 
 /// A command's memory stays below [`BASE`] and `per_byte` times the input, at both sizes.
@@ -38,13 +47,13 @@ fn in_proportion(what: &str, per_byte: u64, inputs: [String; 2], run: impl Fn(&s
     }
 }
 
-/// Memory of `most` bytes is below [`BASE`] and `per_byte` times the input.
-fn bounded(what: &str, per_byte: u64, size: u64, most: u64) {
-    println!("{what}: {size} bytes, {} MB", most >> 20);
+/// Memory of `most` bytes is below [`BASE`] and `each` times the bytes or pieces of the input.
+fn bounded(what: &str, each: u64, size: u64, most: u64) {
+    println!("{what}: input of {size}, {} MB", most >> 20);
+    let room = BASE + each * size;
     assert!(
-        most <= BASE + per_byte * size,
-        "{what}: {size} bytes of input, {} MB of memory",
-        most >> 20
+        most <= room,
+        "{what}: input of {size}, {most} bytes of memory, {room} allowed"
     );
 }
 
@@ -191,7 +200,7 @@ fn urdfs_take_memory_in_proportion_to_the_file() {
 }
 
 /// A robot of four joints that carries `n` links that do not move, each with what `each` says.
-fn loaded(n: usize, each: &str) -> String {
+fn loaded<'a>(n: usize, each: impl Fn(usize) -> &'a str) -> String {
     let mass = "<inertial><origin xyz='0 0 .1'/><mass value='1'/></inertial>";
     let mut text = format!("<robot name='r'><link name='l0'>{mass}</link>");
     for k in 1..5 {
@@ -206,43 +215,163 @@ fn loaded(n: usize, each: &str) -> String {
     }
     for k in 0..n {
         text += &format!(
-            "<link name='x{k}'>{each}</link><joint name='f{k}' type='fixed'><parent link='l{}'/>\
+            "<link name='x{k}'>{}</link><joint name='f{k}' type='fixed'><parent link='l{}'/>\
              <child link='x{k}'/></joint>",
+            each(k),
             1 + k % 4
         );
     }
     text + "</robot>"
 }
 
-/// Links that do not move, with and without mass, under every command that takes a URDF.
-#[test]
-fn fixed_links_take_memory_in_proportion_to_the_file_in_every_command() {
-    let folder = Folder::empty();
-    folder.write("r.urdf", loaded(0, ""));
-    folder.stdout("simulate r.urdf --support l0 --poses 60 --noise 0.0005 --out log.csv");
+/// Commands, each with the axes of input that it has: `m`echanics of the URDF, a `l`og, a model
+/// file's `e`ffects.
+const COMMANDS: [(&str, &str); 14] = [
+    ("inspect r.urdf", "m"),
+    ("generate r.urdf --lang c --out c", "m"),
+    ("generate r.urdf --lang rust --out rust", "m"),
+    ("generate r.urdf --lang c --model model.toml --out c", "e"),
+    ("verify r.urdf --samples 5", "m"),
+    ("verify r.urdf --samples 5 --model model.toml", "e"),
+    (
+        "plan r.urdf --poses 6 --candidates 60 --cop-box 1 --out poses.csv",
+        "m",
+    ),
+    ("simulate r.urdf --poses 6 --out new.csv", "m"),
+    ("predict r.urdf --data log.csv", "ml"),
+    ("predict r.urdf --data log.csv --model model.toml", "e"),
+    ("fit r.urdf --data log.csv", "ml"),
+    ("diagnose r.urdf --data log.csv", "ml"),
+    ("compare log.csv later.csv --urdf r.urdf", "ml"),
+    ("fleet r.urdf --data log.csv --out fleet.csv", "ml"),
+];
+
+/// An axis along which an input grows: its name, its kind as in [`COMMANDS`], two sizes, and the
+/// memory that one piece takes at most, bytes; of `joints`, that each of their pairs takes.
+type Axis = (&'static str, char, [usize; 2], u64);
+
+const AXES: [Axis; 8] = [
+    ("fixed links", 'm', [500, 2000], 40_000),
+    ("joints", 'm', [10, 40], 120_000),
+    ("mimic joints", 'm', [20, 80], 1_000_000),
+    ("collision shapes", 'm', [500, 2000], 40_000),
+    ("rows", 'l', [2000, 8000], 4000),
+    ("columns", 'l', [2000, 8000], 4000),
+    ("cells", 'l', [100, 400], 20_000),
+    ("effects", 'e', [10, 40], 500_000),
+];
+
+/// `pose`, joints and readings of a log as rows of texts, with its header.
+fn read(folder: &Folder, log: &str) -> Vec<Vec<String>> {
+    let text = folder.read(log);
+    let fields = |line: &str| line.split(',').map(str::to_string).collect();
+    text.lines().map(fields).collect()
+}
+
+fn written(folder: &Folder, log: &str, rows: &[Vec<String>]) {
+    let lines: Vec<String> = rows.iter().map(|row| row.join(",")).collect();
+    folder.write(log, lines.join("\n"));
+}
+
+/// Logs whose CoP is that of `n` cells on a circle: f = 1 + 2 p·c/r².
+fn with_cells(folder: &Folder, n: usize) {
+    const RADIUS: f64 = 0.05;
+    let places = (0..n).map(|k| (TAU * k as f64 / n as f64).sin_cos());
+    let places: Vec<[f64; 2]> = places.map(|(s, c)| [RADIUS * c, RADIUS * s]).collect();
+    for log in ["log.csv", "later.csv"] {
+        let mut rows = read(folder, log);
+        for (k, row) in rows.iter_mut().enumerate() {
+            let cop = row.split_off(row.len() - 2);
+            let force = |p: &[f64; 2]| {
+                let [x, y] = [0, 1].map(|axis| cop[axis].parse::<f64>().unwrap() * p[axis]);
+                (1.0 + 2.0 * (x + y) / (RADIUS * RADIUS)).to_string()
+            };
+            match k {
+                0 => row.extend((1..=n).map(|k| format!("fsr_{k}"))),
+                _ => row.extend(places.iter().map(force)),
+            }
+        }
+        written(folder, log, &rows);
+        folder.write(
+            &format!("{log}.toml"),
+            format!("support = \"l0\"\ncells = {places:?}\n"),
+        );
+    }
+}
+
+/// A robot `r.urdf`, logs and a model file that are of size `n` along an axis.
+fn made(folder: &Folder, axis: &str, n: usize) {
     let light = "<inertial><mass value='.001'/></inertial>";
-    for (what, each) in [("without mass", ""), ("with mass", light)] {
-        for command in [
-            "inspect",
-            "generate --lang c --out c",
-            "verify --samples 5",
-            "plan --poses 6 --cop-box 0.05 --out poses.csv",
-            "simulate --poses 6 --out new.csv",
-            "predict --data log.csv",
-            "fit --data log.csv",
-            "fit --data log.csv --prior free",
-            "diagnose --data log.csv",
-            "fleet --data log.csv --out fleet.csv",
-        ] {
-            let line = format!("{command} --support l0 r.urdf");
-            folder.write("r.urdf", loaded(8, each));
-            folder.stdout(&line);
-            let what = format!("{command} of fixed links {what}");
-            let links = |n: usize| loaded(n, each);
-            in_proportion(&what, 200, sizes(500, links), |text| {
-                folder.write("r.urdf", text);
-                peak(&folder, &line)
-            });
+    let shape = "<collision><geometry><box size='.01 .01 .01'/></geometry></collision>";
+    folder.write(
+        "r.urdf",
+        match axis {
+            "fixed links" => loaded(n, |k| ["", light][k % 2]),
+            "collision shapes" => loaded(n, |_| shape),
+            "joints" | "effects" => super::sizes::chain(n, false),
+            "mimic joints" => super::sizes::chain(n, true),
+            _ => loaded(0, |_| ""),
+        },
+    );
+    let poses = if axis == "rows" {
+        n
+    } else {
+        2 * n.min(40) + 40
+    };
+    let simulate = "simulate r.urdf --support l0 --range 5";
+    for (seed, log) in [(1, "log.csv"), (2, "later.csv")] {
+        folder.stdout(&format!(
+            "{simulate} --poses {poses} --seed {seed} --out {log}"
+        ));
+    }
+    match axis {
+        "columns" => {
+            for log in ["log.csv", "later.csv"] {
+                let mut rows = read(folder, log);
+                rows[0].extend((0..n).map(|k| format!("note_{k}")));
+                rows[1..]
+                    .iter_mut()
+                    .for_each(|row| row.extend(vec!["0".to_string(); n]));
+                written(folder, log, &rows);
+            }
+        }
+        "cells" => with_cells(folder, n),
+        "effects" => {
+            folder.stdout("fit r.urdf --data log.csv --out model.toml");
+            let effect = |k| {
+                format!(
+                    "[[effects]]\neffect = \"joint_offset\"\ntarget = \"j{k}\"\n\
+                     [effects.parameters.offset_rad]\nvalue = 0.001\n\n"
+                )
+            };
+            let effects: String = (1..=n).map(effect).collect();
+            let text = folder.read("model.toml");
+            let at = text.find("[information]").unwrap();
+            folder.write(
+                "model.toml",
+                format!("{}{effects}{}", &text[..at], &text[at..]),
+            );
+        }
+        _ => {}
+    }
+}
+
+/// The table of `SECURITY.md` at smaller sizes.
+#[test]
+fn every_command_takes_bounded_memory_along_every_axis() {
+    for (axis, kind, sizes, each) in AXES {
+        for n in sizes {
+            let folder = Folder::empty();
+            made(&folder, axis, n);
+            let pieces = if axis == "joints" { n * n } else { n } as u64;
+            for (command, kinds) in COMMANDS {
+                if kinds.contains(kind) {
+                    let (most, end) = ended(&folder, &format!("{command} --support l0"));
+                    let what = format!("{command}: {n} {axis}");
+                    assert!(matches!(end.code(), Some(0 | 1)), "{what}: {end}");
+                    bounded(&what, each, pieces, most);
+                }
+            }
         }
     }
 }

@@ -5,6 +5,7 @@ mod changes;
 mod factor_files;
 mod faults;
 mod formats;
+mod found;
 mod kills;
 mod memory;
 mod names;

@@ -107,7 +107,9 @@ fn total_mass(facts: &Facts, scalar: Scalar, name: &str) -> Constant {
     let unit = scale(scalar, name, "TOTAL_MASS");
     let bits = mass_bits(mass);
     Constant {
-        brief: format!("Total mass, kg{unit}: gravity_moments times this and g are N m."),
+        brief: format!(
+            "Total mass, kg{unit}: gravity_moments times this and g are N m; a motor applies the opposite."
+        ),
         declaration: format!("const {name}_real {name}_total_mass_kg"),
         values: vec![Entry {
             value: number(mass, scalar, bits),

@@ -2,6 +2,9 @@
 
 use std::ops::Deref;
 
+use super::{Options, Scalar};
+use crate::emit::listing::{Line, Listing, Results};
+use crate::facts::Facts;
 use crate::routines::Routine;
 use sesc_model::Given;
 use sesc_model::bounds::Formats;
@@ -32,7 +35,12 @@ pub(super) struct Exported<'f> {
     pub(super) look_ups: usize,
     /// Proven bound on the rounding error, in the unit of its results.
     pub(super) bound: f64,
+    /// The largest error on random postures, where that bound is of no use.
+    pub(super) seen: Option<f64>,
 }
+
+/// What a call, saved registers and helpers take of the stack, bytes.
+const CALL: usize = 256;
 
 impl Deref for Exported<'_> {
     type Target = Routine;
@@ -54,6 +62,27 @@ impl Exported<'_> {
         };
         let model = if self.baked { "model_" } else { "" };
         format!("{model}{}{suffix}", self.function.name())
+    }
+
+    /// Bytes of the stack that it and all that it calls take at most: every value with a name,
+    /// in fixed point a product of 64 bits for each, in a block of postures a register.
+    pub(super) fn stack(&self, facts: &Facts, options: &Options) -> usize {
+        let real = match options.scalar {
+            Scalar::F32 => 4,
+            Scalar::F64 | Scalar::Fixed32 => 8,
+        };
+        let lines = Listing::new(&self.program, Results::AtTheEnd).lines;
+        let values = lines.iter().map(|line| match line {
+            Line::SinCos { .. } => 2,
+            Line::Let(_) => 1,
+            Line::Title(_) | Line::Result(_) => 0,
+        });
+        let lanes = options.lanes.filter(|_| self.is_batch()).unwrap_or(1);
+        let body = real * lanes as usize * values.sum::<usize>() + CALL * lanes as usize;
+        match self.input {
+            Input::Ticks => body + CALL + 2 * real * facts.dof(),
+            Input::Program | Input::Batch => body,
+        }
     }
 
     pub(super) fn is_of_ticks(&self) -> bool {

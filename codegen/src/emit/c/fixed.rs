@@ -128,8 +128,8 @@ impl Spelling<'_, '_> {
                 (format!("{array}[{index}]"), Strength::Atom)
             }
             Expr::Neg(a) => (format!("-{}", self.operand(a)), Strength::Sign),
-            Expr::Add(a, b) => self.sum(id, [a, b], "+"),
-            Expr::Sub(a, b) => self.sum(id, [a, b], "-"),
+            Expr::Add(a, b) => self.sum(id, [a, b], Helper::Add),
+            Expr::Sub(a, b) => self.sum(id, [a, b], Helper::Subtract),
             Expr::Mul(..) => {
                 let value = self.wide(id).unwrap_or_else(|| self.product(id));
                 (value, Strength::Atom)
@@ -149,18 +149,15 @@ impl Spelling<'_, '_> {
         }
     }
 
-    /// A sum: in 64 bits where it holds products and has room, else in 32.
-    fn sum(&self, id: Id, [a, b]: [Id; 2], sign: &str) -> (String, Strength) {
-        if let Some(wide) = self.wide(id) {
-            return (wide, Strength::Atom);
-        }
-        let bits = self.formats.of(id);
-        let [(a, _), (b, strength)] = [a, b].map(|x| self.in_format(x, bits));
-        let b = match strength {
-            Strength::Atom => b,
-            _ => format!("({b})"),
-        };
-        (format!("{a} {sign} {b}"), Strength::Sum)
+    /// A sum: in 64 bits where it holds products and has room, else in 32, where it wraps for
+    /// inputs out of their ranges.
+    fn sum(&self, id: Id, addends: [Id; 2], helper: Helper) -> (String, Strength) {
+        let text = self.wide(id).unwrap_or_else(|| {
+            let bits = self.formats.of(id);
+            let [(a, _), (b, _)] = addends.map(|x| self.in_format(x, bits));
+            self.calls.call(helper, &format!("{a}, {b}"))
+        });
+        (text, Strength::Atom)
     }
 
     /// An operand rounded to `bits` fraction bits.

@@ -124,6 +124,18 @@ fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
             "Parameters of the model file are constants here (source: {}).",
             printable(&identified.source)
         ));
+        let of_reading = matches!(routine.function, Function::Cop | Function::CopJacobian);
+        let (body, cop) = (facts.effects_in(true), facts.effects_in(false));
+        let texts = match of_reading {
+            true => [("Holds", [body, cop].concat()), ("", Vec::new())],
+            false => [("Holds", body), ("Only model_cop holds", cop)],
+        };
+        for (what, effects) in texts {
+            if !effects.is_empty() {
+                let text = format!("{what}: {}.", printable(&effects.join(", ")));
+                details.extend(header::wrapped(&text));
+            }
+        }
     }
     if routine.is_batch() {
         details.push(format!(
@@ -135,19 +147,26 @@ fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
         details
             .push("From sines and cosines; a prismatic joint passes its position in sin_q.".into());
     }
-    details.push(match (routine.bound.is_finite(), routine.function) {
-        (true, _) => format!(
-            "Proven rounding error below {}; arrays must not overlap.",
-            header::bound_of(routine.function, routine.bound)
-        ),
-        (false, Function::Zmp) => {
-            "No rounding bound is proven for this robot; arrays must not overlap.".to_string()
-        }
-        (false, _) => {
-            "Newton's method, unrolled: no rounding bound is proven; arrays must not overlap."
-                .to_string()
-        }
-    });
+    details.push(
+        match (routine.seen, routine.bound.is_finite(), routine.function) {
+            (Some(seen), ..) => format!(
+                "No useful rounding bound is proven, {} is the largest error seen; arrays must not \
+             overlap.",
+                header::bound_of(routine.function, seen)
+            ),
+            (_, true, _) => format!(
+                "Proven rounding error below {}; arrays must not overlap.",
+                header::bound_of(routine.function, routine.bound)
+            ),
+            (_, _, Function::Zmp | Function::CopJacobian) => {
+                "No rounding bound is proven for this robot; arrays must not overlap.".to_string()
+            }
+            (..) => {
+                "Newton's method, unrolled: no rounding bound is proven; arrays must not overlap."
+                    .to_string()
+            }
+        },
+    );
     details
 }
 

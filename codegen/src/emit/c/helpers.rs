@@ -21,6 +21,9 @@ pub(super) enum Helper {
     /// More bits below the point, in 64 bits. A macro: compilers fold the product with the
     /// sum around it, which they do not through a function.
     ShiftUp,
+    /// Sums and differences in 32 bits that wrap, macros too.
+    Add,
+    Subtract,
     /// Into [-1, 1]; for effects alone, as is `Power`, which fixed point lacks.
     Clamp,
     Power,
@@ -50,6 +53,8 @@ impl Helper {
             Helper::Lookup => "lookup",
             Helper::Narrow => "narrow",
             Helper::ShiftUp => "shift_up",
+            Helper::Add => "add",
+            Helper::Subtract => "subtract",
             Helper::Clamp => "clamp",
             Helper::Power => "power",
             Helper::Load => "load",
@@ -121,6 +126,8 @@ impl<'n> Calls<'n> {
             has_table => has(Helper::Lookup),
             has_narrow => has(Helper::Narrow),
             has_shift_up => has(Helper::ShiftUp),
+            has_add => has(Helper::Add),
+            has_subtract => has(Helper::Subtract),
             has_clamp => has(Helper::Clamp),
             has_power => has(Helper::Power),
             has_load => has(Helper::Load),

@@ -171,6 +171,14 @@ fn texts(facts: &Facts, name: &str, options: &Options) -> Result<Value, Error> {
             Scalar::Fixed32 => "fixed32",
         },
         floats => options.scalar != Scalar::Fixed32,
+        // Boards with a `double` of 64 bits, by the names of their cores.
+        architectures => match options.scalar {
+            Scalar::F64 => {
+                "esp32,esp8266,mbed,mbed_giga,mbed_nano,mbed_opta,mbed_portenta,mbed_rp2040,nrf52,\
+                 renesas,renesas_portenta,renesas_uno,rp2040,sam,samd,stm32,teensy"
+            }
+            Scalar::F32 | Scalar::Fixed32 => "*",
+        },
         params => match facts.identified {
             Some(_) => "model_params",
             None => "cad_params",

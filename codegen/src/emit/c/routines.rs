@@ -7,6 +7,7 @@ use crate::Error;
 use crate::error::Problem;
 use crate::facts::Facts;
 use crate::routines::{Routine, beyond};
+use crate::seen;
 use sesc_model::bounds::{self, Formats, Overflow, Quantity, Unfit};
 use sesc_model::expr::Argument;
 use sesc_model::{Function, Given};
@@ -65,10 +66,16 @@ pub(super) fn routines<'f>(
             (_, _, None, Some(precision)) => routine.rounding(precision).worst,
             (_, _, None, None) => unreachable!("fixed point comes with formats"),
         };
+        if scalar == Scalar::F32 {
+            routine.seen = seen::largest(facts, routine, routine.bound);
+        }
         // An iteration has no proven bound, and neither has a load on the ground that rounding
-        // may make anything, in robots of kilometres or with joints that give way; the header
-        // says so.
-        let may_lack = matches!(routine.function, Function::CorrectCop | Function::Zmp);
+        // may make anything, in robots of kilometres or with joints that give way, nor the slope of
+        // a root at no load; the header says so.
+        let may_lack = matches!(
+            routine.function,
+            Function::CorrectCop | Function::CopJacobian | Function::Zmp
+        );
         if !routine.bound.is_finite() && !may_lack {
             let function = routine.name();
             return Err(match routine.counts.other {
@@ -112,6 +119,7 @@ fn exported<'f>(
         look_ups: 0,
         formats,
         bound: f64::INFINITY,
+        seen: None,
     })
 }
 

@@ -1,7 +1,7 @@
 //! Functions of servo ticks: by the table where a tick is a whole number of its
 //! steps, else through the angle.
 
-use crate::emit::header::printable;
+use crate::emit::header::{self, printable};
 use serde::Serialize;
 
 use super::exported::{self, Exported, array_bits};
@@ -170,6 +170,26 @@ impl Ticks {
             ));
         }
         lines
+    }
+
+    /// What ticks give that are beyond a joint's limits.
+    pub(super) fn beyond(&self, dofs: &[Dof]) -> Vec<String> {
+        let mut text = "Ticks beyond the joint limits count on, and the result is that of where \
+                        they stand, without a bound"
+            .to_string();
+        let ways = dofs.iter().zip(&self.servos);
+        let ways: Vec<Way> = ways.map(|(dof, servo)| self.way(dof, *servo)).collect();
+        if ways.iter().any(|way| matches!(way, Way::Table(_))) {
+            text += "; a whole turn more is the same angle, for every int32_t";
+        }
+        if ways.iter().any(|way| !matches!(way, Way::Table(_))) {
+            text += match self.scalar {
+                Scalar::F64 => "; angles beyond 2^20 rad give NaN",
+                Scalar::F32 => "; angles beyond 1024 rad give NaN",
+                Scalar::Fixed32 => "; what 32 bits do not hold wraps to another posture",
+            };
+        }
+        header::wrapped(&(text + ". Nothing is undefined."))
     }
 
     pub(super) fn text(

@@ -85,7 +85,7 @@ pub(super) fn items(facts: &Facts, notes: &mut Notes) -> TokenStream {
         /// Upper joint limits, rad (m at prismatic joints).
         #numbers
         pub const JOINT_UPPER: [f64; DOF] = #upper;
-        /// Total mass from CAD, kg: gravity moments times this and g are in N m.
+        /// Total mass from CAD, kg: gravity moments times this and g are N m; a motor applies the opposite.
         #numbers
         pub const TOTAL_MASS_KG: f64 = #mass;
         /// Base parameters in the order of `r`: link and axis in its frame.

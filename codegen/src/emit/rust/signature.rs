@@ -72,7 +72,7 @@ pub(super) fn documentation(facts: &Facts, function: Function, given: Given) -> 
 pub(super) fn matrix(function: Function, given: Given) -> Option<Ident> {
     let name = match function {
         _ if given != Given::Positions => return None,
-        Function::ComJacobian => "jacobian",
+        Function::ComJacobian | Function::CopJacobian => "jacobian",
         Function::Regressor | Function::RegressorCop | Function::RegressorFull => "rows",
         _ => return None,
     };

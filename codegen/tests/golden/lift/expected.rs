@@ -3,9 +3,12 @@
 // robot          lift (robot.urdf, hash 556727e508d76af7): 4 links, 2 independent joints
 // support frame  base
 // parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
+// axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+//                and y in the sole plane; joints turn by the right-hand rule about their URDF
+//                axes; with all at 0, x of base points along (1.00, 0.00, 0.00)
 // snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
-// without        com_velocity, gravity_moments, regressor, regressor_cop, regressor_full, cop, zmp: not asked
-//                for
+// without        com_velocity, gravity_moments, regressor, regressor_cop, regressor_full, cop,
+//                cop_jacobian, zmp: not asked for
 //
 // function                 mul     add   sin_cos   proven |rounding error|
 // com                       16      15         2   2.5e-15 (f64)  1.6e-7 m (f32)
@@ -66,7 +69,7 @@ pub const JOINT_UPPER: [f64; DOF] = [
     1.0, // wrist
 ];
 
-/// Total mass from CAD, kg: gravity moments times this and g are in N m.
+/// Total mass from CAD, kg: gravity moments times this and g are N m; a motor applies the opposite.
 #[allow(dead_code, clippy::all)]
 pub const TOTAL_MASS_KG: f64 = 8.0;
 

@@ -4,51 +4,70 @@
  * robot          lift (robot.urdf, hash 556727e508d76af7): 4 links, 2 independent joints
  * support frame  base
  * parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
+ * axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+ *                and y in the sole plane; joints turn by the right-hand rule about their URDF
+ *                axes; with all at 0, x of base points along (1.00, 0.00, 0.00)
  * snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
  *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         f32 (float); double is never touched
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|
- * com                         16      15         2         0   1.6e-7 m
- * com_jacobian                32      24         2         0   1.2e-7 m/rad
- * com_velocity                25      16         2         0   2.2e-7 m/s
- * gravity_moments             18      12         2         0   9.5e-8 m
- * regressor                   23      15         2         0   1.8e-6
- * regressor_cop               16      10         2         0   1.8e-6
- * regressor_full              38      30         2         0   1.8e-6
- * cop                         13      12         2         0   1.3e-7 m
- * zmp                        132     102         2         0   7.8e-7 m  and 1 quotient
- * com_sc                      24      19         0         0   1.9e-7 m
- * com_jacobian_sc             40      28         0         0   1.5e-7 m/rad
- * com_velocity_sc             33      20         0         0   2.6e-7 m/s
- * gravity_moments_sc          26      16         0         0   1.3e-7 m
- * regressor_sc                31      19         0         0   2.6e-6
- * regressor_cop_sc            24      14         0         0   2.6e-6
- * regressor_full_sc           46      34         0         0   2.7e-6
- * cop_sc                      21      16         0         0   1.5e-7 m
- * zmp_sc                     140     106         0         0   1.1e-6 m  and 1 quotient
+ * function                   mul     add  sin_cos  look_up   stack   proven |rounding error|
+ * com                         16      15        2        0     328   1.6e-7 m
+ * com_jacobian                32      24        2        0     336   1.2e-7 m/rad
+ * com_velocity                25      16        2        0     340   2.2e-7 m/s
+ * gravity_moments             18      12        2        0     304   9.5e-8 m
+ * regressor                   23      15        2        0     364   1.8e-6
+ * regressor_cop               16      10        2        0     332   1.8e-6
+ * regressor_full              38      30        2        0     368   1.8e-6
+ * cop                         13      12        2        0     320   1.3e-7 m
+ * cop_jacobian                25      18        2        0     324   1.1e-7 m/rad
+ * zmp                        132     102        2        0     580   7.8e-7 m, 1 quotient
+ * com_sc                      24      19        0        0     320   1.9e-7 m
+ * com_jacobian_sc             40      28        0        0     328   1.5e-7 m/rad
+ * com_velocity_sc             33      20        0        0     332   2.6e-7 m/s
+ * gravity_moments_sc          26      16        0        0     296   1.3e-7 m
+ * regressor_sc                31      19        0        0     356   2.6e-6
+ * regressor_cop_sc            24      14        0        0     324   2.6e-6
+ * regressor_full_sc           46      34        0        0     360   2.7e-6
+ * cop_sc                      21      16        0        0     312   1.5e-7 m
+ * cop_jacobian_sc             33      22        0        0     316   1.5e-7 m/rad
+ * zmp_sc                     140     106        0        0     572   1.1e-6 m, 1 quotient
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
  * That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
  * accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
  * weight.
+ * stack: bytes at most of a function and all that it calls, by gcc with -O1, -Os or more; by
+ * clang up to a third more, and several times as much without optimisation.
  */
+
+#if defined(__cplusplus)
+#error "lift.c is C99: compile it as C; lift.h is for C and C++"
+#elif defined(_MSC_VER) && !defined(__clang__)
+#error "lift.c is C99, which MSVC does not take whole: compile it with clang-cl"
+#elif !defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L)
+#error "lift.c is C99: add -std=c99 or a later standard"
+#endif
 
 /* The self-test is defined here, by its own name, too. */
 #define lift_SOURCE
 #include "lift.h"
-#ifndef lift_PAIR_13efb476006245ec
+#ifndef lift_PAIR_cb4263843b507c2b
 #error "lift.h is not the header that was written with this source: generate both again"
 #endif
 
+#include <float.h>
 #include <stdint.h>
+
+#if (FLT_RADIX != 2) || (FLT_MANT_DIG != 24) || (FLT_MAX_EXP != 128)
+#error "float is not of IEEE's 32 bits here: generate lift with --scalar fixed32"
+#endif
 #ifdef lift_USE_LIBM
 #include <math.h>
 #else
 #include <string.h>
-#include <float.h>
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math breaks sines: omit it or define lift_USE_LIBM"
 #endif
@@ -614,6 +633,61 @@ void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[restrict 2
     cop[1] = v_base_y;
 }
 
+lift_SHARED void lift_cop_jacobian_core(
+    int of_sines,
+    const lift_real q[],
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real r[],
+    lift_real jac[restrict 2 * lift_DOF])
+{
+    /* thumb */
+    float s_thumb;
+    float c_thumb;
+    if (of_sines != 0) {
+        s_thumb = (0.84531194f * sin_q[1]) - (0.5342731f * cos_q[1]);
+        c_thumb = (0.84531194f * cos_q[1]) + (0.5342731f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.5636476f, &s_thumb, &c_thumb);
+    }
+    const float t_thumb_x = (c_thumb * r[6]) + (s_thumb * r[7]);
+    const float t_thumb_y = (s_thumb * r[6]) - (c_thumb * r[7]);
+    /* wrist */
+    const float v_wrist_x = r[4] - (0.6666667f * t_thumb_y);
+    const float v_wrist_y = r[5] + t_thumb_x;
+    float s_wrist;
+    float c_wrist;
+    if (of_sines != 0) {
+        s_wrist = (0.8944272f * sin_q[1]) - (0.4472136f * cos_q[1]);
+        c_wrist = (0.8944272f * cos_q[1]) + (0.4472136f * sin_q[1]);
+    } else {
+        lift_sincos(q[1] - 0.4636476f, &s_wrist, &c_wrist);
+    }
+    const float t_wrist_x = (c_wrist * v_wrist_x) - (s_wrist * v_wrist_y);
+    const float e1 = (s_wrist * v_wrist_x) + (c_wrist * v_wrist_y);
+    /* wrist */
+    const float e2 = 0.6666667f * s_wrist;
+    const float bxm_wrist_x = (0.6666667f * c_wrist) + e2;
+    const float e3 = 0.6666667f * c_wrist;
+    const float bym_wrist_x = (0.33333334f * s_wrist) - e3;
+    const float bym_wrist_y = (0.33333334f * c_wrist) + e2;
+    jac[0] = 0.0f;
+    jac[1] = (((0.6666667f * s_wrist) - e3) * t_thumb_y)
+        - (((0.6666667f * bxm_wrist_x) + 0.248452f) * t_thumb_x)
+        - ((0.6666667f * e1) - (0.6666667f * t_wrist_x));
+    jac[2] = 0.0f;
+    jac[3] = (0.33333334f * t_wrist_x) + (0.6666667f * e1)
+        - ((((0.6666667f * bym_wrist_x) + 0.496904f) * t_thumb_x) + (bym_wrist_y * t_thumb_y));
+}
+
+void lift_cop_jacobian(
+    const lift_real q[],
+    const lift_real r[],
+    lift_real jac[restrict 2 * lift_DOF])
+{
+    lift_cop_jacobian_core(0, q, q, q, r, jac);
+}
+
 lift_SHARED void lift_zmp_core(
     int of_sines,
     const lift_real q[],
@@ -911,6 +985,15 @@ void lift_cop_sc(
     cop[1] = v_base_y;
 }
 
+void lift_cop_jacobian_sc(
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real r[],
+    lift_real jac[restrict 2 * lift_DOF])
+{
+    lift_cop_jacobian_core(1, sin_q, sin_q, cos_q, r, jac);
+}
+
 void lift_zmp_sc(
     const lift_real sin_q[],
     const lift_real cos_q[],
@@ -954,7 +1037,7 @@ static int lift_rounds_otherwise(lift_real result)
 }
 #endif
 
-int lift_selftest_13efb476006245ec(void)
+int lift_selftest_cb4263843b507c2b(void)
 {
     static const lift_real q[2] = {
         0.30329895f,
@@ -1003,5 +1086,5 @@ int lift_selftest_13efb476006245ec(void)
 
 int lift_selftest(void)
 {
-    return lift_selftest_13efb476006245ec();
+    return lift_selftest_cb4263843b507c2b();
 }

@@ -4,36 +4,43 @@
  * robot          lift (robot.urdf, hash 556727e508d76af7): 4 links, 2 independent joints
  * support frame  base
  * parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
+ * axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+ *                and y in the sole plane; joints turn by the right-hand rule about their URDF
+ *                axes; with all at 0, x of base points along (1.00, 0.00, 0.00)
  * snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
  *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         f32 (float); double is never touched
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|
- * com                         16      15         2         0   1.6e-7 m
- * com_jacobian                32      24         2         0   1.2e-7 m/rad
- * com_velocity                25      16         2         0   2.2e-7 m/s
- * gravity_moments             18      12         2         0   9.5e-8 m
- * regressor                   23      15         2         0   1.8e-6
- * regressor_cop               16      10         2         0   1.8e-6
- * regressor_full              38      30         2         0   1.8e-6
- * cop                         13      12         2         0   1.3e-7 m
- * zmp                        132     102         2         0   7.8e-7 m  and 1 quotient
- * com_sc                      24      19         0         0   1.9e-7 m
- * com_jacobian_sc             40      28         0         0   1.5e-7 m/rad
- * com_velocity_sc             33      20         0         0   2.6e-7 m/s
- * gravity_moments_sc          26      16         0         0   1.3e-7 m
- * regressor_sc                31      19         0         0   2.6e-6
- * regressor_cop_sc            24      14         0         0   2.6e-6
- * regressor_full_sc           46      34         0         0   2.7e-6
- * cop_sc                      21      16         0         0   1.5e-7 m
- * zmp_sc                     140     106         0         0   1.1e-6 m  and 1 quotient
+ * function                   mul     add  sin_cos  look_up   stack   proven |rounding error|
+ * com                         16      15        2        0     328   1.6e-7 m
+ * com_jacobian                32      24        2        0     336   1.2e-7 m/rad
+ * com_velocity                25      16        2        0     340   2.2e-7 m/s
+ * gravity_moments             18      12        2        0     304   9.5e-8 m
+ * regressor                   23      15        2        0     364   1.8e-6
+ * regressor_cop               16      10        2        0     332   1.8e-6
+ * regressor_full              38      30        2        0     368   1.8e-6
+ * cop                         13      12        2        0     320   1.3e-7 m
+ * cop_jacobian                25      18        2        0     324   1.1e-7 m/rad
+ * zmp                        132     102        2        0     580   7.8e-7 m, 1 quotient
+ * com_sc                      24      19        0        0     320   1.9e-7 m
+ * com_jacobian_sc             40      28        0        0     328   1.5e-7 m/rad
+ * com_velocity_sc             33      20        0        0     332   2.6e-7 m/s
+ * gravity_moments_sc          26      16        0        0     296   1.3e-7 m
+ * regressor_sc                31      19        0        0     356   2.6e-6
+ * regressor_cop_sc            24      14        0        0     324   2.6e-6
+ * regressor_full_sc           46      34        0        0     360   2.7e-6
+ * cop_sc                      21      16        0        0     312   1.5e-7 m
+ * cop_jacobian_sc             33      22        0        0     316   1.5e-7 m/rad
+ * zmp_sc                     140     106        0        0     572   1.1e-6 m, 1 quotient
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
  * That of zmp holds for joint velocities up to 1 rad/s (0.25 m/s) or the URDF's limit,
  * accelerations up to 10 rad/s2 (2.5 m/s2), and while the ground carries at least half of the
  * weight.
+ * stack: bytes at most of a function and all that it calls, by gcc with -O1, -Os or more; by
+ * clang up to a third more, and several times as much without optimisation.
  */
 
 #ifndef LIFT_H
@@ -47,7 +54,7 @@ extern "C" {
 typedef float lift_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define lift_PAIR_13efb476006245ec
+#define lift_PAIR_cb4263843b507c2b
 
 /** Number of independent joints. */
 #define lift_DOF 2
@@ -62,7 +69,7 @@ enum lift_joint {
     lift_JOINT_WRIST = 1
 };
 
-/** Total mass, kg: gravity_moments times this and g are N m. */
+/** Total mass, kg: gravity_moments times this and g are N m; a motor applies the opposite. */
 extern const lift_real lift_total_mass_kg;
 
 /** Joints in the order of q. */
@@ -118,7 +125,8 @@ void lift_com_velocity(
     lift_real velocity[3]);
 
 /**
- * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
+ * @brief The moment that gravity exerts about each joint, per kg of total mass times g, m: -d CoM_z
+ *     / d q; a motor that holds the posture applies the opposite.
  * Proven rounding error below 9.5e-8 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
@@ -158,6 +166,16 @@ void lift_regressor_full(const lift_real q[], lift_real rows[3 * lift_FULL_PARAM
  * @param[out] cop the result, [2]
  */
 void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[2]);
+
+/**
+ * @brief d cop / d q, m/rad (m/m for prismatic joints), row-major: x, y; how the predicted reading
+ *     moves with what encoders read.
+ * Proven rounding error below 1.1e-7 m/rad; arrays must not overlap.
+ * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
+ * @param[in] r base parameters, m, [lift_BASE_PARAMS]
+ * @param[out] jac the result, [2 * lift_DOF]
+ */
+void lift_cop_jacobian(const lift_real q[], const lift_real r[], lift_real jac[2 * lift_DOF]);
 
 /**
  * @brief Zero-moment point on the level sole plane, m: c and its acceleration by r, angular
@@ -224,7 +242,8 @@ void lift_com_velocity_sc(
     lift_real velocity[3]);
 
 /**
- * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
+ * @brief The moment that gravity exerts about each joint, per kg of total mass times g, m: -d CoM_z
+ *     / d q; a motor that holds the posture applies the opposite.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.3e-7 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
@@ -293,6 +312,22 @@ void lift_cop_sc(
     lift_real cop[2]);
 
 /**
+ * @brief d cop / d q, m/rad (m/m for prismatic joints), row-major: x, y; how the predicted reading
+ *     moves with what encoders read.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
+ * Proven rounding error below 1.5e-7 m/rad; arrays must not overlap.
+ * @param[in] sin_q sines of the joint angles, [lift_DOF]
+ * @param[in] cos_q cosines of the joint angles, [lift_DOF]
+ * @param[in] r base parameters, m, [lift_BASE_PARAMS]
+ * @param[out] jac the result, [2 * lift_DOF]
+ */
+void lift_cop_jacobian_sc(
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real r[],
+    lift_real jac[2 * lift_DOF]);
+
+/**
  * @brief Zero-moment point on the level sole plane, m: c and its acceleration by r, angular
  *     momentum by the URDF's masses and inertias.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
@@ -324,10 +359,10 @@ int lift_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int lift_selftest_13efb476006245ec(void);
+int lift_selftest_cb4263843b507c2b(void);
 #ifndef lift_SOURCE
 #define lift_selftest() \
-    lift_selftest_13efb476006245ec()
+    lift_selftest_cb4263843b507c2b()
 #endif
 
 #ifdef __cplusplus

@@ -4,42 +4,61 @@
  * robot          lift (robot.urdf, hash 556727e508d76af7): 4 links, 2 independent joints
  * support frame  base
  * parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
+ * axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+ *                and y in the sole plane; joints turn by the right-hand rule about their URDF
+ *                axes; with all at 0, x of base points along (1.00, 0.00, 0.00)
  * snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
  *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|
- * com                         16      15         2         0   1.1e-8 m
- * com_jacobian                32      24         2         0   1.1e-8 m/rad
- * com_velocity                25      16         2         0   1.7e-8 m/s
- * gravity_moments             18      12         2         0   1.1e-8 m
- * regressor                   23      15         2         0   2.1e-8
- * regressor_cop               16      10         2         0   2.1e-8
- * regressor_full              38      30         2         0   2.1e-8
- * cop                         13      12         2         0   9.3e-9 m
- * com_sc                      24      19         0         0   1.2e-8 m
- * com_jacobian_sc             40      28         0         0   1.2e-8 m/rad
- * com_velocity_sc             33      20         0         0   1.8e-8 m/s
- * gravity_moments_sc          26      16         0         0   1.2e-8 m
- * regressor_sc                31      19         0         0   1.9e-8
- * regressor_cop_sc            24      14         0         0   1.9e-8
- * regressor_full_sc           46      34         0         0   2.0e-8
- * cop_sc                      21      16         0         0   9.8e-9 m
+ * function                   mul     add  sin_cos  look_up   stack   proven |rounding error|
+ * com                         16      15        2        0     400   1.1e-8 m
+ * com_jacobian                32      24        2        0     416   1.1e-8 m/rad
+ * com_velocity                25      16        2        0     424   1.7e-8 m/s
+ * gravity_moments             18      12        2        0     352   1.1e-8 m
+ * regressor                   23      15        2        0     472   2.1e-8
+ * regressor_cop               16      10        2        0     408   2.1e-8
+ * regressor_full              38      30        2        0     480   2.1e-8
+ * cop                         13      12        2        0     384   9.3e-9 m
+ * cop_jacobian                25      18        2        0     392   1.1e-8 m/rad
+ * com_sc                      24      19        0        0     384   1.2e-8 m
+ * com_jacobian_sc             40      28        0        0     400   1.2e-8 m/rad
+ * com_velocity_sc             33      20        0        0     408   1.8e-8 m/s
+ * gravity_moments_sc          26      16        0        0     336   1.2e-8 m
+ * regressor_sc                31      19        0        0     456   1.9e-8
+ * regressor_cop_sc            24      14        0        0     392   1.9e-8
+ * regressor_full_sc           46      34        0        0     464   2.0e-8
+ * cop_sc                      21      16        0        0     368   9.8e-9 m
+ * cop_jacobian_sc             33      22        0        0     376   1.2e-8 m/rad
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
  * zmp divides by the load on the ground: f64 and f32 have it.
+ * stack: bytes at most of a function and all that it calls, by gcc with -O1, -Os or more; by
+ * clang up to a third more, and several times as much without optimisation.
  */
+
+#if defined(__cplusplus)
+#error "lift.c is C99: compile it as C; lift.h is for C and C++"
+#elif defined(_MSC_VER) && !defined(__clang__)
+#error "lift.c is C99, which MSVC does not take whole: compile it with clang-cl"
+#elif !defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L)
+#error "lift.c is C99: add -std=c99 or a later standard"
+#endif
 
 /* The self-test is defined here, by its own name, too. */
 #define lift_SOURCE
 #include "lift.h"
-#ifndef lift_PAIR_aea9aecadc2cbcff
+#ifndef lift_PAIR_1e75d5f13b163e20
 #error "lift.h is not the header that was written with this source: generate both again"
 #endif
 
 #include <stdint.h>
+
+#if ((-1 >> 1) != -1) || !defined(INT32_MAX) || !defined(INT64_MAX)
+#error "lift needs int32_t, int64_t and shifts that keep the sign"
+#endif
 
 const lift_real lift_total_mass_kg = 1073741824; /* 8.0 kg, 27 bits below the point */
 
@@ -100,6 +119,12 @@ static lift_real lift_narrow(int64_t wide, uint32_t bits)
 /* value * 2^bits. A product: shifting a negative number up is undefined. */
 #define lift_shift_up(value, bits) \
     ((int64_t)(value) * ((int64_t)1 << (bits)))
+
+/* Inside the ranges of all inputs nothing overflows; for others sums wrap, as angles do. */
+#define lift_add(a, b) \
+    ((int32_t)((uint32_t)(a) + (uint32_t)(b)))
+#define lift_subtract(a, b) \
+    ((int32_t)((uint32_t)(a) - (uint32_t)(b)))
 
 /* sin(k pi / 2048) for k = 0 .. 1024: a quarter of the 4096 steps of a turn. */
 static const lift_real lift_quarter[1025] = {
@@ -270,7 +295,7 @@ static void lift_sincos(int32_t angle, uint32_t bits, int32_t *sine, int32_t *co
 void lift_com(const lift_real q[], const lift_real r[], lift_real com[restrict 3])
 {
     /* thumb */
-    const int32_t e1 = q[1] - 605212012;
+    const int32_t e1 = lift_subtract(q[1], 605212012);
     int32_t s_thumb;
     int32_t c_thumb;
     lift_sincos(e1, 30u, &s_thumb, &c_thumb);
@@ -281,8 +306,8 @@ void lift_com(const lift_real q[], const lift_real r[], lift_real com[restrict 3
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t e2 = q[1] - 497837829;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
+    const int32_t e2 = lift_subtract(q[1], 497837829);
     int32_t s_wrist;
     int32_t c_wrist;
     lift_sincos(e2, 30u, &s_wrist, &c_wrist);
@@ -298,7 +323,7 @@ void lift_com(const lift_real q[], const lift_real r[], lift_real com[restrict 3
     const int32_t w_wrist_z = lift_narrow(((int64_t)715827883 * e4)
         - ((int64_t)800319903 * t_thumb_y), 30u);
     /* base */
-    const int32_t v_base_x = r[0] + w_wrist_x;
+    const int32_t v_base_x = lift_add(r[0], w_wrist_x);
     const int32_t v_base_y = lift_narrow(lift_shift_up(r[1], 30u) - lift_shift_up(e3, 30u)
         - ((int64_t)1431655765 * e4), 30u);
     const int32_t v_base_z = lift_narrow(lift_shift_up(r[2], 30u) + lift_shift_up(w_wrist_z, 30u)
@@ -314,7 +339,7 @@ void lift_com_jacobian(
     lift_real jac[restrict 3 * lift_DOF])
 {
     /* thumb */
-    const int32_t e1 = q[1] - 605212012;
+    const int32_t e1 = lift_subtract(q[1], 605212012);
     int32_t s_thumb;
     int32_t c_thumb;
     lift_sincos(e1, 30u, &s_thumb, &c_thumb);
@@ -325,8 +350,8 @@ void lift_com_jacobian(
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t e2 = q[1] - 497837829;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
+    const int32_t e2 = lift_subtract(q[1], 497837829);
     int32_t s_wrist;
     int32_t c_wrist;
     lift_sincos(e2, 30u, &s_wrist, &c_wrist);
@@ -337,7 +362,7 @@ void lift_com_jacobian(
     /* wrist */
     const int32_t e4 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e5 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_x = e4 + e5;
+    const int32_t bx_wrist_x = lift_add(e4, e5);
     const int32_t e6 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e7 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
     const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
@@ -347,7 +372,7 @@ void lift_com_jacobian(
     const int32_t bz_wrist_x = lift_narrow(((int64_t)357913941 * c_wrist)
         - lift_shift_up(e7, 30u), 30u);
     jac[0] = 0;
-    jac[1] = lift_narrow(((int64_t)(e7 - e6) * t_thumb_y)
+    jac[1] = lift_narrow(((int64_t)lift_subtract(e7, e6) * t_thumb_y)
         - ((int64_t)lift_narrow(((int64_t)715827883 * bx_wrist_x)
         + INT64_C(286445650780249664), 30u) * t_thumb_x) - ((int64_t)715827883 * e3)
         + ((int64_t)715827883 * t_wrist_x), 30u);
@@ -371,7 +396,7 @@ void lift_com_velocity(
     lift_real velocity[restrict 3])
 {
     /* thumb */
-    const int32_t e1 = q[1] - 605212012;
+    const int32_t e1 = lift_subtract(q[1], 605212012);
     int32_t s_thumb;
     int32_t c_thumb;
     lift_sincos(e1, 30u, &s_thumb, &c_thumb);
@@ -382,8 +407,8 @@ void lift_com_velocity(
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t e2 = q[1] - 497837829;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
+    const int32_t e2 = lift_subtract(q[1], 497837829);
     int32_t s_wrist;
     int32_t c_wrist;
     lift_sincos(e2, 30u, &s_wrist, &c_wrist);
@@ -422,7 +447,7 @@ void lift_gravity_moments(
     lift_real moments[restrict lift_DOF])
 {
     /* thumb */
-    const int32_t e1 = q[1] - 605212012;
+    const int32_t e1 = lift_subtract(q[1], 605212012);
     int32_t s_thumb;
     int32_t c_thumb;
     lift_sincos(e1, 30u, &s_thumb, &c_thumb);
@@ -433,8 +458,8 @@ void lift_gravity_moments(
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t e2 = q[1] - 497837829;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
+    const int32_t e2 = lift_subtract(q[1], 497837829);
     int32_t s_wrist;
     int32_t c_wrist;
     lift_sincos(e2, 30u, &s_wrist, &c_wrist);
@@ -456,16 +481,16 @@ void lift_gravity_moments(
 void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_PARAMS])
 {
     /* wrist */
-    const int32_t e1 = q[1] - 497837829;
+    const int32_t e1 = lift_subtract(q[1], 497837829);
     int32_t s_wrist;
     int32_t c_wrist;
     lift_sincos(e1, 30u, &s_wrist, &c_wrist);
     const int32_t e2 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e3 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_x = e2 + e3;
+    const int32_t bx_wrist_x = lift_add(e2, e3);
     const int32_t e4 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e5 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t e6 = e5 - e4;
+    const int32_t e6 = lift_subtract(e5, e4);
     const int32_t bx_wrist_y = -e6;
     const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
         - lift_shift_up(e4, 30u), 30u);
@@ -476,7 +501,7 @@ void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_P
     const int32_t e7 = lift_narrow(lift_shift_up(e2, 30u) + ((int64_t)357913941 * s_wrist), 30u);
     const int32_t bz_wrist_y = -e7;
     /* thumb */
-    const int32_t e8 = q[1] - 605212012;
+    const int32_t e8 = lift_subtract(q[1], 605212012);
     int32_t s_thumb;
     int32_t c_thumb;
     lift_sincos(e8, 30u, &s_thumb, &c_thumb);
@@ -525,7 +550,7 @@ void lift_regressor(const lift_real q[], lift_real rows[restrict 3 * lift_BASE_P
 void lift_regressor_cop(const lift_real q[], lift_real rows[restrict 2 * lift_BASE_PARAMS])
 {
     /* wrist */
-    const int32_t e1 = q[1] - 497837829;
+    const int32_t e1 = lift_subtract(q[1], 497837829);
     int32_t s_wrist;
     int32_t c_wrist;
     lift_sincos(e1, 30u, &s_wrist, &c_wrist);
@@ -540,7 +565,7 @@ void lift_regressor_cop(const lift_real q[], lift_real rows[restrict 2 * lift_BA
     const int32_t by_wrist_y = lift_narrow(((int64_t)357913941 * c_wrist)
         + lift_shift_up(e2, 30u), 30u);
     /* thumb */
-    const int32_t e5 = q[1] - 605212012;
+    const int32_t e5 = lift_subtract(q[1], 605212012);
     int32_t s_thumb;
     int32_t c_thumb;
     lift_sincos(e5, 30u, &s_thumb, &c_thumb);
@@ -575,16 +600,16 @@ void lift_regressor_cop(const lift_real q[], lift_real rows[restrict 2 * lift_BA
 void lift_regressor_full(const lift_real q[], lift_real rows[restrict 3 * lift_FULL_PARAMS])
 {
     /* wrist */
-    const int32_t e1 = q[1] - 497837829;
+    const int32_t e1 = lift_subtract(q[1], 497837829);
     int32_t s_wrist;
     int32_t c_wrist;
     lift_sincos(e1, 30u, &s_wrist, &c_wrist);
     const int32_t e2 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e3 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_x = e2 + e3;
+    const int32_t bx_wrist_x = lift_add(e2, e3);
     const int32_t e4 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e5 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t e6 = e5 - e4;
+    const int32_t e6 = lift_subtract(e5, e4);
     const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
         - lift_shift_up(e4, 30u), 30u);
     const int32_t by_wrist_y = lift_narrow(((int64_t)357913941 * c_wrist)
@@ -593,7 +618,7 @@ void lift_regressor_full(const lift_real q[], lift_real rows[restrict 3 * lift_F
         - lift_shift_up(e5, 30u), 30u);
     const int32_t e7 = lift_narrow(lift_shift_up(e2, 30u) + ((int64_t)357913941 * s_wrist), 30u);
     /* thumb */
-    const int32_t e8 = q[1] - 605212012;
+    const int32_t e8 = lift_subtract(q[1], 605212012);
     int32_t s_thumb;
     int32_t c_thumb;
     lift_sincos(e8, 30u, &s_thumb, &c_thumb);
@@ -669,7 +694,7 @@ void lift_regressor_full(const lift_real q[], lift_real rows[restrict 3 * lift_F
 void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[restrict 2])
 {
     /* thumb */
-    const int32_t e1 = q[1] - 605212012;
+    const int32_t e1 = lift_subtract(q[1], 605212012);
     int32_t s_thumb;
     int32_t c_thumb;
     lift_sincos(e1, 30u, &s_thumb, &c_thumb);
@@ -680,8 +705,8 @@ void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[restrict 2
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
-    const int32_t e2 = q[1] - 497837829;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
+    const int32_t e2 = lift_subtract(q[1], 497837829);
     int32_t s_wrist;
     int32_t c_wrist;
     lift_sincos(e2, 30u, &s_wrist, &c_wrist);
@@ -695,11 +720,59 @@ void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[restrict 2
     const int32_t w_wrist_x = lift_narrow(lift_shift_up(t_wrist_x, 30u)
         - ((int64_t)715827883 * e4), 30u);
     /* base */
-    const int32_t v_base_x = r[0] + w_wrist_x;
+    const int32_t v_base_x = lift_add(r[0], w_wrist_x);
     const int32_t v_base_y = lift_narrow(lift_shift_up(r[1], 30u) - lift_shift_up(e3, 30u)
         - ((int64_t)1431655765 * e4), 30u);
     cop[0] = v_base_x;
     cop[1] = v_base_y;
+}
+
+void lift_cop_jacobian(
+    const lift_real q[],
+    const lift_real r[],
+    lift_real jac[restrict 2 * lift_DOF])
+{
+    /* thumb */
+    const int32_t e1 = lift_subtract(q[1], 605212012);
+    int32_t s_thumb;
+    int32_t c_thumb;
+    lift_sincos(e1, 30u, &s_thumb, &c_thumb);
+    const int32_t t_thumb_x = lift_narrow(((int64_t)c_thumb * r[6])
+        + ((int64_t)s_thumb * r[7]), 30u);
+    const int32_t t_thumb_y = lift_narrow(((int64_t)s_thumb * r[6])
+        - ((int64_t)c_thumb * r[7]), 30u);
+    /* wrist */
+    const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
+        - ((int64_t)715827883 * t_thumb_y), 30u);
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
+    const int32_t e2 = lift_subtract(q[1], 497837829);
+    int32_t s_wrist;
+    int32_t c_wrist;
+    lift_sincos(e2, 30u, &s_wrist, &c_wrist);
+    const int32_t t_wrist_x = lift_narrow(((int64_t)c_wrist * v_wrist_x)
+        - ((int64_t)s_wrist * v_wrist_y), 30u);
+    const int32_t e3 = lift_narrow(((int64_t)s_wrist * v_wrist_x)
+        + ((int64_t)c_wrist * v_wrist_y), 30u);
+    /* wrist */
+    const int32_t e4 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
+    const int32_t bxm_wrist_x = lift_narrow(((int64_t)715827883 * c_wrist)
+        + lift_shift_up(e4, 30u), 30u);
+    const int32_t e5 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
+    const int32_t bym_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
+        - lift_shift_up(e5, 30u), 30u);
+    const int32_t bym_wrist_y = lift_narrow(((int64_t)357913941 * c_wrist)
+        + lift_shift_up(e4, 30u), 30u);
+    jac[0] = 0;
+    jac[1] =
+        lift_narrow(((int64_t)lift_narrow(((int64_t)715827883 * s_wrist)
+        - lift_shift_up(e5, 30u), 30u) * t_thumb_y)
+        - ((int64_t)lift_narrow(((int64_t)715827883 * bxm_wrist_x)
+        + INT64_C(286445650780249664), 30u) * t_thumb_x) - ((int64_t)715827883 * e3)
+        + ((int64_t)715827883 * t_wrist_x), 30u);
+    jac[2] = 0;
+    jac[3] = lift_narrow(((int64_t)357913941 * t_wrist_x) + ((int64_t)715827883 * e3)
+        - ((int64_t)lift_narrow(((int64_t)715827883 * bym_wrist_x)
+        + INT64_C(572891301560499328), 30u) * t_thumb_x) - ((int64_t)bym_wrist_y * t_thumb_y), 30u);
 }
 
 void lift_com_sc(
@@ -720,7 +793,7 @@ void lift_com_sc(
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
     const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
         - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
@@ -737,7 +810,7 @@ void lift_com_sc(
     const int32_t w_wrist_z = lift_narrow(((int64_t)715827883 * e2)
         - ((int64_t)800319903 * t_thumb_y), 30u);
     /* base */
-    const int32_t v_base_x = r[0] + w_wrist_x;
+    const int32_t v_base_x = lift_add(r[0], w_wrist_x);
     const int32_t v_base_y = lift_narrow(lift_shift_up(r[1], 30u) - lift_shift_up(e1, 30u)
         - ((int64_t)1431655765 * e2), 30u);
     const int32_t v_base_z = lift_narrow(lift_shift_up(r[2], 30u) + lift_shift_up(w_wrist_z, 30u)
@@ -765,7 +838,7 @@ void lift_com_jacobian_sc(
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
     const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
         - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
@@ -777,7 +850,7 @@ void lift_com_jacobian_sc(
     /* wrist */
     const int32_t e2 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e3 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_x = e2 + e3;
+    const int32_t bx_wrist_x = lift_add(e2, e3);
     const int32_t e4 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e5 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
     const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
@@ -787,7 +860,7 @@ void lift_com_jacobian_sc(
     const int32_t bz_wrist_x = lift_narrow(((int64_t)357913941 * c_wrist)
         - lift_shift_up(e5, 30u), 30u);
     jac[0] = 0;
-    jac[1] = lift_narrow(((int64_t)(e5 - e4) * t_thumb_y)
+    jac[1] = lift_narrow(((int64_t)lift_subtract(e5, e4) * t_thumb_y)
         - ((int64_t)lift_narrow(((int64_t)715827883 * bx_wrist_x)
         + INT64_C(286445650780249664), 30u) * t_thumb_x) - ((int64_t)715827883 * e1)
         + ((int64_t)715827883 * t_wrist_x), 30u);
@@ -823,7 +896,7 @@ void lift_com_velocity_sc(
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
     const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
         - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
@@ -875,7 +948,7 @@ void lift_gravity_moments_sc(
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
     const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
         - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
@@ -907,10 +980,10 @@ void lift_regressor_sc(
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t e1 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e2 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_x = e1 + e2;
+    const int32_t bx_wrist_x = lift_add(e1, e2);
     const int32_t e3 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e4 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t e5 = e4 - e3;
+    const int32_t e5 = lift_subtract(e4, e3);
     const int32_t bx_wrist_y = -e5;
     const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
         - lift_shift_up(e3, 30u), 30u);
@@ -1030,10 +1103,10 @@ void lift_regressor_full_sc(
         + ((int64_t)480191942 * sin_q[1]), 30u);
     const int32_t e1 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e2 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t bx_wrist_x = e1 + e2;
+    const int32_t bx_wrist_x = lift_add(e1, e2);
     const int32_t e3 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
     const int32_t e4 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
-    const int32_t e5 = e4 - e3;
+    const int32_t e5 = lift_subtract(e4, e3);
     const int32_t by_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
         - lift_shift_up(e3, 30u), 30u);
     const int32_t by_wrist_y = lift_narrow(((int64_t)357913941 * c_wrist)
@@ -1131,7 +1204,7 @@ void lift_cop_sc(
     /* wrist */
     const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
         - ((int64_t)715827883 * t_thumb_y), 30u);
-    const int32_t v_wrist_y = r[5] + t_thumb_x;
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
     const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
         - ((int64_t)480191942 * cos_q[1]), 30u);
     const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
@@ -1146,11 +1219,60 @@ void lift_cop_sc(
     const int32_t w_wrist_x = lift_narrow(lift_shift_up(t_wrist_x, 30u)
         - ((int64_t)715827883 * e2), 30u);
     /* base */
-    const int32_t v_base_x = r[0] + w_wrist_x;
+    const int32_t v_base_x = lift_add(r[0], w_wrist_x);
     const int32_t v_base_y = lift_narrow(lift_shift_up(r[1], 30u) - lift_shift_up(e1, 30u)
         - ((int64_t)1431655765 * e2), 30u);
     cop[0] = v_base_x;
     cop[1] = v_base_y;
+}
+
+void lift_cop_jacobian_sc(
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real r[],
+    lift_real jac[restrict 2 * lift_DOF])
+{
+    /* thumb */
+    const int32_t s_thumb = lift_narrow(((int64_t)907646762 * sin_q[1])
+        - ((int64_t)573671387 * cos_q[1]), 30u);
+    const int32_t c_thumb = lift_narrow(((int64_t)907646762 * cos_q[1])
+        + ((int64_t)573671387 * sin_q[1]), 30u);
+    const int32_t t_thumb_x = lift_narrow(((int64_t)c_thumb * r[6])
+        + ((int64_t)s_thumb * r[7]), 30u);
+    const int32_t t_thumb_y = lift_narrow(((int64_t)s_thumb * r[6])
+        - ((int64_t)c_thumb * r[7]), 30u);
+    /* wrist */
+    const int32_t v_wrist_x = lift_narrow(lift_shift_up(r[4], 30u)
+        - ((int64_t)715827883 * t_thumb_y), 30u);
+    const int32_t v_wrist_y = lift_add(r[5], t_thumb_x);
+    const int32_t s_wrist = lift_narrow(((int64_t)960383883 * sin_q[1])
+        - ((int64_t)480191942 * cos_q[1]), 30u);
+    const int32_t c_wrist = lift_narrow(((int64_t)960383883 * cos_q[1])
+        + ((int64_t)480191942 * sin_q[1]), 30u);
+    const int32_t t_wrist_x = lift_narrow(((int64_t)c_wrist * v_wrist_x)
+        - ((int64_t)s_wrist * v_wrist_y), 30u);
+    const int32_t e1 = lift_narrow(((int64_t)s_wrist * v_wrist_x)
+        + ((int64_t)c_wrist * v_wrist_y), 30u);
+    /* wrist */
+    const int32_t e2 = lift_narrow((int64_t)715827883 * s_wrist, 30u);
+    const int32_t bxm_wrist_x = lift_narrow(((int64_t)715827883 * c_wrist)
+        + lift_shift_up(e2, 30u), 30u);
+    const int32_t e3 = lift_narrow((int64_t)715827883 * c_wrist, 30u);
+    const int32_t bym_wrist_x = lift_narrow(((int64_t)357913941 * s_wrist)
+        - lift_shift_up(e3, 30u), 30u);
+    const int32_t bym_wrist_y = lift_narrow(((int64_t)357913941 * c_wrist)
+        + lift_shift_up(e2, 30u), 30u);
+    jac[0] = 0;
+    jac[1] =
+        lift_narrow(((int64_t)lift_narrow(((int64_t)715827883 * s_wrist)
+        - lift_shift_up(e3, 30u), 30u) * t_thumb_y)
+        - ((int64_t)lift_narrow(((int64_t)715827883 * bxm_wrist_x)
+        + INT64_C(286445650780249664), 30u) * t_thumb_x) - ((int64_t)715827883 * e1)
+        + ((int64_t)715827883 * t_wrist_x), 30u);
+    jac[2] = 0;
+    jac[3] = lift_narrow(((int64_t)357913941 * t_wrist_x) + ((int64_t)715827883 * e1)
+        - ((int64_t)lift_narrow(((int64_t)715827883 * bym_wrist_x)
+        + INT64_C(572891301560499328), 30u) * t_thumb_x) - ((int64_t)bym_wrist_y * t_thumb_y), 30u);
 }
 
 static int lift_differs(
@@ -1170,7 +1292,7 @@ static int lift_differs(
     return differs;
 }
 
-int lift_selftest_aea9aecadc2cbcff(void)
+int lift_selftest_1e75d5f13b163e20(void)
 {
     static const lift_real q[2] = {
         325664768,
@@ -1213,5 +1335,5 @@ int lift_selftest_aea9aecadc2cbcff(void)
 
 int lift_selftest(void)
 {
-    return lift_selftest_aea9aecadc2cbcff();
+    return lift_selftest_1e75d5f13b163e20();
 }

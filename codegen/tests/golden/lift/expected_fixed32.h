@@ -4,32 +4,39 @@
  * robot          lift (robot.urdf, hash 556727e508d76af7): 4 links, 2 independent joints
  * support frame  base
  * parameters     13 SESC (r), 8 base; rank 8 from CoM rows, 6 from flat CoP rows
+ * axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+ *                and y in the sole plane; joints turn by the right-hand rule about their URDF
+ *                axes; with all at 0, x of base points along (1.00, 0.00, 0.00)
  * snapped        thumb: 3.7e-6 rad to a right angle, CoM moves by at most 2.3e-8 m
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
  *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|
- * com                         16      15         2         0   1.1e-8 m
- * com_jacobian                32      24         2         0   1.1e-8 m/rad
- * com_velocity                25      16         2         0   1.7e-8 m/s
- * gravity_moments             18      12         2         0   1.1e-8 m
- * regressor                   23      15         2         0   2.1e-8
- * regressor_cop               16      10         2         0   2.1e-8
- * regressor_full              38      30         2         0   2.1e-8
- * cop                         13      12         2         0   9.3e-9 m
- * com_sc                      24      19         0         0   1.2e-8 m
- * com_jacobian_sc             40      28         0         0   1.2e-8 m/rad
- * com_velocity_sc             33      20         0         0   1.8e-8 m/s
- * gravity_moments_sc          26      16         0         0   1.2e-8 m
- * regressor_sc                31      19         0         0   1.9e-8
- * regressor_cop_sc            24      14         0         0   1.9e-8
- * regressor_full_sc           46      34         0         0   2.0e-8
- * cop_sc                      21      16         0         0   9.8e-9 m
+ * function                   mul     add  sin_cos  look_up   stack   proven |rounding error|
+ * com                         16      15        2        0     400   1.1e-8 m
+ * com_jacobian                32      24        2        0     416   1.1e-8 m/rad
+ * com_velocity                25      16        2        0     424   1.7e-8 m/s
+ * gravity_moments             18      12        2        0     352   1.1e-8 m
+ * regressor                   23      15        2        0     472   2.1e-8
+ * regressor_cop               16      10        2        0     408   2.1e-8
+ * regressor_full              38      30        2        0     480   2.1e-8
+ * cop                         13      12        2        0     384   9.3e-9 m
+ * cop_jacobian                25      18        2        0     392   1.1e-8 m/rad
+ * com_sc                      24      19        0        0     384   1.2e-8 m
+ * com_jacobian_sc             40      28        0        0     400   1.2e-8 m/rad
+ * com_velocity_sc             33      20        0        0     408   1.8e-8 m/s
+ * gravity_moments_sc          26      16        0        0     336   1.2e-8 m
+ * regressor_sc                31      19        0        0     456   1.9e-8
+ * regressor_cop_sc            24      14        0        0     392   1.9e-8
+ * regressor_full_sc           46      34        0        0     464   2.0e-8
+ * cop_sc                      21      16        0        0     368   9.8e-9 m
+ * cop_jacobian_sc             33      22        0        0     376   1.2e-8 m/rad
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
  * zmp divides by the load on the ground: f64 and f32 have it.
+ * stack: bytes at most of a function and all that it calls, by gcc with -O1, -Os or more; by
+ * clang up to a third more, and several times as much without optimisation.
  */
 
 #ifndef LIFT_H
@@ -45,7 +52,7 @@ extern "C" {
 typedef int32_t lift_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define lift_PAIR_aea9aecadc2cbcff
+#define lift_PAIR_1e75d5f13b163e20
 
 /** Number of independent joints. */
 #define lift_DOF 2
@@ -87,6 +94,9 @@ typedef int32_t lift_real;
 /** Fraction bits of the results of cop: value = integer / 2^30. */
 #define lift_COP_FRACTION_BITS 30
 
+/** Fraction bits of the results of cop_jacobian: value = integer / 2^30. */
+#define lift_COP_JACOBIAN_FRACTION_BITS 30
+
 /** Fraction bits of sines and cosines (m of prismatic joints in sin_q): value = integer / 2^30. */
 #define lift_SC_FRACTION_BITS 30
 
@@ -99,7 +109,8 @@ enum lift_joint {
     lift_JOINT_WRIST = 1
 };
 
-/** Total mass, kg / 2^lift_TOTAL_MASS_FRACTION_BITS: gravity_moments times this and g are N m. */
+/** Total mass, kg / 2^lift_TOTAL_MASS_FRACTION_BITS: gravity_moments times this and g are N m; a
+ * motor applies the opposite. */
 extern const lift_real lift_total_mass_kg;
 
 /** Joints in the order of q. */
@@ -155,7 +166,8 @@ void lift_com_velocity(
     lift_real velocity[3]);
 
 /**
- * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
+ * @brief The moment that gravity exerts about each joint, per kg of total mass times g, m: -d CoM_z
+ *     / d q; a motor that holds the posture applies the opposite.
  * Proven rounding error below 1.1e-8 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
  * @param[in] r base parameters, m, [lift_BASE_PARAMS]
@@ -195,6 +207,16 @@ void lift_regressor_full(const lift_real q[], lift_real rows[3 * lift_FULL_PARAM
  * @param[out] cop the result, [2]
  */
 void lift_cop(const lift_real q[], const lift_real r[], lift_real cop[2]);
+
+/**
+ * @brief d cop / d q, m/rad (m/m for prismatic joints), row-major: x, y; how the predicted reading
+ *     moves with what encoders read.
+ * Proven rounding error below 1.1e-8 m/rad; arrays must not overlap.
+ * @param[in] q joint positions, rad (m for prismatic joints), [lift_DOF]
+ * @param[in] r base parameters, m, [lift_BASE_PARAMS]
+ * @param[out] jac the result, [2 * lift_DOF]
+ */
+void lift_cop_jacobian(const lift_real q[], const lift_real r[], lift_real jac[2 * lift_DOF]);
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
@@ -244,7 +266,8 @@ void lift_com_velocity_sc(
     lift_real velocity[3]);
 
 /**
- * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
+ * @brief The moment that gravity exerts about each joint, per kg of total mass times g, m: -d CoM_z
+ *     / d q; a motor that holds the posture applies the opposite.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 1.2e-8 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [lift_DOF]
@@ -313,6 +336,22 @@ void lift_cop_sc(
     lift_real cop[2]);
 
 /**
+ * @brief d cop / d q, m/rad (m/m for prismatic joints), row-major: x, y; how the predicted reading
+ *     moves with what encoders read.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
+ * Proven rounding error below 1.2e-8 m/rad; arrays must not overlap.
+ * @param[in] sin_q sines of the joint angles, [lift_DOF]
+ * @param[in] cos_q cosines of the joint angles, [lift_DOF]
+ * @param[in] r base parameters, m, [lift_BASE_PARAMS]
+ * @param[out] jac the result, [2 * lift_DOF]
+ */
+void lift_cop_jacobian_sc(
+    const lift_real sin_q[],
+    const lift_real cos_q[],
+    const lift_real r[],
+    lift_real jac[2 * lift_DOF]);
+
+/**
  * @brief Check the compiled functions against what the generator computed by another way.
  * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments).
  */
@@ -323,10 +362,10 @@ int lift_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int lift_selftest_aea9aecadc2cbcff(void);
+int lift_selftest_1e75d5f13b163e20(void);
 #ifndef lift_SOURCE
 #define lift_selftest() \
-    lift_selftest_aea9aecadc2cbcff()
+    lift_selftest_1e75d5f13b163e20()
 #endif
 
 #ifdef __cplusplus

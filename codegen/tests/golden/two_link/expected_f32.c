@@ -4,38 +4,44 @@
  * robot          two_link (robot.urdf, hash 703ea270878e0914): 3 links, 2 independent joints
  * support frame  foot
  * parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
+ * axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+ *                and y in the sole plane; joints turn by the right-hand rule about their URDF
+ *                axes; with all at 0, x of thigh points along (1.00, 0.00, 0.00)
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
  *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         f32 (float); double is never touched
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|
- * com                          8       8         2         0   3.0e-7 m
- * com_jacobian                12       8         2         0   2.6e-7 m/rad
- * com_velocity                16      10         2         0   2.4e-6 m/s
- * gravity_moments              8       6         2         0   2.3e-7 m
- * regressor                    4       2         2         0   6.6e-7
- * regressor_cop                4       2         2         0   6.6e-7
- * regressor_full               4       2         2         0   6.6e-7
- * cop                          6       6         2         0   2.5e-7 m
- * zmp                         62      48         2         0   7.2e-6 m  and 1 quotient
- * com_sc                       8       8         0         0   2.6e-7 m
- * com_jacobian_sc             12       8         0         0   2.3e-7 m/rad
- * com_velocity_sc             16      10         0         0   2.1e-6 m/s
- * gravity_moments_sc           8       6         0         0   2.0e-7 m
- * regressor_sc                 4       2         0         0   4.8e-7
- * regressor_cop_sc             4       2         0         0   4.8e-7
- * regressor_full_sc            4       2         0         0   4.8e-7
- * cop_sc                       6       6         0         0   2.1e-7 m
- * zmp_sc                      62      48         0         0   6.4e-6 m  and 1 quotient
- * com_ticks                    8       8         0         2   2.6e-7 m
- * com_jacobian_ticks          12       8         0         2   2.3e-7 m/rad
- * com_velocity_ticks          16      10         0         2   2.1e-6 m/s
- * gravity_moments_ticks        8       6         0         2   2.0e-7 m
- * regressor_ticks              4       2         0         2   4.8e-7
- * regressor_cop_ticks          4       2         0         2   4.8e-7
- * regressor_full_ticks         4       2         0         2   4.8e-7
- * cop_ticks                    6       6         0         2   2.1e-7 m
- * zmp_ticks                   62      48         0         2   6.4e-6 m  and 1 quotient
+ * function                   mul     add  sin_cos  look_up   stack   proven |rounding error|
+ * com                          8       8        2        0     288   3.0e-7 m
+ * com_jacobian                12       8        2        0     296   2.6e-7 m/rad
+ * com_velocity                16      10        2        0     312   2.4e-6 m/s
+ * gravity_moments              8       6        2        0     292   2.3e-7 m
+ * regressor                    4       2        2        0     288   6.6e-7
+ * regressor_cop                4       2        2        0     280   6.6e-7
+ * regressor_full               4       2        2        0     288   6.6e-7
+ * cop                          6       6        2        0     284   2.5e-7 m
+ * cop_jacobian                 8       6        2        0     292   2.3e-7 m/rad
+ * zmp                         62      48        2        0     388   7.2e-6 m, 1 quotient
+ * com_sc                       8       8        0        0     272   2.6e-7 m
+ * com_jacobian_sc             12       8        0        0     280   2.3e-7 m/rad
+ * com_velocity_sc             16      10        0        0     296   2.1e-6 m/s
+ * gravity_moments_sc           8       6        0        0     276   2.0e-7 m
+ * regressor_sc                 4       2        0        0     272   4.8e-7
+ * regressor_cop_sc             4       2        0        0     264   4.8e-7
+ * regressor_full_sc            4       2        0        0     272   4.8e-7
+ * cop_sc                       6       6        0        0     268   2.1e-7 m
+ * cop_jacobian_sc              8       6        0        0     276   2.0e-7 m/rad
+ * zmp_sc                      62      48        0        0     372   6.4e-6 m, 1 quotient
+ * com_ticks                    8       8        0        2     544   2.6e-7 m
+ * com_jacobian_ticks          12       8        0        2     552   2.3e-7 m/rad
+ * com_velocity_ticks          16      10        0        2     568   2.1e-6 m/s
+ * gravity_moments_ticks        8       6        0        2     548   2.0e-7 m
+ * regressor_ticks              4       2        0        2     544   4.8e-7
+ * regressor_cop_ticks          4       2        0        2     536   4.8e-7
+ * regressor_full_ticks         4       2        0        2     544   4.8e-7
+ * cop_ticks                    6       6        0        2     540   2.1e-7 m
+ * cop_jacobian_ticks           8       6        0        2     548   2.0e-7 m/rad
+ * zmp_ticks                   62      48        0        2     644   6.4e-6 m, 1 quotient
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
@@ -44,21 +50,35 @@
  * weight.
  * Functions of ticks are compared with the angles and positions that the ticks stand for;
  * look_up counts the sines and cosines that they read from a table.
+ * stack: bytes at most of a function and all that it calls, by gcc with -O1, -Os or more; by
+ * clang up to a third more, and several times as much without optimisation.
  */
+
+#if defined(__cplusplus)
+#error "two_link.c is C99: compile it as C; two_link.h is for C and C++"
+#elif defined(_MSC_VER) && !defined(__clang__)
+#error "two_link.c is C99, which MSVC does not take whole: compile it with clang-cl"
+#elif !defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L)
+#error "two_link.c is C99: add -std=c99 or a later standard"
+#endif
 
 /* The self-test is defined here, by its own name, too. */
 #define two_link_SOURCE
 #include "two_link.h"
-#ifndef two_link_PAIR_2517fa3ed0642a2a
+#ifndef two_link_PAIR_40203dcc4240fb29
 #error "two_link.h is not the header that was written with this source: generate both again"
 #endif
 
+#include <float.h>
 #include <stdint.h>
+
+#if (FLT_RADIX != 2) || (FLT_MANT_DIG != 24) || (FLT_MAX_EXP != 128)
+#error "float is not of IEEE's 32 bits here: generate two_link with --scalar fixed32"
+#endif
 #ifdef two_link_USE_LIBM
 #include <math.h>
 #else
 #include <string.h>
-#include <float.h>
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
 #error "-ffast-math breaks sines: omit it or define two_link_USE_LIBM"
 #endif
@@ -659,6 +679,43 @@ void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_rea
     cop[1] = r[1];
 }
 
+two_link_SHARED void two_link_cop_jacobian_core(
+    int of_sines,
+    const two_link_real q[],
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real r[],
+    two_link_real jac[restrict 2 * two_link_DOF])
+{
+    /* knee */
+    float s_knee;
+    float c_knee;
+    two_link_turn(of_sines, q[1], sin_q[1], cos_q[1], &s_knee, &c_knee);
+    /* ankle */
+    float s_ankle;
+    float c_ankle;
+    two_link_turn(of_sines, q[0], sin_q[0], cos_q[0], &s_ankle, &c_ankle);
+    /* knee */
+    const float tm_knee_x = (c_knee * r[5]) + (s_knee * r[6]);
+    const float tm_knee_y = (c_knee * r[6]) - (s_knee * r[5]);
+    /* ankle */
+    const float vm_ankle_x = r[3] + tm_knee_x;
+    const float vm_ankle_y = r[4] + tm_knee_y;
+    const float tm_ankle_y = (c_ankle * vm_ankle_y) - (s_ankle * vm_ankle_x);
+    jac[0] = tm_ankle_y;
+    jac[1] = -((s_ankle * tm_knee_x) - (c_ankle * tm_knee_y));
+    jac[2] = 0.0f;
+    jac[3] = 0.0f;
+}
+
+void two_link_cop_jacobian(
+    const two_link_real q[],
+    const two_link_real r[],
+    two_link_real jac[restrict 2 * two_link_DOF])
+{
+    two_link_cop_jacobian_core(0, q, q, q, r, jac);
+}
+
 two_link_SHARED void two_link_zmp_core(
     int of_sines,
     const two_link_real q[],
@@ -842,6 +899,15 @@ void two_link_cop_sc(
     cop[1] = r[1];
 }
 
+void two_link_cop_jacobian_sc(
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real r[],
+    two_link_real jac[restrict 2 * two_link_DOF])
+{
+    two_link_cop_jacobian_core(1, sin_q, sin_q, cos_q, r, jac);
+}
+
 void two_link_zmp_sc(
     const two_link_real sin_q[],
     const two_link_real cos_q[],
@@ -939,6 +1005,17 @@ void two_link_cop_ticks(
     two_link_cop_sc(sin_q, cos_q, r, cop);
 }
 
+void two_link_cop_jacobian_ticks(
+    const int32_t ticks[],
+    const two_link_real r[],
+    two_link_real jac[restrict 2 * two_link_DOF])
+{
+    two_link_real sin_q[two_link_DOF];
+    two_link_real cos_q[two_link_DOF];
+    two_link_from_ticks(ticks, sin_q, cos_q);
+    two_link_cop_jacobian_sc(sin_q, cos_q, r, jac);
+}
+
 void two_link_zmp_ticks(
     const int32_t ticks[],
     const two_link_real qd[],
@@ -984,7 +1061,7 @@ static int two_link_rounds_otherwise(two_link_real result)
 }
 #endif
 
-int two_link_selftest_2517fa3ed0642a2a(void)
+int two_link_selftest_40203dcc4240fb29(void)
 {
     static const two_link_real q[2] = {
         0.21321106f,
@@ -1047,5 +1124,5 @@ int two_link_selftest_2517fa3ed0642a2a(void)
 
 int two_link_selftest(void)
 {
-    return two_link_selftest_2517fa3ed0642a2a();
+    return two_link_selftest_40203dcc4240fb29();
 }

@@ -4,51 +4,71 @@
  * robot          two_link (robot.urdf, hash 703ea270878e0914): 3 links, 2 independent joints
  * support frame  foot
  * parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
+ * axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+ *                and y in the sole plane; joints turn by the right-hand rule about their URDF
+ *                axes; with all at 0, x of thigh points along (1.00, 0.00, 0.00)
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
  *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|
- * com                          8       8         2         0   7.8e-9 m
- * com_jacobian                12       8         2         0   7.1e-9 m/rad
- * com_velocity                16      10         2         0   6.0e-8 m/s
- * gravity_moments              8       6         2         0   6.2e-9 m
- * regressor                    4       2         2         0   1.2e-8
- * regressor_cop                4       2         2         0   1.2e-8
- * regressor_full               4       2         2         0   1.2e-8
- * cop                          6       6         2         0   6.7e-9 m
- * com_sc                       8       8         0         0   5.8e-9 m
- * com_jacobian_sc             12       8         0         0   5.1e-9 m/rad
- * com_velocity_sc             16      10         0         0   4.4e-8 m/s
- * gravity_moments_sc           8       6         0         0   4.6e-9 m
- * regressor_sc                 4       2         0         0   2.8e-9
- * regressor_cop_sc             4       2         0         0   2.8e-9
- * regressor_full_sc            4       2         0         0   2.8e-9
- * cop_sc                       6       6         0         0   5.2e-9 m
- * com_ticks                    8       8         0         2   5.8e-9 m
- * com_jacobian_ticks          12       8         0         2   5.1e-9 m/rad
- * com_velocity_ticks          16      10         0         2   4.4e-8 m/s
- * gravity_moments_ticks        8       6         0         2   4.6e-9 m
- * regressor_ticks              4       2         0         2   2.8e-9
- * regressor_cop_ticks          4       2         0         2   2.8e-9
- * regressor_full_ticks         4       2         0         2   2.8e-9
- * cop_ticks                    6       6         0         2   5.2e-9 m
+ * function                   mul     add  sin_cos  look_up   stack   proven |rounding error|
+ * com                          8       8        2        0     320   7.8e-9 m
+ * com_jacobian                12       8        2        0     336   7.1e-9 m/rad
+ * com_velocity                16      10        2        0     368   6.0e-8 m/s
+ * gravity_moments              8       6        2        0     328   6.2e-9 m
+ * regressor                    4       2        2        0     320   1.2e-8
+ * regressor_cop                4       2        2        0     304   1.2e-8
+ * regressor_full               4       2        2        0     320   1.2e-8
+ * cop                          6       6        2        0     312   6.7e-9 m
+ * cop_jacobian                 8       6        2        0     328   6.2e-9 m/rad
+ * com_sc                       8       8        0        0     288   5.8e-9 m
+ * com_jacobian_sc             12       8        0        0     304   5.1e-9 m/rad
+ * com_velocity_sc             16      10        0        0     336   4.4e-8 m/s
+ * gravity_moments_sc           8       6        0        0     296   4.6e-9 m
+ * regressor_sc                 4       2        0        0     288   2.8e-9
+ * regressor_cop_sc             4       2        0        0     272   2.8e-9
+ * regressor_full_sc            4       2        0        0     288   2.8e-9
+ * cop_sc                       6       6        0        0     280   5.2e-9 m
+ * cop_jacobian_sc              8       6        0        0     296   4.6e-9 m/rad
+ * com_ticks                    8       8        0        2     576   5.8e-9 m
+ * com_jacobian_ticks          12       8        0        2     592   5.1e-9 m/rad
+ * com_velocity_ticks          16      10        0        2     624   4.4e-8 m/s
+ * gravity_moments_ticks        8       6        0        2     584   4.6e-9 m
+ * regressor_ticks              4       2        0        2     576   2.8e-9
+ * regressor_cop_ticks          4       2        0        2     560   2.8e-9
+ * regressor_full_ticks         4       2        0        2     576   2.8e-9
+ * cop_ticks                    6       6        0        2     568   5.2e-9 m
+ * cop_jacobian_ticks           8       6        0        2     584   4.6e-9 m/rad
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
  * zmp divides by the load on the ground: f64 and f32 have it.
  * Functions of ticks are compared with the angles and positions that the ticks stand for;
  * look_up counts the sines and cosines that they read from a table.
+ * stack: bytes at most of a function and all that it calls, by gcc with -O1, -Os or more; by
+ * clang up to a third more, and several times as much without optimisation.
  */
+
+#if defined(__cplusplus)
+#error "two_link.c is C99: compile it as C; two_link.h is for C and C++"
+#elif defined(_MSC_VER) && !defined(__clang__)
+#error "two_link.c is C99, which MSVC does not take whole: compile it with clang-cl"
+#elif !defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L)
+#error "two_link.c is C99: add -std=c99 or a later standard"
+#endif
 
 /* The self-test is defined here, by its own name, too. */
 #define two_link_SOURCE
 #include "two_link.h"
-#ifndef two_link_PAIR_ff3ce86995b452de
+#ifndef two_link_PAIR_d7c0f20618cae406
 #error "two_link.h is not the header that was written with this source: generate both again"
 #endif
 
 #include <stdint.h>
+
+#if ((-1 >> 1) != -1) || !defined(INT32_MAX) || !defined(INT64_MAX)
+#error "two_link needs int32_t, int64_t and shifts that keep the sign"
+#endif
 
 const two_link_real two_link_total_mass_kg = 1610612736; /* 6.0 kg, 28 bits below the point */
 
@@ -106,6 +126,10 @@ static two_link_real two_link_narrow(int64_t wide, uint32_t bits)
 /* value * 2^bits. A product: shifting a negative number up is undefined. */
 #define two_link_shift_up(value, bits) \
     ((int64_t)(value) * ((int64_t)1 << (bits)))
+
+/* Inside the ranges of all inputs nothing overflows; for others sums wrap, as angles do. */
+#define two_link_add(a, b) \
+    ((int32_t)((uint32_t)(a) + (uint32_t)(b)))
 
 /* sin(k pi / 2048) for k = 0 .. 1024: a quarter of the 4096 steps of a turn. */
 static const two_link_real two_link_quarter[1025] = {
@@ -318,8 +342,8 @@ void two_link_com_jacobian(
     const int32_t t_knee_y = two_link_narrow(((int64_t)c_knee * r[6])
         - ((int64_t)s_knee * r[5]), 30u);
     /* ankle */
-    const int32_t v_ankle_x = r[3] + t_knee_x;
-    const int32_t v_ankle_y = r[4] + t_knee_y;
+    const int32_t v_ankle_x = two_link_add(r[3], t_knee_x);
+    const int32_t v_ankle_y = two_link_add(r[4], t_knee_y);
     int32_t s_ankle;
     int32_t c_ankle;
     two_link_sincos(q[0], 29u, &s_ankle, &c_ankle);
@@ -350,8 +374,8 @@ void two_link_com_velocity(
     const int32_t t_knee_y = two_link_narrow(((int64_t)c_knee * r[6])
         - ((int64_t)s_knee * r[5]), 30u);
     /* ankle */
-    const int32_t v_ankle_x = r[3] + t_knee_x;
-    const int32_t v_ankle_y = r[4] + t_knee_y;
+    const int32_t v_ankle_x = two_link_add(r[3], t_knee_x);
+    const int32_t v_ankle_y = two_link_add(r[4], t_knee_y);
     int32_t s_ankle;
     int32_t c_ankle;
     two_link_sincos(q[0], 29u, &s_ankle, &c_ankle);
@@ -386,8 +410,8 @@ void two_link_gravity_moments(
     const int32_t t_knee_y = two_link_narrow(((int64_t)c_knee * r[6])
         - ((int64_t)s_knee * r[5]), 30u);
     /* ankle */
-    const int32_t v_ankle_x = r[3] + t_knee_x;
-    const int32_t v_ankle_y = r[4] + t_knee_y;
+    const int32_t v_ankle_x = two_link_add(r[3], t_knee_x);
+    const int32_t v_ankle_y = two_link_add(r[4], t_knee_y);
     int32_t s_ankle;
     int32_t c_ankle;
     two_link_sincos(q[0], 29u, &s_ankle, &c_ankle);
@@ -539,6 +563,36 @@ void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_rea
     cop[1] = r[1];
 }
 
+void two_link_cop_jacobian(
+    const two_link_real q[],
+    const two_link_real r[],
+    two_link_real jac[restrict 2 * two_link_DOF])
+{
+    /* knee */
+    int32_t s_knee;
+    int32_t c_knee;
+    two_link_sincos(q[1], 29u, &s_knee, &c_knee);
+    /* ankle */
+    int32_t s_ankle;
+    int32_t c_ankle;
+    two_link_sincos(q[0], 29u, &s_ankle, &c_ankle);
+    /* knee */
+    const int32_t tm_knee_x = two_link_narrow(((int64_t)c_knee * r[5])
+        + ((int64_t)s_knee * r[6]), 30u);
+    const int32_t tm_knee_y = two_link_narrow(((int64_t)c_knee * r[6])
+        - ((int64_t)s_knee * r[5]), 30u);
+    /* ankle */
+    const int32_t vm_ankle_x = two_link_add(r[3], tm_knee_x);
+    const int32_t vm_ankle_y = two_link_add(r[4], tm_knee_y);
+    const int32_t tm_ankle_y = two_link_narrow(((int64_t)c_ankle * vm_ankle_y)
+        - ((int64_t)s_ankle * vm_ankle_x), 30u);
+    jac[0] = tm_ankle_y;
+    jac[1] = (-two_link_narrow(((int64_t)s_ankle * tm_knee_x)
+        - ((int64_t)c_ankle * tm_knee_y), 30u));
+    jac[2] = 0;
+    jac[3] = 0;
+}
+
 void two_link_com_sc(
     const two_link_real sin_q[],
     const two_link_real cos_q[],
@@ -572,8 +626,8 @@ void two_link_com_jacobian_sc(
     const int32_t t_knee_y = two_link_narrow(((int64_t)cos_q[1] * r[6])
         - ((int64_t)sin_q[1] * r[5]), 30u);
     /* ankle */
-    const int32_t v_ankle_x = r[3] + t_knee_x;
-    const int32_t v_ankle_y = r[4] + t_knee_y;
+    const int32_t v_ankle_x = two_link_add(r[3], t_knee_x);
+    const int32_t v_ankle_y = two_link_add(r[4], t_knee_y);
     const int32_t t_ankle_x = two_link_narrow(((int64_t)cos_q[0] * v_ankle_x)
         + ((int64_t)sin_q[0] * v_ankle_y), 30u);
     const int32_t t_ankle_y = two_link_narrow(((int64_t)cos_q[0] * v_ankle_y)
@@ -601,8 +655,8 @@ void two_link_com_velocity_sc(
     const int32_t t_knee_y = two_link_narrow(((int64_t)cos_q[1] * r[6])
         - ((int64_t)sin_q[1] * r[5]), 30u);
     /* ankle */
-    const int32_t v_ankle_x = r[3] + t_knee_x;
-    const int32_t v_ankle_y = r[4] + t_knee_y;
+    const int32_t v_ankle_x = two_link_add(r[3], t_knee_x);
+    const int32_t v_ankle_y = two_link_add(r[4], t_knee_y);
     const int32_t t_ankle_x = two_link_narrow(((int64_t)cos_q[0] * v_ankle_x)
         + ((int64_t)sin_q[0] * v_ankle_y), 30u);
     const int32_t t_ankle_y = two_link_narrow(((int64_t)cos_q[0] * v_ankle_y)
@@ -632,8 +686,8 @@ void two_link_gravity_moments_sc(
     const int32_t t_knee_y = two_link_narrow(((int64_t)cos_q[1] * r[6])
         - ((int64_t)sin_q[1] * r[5]), 30u);
     /* ankle */
-    const int32_t v_ankle_x = r[3] + t_knee_x;
-    const int32_t v_ankle_y = r[4] + t_knee_y;
+    const int32_t v_ankle_x = two_link_add(r[3], t_knee_x);
+    const int32_t v_ankle_y = two_link_add(r[4], t_knee_y);
     const int32_t t_ankle_x = two_link_narrow(((int64_t)cos_q[0] * v_ankle_x)
         + ((int64_t)sin_q[0] * v_ankle_y), 30u);
     moments[0] = t_ankle_x;
@@ -763,6 +817,29 @@ void two_link_cop_sc(
     cop[1] = r[1];
 }
 
+void two_link_cop_jacobian_sc(
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real r[],
+    two_link_real jac[restrict 2 * two_link_DOF])
+{
+    /* knee */
+    const int32_t tm_knee_x = two_link_narrow(((int64_t)cos_q[1] * r[5])
+        + ((int64_t)sin_q[1] * r[6]), 30u);
+    const int32_t tm_knee_y = two_link_narrow(((int64_t)cos_q[1] * r[6])
+        - ((int64_t)sin_q[1] * r[5]), 30u);
+    /* ankle */
+    const int32_t vm_ankle_x = two_link_add(r[3], tm_knee_x);
+    const int32_t vm_ankle_y = two_link_add(r[4], tm_knee_y);
+    const int32_t tm_ankle_y = two_link_narrow(((int64_t)cos_q[0] * vm_ankle_y)
+        - ((int64_t)sin_q[0] * vm_ankle_x), 30u);
+    jac[0] = tm_ankle_y;
+    jac[1] = (-two_link_narrow(((int64_t)sin_q[0] * tm_knee_x)
+        - ((int64_t)cos_q[0] * tm_knee_y), 30u));
+    jac[2] = 0;
+    jac[3] = 0;
+}
+
 void two_link_com_ticks(
     const int32_t ticks[],
     const two_link_real r[],
@@ -849,6 +926,17 @@ void two_link_cop_ticks(
     two_link_cop_sc(sin_q, cos_q, r, cop);
 }
 
+void two_link_cop_jacobian_ticks(
+    const int32_t ticks[],
+    const two_link_real r[],
+    two_link_real jac[restrict 2 * two_link_DOF])
+{
+    two_link_real sin_q[two_link_DOF];
+    two_link_real cos_q[two_link_DOF];
+    two_link_from_ticks(ticks, sin_q, cos_q);
+    two_link_cop_jacobian_sc(sin_q, cos_q, r, jac);
+}
+
 static int two_link_differs(
     const two_link_real got[],
     const two_link_real expected[],
@@ -866,7 +954,7 @@ static int two_link_differs(
     return differs;
 }
 
-int two_link_selftest_ff3ce86995b452de(void)
+int two_link_selftest_d7c0f20618cae406(void)
 {
     static const two_link_real q[2] = {
         114466816,
@@ -923,5 +1011,5 @@ int two_link_selftest_ff3ce86995b452de(void)
 
 int two_link_selftest(void)
 {
-    return two_link_selftest_ff3ce86995b452de();
+    return two_link_selftest_d7c0f20618cae406();
 }

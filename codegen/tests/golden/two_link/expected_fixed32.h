@@ -4,41 +4,49 @@
  * robot          two_link (robot.urdf, hash 703ea270878e0914): 3 links, 2 independent joints
  * support frame  foot
  * parameters     9 SESC (r), 7 base; rank 7 from CoM rows, 6 from flat CoP rows
+ * axes           those of that link in the URDF, origin in its sole: z up from the ground, x
+ *                and y in the sole plane; joints turn by the right-hand rule about their URDF
+ *                axes; with all at 0, x of thigh points along (1.00, 0.00, 0.00)
  * method         statically equivalent serial chain (SESC), CoM = r_0 + sum of B_i(q) r_i:
  *                "Three-dimensional identification of a humanoid robot" (LAB-SCA, ITA), eq. (4)
  * scalar         fixed32 (int32_t, binary points proven from ranges; no division)
  *
- * function                   mul     add   sin_cos   look_up   proven |rounding error|
- * com                          8       8         2         0   7.8e-9 m
- * com_jacobian                12       8         2         0   7.1e-9 m/rad
- * com_velocity                16      10         2         0   6.0e-8 m/s
- * gravity_moments              8       6         2         0   6.2e-9 m
- * regressor                    4       2         2         0   1.2e-8
- * regressor_cop                4       2         2         0   1.2e-8
- * regressor_full               4       2         2         0   1.2e-8
- * cop                          6       6         2         0   6.7e-9 m
- * com_sc                       8       8         0         0   5.8e-9 m
- * com_jacobian_sc             12       8         0         0   5.1e-9 m/rad
- * com_velocity_sc             16      10         0         0   4.4e-8 m/s
- * gravity_moments_sc           8       6         0         0   4.6e-9 m
- * regressor_sc                 4       2         0         0   2.8e-9
- * regressor_cop_sc             4       2         0         0   2.8e-9
- * regressor_full_sc            4       2         0         0   2.8e-9
- * cop_sc                       6       6         0         0   5.2e-9 m
- * com_ticks                    8       8         0         2   5.8e-9 m
- * com_jacobian_ticks          12       8         0         2   5.1e-9 m/rad
- * com_velocity_ticks          16      10         0         2   4.4e-8 m/s
- * gravity_moments_ticks        8       6         0         2   4.6e-9 m
- * regressor_ticks              4       2         0         2   2.8e-9
- * regressor_cop_ticks          4       2         0         2   2.8e-9
- * regressor_full_ticks         4       2         0         2   2.8e-9
- * cop_ticks                    6       6         0         2   5.2e-9 m
+ * function                   mul     add  sin_cos  look_up   stack   proven |rounding error|
+ * com                          8       8        2        0     320   7.8e-9 m
+ * com_jacobian                12       8        2        0     336   7.1e-9 m/rad
+ * com_velocity                16      10        2        0     368   6.0e-8 m/s
+ * gravity_moments              8       6        2        0     328   6.2e-9 m
+ * regressor                    4       2        2        0     320   1.2e-8
+ * regressor_cop                4       2        2        0     304   1.2e-8
+ * regressor_full               4       2        2        0     320   1.2e-8
+ * cop                          6       6        2        0     312   6.7e-9 m
+ * cop_jacobian                 8       6        2        0     328   6.2e-9 m/rad
+ * com_sc                       8       8        0        0     288   5.8e-9 m
+ * com_jacobian_sc             12       8        0        0     304   5.1e-9 m/rad
+ * com_velocity_sc             16      10        0        0     336   4.4e-8 m/s
+ * gravity_moments_sc           8       6        0        0     296   4.6e-9 m
+ * regressor_sc                 4       2        0        0     288   2.8e-9
+ * regressor_cop_sc             4       2        0        0     272   2.8e-9
+ * regressor_full_sc            4       2        0        0     288   2.8e-9
+ * cop_sc                       6       6        0        0     280   5.2e-9 m
+ * cop_jacobian_sc              8       6        0        0     296   4.6e-9 m/rad
+ * com_ticks                    8       8        0        2     576   5.8e-9 m
+ * com_jacobian_ticks          12       8        0        2     592   5.1e-9 m/rad
+ * com_velocity_ticks          16      10        0        2     624   4.4e-8 m/s
+ * gravity_moments_ticks        8       6        0        2     584   4.6e-9 m
+ * regressor_ticks              4       2        0        2     576   2.8e-9
+ * regressor_cop_ticks          4       2        0        2     560   2.8e-9
+ * regressor_full_ticks         4       2        0        2     576   2.8e-9
+ * cop_ticks                    6       6        0        2     568   5.2e-9 m
+ * cop_jacobian_ticks           8       6        0        2     584   4.6e-9 m/rad
  * Bounds hold inside the joint limits (joints without any: one turn, 1 m either way) for
  * parameters up to 2 % of the robot's reach beyond the largest of CAD and model file,
  * against exact evaluation with the same parameters.
  * zmp divides by the load on the ground: f64 and f32 have it.
  * Functions of ticks are compared with the angles and positions that the ticks stand for;
  * look_up counts the sines and cosines that they read from a table.
+ * stack: bytes at most of a function and all that it calls, by gcc with -O1, -Os or more; by
+ * clang up to a third more, and several times as much without optimisation.
  */
 
 #ifndef TWO_LINK_H
@@ -54,7 +62,7 @@ extern "C" {
 typedef int32_t two_link_real;
 
 /** Present in the header of one run of sesc alone; the source refuses any other header. */
-#define two_link_PAIR_ff3ce86995b452de
+#define two_link_PAIR_d7c0f20618cae406
 
 /** Number of independent joints. */
 #define two_link_DOF 2
@@ -96,6 +104,9 @@ typedef int32_t two_link_real;
 /** Fraction bits of the results of cop: value = integer / 2^30. */
 #define two_link_COP_FRACTION_BITS 30
 
+/** Fraction bits of the results of cop_jacobian: value = integer / 2^30. */
+#define two_link_COP_JACOBIAN_FRACTION_BITS 30
+
 /** Fraction bits of sines and cosines (m of prismatic joints in sin_q): value = integer / 2^30. */
 #define two_link_SC_FRACTION_BITS 30
 
@@ -108,8 +119,8 @@ enum two_link_joint {
     two_link_JOINT_KNEE = 1
 };
 
-/** Total mass, kg / 2^two_link_TOTAL_MASS_FRACTION_BITS: gravity_moments times this and g are N
- * m. */
+/** Total mass, kg / 2^two_link_TOTAL_MASS_FRACTION_BITS: gravity_moments times this and g are N m;
+ * a motor applies the opposite. */
 extern const two_link_real two_link_total_mass_kg;
 
 /** Joints in the order of q. */
@@ -141,6 +152,9 @@ extern const two_link_real two_link_param_limits[two_link_BASE_PARAMS];
  *     joint      zero  sign   scale
  *     ankle      2048    +1   4096 ticks a turn
  *     knee       2048    +1   4096 ticks a turn
+ *
+ * Ticks beyond the joint limits count on, and the result is that of where they stand, without
+ * a bound; a whole turn more is the same angle, for every int32_t. Nothing is undefined.
  */
 
 /**
@@ -179,7 +193,8 @@ void two_link_com_velocity(
     two_link_real velocity[3]);
 
 /**
- * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
+ * @brief The moment that gravity exerts about each joint, per kg of total mass times g, m: -d CoM_z
+ *     / d q; a motor that holds the posture applies the opposite.
  * Proven rounding error below 6.2e-9 m; arrays must not overlap.
  * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
@@ -222,6 +237,19 @@ void two_link_regressor_full(const two_link_real q[], two_link_real rows[3 * two
  * @param[out] cop the result, [2]
  */
 void two_link_cop(const two_link_real q[], const two_link_real r[], two_link_real cop[2]);
+
+/**
+ * @brief d cop / d q, m/rad (m/m for prismatic joints), row-major: x, y; how the predicted reading
+ *     moves with what encoders read.
+ * Proven rounding error below 6.2e-9 m/rad; arrays must not overlap.
+ * @param[in] q joint positions, rad (m for prismatic joints), [two_link_DOF]
+ * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
+ * @param[out] jac the result, [2 * two_link_DOF]
+ */
+void two_link_cop_jacobian(
+    const two_link_real q[],
+    const two_link_real r[],
+    two_link_real jac[2 * two_link_DOF]);
 
 /**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
@@ -271,7 +299,8 @@ void two_link_com_velocity_sc(
     two_link_real velocity[3]);
 
 /**
- * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
+ * @brief The moment that gravity exerts about each joint, per kg of total mass times g, m: -d CoM_z
+ *     / d q; a motor that holds the posture applies the opposite.
  * From sines and cosines; a prismatic joint passes its position in sin_q.
  * Proven rounding error below 4.6e-9 m; arrays must not overlap.
  * @param[in] sin_q sines of the joint angles, [two_link_DOF]
@@ -340,6 +369,22 @@ void two_link_cop_sc(
     two_link_real cop[2]);
 
 /**
+ * @brief d cop / d q, m/rad (m/m for prismatic joints), row-major: x, y; how the predicted reading
+ *     moves with what encoders read.
+ * From sines and cosines; a prismatic joint passes its position in sin_q.
+ * Proven rounding error below 4.6e-9 m/rad; arrays must not overlap.
+ * @param[in] sin_q sines of the joint angles, [two_link_DOF]
+ * @param[in] cos_q cosines of the joint angles, [two_link_DOF]
+ * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
+ * @param[out] jac the result, [2 * two_link_DOF]
+ */
+void two_link_cop_jacobian_sc(
+    const two_link_real sin_q[],
+    const two_link_real cos_q[],
+    const two_link_real r[],
+    two_link_real jac[2 * two_link_DOF]);
+
+/**
  * @brief Centre of mass in the support frame, m: r_0 + sum of B_i(q) r_i.
  * Proven rounding error below 5.8e-9 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
@@ -375,7 +420,8 @@ void two_link_com_velocity_ticks(
     two_link_real velocity[3]);
 
 /**
- * @brief Moment of gravity about each joint, per kg of total mass times g, m: -d CoM_z / d q.
+ * @brief The moment that gravity exerts about each joint, per kg of total mass times g, m: -d CoM_z
+ *     / d q; a motor that holds the posture applies the opposite.
  * Proven rounding error below 4.6e-9 m; arrays must not overlap.
  * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
  * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
@@ -424,6 +470,19 @@ void two_link_regressor_full_ticks(
 void two_link_cop_ticks(const int32_t ticks[], const two_link_real r[], two_link_real cop[2]);
 
 /**
+ * @brief d cop / d q, m/rad (m/m for prismatic joints), row-major: x, y; how the predicted reading
+ *     moves with what encoders read.
+ * Proven rounding error below 4.6e-9 m/rad; arrays must not overlap.
+ * @param[in] ticks servo ticks, [two_link_DOF], within the joint limits
+ * @param[in] r base parameters, m, [two_link_BASE_PARAMS]
+ * @param[out] jac the result, [2 * two_link_DOF]
+ */
+void two_link_cop_jacobian_ticks(
+    const int32_t ticks[],
+    const two_link_real r[],
+    two_link_real jac[2 * two_link_DOF]);
+
+/**
  * @brief Check the compiled functions against what the generator computed by another way.
  * @return 0 on agreement; else the sum of 1 (com), 2 (cop), 4 (gravity_moments), 8 (com_ticks).
  */
@@ -434,10 +493,10 @@ int two_link_selftest(void);
  * with this header defines: a program that was compiled with the header of another run of sesc
  * does not link.
  */
-int two_link_selftest_ff3ce86995b452de(void);
+int two_link_selftest_d7c0f20618cae406(void);
 #ifndef two_link_SOURCE
 #define two_link_selftest() \
-    two_link_selftest_ff3ce86995b452de()
+    two_link_selftest_d7c0f20618cae406()
 #endif
 
 #ifdef __cplusplus

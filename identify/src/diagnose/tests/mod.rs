@@ -193,7 +193,9 @@ fn about() -> About<'static> {
 
 fn diagnosed(problem: &mut Problem) -> Explained {
     let mut found = find(problem, &[], &about(), &mut ()).unwrap();
-    found.diagnosis.sentence = super::verdict::sentence(problem, &found);
+    let said = super::verdict::sentences(problem, &found);
+    found.diagnosis.sentence = said.whole();
+    found.diagnosis.lead = said.lead;
     found
 }
 

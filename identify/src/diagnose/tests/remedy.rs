@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use sesc_model::effects::{Catalog, EffectContext, EncoderMap, instances};
 
 use super::{Bench, HIP, off_hip, request, table};
-use crate::diagnose::remedy::{Change, Servo, Step};
+use crate::diagnose::remedy::{Change, Servo, Step, changed};
 use crate::diagnose::{Report, Suspect, Verdict, diagnose};
 use crate::next_steps::NextStep;
 
@@ -76,9 +76,9 @@ fn an_offset_is_told_by_sign_ticks_and_urdf_lines() {
     let said = format!("true angle of hip = reading + {degrees:.3}°");
     assert_eq!(remedy.sentence, said);
     let change = |before, after| Some(Change { before, after });
-    let after = (2048.0 - estimate * 4096.0 / TAU).round() as i32;
-    assert_eq!(remedy.servo_zero, change(2048, after));
-    assert_eq!(remedy.servo_words(), [format!("zero 2048 → {after}")]);
+    // Nobody said that the robot has servos.
+    assert_eq!(remedy.servo_zero, None);
+    assert_eq!(remedy.servo_words(), [""; 0]);
     // The elements after are those of the corrected URDF.
     let urdf = remedy.urdf.as_ref().unwrap();
     assert!(urdf.before.starts_with("<origin xyz='0 0 0.1'"), "{urdf:?}");
@@ -96,6 +96,20 @@ fn an_offset_is_told_by_sign_ticks_and_urdf_lines() {
     let remedy = &report(&[("hip", servo)]).diagnosis.steps[0].remedy;
     let after = (500.0 + estimate * 1024.0 / TAU).round() as i32;
     assert_eq!(remedy.servo_zero, change(500, after));
+    assert_eq!(remedy.servo_words(), [format!("zero 500 → {after}")]);
+    let other = &report(&[("knee", servo)]).diagnosis.steps[0].remedy;
+    assert_eq!(other.servo_zero, None);
+}
+
+/// Lines of a URDF stay indented against each other.
+#[test]
+fn lines_of_a_urdf_keep_their_indentation() {
+    let old = "<robot>\n  <link name='a'/>\n</robot>\n";
+    let new =
+        "<robot>\n  <link name='a'/>\n  <link name='b'>\n    <inertial/>\n  </link>\n</robot>\n";
+    let change = changed(old, new).unwrap();
+    assert_eq!(change.before, "");
+    assert_eq!(change.after, "<link name='b'>\n  <inertial/>\n</link>");
 }
 
 #[test]

@@ -187,3 +187,64 @@ fn what_is_not_in_the_list_stays_unexplained_and_names_its_joint() {
     says(&found.sentence, &[words]);
     assert!(found.leftover.suspect_share > 0.5, "{:?}", found.leftover);
 }
+
+/// On one foot the joints of its leg carry most of the mass: from which size on their offsets show
+/// is said of them, and which offsets do not show of those that show least.
+#[test]
+fn what_could_not_have_been_seen_is_told_from_what_shows() {
+    let bench = Bench::op2();
+    let found = of(&bench, &bench.world(), "tight", 1);
+    let bearing = found.detectable.iter().map(|own| own.target.as_str());
+    let bearing: Vec<&str> = bearing.collect();
+    assert_eq!(bearing.len(), 6, "{bearing:?}");
+    assert!(
+        bearing.iter().all(|joint| joint.starts_with("r_")),
+        "{bearing:?}"
+    );
+    let sizes = |all: &[crate::diagnose::findings::Blind]| -> Vec<f64> {
+        all.iter().map(|own| own.from).collect()
+    };
+    assert!(sizes(&found.detectable).is_sorted());
+    assert!(sizes(&found.blind).iter().rev().is_sorted());
+    let [best, worst, blind] = [&found.detectable[0], &found.detectable[5], &found.blind[0]];
+    // 0.1° and not 0°: two digits.
+    assert!(
+        best.size.ends_with('°') && !best.size.starts_with("0°"),
+        "{}",
+        best.size
+    );
+    says(
+        &found.sentence,
+        &[
+            &format!("{} shows offsets from {} on", best.target, best.size),
+            &format!("{} from {} on.", worst.target, worst.size),
+            &format!(
+                "Could not have been seen: offsets of {} up to {}",
+                blind.target, blind.size
+            ),
+        ],
+    );
+    assert!(!found.lead.contains("Could not"), "{}", found.lead);
+    assert!(found.sentence.contains(&found.lead), "{}", found.lead);
+}
+
+/// The title of a page has the effects: below it stand their sizes, and what else may be.
+#[test]
+fn a_lead_does_not_repeat_the_title_and_the_table_of_errors() {
+    let bench = Bench::op2();
+    let world = bench.world().joint_offset("r_knee", 0.05).unwrap();
+    let found = of(&bench, &world, "tight", 4);
+    let said = &found.lead;
+    says(said, &["Offset 2.8", "° ± 0.0"]);
+    assert!(
+        !said.contains("r_knee (offset") && !said.contains("RMS"),
+        "{said}"
+    );
+    assert!(!said.contains("held-out"), "{said}");
+    if found.class.len() > 1 {
+        // Others have their label beside them.
+        let other = &found.class[1];
+        says(&found.sentence, &[&other.subjects]);
+        says(&other.subjects, &[&format!("({})", other.effects[0])]);
+    }
+}

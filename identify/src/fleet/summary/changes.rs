@@ -33,6 +33,7 @@ use super::course::{Course, Step, freedom, steps, tail};
 use super::criteria::changes::{BORNE_OUT, DIFFERENCES, HYPOTHESES, PAIRS, UNSEEN};
 use super::history::{History, Key, Said, absent, found, label, principal, said};
 use super::shared::one_in;
+use crate::diagnose::{subject, words::capital};
 use crate::fleet::row::{Row, Size, by_number};
 
 /// Median of the square of a standard normal number.
@@ -223,7 +224,8 @@ fn effects(
             let (day, last) = (step.days.start - 1, step.days.end - 1);
             let sizes = [day, last].map(|at| seen(course.sizes[at]));
             let what = format!(
-                "{name} changes: {} on {}, {} on {}. Chance would make it in {} fleets.",
+                "{} changes: {} on {}, {} on {}. Chance would make it in {} fleets.",
+                capital(&subject(&key.0, &key.1)),
                 say(sizes[0]),
                 course.day(day),
                 say(sizes[1]),

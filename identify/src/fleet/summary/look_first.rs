@@ -18,7 +18,7 @@ use super::changes::{Change, ChangeKind};
 use super::criteria::{CLEAR, FALSE_FINDING};
 use super::history::{History, Key, found, label};
 use super::shared::{Shared, one_in};
-use crate::diagnose::Verdict;
+use crate::diagnose::{Verdict, subject};
 use crate::fleet::row::Row;
 
 /// 97.5 % of a normal number.
@@ -146,19 +146,19 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
             (&group.effect, &group.target) == (&key.0, &key.1)
                 && group.robots.iter().any(|robot| robot == history.robot)
         });
-        let name = label((&key.0, &key.1));
+        let (name, what) = (label((&key.0, &key.1)), subject(&key.0, &key.1));
         match group {
             Some(group) => {
                 let others = match group.robots.len().saturating_sub(1) {
                     1 => "1 other".to_string(),
                     n => format!("{n} others"),
                 };
-                let sentence = format!("It shares {name} with {others}.");
+                let sentence = format!("It shares {what} with {others}.");
                 all.push(Statement::new(2.0, group.chance, sentence));
             }
             None if own().any(|change| change.target == name) => {}
             None => {
-                let sentence = format!("It has {name}, which no group shares.");
+                let sentence = format!("It has {what}; no group of robots shares it.");
                 all.push(Statement::new(3.0, chance_of(history, &key), sentence));
             }
         }

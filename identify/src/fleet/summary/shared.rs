@@ -40,7 +40,8 @@ use statrs::function::gamma::ln_gamma;
 
 use super::criteria::FALSE_ALARM;
 use super::criteria::shared::{ALIKE, LASTING, LEAST_WINDOW};
-use super::history::{History, Key, Said, absent, found, label, pooled, principal, said};
+use super::history::{History, Key, Said, absent, found, pooled, principal, said};
+use crate::diagnose::subject;
 use crate::diagnose::words::{NamedValue, spoken};
 use crate::fleet::row::{Absent, Row, Size};
 use crate::observations::postures::range;
@@ -281,7 +282,7 @@ fn group(
     let sentence = format!(
         "{} robots share {}: {said}; {own}. Chance would make such a group in {} fleets.",
         robots.len(),
-        label((&effect, &target)),
+        subject(&effect, &target),
         one_in(chance)
     );
     Some(Shared {

@@ -7,6 +7,7 @@
 //! channels   a CoP or a cell that ends at one value, or moves in coarse steps
 //! copies     the same joints and the same reading, to the last digit, once more
 //! noise      stated noise that is several times what CAD leaves
+//! leaps      joints that move faster than they can
 //! stamps     joints jump from stamp to stamp and not from row to row, or time runs backwards
 //! ```
 //!
@@ -19,6 +20,7 @@ mod contact;
 mod copies;
 mod digits;
 mod frozen;
+mod leaps;
 mod noise;
 mod outside;
 mod sample;
@@ -290,7 +292,7 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
     let joints = joints.filter(|name| !name.is_empty()).map(|joint| Dof {
         joint: joint.clone(),
         prismatic: false,
-        continuous: true,
+        continuous: false,
         lower: -PI,
         upper: PI,
         speed: 1.0,
@@ -320,6 +322,7 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
         return (left_out, findings);
     }
     findings.extend(stamps::shuffled(rows));
+    findings.extend(leaps::of(rows, &model.tree.dofs));
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
     findings.extend(outside::sole(rows, model, &mut left_out));

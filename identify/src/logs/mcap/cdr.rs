@@ -10,6 +10,8 @@ use std::collections::HashMap;
 
 use sesc_model::urdf::limits;
 
+use crate::logs::block::keep_some;
+
 /// Joints of a message, at most, and bytes of a name: as of a robot.
 const JOINTS: usize = limits::LINKS;
 const NAME: usize = limits::NAME_BYTES + 1;
@@ -22,7 +24,7 @@ pub(super) struct Header {
     pub frame: String,
 }
 
-/// `sensor_msgs/msg/JointState`; effort is not looked at.
+/// `sensor_msgs/msg/JointState`, of joints that have a position in it; effort is not looked at.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointState {
     pub header: Header,
@@ -31,17 +33,36 @@ pub(super) struct JointState {
     pub position: Vec<f64>,
     /// rad/s or m/s; empty where it is not measured
     pub velocity: Vec<f64>,
+    /// Whether a joint has a name and no position.
+    pub misses_positions: bool,
 }
 
 impl JointState {
     pub fn decode(bytes: &[u8]) -> Result<JointState, String> {
         let mut cdr = Cdr::new(bytes)?;
-        Ok(JointState {
+        let mut state = JointState {
             header: cdr.header()?,
             name: cdr.strings()?,
             position: cdr.doubles()?,
             velocity: cdr.doubles()?,
-        })
+            misses_positions: false,
+        };
+        let [names, positions] = [state.name.len(), state.position.len()];
+        // The standard allows a message of velocities alone.
+        state
+            .position
+            .resize(if positions == 0 { names } else { positions }, f64::NAN);
+        if state.position.len() != names {
+            return Err(format!("{positions} positions for {names} joints"));
+        }
+        let known: Vec<bool> = state.position.iter().map(|q| q.is_finite()).collect();
+        if !known.iter().all(|known| *known) {
+            state.misses_positions = true;
+            keep_some(&mut state.name, 1, &known);
+            keep_some(&mut state.position, 1, &known);
+            keep_some(&mut state.velocity, 1, &known);
+        }
+        Ok(state)
     }
 
     /// Put the positions of joints that have a place there; the fastest of their velocities.

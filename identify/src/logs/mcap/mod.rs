@@ -21,8 +21,10 @@
 
 mod cdr;
 mod contacts;
+mod frames;
 mod moving;
 mod records;
+mod states;
 mod survey;
 #[cfg(test)]
 pub(super) mod tests;
@@ -35,9 +37,11 @@ use sesc_model::tree::Dof;
 
 use self::cdr::{Header, JointState};
 use self::contacts::{Contacts, Pair};
+use self::frames::Frames;
 use self::moving::{LONGEST_S, Moving, Row};
 use self::records::{Channel, Records};
-use self::survey::Survey;
+use self::states::States;
+use self::survey::{JointTopics, Survey};
 use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, POSE, SUPPORT, T};
 use super::contacts::Share;
@@ -88,21 +92,30 @@ pub(super) struct McapSource {
     header: Vec<String>,
     /// Place of each joint among the joints of the header.
     place: HashMap<String, usize>,
+    joints: States,
+    /// Readings since the last joint state, which waits for the next one.
+    since: Vec<Reading>,
     q: Vec<f64>,
+    joint_topics: JointTopics,
     /// Topic of the readings, if they are wanted.
     topic: Option<String>,
     /// The user named the topic, or the recording does.
     chosen: bool,
     /// The two contacts of a recording of both feet, and readings that wait for both.
     both: Option<(Pair, Contacts<Reading>)>,
-    links: Vec<String>,
+    frames_of: Frames,
     stillness: StillnessLimits,
     cutter: StillnessCutter<Reading>,
     /// Joints and readings, where the recording is one of a robot that moves.
     moving: Option<Moving<Reading>>,
     ready: VecDeque<Ready>,
     frames: Interner,
+    /// Messages of joints, and those that name a joint without its position.
+    states: u64,
+    without_positions: u64,
     readings: u64,
+    /// Readings that are not numbers.
+    no_numbers: u64,
     airborne: u64,
     postures: u64,
     ended: bool,
@@ -110,14 +123,16 @@ pub(super) struct McapSource {
 }
 
 impl McapSource {
-    /// Look which joints and readings the recording has, then start over.
+    /// Look which joints and readings the recording has, then start over. `topics`: of the CoP
+    /// and of the joints, where the caller says.
     pub fn open(
         place: &Place,
         file: &str,
         dofs: &[Dof],
         options: &Options,
-        topic: Option<&str>,
+        topics: (Option<&str>, Option<&str>),
     ) -> Result<McapSource, Error> {
+        let topic = topics.0;
         let bad = |message| Error::log(file.to_string(), None, message);
         let start = || -> Result<(Records<_>, Arc<Meter>), Error> {
             let input =
@@ -127,7 +142,7 @@ impl McapSource {
             Ok((Records::new(input).map_err(bad)?, meter))
         };
         let wanted = options.readings != Readings::Ignored;
-        let mut survey = Survey::of(start()?.0, dofs, topic, wanted).map_err(bad)?;
+        let mut survey = Survey::of(start()?.0, dofs, topics, wanted).map_err(bad)?;
         let mut warnings = Vec::new();
         let both = match (topic, &survey.topic, survey.said) {
             (None, Some(_), false) => Pair::asked(start()?.0, dofs.len(), options).map_err(bad)?,
@@ -142,7 +157,7 @@ impl McapSource {
             Stays::Moving => true,
             Stays::Alone(_) => false,
             Stays::Pooled | Stays::Apart => {
-                let holds = survey.holds_still(start()?.0, options.stillness);
+                let holds = survey.holds_still(start()?.0, dofs, options.stillness);
                 let moves = !holds.map_err(bad)?;
                 if moves {
                     let StillnessLimits { speed, duration } = options.stillness;
@@ -165,16 +180,26 @@ impl McapSource {
             header: names.chain(survey.joints.iter().cloned()).collect(),
             q: vec![f64::NAN; survey.joints.len()],
             moving: moves.then(|| Moving::new(survey.joints.len())),
+            joints: States::new(survey.places(), dofs),
             place: survey.places(),
+            since: Vec::new(),
+            joint_topics: survey.joint_topics,
             topic: survey.topic,
             chosen: topic.is_some() || survey.said || both.is_some(),
             both: both.map(|pair| (pair, Contacts::new())),
-            links: options.links.clone(),
+            frames_of: Frames::new(
+                options.soles.clone(),
+                options.support.clone(),
+                &options.links,
+            ),
             stillness: options.stillness,
             cutter: StillnessCutter::new(options.stillness),
             ready: VecDeque::new(),
             frames: Interner::default(),
+            states: 0,
+            without_positions: 0,
             readings: 0,
+            no_numbers: 0,
             airborne: 0,
             postures: 0,
             ended: false,
@@ -196,6 +221,8 @@ impl McapSource {
         let Some(message) = self.records.next()? else {
             self.ended = true;
             self.take_both();
+            let last = self.joints.end();
+            self.joints_are(last);
             let last = self.cutter.end();
             self.keep(last);
             self.take_moving();
@@ -205,12 +232,13 @@ impl McapSource {
         let data = &self.records.data;
         let at = |message: String| format!("topic {}: {message}", short(&channel.topic));
         match channel.schema.as_str() {
+            STATE if !self.joint_topics.takes(&channel.topic) => Ok(()),
             STATE => {
                 let state = check_encoding(&channel)
                     .and_then(|()| JointState::decode(data))
                     .map_err(at)?;
-                let apart = channel.own_postures;
-                self.state(&state, message.log_time, apart).map_err(at)
+                self.state(state, message.log_time, channel.own_postures);
+                Ok(())
             }
             schema @ (WRENCH | POINT) => {
                 if let Some((pair, contacts)) = &mut self.both
@@ -235,14 +263,35 @@ impl McapSource {
                     _ => return Ok(()),
                 }
                 check_encoding(&channel).map_err(at)?;
-                let (header, force, cop) = match schema {
-                    POINT => {
-                        cdr::point(data).map(|(header, [x, y, _])| (header, 0.0, Some([x, y])))
-                    }
-                    _ => cdr::wrench(data)
-                        .map(|(header, f, torque)| (header, f[2], centre(f, torque))),
-                }
-                .map_err(at)?;
+                let (header, force, cop) = if schema == POINT {
+                    let (header, at) = cdr::point(data).map_err(at)?;
+                    let (link, moved) = self.frames_of.of(&header.frame);
+                    let at = moved.map_or(at, |frame| {
+                        let turned = frame.turned(at);
+                        [0, 1, 2].map(|k| frame.origin[k] + turned[k])
+                    });
+                    (
+                        Header {
+                            frame: link,
+                            ..header
+                        },
+                        0.0,
+                        Some([at[0], at[1]]),
+                    )
+                } else {
+                    let (header, force, torque) = cdr::wrench(data).map_err(at)?;
+                    let (link, moved) = self.frames_of.of(&header.frame);
+                    let both = moved.map(|frame| frame.moved(force, torque));
+                    let (force, torque) = both.unwrap_or((force, torque));
+                    (
+                        Header {
+                            frame: link,
+                            ..header
+                        },
+                        force[2],
+                        centre(force, torque),
+                    )
+                };
                 self.reading(&header, message.log_time, force, cop);
                 Ok(())
             }
@@ -251,46 +300,56 @@ impl McapSource {
     }
 
     /// Joint positions, as a posture of its own where it is `apart`.
-    fn state(&mut self, state: &JointState, log_time: f64, apart: bool) -> Result<(), String> {
-        if state.position.len() != state.name.len() {
-            return Err(format!(
-                "{} positions for {} joints",
-                state.position.len(),
-                state.name.len()
-            ));
-        }
+    fn state(&mut self, state: JointState, log_time: f64, apart: bool) {
+        self.states += 1;
+        self.without_positions += u64::from(state.misses_positions);
         let t = state.header.stamp.unwrap_or(log_time);
-        if let Some(moving) = &mut self.moving {
-            for (name, position) in state.name.iter().zip(&state.position) {
-                if let Some(place) = self.place.get(name.trim()) {
-                    moving.position(*place, t, *position);
-                }
-            }
-            self.take_moving();
-            return Ok(());
+        if apart {
+            state.put(&self.place, &mut self.q);
+            let ended = self.cutter.posture(t, &self.q);
+            self.keep(ended);
+            return;
         }
-        let speed = state.put(&self.place, &mut self.q);
-        let ended = match apart {
-            true => self.cutter.posture(t, &self.q),
-            false => self.cutter.state(t, &self.q, speed),
-        };
-        self.keep(ended);
-        Ok(())
+        let before = self.joints.push(t, state);
+        self.joints_are(before);
+    }
+
+    /// Joint positions that are the robot's, and the readings after them.
+    fn joints_are(&mut self, state: Option<(f64, JointState)>) {
+        if let Some((t, state)) = state {
+            if let Some(moving) = &mut self.moving {
+                for (name, position) in state.name.iter().zip(&state.position) {
+                    if let Some(place) = self.place.get(name.trim()) {
+                        moving.position(*place, t, *position);
+                    }
+                }
+                self.take_moving();
+            } else {
+                let speed = state.put(&self.place, &mut self.q);
+                let ended = self.cutter.state(t, &self.q, speed);
+                self.keep(ended);
+            }
+        }
+        for reading in std::mem::take(&mut self.since) {
+            self.place_now(reading);
+        }
     }
 
     /// A CoP, under a force (N) where a wrench says it.
     fn reading(&mut self, header: &Header, log_time: f64, force: f64, cop: Option<[f64; 2]>) {
         self.readings += 1;
-        let Some(cop) = cop.filter(|cop| cop.iter().all(|x| x.is_finite())) else {
+        if force.is_nan() || cop.is_some_and(|cop| cop.iter().any(|x| !x.is_finite())) {
+            self.no_numbers += 1;
+            return;
+        }
+        let Some(cop) = cop else {
             self.airborne += 1;
             return;
         };
-        let frame = header.frame.trim_start_matches('/');
-        let known = self.links.iter().any(|link| link == frame);
         let reading = Reading {
             number: self.readings,
             t: header.stamp.unwrap_or(log_time),
-            frame: self.frames.get(if known { frame } else { "" }),
+            frame: self.frames.get(&header.frame),
             cop,
             other: None,
         };
@@ -316,6 +375,13 @@ impl McapSource {
 
     /// A reading among the joints.
     fn place(&mut self, reading: Reading) {
+        match self.joints.waits() {
+            true => self.since.push(reading),
+            false => self.place_now(reading),
+        }
+    }
+
+    fn place_now(&mut self, reading: Reading) {
         if let Some(moving) = &mut self.moving {
             moving.reading(reading.t, reading);
             self.take_moving();
@@ -372,6 +438,13 @@ impl McapSource {
 
     /// What to say at the end of the recording.
     fn conclude(&mut self) -> Result<(), String> {
+        let foreign = self
+            .frames_of
+            .said()
+            .into_iter()
+            .chain(self.joints.conclude()?);
+        let foreign = foreign.map(|said| format!("{}: {said}", self.file).into());
+        self.warnings.extend(foreign);
         if self.postures == 0 {
             return Err(match self.moving {
                 Some(_) => format!(
@@ -389,6 +462,23 @@ impl McapSource {
                 self.file, self.readings
             );
             self.warnings.push(warning.into());
+        }
+        for (count, all, said) in [
+            (
+                self.without_positions,
+                self.states,
+                "joint states name a joint without its position; the joint is where the next one says",
+            ),
+            (
+                self.no_numbers,
+                self.readings,
+                "readings are no numbers and are left out",
+            ),
+        ] {
+            if count > 0 {
+                let warning = format!("{}: {count} of {all} {said}", self.file);
+                self.warnings.push(warning.into());
+            }
         }
         let both = self.both.as_ref();
         if let Some(said) = both.and_then(|(_, all)| all.left_out(self.readings)) {

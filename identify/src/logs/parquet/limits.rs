@@ -142,7 +142,8 @@ impl Input {
     }
 }
 
-const ENCRYPTED: &str = "it is encrypted; decrypt it first";
+/// What is said of a file that is encrypted.
+pub(super) const ENCRYPTED: &str = "encrypted";
 
 /// Where pages are read from; and the header of one, which is walked before its first byte is
 /// given out.

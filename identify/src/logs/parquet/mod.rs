@@ -20,7 +20,7 @@ use parquet::file::metadata::ParquetMetaData;
 use parquet::schema::types::ColumnDescPtr;
 
 use self::hashing::Hashing;
-use self::limits::Input;
+use self::limits::{ENCRYPTED, Input};
 pub(super) use self::sink::ParquetSink;
 use self::values::{is_flat, is_number, read, read_numbers, spread, unit};
 use super::columns::{Columns, POSE, SUPPORT};
@@ -73,7 +73,10 @@ impl ParquetSource {
             .iter()
             .map(|column| match column.path().string() {
                 // The row labels of a data frame.
-                index if index.starts_with("__index_level_") => String::new(),
+                index if index.starts_with("__index_level_") => match unit(column) {
+                    Some(_) => "timestamp".to_string(),
+                    None => String::new(),
+                },
                 name => name.trim().to_string(),
             })
             .collect();
@@ -105,6 +108,11 @@ impl ParquetSource {
         let Some(group) = self.footer.row_groups().get(self.groups) else {
             return Ok(false);
         };
+        if group.num_rows() == 0 {
+            // Its chunks have no pages to look at.
+            self.groups += 1;
+            return Ok(true);
+        }
         let open = guarded(|| {
             let rows = usize::try_from(group.num_rows())?;
             let wanted = columns.numbers.iter().copied();
@@ -318,11 +326,12 @@ fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
         ]
     } else if said.contains("compile time") {
         format!("packed in a way that cannot be read ({said}); write it with snappy").into()
+    } else if said.contains(ENCRYPTED) {
+        "the Parquet file is encrypted; decrypt it first".into()
     } else {
         let said = said.trim_start_matches("External: ");
         let said = said.trim_start_matches("Parquet error: ");
-        format!("the Parquet file is cut off, damaged or made to do harm ({said}); copy it again")
-            .into()
+        format!("the Parquet file is cut off or damaged ({said}); copy it again").into()
     };
     Error::log(file.to_string(), line, message)
 }

@@ -17,7 +17,8 @@ pub(super) fn is_flat(column: &ColumnDescriptor) -> bool {
 pub(super) fn is_number(column: &ColumnDescriptor) -> bool {
     let plain = matches!(
         column.logical_type_ref(),
-        None | Some(LogicalType::Integer { .. })
+        // A column that is null throughout has the last of them.
+        None | Some(LogicalType::Integer { .. } | LogicalType::Unknown)
     );
     let physical = column.physical_type();
     let number = [

@@ -15,7 +15,7 @@ fn faults_name_row_column_and_remedy() {
             "hip,knee\n0,0\n0,x\n",
             &[":3", "`knee`", "`x` is no number"],
         ),
-        ("hip,knee\n0,\n", &[":2", "`knee`", "empty"]),
+        ("hip,knee\n0,\n", &[":2", "`knee`", "no value"]),
         ("hip;knee\n0;0,5\n", &[":2", "`knee`", "decimal comma"]),
         ("hip,knee\n0,inf\n", &[":2", "`knee`", "not finite"]),
         (
@@ -28,7 +28,7 @@ fn faults_name_row_column_and_remedy() {
             "hip,knee,pose\n0,0,1.5\n",
             &[":2", "`pose`", "whole number"],
         ),
-        ("hip,knee,t\n0,0,NaN\n", &[":2", "`t`", "not finite"]),
+        ("hip,knee,t\n0,0,inf\n", &[":2", "`t`", "not finite"]),
         (
             "hip,knee,cop_x,cop_y,cop_x_std,cop_y_std\n0,0,0,0,0.1,0\n",
             &[":2", "`cop_y_std`", "positive"],
@@ -64,7 +64,7 @@ fn the_first_fault_of_many_rows_is_told() {
     let odd = [
         (1100, "1100.5,0,0,0,0,0,0,-9.8\n", "`pose`"),
         (2500, "2500,0,x,0,0,0,0,-9.8\n", "`knee`"),
-        (3900, "3900,,0,0,0,0,0,-9.8\n", "`hip`"),
+        (3900, "3900,y,0,0,0,0,0,-9.8\n", "`hip`"),
         (4000, "4000,0,0,0\n", "4 fields"),
     ];
     for first in 0..odd.len() {
@@ -94,7 +94,7 @@ fn what_is_no_log_is_told_by_its_bytes() {
     let broken = [&b"\x1f\x8b"[..], &[0xff; 9]].concat();
     let mut cases: Vec<(&str, &[u8], &[&str])> = vec![
         ("log.csv", b"\xff\xfeh\0i\0p\0", &["UTF-16"]),
-        ("log.csv", b"PK\x03\x04...", &["export it as CSV"]),
+        ("log.csv", b"PK\x03\x04...", &["save the sheet as CSV"]),
         ("log.csv", b"\x7fELF\x02\x01\x01\0\0\0", &["not text"]),
         ("log.csv", b"hip,\xe9\n0,0\n", &["UTF-8"]),
         ("log.csv", b"\x1f\x8b\x08", &["cut off"]),

@@ -4,6 +4,9 @@
 {%- if has_shift_up %}
 {% include "shift_up.c" %}
 {% endif %}
+{%- if has_add or has_subtract %}
+{% include "wrapping.c" %}
+{% endif %}
 {%- if has_table %}
 {% include "table.c" %}
 {% endif %}

@@ -60,6 +60,10 @@ extern {{ constant.declaration }};
 {%- for line in ticks %}
  *     {{ line }}
 {%- endfor %}
+ *
+{%- for line in ticks_beyond %}
+ * {{ line }}
+{%- endfor %}
  */
 {%- endif %}
 {%- if has_lanes %}

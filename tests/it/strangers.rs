@@ -1,0 +1,511 @@
+//! Files, robots and recordings as other people and programs have them, each with what is right.
+//!
+//! `tests/strangers/` has the inputs: `post.urdf` is a post on one leg of four joints, `wraps.urdf`
+//! the same with a waist that turns without end.
+
+use std::fs;
+
+use serde_json::Value;
+use sesc_test_support::command::{Folder, ROOT, op2, stderr};
+
+/// A folder with the files of a case and the robots that several share.
+fn case(name: &str) -> Folder {
+    let folder = Folder::with("op2");
+    let inputs = format!("{ROOT}/tests/strangers");
+    for from in [inputs.clone(), format!("{inputs}/{name}")] {
+        for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
+            if entry.path().is_file() {
+                let name = entry.file_name().into_string().unwrap();
+                folder.write(&name, fs::read(entry.path()).unwrap());
+            }
+        }
+    }
+    folder
+}
+
+/// What a command that succeeds says on stderr.
+fn said(folder: &Folder, line: &str) -> String {
+    let output = folder.run(line);
+    assert!(output.status.success(), "{line}: {}", stderr(&output));
+    stderr(&output)
+}
+
+fn says(text: impl AsRef<str>, words: &[&str]) {
+    for word in words {
+        assert!(
+            text.as_ref().contains(word),
+            "`{word}` is not in: {}",
+            text.as_ref()
+        );
+    }
+}
+
+/// A number of a JSON answer.
+fn number(answer: &Value, path: &str) -> f64 {
+    let value = answer.pointer(path).and_then(Value::as_f64);
+    value.unwrap_or_else(|| panic!("{path}: {answer}"))
+}
+
+/// A table without the columns whose names end so.
+fn without_columns(table: &str, end: &str) -> String {
+    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let kept = |line: &str| {
+        let fields = line
+            .split(',')
+            .zip(&names)
+            .filter(|(_, name)| !name.ends_with(end));
+        fields.map(|(field, _)| field).collect::<Vec<_>>().join(",")
+    };
+    table.lines().map(kept).collect::<Vec<_>>().join("\n")
+}
+
+/// Nothing is missing, and what is left is the noise of half a millimetre.
+fn is_healthy(answer: &Value) {
+    assert_eq!(answer["verdict"], "none", "{answer}");
+    let left = number(answer, "/final/rmse");
+    assert!((4e-4..6e-4).contains(&left), "{left}");
+}
+
+#[test]
+fn headers_of_other_programs_are_read_or_told() {
+    let folder = case("headers_of_other_programs");
+    for log in [
+        "comments.csv",
+        "excel_sep.csv",
+        "units_in_names.csv",
+        "units_row.csv",
+    ] {
+        let found = folder.json(&format!("fit post.urdf --data {log}"));
+        assert_eq!(found["postures"], 10, "{log}");
+    }
+    folder.refuses_each(
+        r#"fit post.urdf --data suffix.csv | suffix.csv:1: no column for joint `ankle` | columns = { "ankle_pos" = "ankle", "roll_pos" = "roll"
+        fit post.urdf --data plotjuggler.csv | columns = { "/joint_states/ankle/position" = "ankle"
+        fit post.urdf --data blanks.txt | blanks.txt:1: | divided by blanks; write commas"#,
+    );
+    // The line that is proposed does it.
+    let log = "pose,ankle_pos,roll_pos,waist_pos,shoulder_pos,cop_x,cop_y,ankle_vel\n\
+               0,0.1,0,0,0,0.01,0,1\n1,0,0.1,0,0,0.01,0,1\n";
+    folder.write("named.csv", log);
+    let asked = stderr(&folder.run("fit post.urdf --support sole --data named.csv"));
+    let line = &asked[asked.find("columns = {").unwrap()..];
+    folder.write("named.csv.toml", line.trim());
+    let found = folder.json("fit post.urdf --support sole --data named.csv");
+    assert_eq!(found["postures"], 2);
+    // A first line of numbers is not taken for names.
+    folder.write("bare.csv", "0.1,0.2,0.3\n0.4,0.5,0.6\n");
+    let line = "fit post.urdf --support sole --data bare.csv";
+    folder.refuses(
+        line,
+        &["bare.csv:1: the first line has numbers, not the names of columns"],
+    );
+    // Units are brought to SI: the same log in degrees, milliseconds and millimetres.
+    let si = folder.json("fit post.urdf --data units_in_names.csv");
+    let text = folder.read("units_in_names.csv");
+    let mut rows = text.lines();
+    let names = rows
+        .next()
+        .unwrap()
+        .replace("[rad]", "[deg]")
+        .replace("[m]", "[mm]");
+    let factors: Vec<f64> = names
+        .split(',')
+        .map(|name| match name {
+            name if name.ends_with("[deg]") => 180.0 / std::f64::consts::PI,
+            name if name.ends_with("[mm]") => 1000.0,
+            _ => 1.0,
+        })
+        .collect();
+    let scaled = rows.map(|row| {
+        let fields = row.split(',').zip(&factors);
+        let fields = fields.map(|(x, factor)| match *factor == 1.0 {
+            true => x.to_string(),
+            false => format!("{}", x.parse::<f64>().unwrap() * factor),
+        });
+        fields.collect::<Vec<_>>().join(",")
+    });
+    let scaled = scaled.collect::<Vec<_>>().join("\n");
+    folder.write("scaled.csv", format!("{names}\n{scaled}\n"));
+    folder.write("scaled.csv.toml", folder.read("units_in_names.csv.toml"));
+    let other = folder.json("fit post.urdf --data scaled.csv");
+    for k in 0..5 {
+        let path = format!("/parameters/{k}/value");
+        let (a, b) = (number(&si, &path), number(&other, &path));
+        assert!((a - b).abs() < 1e-9, "{path}: {a} {b}");
+    }
+}
+
+#[test]
+fn tables_of_numpy_have_whole_numbers_and_a_marked_header() {
+    let folder = case("numpy_savetxt");
+    for log in ["default.csv", "with_header.csv"] {
+        let found = folder.json(&format!("fit post.urdf --data {log}"));
+        assert_eq!(found["postures"], 12, "{log}");
+        // 72 rows with a noise of 1 mm, told by the repeats.
+        let noise = number(&found, "/noise_floor");
+        assert!((7e-4..12e-4).contains(&noise), "{noise}");
+    }
+}
+
+#[test]
+fn parquet_of_every_writer_is_read() {
+    let folder = case("parquet_group_of_no_rows");
+    for log in ["log", "null_std", "none_std"] {
+        let found = folder.json(&format!("fit post.urdf --data {log}.parquet"));
+        assert_eq!(found["postures"], 40, "{log}");
+    }
+    let said = said(&folder, "fit post.urdf --data null_std.parquet");
+    says(
+        said,
+        &["without a value, and not used: `cop_x_std`, `cop_y_std`"],
+    );
+    folder.refuses_each(
+        "fit post.urdf --data empty.parquet | no postures below the header
+        fit post.urdf --data encrypted.parquet | the Parquet file is encrypted; decrypt it first
+        fit post.urdf --data encrypted_open_footer.parquet | the Parquet file is encrypted",
+    );
+}
+
+#[test]
+fn files_of_other_formats_are_told_what_they_are() {
+    let folder = Folder::with("two_link");
+    for (name, bytes, words) in [
+        ("a.bag", &b"#ROSBAG V2.0\n"[..], "mcap convert a.bag a.mcap"),
+        ("a.db3", b"SQLite format 3\0", "mcap convert a.db3 a.mcap"),
+        (
+            "a.mcap.zst",
+            b"\x28\xb5\x2f\xfd\0\0\0\0",
+            "zstd -d a.mcap.zst",
+        ),
+        ("a.mat", b"MATLAB 5.0 MAT-file", "writetable"),
+        ("a.npy", b"\x93NUMPY\x01\0", "numpy.savetxt('a.csv'"),
+        ("a.xlsx", b"PK\x03\x04\0\0\0\0", "save the sheet as CSV"),
+        ("a.feather", b"ARROW1\0\0", "to_parquet('a.parquet')"),
+    ] {
+        folder.write(name, bytes);
+        folder.refuses(
+            &format!("fit two_link.urdf --support foot --data {name}"),
+            &[words],
+        );
+    }
+    folder.write("bag/metadata.yaml", "");
+    folder.write("bag/bag_0.mcap", "");
+    folder.refuses(
+        "fit two_link.urdf --support foot --data bag",
+        &["`bag_0.mcap`"],
+    );
+}
+
+/// A value that a message or row does not have costs that value.
+#[test]
+fn missing_values_cost_themselves() {
+    let folder = case("nan_position");
+    let log = "fit post.urdf --data one_nan_in_seven.mcap";
+    says(
+        said(&folder, log),
+        &["190 of 1324 joint states name a joint without its position"],
+    );
+    assert_eq!(folder.json(log)["postures"], 24);
+    let folder = case("positions_empty");
+    let log = "fit post.urdf --data velocity_only_too.mcap";
+    says(said(&folder, log), &["662 of 1986 joint states"]);
+    assert_eq!(folder.json(log)["postures"], 24);
+    // In a table: one row misses a joint, one its reading, one has no number of its posture.
+    let folder = case("numpy_savetxt");
+    let text = folder.read("default.csv");
+    let mut rows: Vec<String> = text.lines().map(str::to_string).collect();
+    for (row, field, value) in [(2, 1, "nan"), (5, 6, ""), (8, 0, "NA")] {
+        let mut fields: Vec<&str> = rows[row].split(',').collect();
+        fields[field] = value;
+        rows[row] = fields.join(",");
+    }
+    folder.write("holes.csv", rows.join("\n"));
+    folder.write("holes.csv.toml", folder.read("default.csv.toml"));
+    let line = "fit post.urdf --data holes.csv";
+    says(
+        said(&folder, line),
+        &[
+            "3 of 72 rows have no value of a column and are left out",
+            "(the first is row 3)",
+        ],
+    );
+    assert_eq!(folder.json(line)["samples"]["rows"], 69);
+}
+
+#[test]
+fn zeros_of_a_second_publisher_are_left_out() {
+    let folder = case("two_publishers_zeros");
+    let line = "fit post.urdf --data zeros_at_4_hz.mcap";
+    says(
+        said(&folder, line),
+        &[
+            "joint states are of another sender or a glitch",
+            "and are left out",
+        ],
+    );
+    let found = folder.json(line);
+    assert_eq!(found["postures"], 24);
+    let noise = number(&found, "/noise_floor");
+    assert!((4e-4..6e-4).contains(&noise), "{noise}");
+}
+
+/// A table in which one row leaps and comes back.
+#[test]
+fn joints_that_leap_are_a_finding() {
+    let folder = case("continuous_joint_wraps");
+    let text = folder.read("unwrapped.csv");
+    let mut rows: Vec<&str> = text.lines().collect();
+    let names: Vec<&str> = rows[0].split(',').collect();
+    let at = names.iter().position(|name| *name == "shoulder").unwrap();
+    let mut fields: Vec<&str> = rows[200].split(',').collect();
+    fields[at] = "2.5";
+    let leap = fields.join(",");
+    rows[200] = &leap;
+    folder.write("leaps.csv", rows.join("\n"));
+    folder.write("leaps.csv.toml", folder.read("unwrapped.csv.toml"));
+    let found = folder.json("diagnose wraps.urdf --data leaps.csv");
+    let kinds = found["health"].as_array().unwrap().iter();
+    let leaps = kinds.filter(|finding| finding["kind"] == "joint_leaps");
+    let targets: Vec<&Value> = leaps.map(|finding| &finding["target"]).collect();
+    assert_eq!(targets, ["shoulder"], "{}", found["health"]);
+    let sound = folder.json("diagnose wraps.urdf --data unwrapped.csv");
+    assert_eq!(sound["health"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn angles_that_wrap_are_those_that_do_not() {
+    for (case_name, end) in [
+        ("continuous_joint_wraps", "csv"),
+        ("continuous_joint_wraps_mcap", "mcap"),
+    ] {
+        let folder = case(case_name);
+        let [plain, wrapped] = ["unwrapped", "wrapped"]
+            .map(|log| folder.json(&format!("diagnose wraps.urdf --data {log}.{end}")));
+        is_healthy(&plain);
+        is_healthy(&wrapped);
+        for path in ["/baseline/rmse", "/noise_floor", "/motion/share/value"] {
+            let (a, b) = (number(&plain, path), number(&wrapped, path));
+            assert!((a - b).abs() < 1e-6 * a.abs(), "{end} {path}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn times_of_other_names_are_read_and_coarse_ones_told() {
+    let folder = case("time_column_called_time");
+    for name in [
+        "time",
+        "__time",
+        "timestamp",
+        "Time",
+        "%time",
+        "t [s]",
+        "time_s",
+    ] {
+        let text = folder.read("log.csv").replacen("time", name, 1);
+        folder.write("named.csv", text);
+        folder.write("named.csv.toml", folder.read("log.csv.toml"));
+        is_healthy(&folder.json("diagnose post.urdf --data named.csv"));
+    }
+    let text = folder.read("log.csv").replacen("time", "number", 1);
+    folder.write("none.csv", text);
+    folder.write("none.csv.toml", folder.read("log.csv.toml"));
+    let said_of =
+        |folder: &Folder, log: &str| said(folder, &format!("diagnose post.urdf --data {log}"));
+    says(
+        said_of(&folder, "none.csv"),
+        &["the log has no column `t`: motion is not counted"],
+    );
+    let coarse = case("time_is_coarse");
+    says(
+        said_of(&coarse, "tenths.csv"),
+        &[
+            "share the stamp of the row above",
+            "`t` has too few digits, and motion is not counted",
+        ],
+    );
+}
+
+#[test]
+fn frames_of_recordings_are_settled_for_every_command() {
+    let folder = case("frame_id_is_support");
+    assert_eq!(
+        folder.json("fit post.urdf --data log.mcap")["support"],
+        "sole"
+    );
+    assert_eq!(
+        folder.json("diagnose post.urdf --data log.mcap")["verdict"],
+        "none"
+    );
+    // A CoM 0.48 m above the sole, as the frame says; above the trunk it would be elsewhere.
+    let predicted = folder.stdout("predict post.urdf --data log.mcap");
+    let first = predicted.lines().nth(1).unwrap();
+    let height: f64 = first.split(',').nth(3).unwrap().parse().unwrap();
+    assert!((0.4..0.5).contains(&height), "{first}");
+    let folder = case("unknown_frame_id");
+    for command in ["fit", "diagnose"] {
+        let said = said(&folder, &format!("{command} post.urdf --data log.mcap"));
+        says(
+            said,
+            &[
+                "the frame `ankle_ft_sensor`, which the URDF does not have",
+                "origin of `sole`",
+            ],
+        );
+    }
+    // With the frame in the URDF, 20 mm in front of the sole, the wrench is moved: nothing is off.
+    let sensor = "<link name='ankle_ft_sensor'/><joint name='to_sensor' type='fixed'><parent \
+                  link='sole'/><child link='ankle_ft_sensor'/><origin xyz='0.02 0 0'/></joint></robot>";
+    let urdf = folder.read("post.urdf").replace("</robot>", sensor);
+    folder.write("sensor.urdf", urdf);
+    let found = folder.json("diagnose sensor.urdf --data log.mcap");
+    assert_eq!(found["verdict"], "none", "{}", found["sentence"]);
+}
+
+#[test]
+fn gains_and_units_are_named_over_their_range() {
+    let folder = case("gain_of_three");
+    for gain in [2.3, 3.0] {
+        let found = folder.json(&format!("diagnose post.urdf --data gain_{gain}.csv"));
+        assert_eq!(found["verdict"], "named", "{}", found["sentence"]);
+        assert_eq!(found["steps"][0]["effect"], "sensor_gain");
+        for axis in ["gain_x", "gain_y"] {
+            let value = number(&found, &format!("/steps/0/parameters/{axis}/value"));
+            assert!((value / gain - 1.0).abs() < 0.01, "{value}");
+        }
+    }
+    let folder = case("kgf_with_newton_metres");
+    let found = folder.json("diagnose op2.urdf --data log.csv");
+    assert_ne!(found["verdict"], "none");
+    let step = &found["steps"][0];
+    assert_eq!(
+        (&step["effect"], &step["target"]),
+        (&"units".into(), &"-".into())
+    );
+    says(
+        found["sentence"].as_str().unwrap(),
+        &["forces in kgf and moments in N m"],
+    );
+}
+
+/// Inertias that no body has are not believed: a healthy robot that moves is healthy.
+#[test]
+fn placeholder_inertias_blame_no_joint() {
+    let folder = case("placeholder_inertia");
+    for urdf in ["post", "inertia_0.1", "inertia_1.0"] {
+        is_healthy(&folder.json(&format!(
+            "diagnose {urdf}.urdf --support sole --data log.csv"
+        )));
+    }
+    is_healthy(&folder.json("diagnose op2_0.001.urdf --support r_sole --data op2.csv.gz"));
+    let notes = |line: &str| said(&folder, line);
+    says(
+        notes("inspect inertia_1.0.urdf --support sole"),
+        &["link `foot`: its inertia has a radius of gyration of 1.00 m"],
+    );
+    says(
+        notes("inspect op2_0.001.urdf --support r_sole"),
+        &[
+            "21 of this kind",
+            "a placeholder; motion counts the link as a point; also",
+        ],
+    );
+    let sound = notes(&format!("inspect {} --support r_sole", op2()));
+    assert!(!sound.contains("inertia"), "{sound}");
+    for (inertia, words) in [
+        (
+            "ixx='-1' iyy='1' izz='1'",
+            "has a negative principal moment",
+        ),
+        (
+            "ixx='1' iyy='1' izz='3'",
+            "more than the sum of the other two",
+        ),
+    ] {
+        let urdf = format!(
+            "<robot name='r'><link name='a'><inertial><mass value='9'/><inertia {inertia} ixy='0' \
+             ixz='0' iyz='0'/></inertial></link><link name='b'><inertial><mass \
+             value='0.001'/></inertial></link><joint name='j' type='continuous'><parent \
+             link='a'/><child link='b'/><origin xyz='0 0 9'/></joint></robot>"
+        );
+        folder.write("odd.urdf", urdf);
+        let said = notes("inspect odd.urdf --support a");
+        says(said, &[words, "is it in grams?"]);
+    }
+}
+
+#[test]
+fn a_support_whose_z_is_not_up_is_said_by_every_command() {
+    let folder = case("support_z_not_up");
+    let z = &[
+        "241 mm along x",
+        "does x point up?",
+        "<origin xyz=\"-0.03 0 0\" rpy=\"0 1.5707963267948966 0\"/>",
+    ];
+    for line in [
+        "inspect robot.urdf --support foot",
+        "generate robot.urdf --support foot --lang c --name x --out x",
+        "simulate robot.urdf --support foot --poses 9 --out s.csv",
+        "verify robot.urdf --support foot",
+        "predict robot.urdf --support foot --data log.csv",
+    ] {
+        let said = said(&folder, line);
+        says(&said, z);
+        assert!(!said.contains("foot@50mm"), "{said}");
+    }
+    for support in ["foot", "foot@50mm"] {
+        for command in ["fit", "diagnose"] {
+            let line = format!("{command} robot.urdf --support {support} --data log.csv --json");
+            let output = folder.run(&line);
+            assert_eq!(output.status.code(), Some(1), "{line}");
+            let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert_eq!(found["health"][0]["kind"], "frame_turned", "{line}");
+            says(
+                found["health"][0]["sentence"].as_str().unwrap(),
+                &["its x axis points up"],
+            );
+        }
+    }
+    // The lines that are proposed are those of the robot that made the log.
+    let said = said(&folder, "inspect robot.urdf --support foot");
+    let start = said.find("<link name=\"foot_sole\"/>").unwrap();
+    let end = said.find("</joint>").unwrap() + "</joint>".len();
+    let urdf = folder
+        .read("robot.urdf")
+        .replace("</robot>", &format!("{}</robot>", &said[start..end]));
+    folder.write("mended.urdf", urdf);
+    is_healthy(&folder.json("diagnose mended.urdf --support foot_sole --data log.csv"));
+}
+
+#[test]
+fn rotations_of_what_has_no_mass_are_not_noted() {
+    let folder = case("notes_on_massless_frames");
+    assert_eq!(said(&folder, "inspect robot.urdf --support sole"), "");
+}
+
+/// Five rows of a robot whose ankle is off by 1.2° tell nothing.
+#[test]
+fn a_log_that_is_too_short_is_no_clean_bill_of_health() {
+    let folder = Folder::with("plain_humanoid");
+    for poses in [5, 8, 12] {
+        folder.stdout(&format!(
+            "simulate plain_humanoid.urdf --support left_sole --poses {poses} --noise 0.0005 --hide \
+             joint_offset:left_ankle_pitch=1.2deg --seed 3 --out log.csv"
+        ));
+        // Nothing states the noise.
+        folder.write("log.csv", without_columns(&folder.read("log.csv"), "_std"));
+        let found = folder.json("diagnose plain_humanoid.urdf --data log.csv");
+        assert_eq!(
+            found["verdict"], "too_short",
+            "{poses}: {}",
+            found["sentence"]
+        );
+        assert_eq!(found["steps"].as_array().unwrap().len(), 0);
+        let text = folder.stdout("diagnose plain_humanoid.urdf --data log.csv");
+        assert!(!text.contains("Keep this log"), "{text}");
+        says(
+            found["sentence"].as_str().unwrap(),
+            &["The log is too short"],
+        );
+    }
+}
