@@ -40,7 +40,7 @@ impl Setup {
             }
         }
         Setup {
-            reference: sesc::verify::reference(&robot, support).unwrap(),
+            reference: sesc::verify::reference(&robot, &model).unwrap(),
             q: Simulator::new(&dofs, None, 1).batch(2 * BATCH),
             model,
         }

@@ -67,13 +67,20 @@ pub struct Verification {
     pub units: BTreeMap<String, &'static str>,
 }
 
-/// The independent reference of `robot` on `support`; it reads the URDF by itself.
+/// The independent reference of `robot` on the support of `model`; it reads the URDF by itself.
 ///
 /// # Errors
 /// When the reference cannot read the URDF, or has no such link.
-pub fn reference(robot: &Robot, support: &str) -> Result<Reference, Error> {
-    let read = sesc_reference::Robot::from_urdf(robot.text())?;
-    Ok(Reference::new(&read, support)?)
+pub fn reference(robot: &Robot, model: &Model) -> Result<Reference, Error> {
+    let support = &model.tree.links[model.tree.support].name;
+    Ok(Reference::new(&read(robot, model)?, support)?)
+}
+
+/// The robot as the reference reads it, with the joints of the model: those of a virtual base are
+/// held.
+fn read(robot: &Robot, model: &Model) -> Result<sesc_reference::Robot, Error> {
+    let joints: Vec<&str> = model.tree.dofs.iter().map(|dof| &*dof.joint).collect();
+    Ok(sesc_reference::Robot::from_urdf(robot.text())?.moved_by(&joints)?)
 }
 
 /// Random postures that are enough for a robot of `dof` joints: 10,000, and beyond 100 joints a
@@ -95,7 +102,7 @@ pub fn verify(
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Verification, Error> {
-    let reference = &reference(robot, &model.tree.links[model.tree.support].name)?;
+    let reference = &reference(robot, model)?;
     let mut postures = Simulator::new(&model.tree.dofs, None, seed).batch(samples);
     postures.extend(corners(model, seed));
     let dof = model.dof();

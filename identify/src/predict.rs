@@ -24,6 +24,7 @@ use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
 use crate::observations::rows;
 use crate::observations::zmp::Zmp;
+use crate::robot::check_joints;
 use crate::stance::Stance;
 use crate::watch::{Watch, tell};
 use soles::Soles;
@@ -171,7 +172,9 @@ impl Predictor {
             stays: Stays::Apart,
             ..Options::default()
         };
-        let dofs = stance.robot.description.dofs();
+        let (sidecar, _) = log.sidecar()?;
+        let support = stance.support(sidecar.support.as_deref()).ok();
+        let dofs = stance.robot.description.dofs_on(support);
         let reader = PostureReader::open(log, &dofs, &options)?;
         let mut stance = stance.clone();
         if stance.support.is_none() && reader.is_recording() {
@@ -245,6 +248,7 @@ impl Predictor {
             let n = n.count();
             let logged = Some(link).filter(|link| !link.is_empty());
             let on_link = self.evaluator(logged, watch)?;
+            check_joints(&on_link.model, dof)?;
             let q = &block.q[start * dof..(start + n) * dof];
             if let Some(soles) = &mut on_link.soles {
                 soles.see(q, dof);

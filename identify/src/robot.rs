@@ -176,6 +176,22 @@ impl Robot {
     }
 }
 
+/// # Errors
+/// Where rows of `dof` joints stand on a link of the virtual base, which was named only by a row.
+pub(crate) fn check_joints(model: &Model, dof: usize) -> Result<(), Error> {
+    if model.dof() == dof {
+        return Ok(());
+    }
+    let what = format!(
+        "rows stand on `{}`, seen from which the robot has other joints ({} for {dof}): nothing \
+         between it and the robot has mass; name the support of the whole log by ",
+        model.support(),
+        model.dof()
+    );
+    let end = " or `support` in the sidecar";
+    Err(Error::request(message![what, Setting::Support, end]))
+}
+
 /// A leg that turns about a hip over its foot, for tests.
 #[cfg(test)]
 pub(crate) const ROD: &str = "<robot name='rod'><link name='foot'/>\

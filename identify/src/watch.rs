@@ -44,6 +44,37 @@ impl Watch for () {
     }
 }
 
+/// Forwards everything to the caller's watch, each warning once, and keeps the warnings, which are
+/// part of the result.
+pub(crate) struct Recorder<'w> {
+    watch: &'w mut dyn Watch,
+    pub warnings: Vec<Message>,
+}
+
+impl<'w> Recorder<'w> {
+    pub fn new(watch: &'w mut dyn Watch) -> Recorder<'w> {
+        let warnings = Vec::new();
+        Recorder { watch, warnings }
+    }
+}
+
+impl Watch for Recorder<'_> {
+    fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
+        self.watch.progress(progress)
+    }
+
+    fn note(&mut self, note: &str) {
+        self.watch.note(note);
+    }
+
+    fn warning(&mut self, warning: &Message) {
+        if !self.warnings.contains(warning) {
+            self.watch.warning(warning);
+            self.warnings.push(warning.clone());
+        }
+    }
+}
+
 /// The error of a call that was stopped.
 pub(crate) fn stopped(flow: ControlFlow<()>) -> Result<(), Error> {
     match flow {

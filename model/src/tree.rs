@@ -17,7 +17,7 @@ mod snaps;
 mod sole;
 mod supports;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
@@ -25,6 +25,7 @@ use serde::Serialize;
 use crate::Error;
 use crate::error::Problem;
 use crate::snap::{self, Snapping};
+use crate::text;
 use crate::urdf::{self, Description, JointType};
 use dofs::coordinates;
 use edge::edge;
@@ -196,7 +197,11 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         links[link].inertia_is_refuted = true;
     }
 
-    let (dofs, coordinates) = coordinates(robot);
+    let base = dofs::virtual_base(robot, Some(&robot.links[support].name));
+    let (dofs, coordinates) = coordinates(robot, &base);
+    if !base.is_empty() {
+        notes.push(dropped(robot, &base));
+    }
     let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
     for (j, joint) in robot.joints.iter().enumerate() {
         neighbours[index[joint.parent.as_str()]].push(j);
@@ -220,6 +225,9 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
         let reversed = near == child;
         let far = if reversed { parent } else { child };
         if seen[far] {
+            continue;
+        }
+        if base.contains(&j) && joint.joint_type != JointType::Fixed {
             continue;
         }
         if matches!(joint.joint_type, JointType::Floating | JointType::Planar) {
@@ -278,6 +286,23 @@ pub fn reroot(description: &Description, support: &str, snapping: Snapping) -> R
     tree.notes
         .extend(standing.or_else(|| below(description, &support)));
     Ok(tree)
+}
+
+/// What is said of the joints of a virtual base.
+fn dropped(robot: &Description, base: &HashSet<usize>) -> String {
+    let mut all: Vec<usize> = base.iter().copied().collect();
+    all.sort_unstable();
+    let joints = all.iter().map(|&k| &robot.joints[k]);
+    let names: Vec<String> = joints
+        .filter(|joint| joint.joint_type != JointType::Fixed)
+        .map(|joint| format!("`{}`", joint.name))
+        .collect();
+    let (joint, them) = match names.len() {
+        1 => ("joint", "it"),
+        _ => ("joints", "them"),
+    };
+    let names = text::listed(names, 8);
+    format!("{joint} {names} dropped: nothing beyond {them} has mass")
 }
 
 /// Inertia about the centre of mass in the axes of the link frame, kg m².

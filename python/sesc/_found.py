@@ -93,7 +93,7 @@ class FoundInLogs(Found):
             >>> isinstance(fit.warnings, list)
             True
         """
-        return [*self._found.get("warnings", []), *self._state["warnings"]]
+        return list(self._state["warnings"])
 
     @property
     def notes(self) -> list[str]:

@@ -51,10 +51,12 @@ pub fn fit_logs(
     let parts = parts.iter().map(|part| part.inner.clone());
     let request = options.request(robot.as_deref(), &logs, parts.collect());
     let request = request.map_err(|failure| failure.raise(py))?;
-    let (inner, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
+    let (inner, mut warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
         let report = fit::fit(&request, watch).during(Doing::Fit)?;
         Ok(Arc::new((request, report)))
     })?;
+    let found = &inner.identification;
+    warnings.extend_from_slice(&found.warnings[found.warnings_of_logs..]);
     Ok(FitReport { inner, warnings })
 }
 

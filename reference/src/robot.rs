@@ -230,6 +230,21 @@ impl Robot {
         Ok(robot)
     }
 
+    /// The same robot whose posture has the joints of these names alone, in the order of the file;
+    /// the others that move by themselves are held at zero.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), where a joint follows one that is held.
+    pub fn moved_by(&self, names: &[&str]) -> Result<Self, Error> {
+        let mut joints = self.joints.clone();
+        for &at in &self.movable {
+            if !names.contains(&joints[at].name.as_str()) {
+                joints[at].kind = JointKind::Fixed;
+            }
+        }
+        Self::new(self.name.clone(), self.links.clone(), joints)
+    }
+
     /// The same robot with a hinge between a joint and the link it sits on,
     /// about `axis` of the joint's frame: the last entry of the posture.
     ///

@@ -82,7 +82,7 @@ fn first_act(
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<(DemoReport, FirstAct), Error> {
-    let reference = verify::reference(robot, "r_sole")?;
+    let reference = verify::reference(robot, model)?;
     let code = rust::module(&Facts::of(model), "op2_r_sole")?;
     let verification = verify::verify(robot, model, 5000, seed, watch)?;
 

@@ -61,7 +61,7 @@ impl Bent {
         if model.effects.is_empty() {
             return Ok(None);
         }
-        let read = sesc_reference::Robot::from_urdf(robot.text())?;
+        let read = super::read(robot, model)?;
         let support = &model.tree.links[model.tree.support].name;
         let records = Record::all(model);
         let has = |is: &dyn Fn(&Record) -> bool| records.iter().any(is);

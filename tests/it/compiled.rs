@@ -35,7 +35,7 @@ struct Case {
     module: String,
     model: Model,
     /// What stands where, without effects that the reference does not have.
-    bare: Option<(Robot, String)>,
+    bare: Option<Robot>,
     /// Row-major postures, exactly representable in f32.
     q: Vec<f64>,
 }
@@ -47,7 +47,7 @@ impl Case {
         q.extend(Simulator::new(&model.tree.dofs, None, 11).batch(postures));
         Case {
             module: String::new(),
-            bare: Some((robot, support.to_string())),
+            bare: Some(robot),
             q: q.into_iter().map(|x| f64::from(x as f32)).collect(),
             model,
         }
@@ -207,8 +207,8 @@ fn compiled_is_tape_and_reference(place: &str, mut cases: Vec<Case>, level: u32)
     for case in &cases {
         same_bits_as_the_tape(case, &child);
         same_bits_in_single_precision(case, &child);
-        if let Some((robot, support)) = &case.bare {
-            close_to_the_reference(case, robot, support, &child);
+        if let Some(robot) = &case.bare {
+            close_to_the_reference(case, robot, &child);
             // The tape stands for the compiled code, bit by bit; so all postures count.
             let postures = case.q.len() / case.model.dof();
             let found = verify(robot, &case.model, postures, 11, &mut ()).unwrap();
@@ -299,9 +299,9 @@ fn same_bits_in_single_precision(case: &Case, child: &Child) {
     }
 }
 
-fn close_to_the_reference(case: &Case, robot: &Robot, support: &str, child: &Child) {
+fn close_to_the_reference(case: &Case, robot: &Robot, child: &Child) {
     let model = &case.model;
-    let reference = sesc::verify::reference(robot, support).unwrap();
+    let reference = sesc::verify::reference(robot, &case.model).unwrap();
     let program = model.program(Function::Com, Given::Positions).unwrap();
     let snapped: f64 = model.tree.snaps.iter().map(|snap| snap.com_error).sum();
     let single_bound = model.rounding(&program, Precision::F32).worst + snapped;

@@ -32,11 +32,16 @@ struct Op2 {
     cad: DVector<f64>,
 }
 
+fn reference_on(robot: &Robot, support: &str) -> Reference {
+    let model = robot.model(support, Snapping::default(), None).unwrap();
+    sesc::verify::reference(robot, &model).unwrap()
+}
+
 impl Op2 {
     fn new() -> Op2 {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/op2/op2.urdf");
         let robot = Robot::read(&path).unwrap();
-        let reference = sesc::verify::reference(&robot, "r_sole").unwrap();
+        let reference = reference_on(&robot, "r_sole");
         Op2 {
             cad: reference.standard_parameters(),
             robot,
@@ -276,7 +281,7 @@ fn both_feet_tell_the_height() {
     let op2 = Op2::new();
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let theta = op2.truth(0.10, 0.005, &mut rng);
-    let left = sesc::verify::reference(&op2.robot, "l_sole").unwrap();
+    let left = reference_on(&op2.robot, "l_sole");
     let q = op2.postures(1000, 3);
     let mut block = op2.log(&q, &theta, NOISE_OF_MEAN, &mut rng);
     let readings = block.reading.as_mut().unwrap();

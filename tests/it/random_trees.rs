@@ -95,7 +95,7 @@ fn the_references_own_columns_have_the_same_ranks() {
             ..mixed(seed)
         };
         let (robot, model, support) = model(seed, kind, Snapping::default());
-        let reference = sesc::verify::reference(&robot, &support).unwrap();
+        let reference = sesc::verify::reference(&robot, &model).unwrap();
         let mut simulator = Simulator::new(&model.tree.dofs, None, seed + 1000);
         let postures: Vec<Vec<f64>> = (0..60).map(|_| simulator.posture()).collect();
         let rank = |axes: &[usize]| {

@@ -509,3 +509,240 @@ fn a_log_that_is_too_short_is_no_clean_bill_of_health() {
         );
     }
 }
+
+/// A trunk on one leg, carried through `world` by joints that no robot has encoders of.
+const VIRTUAL_BASE: &str = r#"<robot name="vb">
+  <link name="world"/><link name="b1"/><link name="b2"/>
+  <link name="trunk"><inertial><origin xyz="0 0 0.1"/><mass value="3"/><inertia ixx="1e-2" iyy="1e-2" izz="1e-2" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="foot"><inertial><origin xyz="0.01 0 0.01"/><mass value="1"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="base_x" type="prismatic"><parent link="world"/><child link="b1"/><axis xyz="1 0 0"/><limit lower="-9" upper="9" effort="0" velocity="9"/></joint>
+  <joint name="base_z" type="prismatic"><parent link="b1"/><child link="b2"/><axis xyz="0 0 1"/><limit lower="-9" upper="9" effort="0" velocity="9"/></joint>
+  <joint name="base_pitch" type="continuous"><parent link="b2"/><child link="trunk"/><axis xyz="0 1 0"/></joint>
+  <joint name="hip" type="revolute"><parent link="trunk"/><child link="foot"/><origin xyz="0 0 -0.4"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
+</robot>
+"#;
+
+#[test]
+fn a_virtual_base_needs_no_column_and_makes_no_argument() {
+    let folder = Folder::with("op2");
+    folder.write("robot.urdf", VIRTUAL_BASE);
+    folder.write("poses.csv", "pose,hip\n0,0.2\n1,-0.3\n");
+    let on = "robot.urdf --support foot";
+    let poses = folder.run(&format!("predict {on} --data poses.csv"));
+    assert!(poses.status.success(), "{}", stderr(&poses));
+    // Of the trunk alone: 0.75 (0.1 + 0.4) along the leg, and a quarter of the foot's CoM.
+    let rows = String::from_utf8(poses.stdout).unwrap();
+    for (row, hip) in rows.lines().skip(1).zip([0.2_f64, -0.3]) {
+        let found: Vec<f64> = row.split(',').map(|x| x.parse().unwrap()).collect();
+        let (x, z) = (0.0025 - 0.375 * hip.sin(), 0.0025 + 0.375 * hip.cos());
+        assert!(
+            (found[1] - x).abs() < 1e-12 && (found[3] - z).abs() < 1e-12,
+            "{row}"
+        );
+    }
+    let seen = folder.run(&format!("inspect {on}"));
+    let dropped = "`base_x`, `base_z`, `base_pitch` dropped: nothing beyond them has mass";
+    says(stderr(&seen), &[dropped]);
+    assert_eq!(folder.json(&format!("inspect {on}"))["dof"], 1);
+    assert_eq!(
+        folder.json(&format!("verify {on} --samples 100"))["pass"],
+        true
+    );
+    said(
+        &folder,
+        &format!("generate {on} --lang c --name vb --out src"),
+    );
+    says(folder.read("src/vb.h"), &["vb_DOF 1"]);
+    said(
+        &folder,
+        &format!("simulate {on} --poses 60 --noise 0.0005 --seed 1 --out log.csv"),
+    );
+    assert!(folder.read("log.csv").starts_with("pose,hip,cop_x"));
+    // The support by option, by sidecar, by a column.
+    let log = folder.read("log.csv");
+    folder.write("log.csv.toml", "");
+    assert_eq!(
+        folder.json(&format!("fit {on} --data log.csv"))["postures"],
+        60
+    );
+    assert_eq!(
+        folder.json(&format!("diagnose {on} --data log.csv"))["verdict"],
+        "none"
+    );
+    folder.write("log.csv.toml", "support = \"foot\"\n");
+    assert_eq!(folder.json("fit robot.urdf --data log.csv")["postures"], 60);
+    folder.write("log.csv.toml", "");
+    let with = |support: &str| {
+        let rows = log.lines().skip(1).map(|row| format!("{support},{row}\n"));
+        let head = log.lines().next().unwrap();
+        format!("support,{head}\n{}", rows.collect::<String>())
+    };
+    folder.write("log.csv", with("foot"));
+    assert_eq!(folder.json("fit robot.urdf --data log.csv")["postures"], 60);
+    assert_eq!(
+        folder.json("diagnose robot.urdf --data log.csv")["verdict"],
+        "none"
+    );
+    // Who stands on the base itself, as an arm on its rail, has all joints.
+    assert_eq!(folder.json("inspect robot.urdf --support world")["dof"], 4);
+    let refused = folder.run("predict robot.urdf --support world --data poses.csv");
+    says(
+        stderr(&refused),
+        &["no column for joint `base_x`, `base_z`, `base_pitch`"],
+    );
+    folder.write("log.csv", with("world"));
+    let refused = folder.run("predict robot.urdf --data log.csv");
+    assert_eq!(refused.status.code(), Some(2));
+    says(stderr(&refused), &["stand on `world`", "--support"]);
+    for command in ["fit", "diagnose"] {
+        let refused = folder.run(&format!("{command} robot.urdf --data log.csv"));
+        assert_eq!(refused.status.code(), Some(2), "{command}");
+        says(stderr(&refused), &["no column for joint `base_x`"]);
+    }
+    folder.write(
+        "rail.csv",
+        "pose,base_x,base_z,base_pitch,hip\n0,0.5,0,0,0.2\n",
+    );
+    folder.write("rail.csv.toml", "support = \"world\"\n");
+    let rail = folder.run("predict robot.urdf --data rail.csv");
+    assert!(rail.status.success(), "{}", stderr(&rail));
+}
+
+/// The findings about the data in an answer: kinds, and what is said of them.
+fn findings(answer: &Value) -> Vec<(String, String)> {
+    let text = |value: &Value| value.as_str().unwrap().to_string();
+    let all = answer["health"].as_array().unwrap().iter();
+    all.map(|f| (text(&f["kind"]), text(&f["sentence"])))
+        .collect()
+}
+
+/// A total force that is not the weight is a question with the likely cause.
+#[test]
+fn a_total_force_that_is_not_the_weight_is_a_finding() {
+    let folder = case("kgf_with_newton_metres");
+    let simulate = "simulate op2.urdf --support r_sole --poses 60 --range 20 --noise 0.0005";
+    said(&folder, &format!("{simulate} --out s.csv"));
+    let text = folder.read("op2.urdf");
+    let read = sesc_reference::Robot::from_urdf(&text).unwrap();
+    let mass: f64 = read.links().iter().map(|link| link.mass_kg).sum();
+    let weight = 9.80665 * mass;
+    let table = folder.read("s.csv");
+    for (force, words) in [
+        (weight, None),
+        (-1.2 * weight, None),
+        (mass, Some("kgf")),
+        (weight / 4.4482, Some("lbf")),
+        (0.5 * weight, Some("the other foot")),
+        (37.0 * weight, Some("counts")),
+    ] {
+        let mut rows = table.lines();
+        let head = rows.next().unwrap();
+        let rows: String = rows.map(|row| format!("{row},{force}\n")).collect();
+        folder.write("log.csv", format!("{head},fz\n{rows}"));
+        for command in ["fit", "diagnose"] {
+            let found = folder.json(&format!(
+                "{command} op2.urdf --data log.csv --support r_sole"
+            ));
+            let found = findings(&found);
+            match words {
+                None => assert_eq!(found, [], "{force}"),
+                Some(words) => {
+                    assert_eq!(found[0].0, "force_unlike_weight", "{found:?}");
+                    says(&found[0].1, &[words]);
+                }
+            }
+        }
+    }
+}
+
+/// A CoP that no sole can carry, in all rows of a log.
+#[test]
+fn a_log_beyond_the_sole_is_a_finding() {
+    let folder = case("kgf_with_newton_metres");
+    let shape = "<link name=\"r_sole\"><collision><geometry><box size=\"0.104 0.066 0.002\"/>\
+                 </geometry></collision></link>";
+    let text = folder.read("op2.urdf");
+    folder.write("op2.urdf", text.replace("<link name=\"r_sole\"/>", shape));
+    for command in ["fit", "diagnose"] {
+        let answer = folder.json(&format!("{command} op2.urdf --data log.csv"));
+        let found = findings(&answer);
+        let beyond = found.iter().find(|(kind, _)| kind == "cop_outside_sole");
+        let (_, sentence) = beyond.unwrap_or_else(|| panic!("{command}: {found:?}"));
+        says(sentence, &["beyond the sole", "another unit"]);
+    }
+}
+
+/// Warnings of the terminal are part of the result, each once.
+#[test]
+fn warnings_stand_in_json_and_on_the_page_once() {
+    let folder = case("two_publishers_zeros");
+    for command in ["fit", "diagnose"] {
+        let line = format!("{command} post.urdf --data zeros_at_4_hz.mcap");
+        let stderr = said(&folder, &format!("{line} --report page.html"));
+        let told: Vec<&str> = stderr
+            .lines()
+            .filter_map(|line| line.strip_prefix("warning: "))
+            .collect();
+        assert!(!told.is_empty(), "{stderr}");
+        let answer = folder.json(&line);
+        let warnings: Vec<&str> = answer["warnings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|w| w.as_str().unwrap())
+            .collect();
+        let page = folder.read("page.html");
+        for warning in told {
+            let count = |all: &[&str]| all.iter().filter(|other| **other == warning).count();
+            assert_eq!(count(&warnings), 1, "{warning}: {warnings:?}");
+            let start = warning.split(['`', '<', '\'', '&']).next().unwrap();
+            assert_eq!(page.matches(start).count(), 1, "{start}");
+        }
+    }
+}
+
+/// A CoP that is metres away in no unit is refused by all commands alike.
+#[test]
+fn absurd_readings_are_refused_by_every_command() {
+    let folder = case("numpy_savetxt");
+    let table = folder.read("default.csv");
+    let far = |times: f64| {
+        let mut rows = table.lines();
+        let head: Vec<&str> = rows.next().unwrap().split(',').collect();
+        let is_cop: Vec<bool> = head.iter().map(|name| name.starts_with("cop_")).collect();
+        let row = |row: &str| {
+            let fields = row.split(',').zip(&is_cop);
+            let fields = fields.map(|(field, is_cop)| match is_cop {
+                true => (times * field.parse::<f64>().unwrap() + times).to_string(),
+                false => field.to_string(),
+            });
+            fields.collect::<Vec<String>>().join(",") + "\n"
+        };
+        format!("{}\n{}", head.join(","), rows.map(row).collect::<String>())
+    };
+    folder.write("far.csv", far(1e8));
+    folder.write("far.csv.toml", folder.read("default.csv.toml"));
+    for line in [
+        "fit post.urdf --data far.csv",
+        "diagnose post.urdf --data far.csv",
+        "compare default.csv far.csv --urdf post.urdf",
+    ] {
+        let refused = folder.run(line);
+        assert_eq!(
+            refused.status.code(),
+            Some(2),
+            "{line}: {}",
+            stderr(&refused)
+        );
+        says(
+            stderr(&refused),
+            &["far.csv", "m from the origin of the sole"],
+        );
+    }
+    let fleet = folder.run("fleet post.urdf --data far.csv --support foot --out f.csv --json");
+    let fleet: Value = serde_json::from_slice(&fleet.stdout).unwrap();
+    says(
+        fleet["failed"][0]["error"].as_str().unwrap(),
+        &["m from the origin of the sole"],
+    );
+}

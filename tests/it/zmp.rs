@@ -132,7 +132,7 @@ fn parameters_enter_by_the_com_and_its_acceleration() {
         let robot = Robot::parse(&text, "random.urdf").unwrap();
         let support = &links[seed as usize % links.len()];
         let model = robot.model(support, Snapping::Off, None).unwrap();
-        let reference = sesc::verify::reference(&robot, support).unwrap();
+        let reference = sesc::verify::reference(&robot, &model).unwrap();
         let cad = model.cad_params().into_iter().enumerate();
         let r: Vec<f64> = cad
             .map(|(k, x)| 1.2 * x + 0.01 * (k as f64).sin())

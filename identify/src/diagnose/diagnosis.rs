@@ -125,6 +125,7 @@ pub fn find<'m>(
     let diagnosis = Diagnosis {
         verdict,
         health: about.health.clone(),
+        warnings: Vec::new(),
         samples: Samples::default(),
         motion: problem.data.motion_use.clone(),
         visits: problem.data.visits,

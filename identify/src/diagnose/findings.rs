@@ -355,6 +355,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// What is wrong with the data.
     pub health: Vec<Finding>,
+    /// Warnings about the logs as sentences.
+    pub warnings: Vec<String>,
     /// Independent samples in the log.
     pub samples: Samples,
     /// How motion of the joints counted.

@@ -35,7 +35,7 @@ use crate::observations::motion_use::{MotionModel, MotionUse};
 use crate::observations::postures::{Postures, Taking};
 use crate::robot::Robot;
 use crate::skeleton::Skeleton;
-use crate::watch::Watch;
+use crate::watch::{Recorder, Watch};
 use crate::{Error, Setting, message};
 
 /// What is to be diagnosed, and how.
@@ -160,6 +160,7 @@ fn rows_hash(postures: &Postures) -> u64 {
 /// `Interrupted` where `watch` stops it.
 pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     check_noise(request)?;
+    let watch = &mut Recorder::new(watch);
     let robot = &request.robot;
     let (sidecar, _) = request.log.sidecar()?;
     let support = support_of(request)?;
@@ -269,6 +270,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let said = verdict::sentences(&problem, &found);
     found.diagnosis.sentence = said.whole();
     found.diagnosis.lead = said.lead;
+    let warnings = watch.warnings.iter().map(|warning| warning.to_string());
+    found.diagnosis.warnings = warnings.collect();
     Ok(Report {
         model_file,
         corrected_urdf: corrected,
@@ -310,7 +313,7 @@ fn support_of(request: &Request) -> Result<String, Error> {
     let mut support = request.support.clone().or(sidecar.support);
     if support.is_none() && log.can_be_read_again() {
         let options = reading(request, None);
-        let reader = PostureReader::open(log, &robot.description.dofs(), &options)?;
+        let reader = PostureReader::of_robot(log, &robot.description, &options)?;
         support = reader.first_support()?.map(|link| link.to_string());
     }
     let support = support.filter(|link| !link.is_empty());
@@ -379,7 +382,7 @@ fn reading(request: &Request, support: Option<String>) -> Options {
         any_unit: true,
         stays: request.stays,
         soles: Some(Places::of(&request.robot, request.snapping)),
-        one_foot: request.feet.both == Some(false),
+        both_feet: request.feet.said(),
         ..Options::default()
     }
 }

@@ -41,6 +41,11 @@ impl OtherFoot {
 }
 
 impl Feet {
+    /// Whether both feet are on the floor, where the caller says it.
+    pub(crate) fn said(&self) -> Option<bool> {
+        self.both.or(self.other.as_ref().map(|_| true))
+    }
+
     /// The other sole, where a log on the model's support is of both feet: the caller's, else
     /// the sidecar's, else the link that is called as the support is on the other side, else
     /// the only other sole. Where the support is the sole of a link, so is the other, at the same
@@ -52,8 +57,7 @@ impl Feet {
     #[doc(hidden)]
     pub fn of(&self, sidecar: &Sidecar, model: &Model) -> Result<Option<OtherFoot>, Error> {
         let named = self.other.as_deref().or(sidecar.other_foot.as_deref());
-        let said = self.both.or(self.other.as_ref().map(|_| true));
-        let said = said.or(sidecar.both_feet);
+        let said = self.said().or(sidecar.both_feet);
         if !said.unwrap_or(named.is_some()) {
             return Ok(None);
         }

@@ -229,6 +229,7 @@ pub(super) fn identify_within(
         down_weighted: gathered.down_weighted.clone(),
         health,
         warnings,
+        warnings_of_logs: 0,
         active_bounds: masses.as_ref().map(|masses| masses.active.clone()),
         estimate,
         information,

@@ -190,8 +190,11 @@ pub struct Identification {
     pub closure: Option<ClosureFound>,
     /// What is wrong with the data.
     pub health: Vec<Finding>,
-    /// Warnings as sentences.
+    /// Warnings as sentences: those about the logs first.
     pub warnings: Vec<String>,
+    /// How many of these were told while the logs were read.
+    #[serde(skip)]
+    pub warnings_of_logs: usize,
     /// Bounds on physical masses that are reached; none where the fit was not bounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active_bounds: Option<Vec<String>>,

@@ -169,7 +169,7 @@ pub(super) fn logs<'r>(
             support: request.support.clone(),
             stays: request.stays,
             soles: Some(Places::of(robot, request.snapping)),
-            one_foot: request.feet.both == Some(false),
+            both_feet: request.feet.said(),
             ..Options::default()
         },
         support,

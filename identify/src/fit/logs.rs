@@ -221,18 +221,14 @@ impl<'r> Logs<'r> {
 
     /// Open one of the logs.
     pub(super) fn open(&self, file: &LogSource) -> Result<PostureReader, Error> {
-        PostureReader::open(file, &self.robot.description.dofs(), &self.options)
+        PostureReader::of_robot(file, &self.robot.description, &self.options)
     }
 
     /// Open one of the logs, whose motion is known by `plan`.
     pub(super) fn moving(&self, file: &LogSource, plan: Option<&Plan>) -> Result<Moving, Error> {
-        let dof = self.robot.description.dofs().len();
-        Ok(Moving::new(
-            self.open(file)?,
-            dof,
-            plan.cloned(),
-            Wanted::Smooth,
-        ))
+        let reader = self.open(file)?;
+        let dof = reader.dof;
+        Ok(Moving::new(reader, dof, plan.cloned(), Wanted::Smooth))
     }
 
     /// One pass over all logs.

@@ -24,7 +24,7 @@ use super::summary::over_range;
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
 use crate::threads::processors;
-use crate::watch::Watch;
+use crate::watch::{Recorder, Watch};
 use crate::{Error, Setting, message};
 
 /// Everything that was found.
@@ -187,6 +187,7 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     ] {
         check_positive(setting, value, unit)?;
     }
+    let watch = &mut Recorder::new(watch);
     let (request, part) = looked_and_joined(request, is_alone(request), processors(), watch)?;
     let request = &*request;
     // The robot of the logs is read already; that of parts is in them.
@@ -222,7 +223,7 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     let over_range = robot
         .over_range
         .get(&place, || over_range(&model, settings.range));
-    let found = identify_within(
+    let mut found = identify_within(
         (&model, &over_range),
         &supports,
         &part.gathered,
@@ -237,6 +238,9 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
             " cad"
         ]));
     }
+    found.warnings_of_logs = watch.warnings.len();
+    let of_logs = watch.warnings.iter().map(|warning| warning.to_string());
+    found.warnings.splice(0..0, of_logs);
     let model_file = found.model_file(&model);
     check_result(&model_file)?;
     let mut report = Report {

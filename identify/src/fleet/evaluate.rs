@@ -182,7 +182,7 @@ impl Evaluation<'_> {
             support: self.options.support.clone(),
             ..Reading::default()
         };
-        PostureReader::open(log, &about.dofs(), &reading)
+        PostureReader::of_robot(log, about, &reading)
     }
 
     /// All rows of a log, with what of its sidecar is about them.
@@ -340,7 +340,9 @@ impl Evaluation<'_> {
         if let Some(support) = support {
             table = table.texts("support", support);
         }
-        let dofs = self.robot.description.dofs();
+        let support = self.options.support.as_deref();
+        let support = support.or_else(|| logs.first()?.support.as_deref());
+        let dofs = self.robot.description.dofs_on(support);
         for (k, joint) in dofs.iter().enumerate() {
             let column: Vec<f64> = q.iter().skip(k).step_by(dofs.len()).copied().collect();
             table = table.numbers(&joint.joint, column);

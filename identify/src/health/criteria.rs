@@ -237,3 +237,27 @@ pub(super) const TIMES_MEDIAN: f64 = 10.0;
 /// Between rows that are further apart, s, no leap is seen: much may happen there. Chosen: rows of a
 /// recording are closer, those of postures are not.
 pub(super) const SHORT_S: f64 = 0.25;
+
+/// A total force is not the weight where it is so many times more or less. Chosen: robots as they
+/// are bought are off CAD by 10 %, and carry loads of a tenth; twice as much overlooks a second foot
+/// on the ground.
+pub(super) const FORCE_UNLIKE: f64 = 1.5;
+/// A known factor is meant within this. Chosen: as masses and loads are off by.
+pub(super) const FORCE_KNOWN: f64 = 1.2;
+
+/// A second sole lies on the floor where it is no higher, m, and no further turned, rad. Chosen:
+/// soles of robots that stand on both feet close within a third of it; a lifted foot is higher.
+pub(super) const FLAT_M: f64 = 0.005;
+/// See [`FLAT_M`].
+pub(super) const FLAT_RAD: f64 = 0.035;
+/// It does so in this part of the rows. Chosen: the robot may lift a foot now and then.
+pub(super) const FLAT_PART: f64 = 0.95;
+/// Joints between the soles have to move by so much, rad or m. Chosen: a robot that stands still
+/// may rest beside a foot without load.
+pub(super) const FLAT_SWING: f64 = 0.05;
+
+/// The whole log is beyond the sole where more than this part of its rows is. Chosen: half.
+pub(super) const MOST_BEYOND: f64 = 0.5;
+/// So much further out than the sole, in its diameters, is beyond it. Chosen: shapes of soles are
+/// coarse, and zeros of sensors are off by a centimetre.
+pub(super) const BEYOND_SOLE: f64 = 0.1;

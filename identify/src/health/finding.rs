@@ -31,6 +31,10 @@ pub enum Kind {
     CopFrozen,
     /// Readings lie where no CoP can be.
     CopOutsideSole,
+    /// The total force is not the weight of the robot.
+    ForceUnlikeWeight,
+    /// The sole of the other foot, the target, is flat on the floor, too, which nobody said.
+    BothFeetFlat,
     /// Rows repeat earlier ones to the last digit.
     RowsCopied,
     /// A channel of the CoP or a cell, the target, ends at one value or moves in coarse steps.
@@ -54,6 +58,8 @@ impl Kind {
             Kind::JointLeaps => "joint_leaps",
             Kind::CopFrozen => "cop_frozen",
             Kind::CopOutsideSole => "cop_outside_sole",
+            Kind::ForceUnlikeWeight => "force_unlike_weight",
+            Kind::BothFeetFlat => "both_feet_flat",
             Kind::RowsCopied => "rows_copied",
             Kind::ChannelSaturated => "channel_saturated",
             Kind::NoiseOverstated => "noise_overstated",
@@ -71,7 +77,7 @@ impl Kind {
 const UNUSABLE: usize = 5;
 
 /// Every kind, those first that make data unusable.
-pub const KINDS: [Kind; 13] = [
+pub const KINDS: [Kind; 15] = [
     Kind::CopConstant,
     Kind::CopAxisDead,
     Kind::OtherFoot,
@@ -81,6 +87,8 @@ pub const KINDS: [Kind; 13] = [
     Kind::JointLeaps,
     Kind::CopFrozen,
     Kind::CopOutsideSole,
+    Kind::ForceUnlikeWeight,
+    Kind::BothFeetFlat,
     Kind::RowsCopied,
     Kind::ChannelSaturated,
     Kind::NoiseOverstated,

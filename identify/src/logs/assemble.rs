@@ -42,6 +42,8 @@ const FULL_TURN: f64 = 6.3;
 
 /// No sole is so large: a log whose typical CoP is further out is not in metres, m.
 const FAR: f64 = 2.0;
+/// In no unit that is the CoP of a robot: a unit that is wrong by a thousand is an effect, m.
+const FAR_IN_ANY_UNIT: f64 = 1e4;
 
 /// Rows that are no further apart follow each other, s.
 const FOLLOWS_S: f64 = 1.0;
@@ -186,8 +188,8 @@ impl Assembler {
         };
         let line = raw.line.first().copied();
         let far = self.typical(raw, k);
-        if far.is_some_and(|far| far > FAR) && !self.any_unit {
-            let typical = far.unwrap_or_default();
+        let most = if self.any_unit { FAR_IN_ANY_UNIT } else { FAR };
+        if let Some(typical) = far.filter(|far| *far > most) {
             let message = format!(
                 "columns `cop_x`, `cop_y`: the CoP is typically {} m from the origin of the \
                  sole; give metres, not millimetres",
@@ -222,6 +224,7 @@ impl Assembler {
             (&mut columns.cop_std, 2),
             (&mut columns.cell_std, cells),
             (&mut columns.gravity, 3),
+            (&mut columns.load, 1),
         ] {
             if let Some(first) = column.filter(|first| (*first..first + count).any(empty)) {
                 self.missing.unused.extend(first..first + count);
@@ -348,6 +351,7 @@ impl Assembler {
                 force: Vec::new(),
                 std: columns.cell_std.map(|_| Vec::new()),
             }),
+            load: columns.load.map(|_| Vec::new()),
             gravity: (columns.gravity.is_some() || self.gravity.is_some()).then(Vec::new),
             ..Block::default()
         }
@@ -451,6 +455,10 @@ impl Assembler {
             let gravity = own.or(self.gravity).unwrap_or([0.0, 0.0, -1.0]);
             check_gravity(gravity)?;
             all.push(gravity);
+        }
+        if let (Some(k), Some(all)) = (columns.load, &mut block.load) {
+            check(&columns.names[k], numbers[k], bounds::FORCE_N)?;
+            all.push(numbers[k]);
         }
         if let Some(k) = columns.cop_std {
             self.positive(numbers, k..k + 2, bounds::COP)?;

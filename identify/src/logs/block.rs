@@ -23,6 +23,8 @@ pub struct Block {
     pub std: Option<Vec<[f64; 2]>>,
     /// What the foot cells said.
     pub cells: Option<Cells>,
+    /// Total force on the support, N, up positive or down.
+    pub load: Option<Vec<f64>>,
     /// Gravity, m/s², support frame, from the row or else from the sidecar.
     pub gravity: Option<Vec<[f64; 3]>>,
     /// The other foot's share of the load, and that times its CoP in the frame of its sole, m, of
@@ -59,6 +61,7 @@ impl Block {
         keep_known(&mut self.reading, 1, keep);
         keep_known(&mut self.std, 1, keep);
         keep_known(&mut self.gravity, 1, keep);
+        keep_known(&mut self.load, 1, keep);
         keep_known(&mut self.other, 1, keep);
         if let Some(cells) = &mut self.cells {
             keep_some(&mut cells.force, cells.count, keep);
@@ -80,6 +83,7 @@ impl Block {
         join(&mut self.reading, other.reading);
         join(&mut self.std, other.std);
         join(&mut self.gravity, other.gravity);
+        join(&mut self.load, other.load);
         join(&mut self.other, other.other);
         if let (Some(own), Some(cells)) = (&mut self.cells, other.cells) {
             own.force.extend(cells.force);
@@ -109,6 +113,7 @@ impl Block {
             std: first(&mut self.std, count),
             cells,
             gravity: first(&mut self.gravity, count),
+            load: first(&mut self.load, count),
             other: first(&mut self.other, count),
         }
     }

@@ -17,6 +17,7 @@ pub(super) const COP: [&str; 2] = ["cop_x", "cop_y"];
 pub(super) const COP_STD: [&str; 2] = ["cop_x_std", "cop_y_std"];
 const GRAVITY: [&str; 3] = ["gravity_x", "gravity_y", "gravity_z"];
 /// Before the number of a foot cell, from 1.
+pub(super) const FZ: &str = "fz";
 const CELL: &str = "fsr_";
 /// Behind the name of a reading.
 const STD: &str = "_std";
@@ -51,7 +52,7 @@ pub enum Need {
 }
 
 /// All columns that mean something; others are ignored with a warning.
-pub const COLUMNS: [Column; 9] = [
+pub const COLUMNS: [Column; 10] = [
     Column {
         names: &[POSE],
         unit: "",
@@ -98,6 +99,12 @@ pub const COLUMNS: [Column; 9] = [
         names: &["fsr_k_std"],
         unit: "N",
         meaning: "standard deviation of a single reading of that force",
+        need: Need::OfReading,
+    },
+    Column {
+        names: &[FZ],
+        unit: "N",
+        meaning: "total force on the support, compared with the weight of the robot",
         need: Need::OfReading,
     },
     Column {
@@ -168,6 +175,7 @@ pub(super) struct Columns {
     pub cop_std: Option<usize>,
     pub cells: Range<usize>,
     pub cell_std: Option<usize>,
+    pub load: Option<usize>,
     pub gravity: Option<usize>,
     /// Columns that mean nothing here.
     pub ignored: Vec<String>,
@@ -257,6 +265,7 @@ impl Columns {
     fn take_readings(&mut self, at: &mut HashMap<&str, usize>) -> Result<(), String> {
         self.cop = self.take(at, &COP, "the CoP")?;
         self.cop_std = self.take(at, &COP_STD, "its deviation")?;
+        self.load = self.take(at, &[FZ], "")?;
         let cells = (1..).take_while(|k| at.contains_key(cell(*k).as_str()));
         let count = cells.count();
         let names: Vec<String> = (1..=count).map(cell).collect();

@@ -40,9 +40,10 @@ pub struct Options {
     /// both feet, and a wrench in another frame of the support's body is moved to the sole.
     #[doc(hidden)]
     pub soles: Option<Arc<dyn Soles>>,
-    /// One foot stands, whatever is loaded.
+    /// Whether both feet stand, where the caller says it; one does with `Some(false)`, whatever is
+    /// loaded.
     #[doc(hidden)]
-    pub one_foot: bool,
+    pub both_feet: Option<bool>,
 }
 
 /// Whether readings are wanted from a log.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use sesc_model::files::Stamp;
 use sesc_model::tree::Dof;
+use sesc_model::urdf::Description;
 
 use super::assemble::Assembler;
 use super::block::Block;
@@ -63,6 +64,8 @@ pub struct PostureReader {
     settling: Option<Settling>,
     stays: Stays,
     file: String,
+    /// Joints of a row.
+    pub(crate) dof: usize,
     /// The file, where it is a regular one, and its stamp before anything was read.
     watched: Option<(std::fs::File, Stamp)>,
     screen: Option<Screening>,
@@ -78,8 +81,24 @@ pub struct PostureReader {
 }
 
 impl PostureReader {
+    /// Open a log of `robot`, with the joints that it has on the support that the options or the
+    /// sidecar name: a log has no columns for a virtual base.
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open).
+    pub(crate) fn of_robot(
+        log: &LogSource,
+        robot: &Description,
+        options: &Options,
+    ) -> Result<PostureReader, Error> {
+        let (sidecar, _) = log.sidecar()?;
+        let support = options.support.as_deref().or(sidecar.support.as_deref());
+        PostureReader::open(log, &robot.dofs_on(support), options)
+    }
+
     /// Open a log, a file's format told by its first bytes, and match its columns
-    /// with the robot's joints.
+    /// with the joints `dofs`.
     ///
     /// # Errors
     ///
@@ -166,6 +185,7 @@ impl PostureReader {
             settling,
             stays: options.stays,
             file,
+            dof: dofs.len(),
             watched,
             screen: log.screen.as_ref().map(|screen| screen.start()),
             standing,
@@ -507,9 +527,7 @@ fn open_mcap(
     let topics = (topic, sidecar.joints_topic.as_deref());
     let mut options = options.clone();
     options.support = options.support.or_else(|| sidecar.support.clone());
-    if sidecar.both_feet == Some(false) {
-        options.one_foot = true;
-    }
+    options.both_feet = options.both_feet.or(sidecar.both_feet);
     if let Stays::Alone(duration) = options.stays {
         options.stillness.duration = duration;
     }

@@ -20,7 +20,7 @@ use super::zmp::Zmp;
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::Block;
-use crate::robot::Robot;
+use crate::robot::{Robot, check_joints};
 
 /// Tilt of the sole plane under `gravity`: the CoP moves by it times the CoM's height.
 pub fn tilt(gravity: [f64; 3]) -> [f64; 2] {
@@ -159,6 +159,7 @@ impl<'r> Measurement<'r> {
             let link = support(start);
             let count = (start..n).take_while(|k| support(*k) == link).count();
             let standing = self.stand_on(link)?;
+            check_joints(&self.standing[standing].model, block.q.len() / n)?;
             let gravity = block.gravity.as_ref().map(|all| &all[start..start + count]);
             let tilts = gravity.map(|all| all.iter().map(|g| tilt(*g)).collect::<Vec<_>>());
             let q = &block.q[start * dof..(start + count) * dof];

@@ -56,7 +56,7 @@ impl Known {
                 links: links.map(str::to_string).collect(),
                 support: Some(model.support().to_string()),
                 soles: Some(Places::of(robot, Snapping::default())),
-                one_foot: request.feet.both == Some(false),
+                both_feet: request.feet.said(),
                 ..Options::default()
             },
             noise: None,

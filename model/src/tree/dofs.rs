@@ -1,6 +1,6 @@
 //! Independent joints, and how each joint follows one: q_j = factor q_i + offset.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::{Coordinate, Dof};
 use crate::urdf::{self, Description, JointType};
@@ -18,21 +18,128 @@ const FREE_SPEED_M_PER_S: f64 = 2.0;
 const ENDLESS: f64 = 1e3;
 
 impl Description {
-    /// The independent joints in document order: the same on every support.
+    /// The independent joints in document order, without those of a virtual base: the same on
+    /// every support that the base carries.
     pub fn dofs(&self) -> Vec<Dof> {
-        coordinates(self).0
+        self.dofs_on(None)
+    }
+
+    /// The same where the robot stands on `support`, if it is known.
+    pub fn dofs_on(&self, support: Option<&str>) -> Vec<Dof> {
+        coordinates(self, &virtual_base(self, support)).0
     }
 }
 
-/// Independent joints, and every joint's position in terms of them.
+/// The joints of a virtual base, by their index: those between the URDF's root and all that has
+/// mass, and whatever else hangs there, where the robot stands on neither of them and none of the
+/// robot's joints follows one of theirs. No robot has encoders there.
+pub(super) fn virtual_base(robot: &Description, support: Option<&str>) -> HashSet<usize> {
+    let index: HashMap<&str, usize> = robot.link_names().zip(0..).collect();
+    let mut below: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
+    let mut carried = vec![false; robot.links.len()];
+    for (k, joint) in robot.joints.iter().enumerate() {
+        below[index[joint.parent.as_str()]].push(k);
+        carried[index[joint.child.as_str()]] = true;
+    }
+    let Some(mut at) = carried.iter().position(|carried| !carried) else {
+        return HashSet::new();
+    };
+    // Down from the root, as long as one joint alone carries what has mass.
+    let (mut base, mut last, mut passed) = (Vec::new(), HashSet::new(), HashSet::new());
+    let has_mass = has_mass_below(robot, &index, &below);
+    while robot.links[at].inertial.mass_kg == 0.0 {
+        passed.insert(robot.links[at].name.as_str());
+        let (heavy, light): (Vec<usize>, Vec<usize>) = below[at]
+            .iter()
+            .partition(|&&k| has_mass[index[robot.joints[k].child.as_str()]]);
+        let [one] = heavy[..] else { break };
+        let mut stack = light;
+        while let Some(k) = stack.pop() {
+            let child = index[robot.joints[k].child.as_str()];
+            passed.insert(robot.links[child].name.as_str());
+            base.push(k);
+            stack.extend(&below[child]);
+        }
+        base.push(one);
+        if robot.joints[one].joint_type != JointType::Fixed {
+            // What lies beyond a joint that moves is no part of the robot.
+            last = base.iter().copied().collect();
+            if support.is_some_and(|support| stands_on(support, &passed)) {
+                return HashSet::new();
+            }
+        }
+        at = index[robot.joints[one].child.as_str()];
+    }
+    let names: HashSet<&str> = last
+        .iter()
+        .map(|k| robot.joints[*k].name.as_str())
+        .collect();
+    let mut others = (0..robot.joints.len()).filter(|k| !last.contains(k));
+    let follows = |k: usize| {
+        robot.joints[k]
+            .mimic
+            .as_ref()
+            .is_some_and(|m| names.contains(m.joint.as_str()))
+    };
+    match others.any(follows) {
+        true => HashSet::new(),
+        false => last,
+    }
+}
+
+/// Whether `support` is one of these links, or the sole of one.
+fn stands_on(support: &str, links: &HashSet<&str>) -> bool {
+    super::is_support(support, links.iter().copied())
+}
+
+/// Whether a link or one that it carries has mass.
+fn has_mass_below(
+    robot: &Description,
+    index: &HashMap<&str, usize>,
+    below: &[Vec<usize>],
+) -> Vec<bool> {
+    let mut has: Vec<bool> = robot
+        .links
+        .iter()
+        .map(|l| l.inertial.mass_kg > 0.0)
+        .collect();
+    // Children before their parents: an order from every root, reversed.
+    let mut order = Vec::with_capacity(robot.links.len());
+    let carried: HashSet<usize> = robot
+        .joints
+        .iter()
+        .map(|j| index[j.child.as_str()])
+        .collect();
+    order.extend((0..robot.links.len()).filter(|k| !carried.contains(k)));
+    let mut next = 0;
+    while let Some(&link) = order.get(next) {
+        order.extend(
+            below[link]
+                .iter()
+                .map(|k| index[robot.joints[*k].child.as_str()]),
+        );
+        next += 1;
+    }
+    for &link in order.iter().rev() {
+        has[link] |= below[link]
+            .iter()
+            .any(|k| has[index[robot.joints[*k].child.as_str()]]);
+    }
+    has
+}
+
+/// Independent joints, without those of a virtual base, and every joint's position in terms of them.
 ///
 /// `None` for joints that do not move; a mimic of a fixed joint stands at its offset.
-pub(super) fn coordinates(robot: &Description) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
+pub(super) fn coordinates(
+    robot: &Description,
+    base: &HashSet<usize>,
+) -> (Vec<Dof>, Vec<Option<Coordinate>>) {
     let moves = |joint: &urdf::Joint| joint.joint_type.is_single();
     let mut dofs = Vec::new();
     let mut own: HashMap<&str, usize> = HashMap::new();
-    for joint in &robot.joints {
-        if moves(joint) && joint.mimic.is_none() {
+    for (k, joint) in robot.joints.iter().enumerate() {
+        if moves(joint) && joint.mimic.is_none() && !base.contains(&k) {
             own.insert(&joint.name, dofs.len());
             dofs.push(dof(joint));
         }

@@ -60,7 +60,8 @@ pub fn text(found: &Identification, next: &[Worded], long: bool) -> String {
         )
     });
     out += &listed(&less.collect::<Vec<String>>(), long);
-    for warning in &found.warnings {
+    // Those about the logs stand on stderr.
+    for warning in &found.warnings[found.warnings_of_logs..] {
         let _ = writeln!(out, "warning          {warning}");
     }
     out + &next_steps::text(next)

@@ -12,6 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fit::{self, Identification};
+use sesc_identify::health::Kind;
 use sesc_identify::logs::{LogSource, Sidecar, Table};
 use sesc_identify::predict;
 use sesc_identify::robot::Robot;
@@ -287,6 +288,44 @@ fn feet_that_are_not_on_one_floor_are_said_to_be_elsewhere() {
     let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
     assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
     assert_eq!(found.closure, None);
+}
+
+/// A log of both feet that says nothing of them is asked about; one of one foot is not.
+#[test]
+fn soles_that_are_flat_though_nobody_said_so_are_a_finding() {
+    let stage = Stage::new(Platform::Op2);
+    let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
+    let kinds = |log: LogSource, both: Option<bool>| -> Vec<(String, String)> {
+        let log = log.with_sidecar(Sidecar {
+            support: Some("r_sole".into()),
+            both_feet: both,
+            ..Sidecar::default()
+        });
+        let mut request = diagnose::Request::new(Arc::clone(&robot), log);
+        request.noise = Some(5e-4);
+        let health = diagnose::look(&request, &mut ()).unwrap();
+        let name = |kind: Kind| kind.name().to_string();
+        let health = health.into_iter().filter(|f| f.kind == Kind::BothFeetFlat);
+        health.map(|f| (name(f.kind), f.target)).collect()
+    };
+    let flat = [("both_feet_flat".to_string(), "l_sole".to_string())];
+    let on_both = || log(&stage, &stage.world(), FINE, 9);
+    assert_eq!(kinds(on_both(), None), flat);
+    assert_eq!(kinds(on_both(), Some(false)), []);
+    assert_eq!(kinds(on_both(), Some(true)), []);
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let postures = stage.balanced(POSTURES, &mut random);
+    let world = stage.world();
+    let mut table = Table::new("one_foot.csv");
+    for (j, joint) in stage.joint_names().iter().enumerate() {
+        let column: Vec<f64> = postures.iter().map(|q| q[j]).collect();
+        table = table.numbers(joint, column);
+    }
+    for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
+        let column: Vec<f64> = postures.iter().map(|q| world.cop(q)[axis]).collect();
+        table = table.numbers(name, column);
+    }
+    assert_eq!(kinds(LogSource::from(table), None), []);
 }
 
 /// A prediction takes encoders at their word: it says where the soles do not close then, and not

@@ -50,7 +50,7 @@ fn op2_plan(prior: &str, seed: u64, candidates: usize) -> (Arc<Robot>, Arc<Model
 #[test]
 fn every_planned_posture_can_be_stood_in() {
     let (robot, model, found) = op2_plan("cad", 7, 400);
-    let reference = sesc::verify::reference(&robot, "r_sole").unwrap();
+    let reference = sesc::verify::reference(&robot, &model).unwrap();
     let text = std::fs::read_to_string(paper_limits()).unwrap();
     let support = reference.robot().link_index("r_sole").unwrap();
     let still: Vec<usize> = reference
@@ -203,7 +203,7 @@ fn planned_postures_do_not_collide() {
     request.sigmas = 1.0;
     request.noise = NOISE;
     let found = plan(&request, &mut ()).unwrap();
-    let reference = sesc::verify::reference(&robot, "foot").unwrap();
+    let reference = sesc::verify::reference(&robot, &model).unwrap();
     let hand = |side: &str| {
         reference
             .robot()

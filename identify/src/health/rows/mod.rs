@@ -8,6 +8,7 @@
 //! copies     the same joints and the same reading, to the last digit, once more
 //! noise      stated noise that is several times what CAD leaves
 //! leaps      joints that move faster than they can
+//! load       a total force that is not the weight; a second sole on the floor
 //! stamps     joints jump from stamp to stamp and not from row to row, or time runs backwards
 //! ```
 //!
@@ -21,6 +22,7 @@ mod copies;
 mod digits;
 mod frozen;
 mod leaps;
+mod load;
 mod noise;
 mod outside;
 mod sample;
@@ -71,6 +73,10 @@ pub(super) struct LogRows {
     /// Row by row, N; none where the log has a CoP.
     pub force: Vec<f64>,
     pub cells: usize,
+    /// Total force on the support, N; empty of logs that do not have it.
+    pub load: Vec<f64>,
+    /// What is said of the feet, by the caller or the sidecar.
+    pub both_feet: Option<bool>,
     /// Places of the cells, m.
     pub places: Vec<[f64; 2]>,
     pub pose: Vec<i64>,
@@ -190,6 +196,7 @@ impl LogRows {
         let mut rows = LogRows {
             dof: dofs.len(),
             places: reader.sidecar.cells.clone().unwrap_or_default(),
+            both_feet: options.both_feet.or(reader.sidecar.both_feet),
             ..LogRows::default()
         };
         let mut sample = Sample::default();
@@ -224,7 +231,14 @@ impl LogRows {
         self.t.extend(block.t.unwrap_or_default());
         self.reading.extend(block.reading.unwrap_or_default());
         self.std.extend(block.std.unwrap_or_default());
+        self.load
+            .extend(block.load.iter().flatten().map(|load| load.abs()));
         if let Some(cells) = block.cells {
+            if block.load.is_none() {
+                let loads = cells.force.chunks_exact(cells.count.max(1));
+                self.load
+                    .extend(loads.map(|forces| forces.iter().sum::<f64>()));
+            }
             self.cells = cells.count;
             self.force.extend(cells.force);
         }
@@ -325,6 +339,8 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     findings.extend(leaps::of(rows, &model.tree.dofs));
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
+    findings.extend(load::unlike_weight(rows, model, &left_out));
+    findings.extend(load::both_flat(rows, model));
     findings.extend(outside::sole(rows, model, &mut left_out));
     findings.extend(frozen::stretches(rows, &mut left_out));
     findings.extend(channels::saturated(rows, Some(model), &mut left_out));

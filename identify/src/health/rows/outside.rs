@@ -15,7 +15,8 @@ use sesc_model::urdf::extents;
 use super::LogRows;
 use super::screen::LeftOut;
 use crate::health::criteria::{
-    MARGIN_M, MARGIN_OF_CLOUD, MARGIN_OF_SOLE, MOST_OUTSIDE, OTHER_UNIT, SPREAD, WIRED_NEARER,
+    BEYOND_SOLE, MARGIN_M, MARGIN_OF_CLOUD, MARGIN_OF_SOLE, MOST_BEYOND, MOST_OUTSIDE, OTHER_UNIT,
+    SPREAD, WIRED_NEARER,
 };
 use crate::health::statistics::scatter;
 use crate::health::wirings::Wirings;
@@ -36,14 +37,14 @@ pub(super) fn sole(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> Opt
     } else if elsewhere(rows) && !is_wired_otherwise(rows, model, |_| true) {
         return Some(frame(rows, middle));
     } else {
-        return None;
+        return beyond_the_sole(rows);
     }
     let inside = rules(&all)?;
     let beyond = |k: usize| !inside.keeps(rows.reading[k], &[]);
     let count = (0..rows.len()).filter(|k| beyond(*k)).count();
     let total = rows.len();
     if count == 0 || count as f64 > MOST_OUTSIDE * total as f64 {
-        return None;
+        return beyond_the_sole(rows);
     }
     if is_wired_otherwise(rows, model, beyond) {
         return None;
@@ -91,6 +92,30 @@ fn quantile(readings: &[[f64; 2]], axis: usize, part: f64) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let at = (part * (sorted.len() - 1) as f64).round() as usize;
     sorted.get(at).copied().unwrap_or(0.0)
+}
+
+/// Most readings beyond what the sole can carry, where CAD has the robot balanced on it.
+fn beyond_the_sole(rows: &LogRows) -> Option<Finding> {
+    let [low, high] = rows.sole?;
+    let margin = BEYOND_SOLE * (high[0] - low[0]).hypot(high[1] - low[1]);
+    let sole = LeftOut {
+        sole: Some([low.map(|x| x - margin), high.map(|x| x + margin)]),
+        ..LeftOut::default()
+    };
+    let beyond = |y: &[f64; 2]| !sole.keeps(*y, &[]);
+    let part =
+        |all: &[[f64; 2]]| all.iter().filter(|y| beyond(y)).count() as f64 / rows.len() as f64;
+    if part(&rows.reading) <= MOST_BEYOND || part(&rows.cad) > MOST_OUTSIDE {
+        return None;
+    }
+    let sentence = format!(
+        "{:.0} % of the readings lie beyond the sole, which no ground can push there, and CAD has \
+         the robot balanced on it: the CoP is in another unit, of another frame, or of a force and \
+         moments in different units.",
+        100.0 * part(&rows.reading)
+    );
+    let meant = |k: usize| beyond(&rows.reading[k]);
+    Some(Finding::new(Kind::CopOutsideSole, "-", sentence).showing(picture(rows, meant)))
 }
 
 /// A finding about the whole log: most readings are elsewhere.

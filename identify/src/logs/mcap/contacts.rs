@@ -98,7 +98,11 @@ impl Pair {
         dofs: usize,
         options: &Options,
     ) -> Result<Option<Pair>, String> {
-        let Some(soles) = options.soles.as_ref().filter(|_| !options.one_foot) else {
+        let Some(soles) = options
+            .soles
+            .as_ref()
+            .filter(|_| options.both_feet != Some(false))
+        else {
             return Ok(None);
         };
         let pair = Pair::of(records, &options.links, options.support.as_deref())?;

@@ -43,7 +43,7 @@ use self::records::{Channel, Records};
 use self::states::States;
 use self::survey::{JointTopics, Survey};
 use super::bounds::LEAST_LOAD_N;
-use super::columns::{COP, Columns, POSE, SUPPORT, T};
+use super::columns::{COP, Columns, FZ, POSE, SUPPORT, T};
 use super::contacts::Share;
 use super::input::{Bytes, Meter, Metered, Place};
 use super::names::short;
@@ -62,9 +62,11 @@ const POINT: &str = "geometry_msgs/msg/PointStamped";
 /// the reading that belongs to it, however short the robot held still.
 const OWN_POSTURES: [&str; 2] = ["sesc", "a message is a posture"];
 
-/// Columns before the joints; a recording without readings has three of them.
-const FIRST: [&str; 5] = [POSE, T, SUPPORT, COP[0], COP[1]];
+/// Columns before the joints; a recording without readings has three of them, one of points has
+/// no force.
+const FIRST: [&str; 6] = [POSE, T, SUPPORT, COP[0], COP[1], FZ];
 const T_PLACE: usize = 1;
+const FORCE_PLACE: usize = 5;
 
 /// A reading of the CoP.
 struct Reading {
@@ -73,6 +75,8 @@ struct Reading {
     t: f64,
     frame: Arc<str>,
     cop: [f64; 2],
+    /// Force along z, N; none of a point.
+    force: f64,
     /// The other contact's, of a recording of both feet.
     other: Option<Share>,
 }
@@ -171,7 +175,11 @@ impl McapSource {
             }
         };
         let (records, meter) = start()?;
-        let skip = if survey.topic.is_some() { 5 } else { 3 };
+        let skip = match (&survey.topic, survey.is_wrench) {
+            (None, _) => 3,
+            (_, false) => FORCE_PLACE,
+            (_, true) => FIRST.len(),
+        };
         let names = FIRST[..skip].iter().map(|name| name.to_string());
         Ok(McapSource {
             file: file.to_string(),
@@ -351,6 +359,7 @@ impl McapSource {
             t: header.stamp.unwrap_or(log_time),
             frame: self.frames.get(&header.frame),
             cop,
+            force,
             other: None,
         };
         match &mut self.both {
@@ -424,6 +433,7 @@ impl McapSource {
                 t,
                 frame: self.frames.get(""),
                 cop: [f64::NAN; 2],
+                force: f64::NAN,
                 other: None,
             }];
         }
@@ -517,7 +527,10 @@ impl RowSource for McapSource {
             raw.numbers.extend(columns.numbers.iter().map(|&k| match k {
                 T_PLACE => row.reading.t,
                 _ if k >= first => row.q[k - first],
-                _ => row.reading.cop[usize::from(k > FIRST.len() - 2)],
+                FORCE_PLACE => {
+                    row.reading.force / (1.0 - row.reading.other.map_or(0.0, |o| o.share))
+                }
+                _ => row.reading.cop[usize::from(k == FORCE_PLACE - 1)],
             }));
         }
         Ok(())

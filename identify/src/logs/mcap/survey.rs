@@ -31,6 +31,8 @@ pub(super) struct Survey {
     pub topic: Option<String>,
     /// Whether the recording says that this is the topic.
     pub said: bool,
+    /// Whether that topic is of wrenches.
+    pub is_wrench: bool,
 }
 
 impl Survey {
@@ -92,6 +94,7 @@ impl Survey {
         let mut missing = own.clone();
         let mut joint_topics = JointTopics::default();
         let (mut seen, mut found, mut said) = (HashSet::new(), None, false);
+        let mut is_wrench = false;
         let mut beyond = 0;
         while beyond < BEYOND {
             let Some(message) = records.next()? else {
@@ -120,6 +123,7 @@ impl Survey {
                     if found.is_none() && topic.is_none_or(|topic| topic == channel.topic) =>
                 {
                     (found, said) = (Some(channel.topic.clone()), channel.own_postures);
+                    is_wrench = channel.schema == WRENCH;
                 }
                 _ => {}
             }
@@ -161,6 +165,7 @@ impl Survey {
             joint_topics,
             topic: found.filter(|_| wanted),
             said,
+            is_wrench,
         })
     }
 }
