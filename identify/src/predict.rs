@@ -18,7 +18,7 @@ use sesc_model::{Function, Model};
 use crate::Error;
 use crate::evaluate::{EffectPredictor, Evaluator, MotionPredictor};
 use crate::feet::Feet;
-use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings, Stays};
+use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings, Stays, joints};
 use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
@@ -174,7 +174,7 @@ impl Predictor {
         };
         let (sidecar, _) = log.sidecar()?;
         let support = stance.support(sidecar.support.as_deref()).ok();
-        let dofs = stance.robot.description.dofs_on(support);
+        let dofs = joints(log, &stance.robot.description, &options, support)?;
         let reader = PostureReader::open(log, &dofs, &options)?;
         let mut stance = stance.clone();
         if stance.support.is_none() && reader.is_recording() {

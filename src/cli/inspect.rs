@@ -122,7 +122,7 @@ fn text(i: &Inspection, long: bool) -> String {
         ];
         row.extend(effects.then(|| operations.other.to_string()));
         row.push(at_most(i.rounding_bound[name].f64));
-        row.push(at_most(i.rounding_bound[name].f32));
+        row.push(bound_of_use(i.rounding_bound[name].f32));
         row.push(functions[name].unit.to_string());
         row.extend(long.then(|| functions[name].sentence.to_string()));
         costs.row(&row);
@@ -165,6 +165,19 @@ fn text(i: &Inspection, long: bool) -> String {
         i.unobservable.len()
     );
     out
+}
+
+/// A wider rounding bound is of no use; the header of generated code then has the largest error
+/// that was seen.
+const USEFUL_BOUND: f64 = 1e-3;
+
+/// A rounding bound in two digits, if it is of use: intervals of a long chain multiply.
+fn bound_of_use(bound: f64) -> String {
+    if bound < USEFUL_BOUND {
+        at_most(bound)
+    } else {
+        "none".to_string()
+    }
 }
 
 /// Joints that a sentence names, at most.

@@ -65,9 +65,18 @@ fn corrected(
     .unwrap()
 }
 
+/// `text` as the reference reads it, with the joints that the robot of `original` has on `support`.
+fn read(text: &str, original: &str, support: &str) -> sesc_reference::Robot {
+    let model = Robot::parse(original, "r.urdf").unwrap();
+    let model = model.model(support, Snapping::Off, None).unwrap();
+    let joints: Vec<&str> = model.tree.dofs.iter().map(|dof| &*dof.joint).collect();
+    let robot = sesc_reference::Robot::from_urdf(text).unwrap();
+    robot.moved_by(&joints).unwrap()
+}
+
 /// The same effects in the virtual robot.
 fn world(text: &str, support: &str, effects: &[EffectRecord]) -> World {
-    let robot = sesc_reference::Robot::from_urdf(text).unwrap();
+    let robot = read(text, text, support);
     let world = World::new(&robot, support).unwrap();
     effects.iter().fold(world, |world, record| {
         let values: Vec<f64> = record.parameters.values().map(|x| x.value).collect();
@@ -82,8 +91,7 @@ fn world(text: &str, support: &str, effects: &[EffectRecord]) -> World {
 
 /// How far the CoM of the corrected text is from the world's, over random postures, m.
 fn worst(text: &str, support: &str, world: &World, original: &str) -> f64 {
-    let reference =
-        Reference::new(&sesc_reference::Robot::from_urdf(text).unwrap(), support).unwrap();
+    let reference = Reference::new(&read(text, original, support), support).unwrap();
     assert_eq!(reference.dof(), world.dof());
     let model = Robot::parse(original, "r.urdf").unwrap();
     let model = model.model(support, Snapping::Off, None).unwrap();
@@ -173,7 +181,7 @@ fn random_robots_stand_as_they_really_do() {
             chained: 0.6,
         };
         let (text, _) = sesc_test_support::trees::tree(seed, kind);
-        let robot = sesc_reference::Robot::from_urdf(&text).unwrap();
+        let robot = read(&text, &text, "link-1");
         let mut effects: Vec<EffectRecord> = robot
             .movable_joints()
             .enumerate()

@@ -591,14 +591,24 @@ fn a_virtual_base_needs_no_column_and_makes_no_argument() {
         &["no column for joint `base_x`, `base_z`, `base_pitch`"],
     );
     folder.write("log.csv", with("world"));
-    let refused = folder.run("predict robot.urdf --data log.csv");
-    assert_eq!(refused.status.code(), Some(2));
-    says(stderr(&refused), &["stand on `world`", "--support"]);
-    for command in ["fit", "diagnose"] {
+    for command in ["predict", "fit", "diagnose"] {
         let refused = folder.run(&format!("{command} robot.urdf --data log.csv"));
         assert_eq!(refused.status.code(), Some(2), "{command}");
         says(stderr(&refused), &["no column for joint `base_x`"]);
     }
+    let mixed = with("foot") + &with("world").lines().skip(1).collect::<Vec<_>>().join("\n");
+    folder.write("log.csv", mixed);
+    for command in ["predict", "fit"] {
+        let refused = folder.run(&format!("{command} robot.urdf --data log.csv"));
+        assert_eq!(refused.status.code(), Some(2), "{command}");
+        says(stderr(&refused), &["stand on `world`", "--support"]);
+    }
+    folder.write(
+        "rail.csv",
+        "support,base_x,base_z,base_pitch,hip\nworld,0.5,0,0,0.2\n",
+    );
+    let rail = folder.run("predict robot.urdf --data rail.csv");
+    assert!(rail.status.success(), "{}", stderr(&rail));
     folder.write(
         "rail.csv",
         "pose,base_x,base_z,base_pitch,hip\n0,0.5,0,0,0.2\n",

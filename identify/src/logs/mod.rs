@@ -58,6 +58,7 @@ pub use input::LogSource;
 #[doc(hidden)]
 pub use input::{Screen, Screening};
 pub use options::{Options, Readings, Stays, StillnessLimits};
+pub(crate) use reader::joints;
 pub use reader::{PostureReader, Summary, column_names};
 #[doc(hidden)]
 pub use recording::{Recording, Track, TrackKind};

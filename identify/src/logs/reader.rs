@@ -94,7 +94,8 @@ impl PostureReader {
     ) -> Result<PostureReader, Error> {
         let (sidecar, _) = log.sidecar()?;
         let support = options.support.as_deref().or(sidecar.support.as_deref());
-        PostureReader::open(log, &robot.dofs_on(support), options)
+        let dofs = joints(log, robot, options, support)?;
+        PostureReader::open(log, &dofs, options)
     }
 
     /// Open a log, a file's format told by its first bytes, and match its columns
@@ -417,6 +418,23 @@ impl PostureReader {
 pub fn column_names(log: &LogSource) -> Result<Vec<String>, Error> {
     let source = open_source(log, &[], &Options::default(), &Sidecar::default())?;
     Ok(source.header().to_vec())
+}
+
+/// The joints that `robot` has on `support`, else on what the first row of the log stands on: only a
+/// robot with a virtual base has others elsewhere.
+pub(crate) fn joints(
+    log: &LogSource,
+    robot: &Description,
+    options: &Options,
+    support: Option<&str>,
+) -> Result<Vec<Dof>, Error> {
+    let dofs = robot.dofs_on(support);
+    if support.is_some() || !robot.has_virtual_base() || !log.can_be_read_again() {
+        return Ok(dofs);
+    }
+    let first = PostureReader::open(log, &dofs, options)?.first_support()?;
+    let first = first.filter(|link| !link.is_empty());
+    Ok(robot.dofs_on(first.as_deref()))
 }
 
 /// The right source for what `log` holds.

@@ -18,13 +18,19 @@ const FREE_SPEED_M_PER_S: f64 = 2.0;
 const ENDLESS: f64 = 1e3;
 
 impl Description {
-    /// The independent joints in document order, without those of a virtual base: the same on
-    /// every support that the base carries.
+    /// The independent joints of the file in its order, those of a virtual base among them.
     pub fn dofs(&self) -> Vec<Dof> {
-        self.dofs_on(None)
+        coordinates(self, &HashSet::new()).0
     }
 
-    /// The same where the robot stands on `support`, if it is known.
+    /// Whether the robot has fewer joints on its feet than in the file.
+    #[doc(hidden)]
+    pub fn has_virtual_base(&self) -> bool {
+        !virtual_base(self, None).is_empty()
+    }
+
+    /// The independent joints in the order of the file, without those of a virtual base: the same
+    /// on every support that the base carries, of which one is meant where none is given.
     pub fn dofs_on(&self, support: Option<&str>) -> Vec<Dof> {
         coordinates(self, &virtual_base(self, support)).0
     }

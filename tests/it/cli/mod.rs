@@ -98,7 +98,7 @@ fn predict_follows_gravity_supports_and_degrees() {
     let folder = Folder::empty();
     folder.write(
         "pole.urdf",
-        "<robot name='pole'><link name='foot'/><link name='top'><inertial><mass value='2'/>\
+        "<robot name='pole'><link name='foot'><inertial><mass value='2'/></inertial></link><link name='top'><inertial><mass value='2'/>\
          </inertial></link><joint name='hip' type='revolute'><parent link='foot'/>\
          <child link='top'/><origin xyz='0 0 1'/><axis xyz='0 1 0'/>\
          <limit lower='-1' upper='1'/></joint></robot>",
@@ -107,8 +107,8 @@ fn predict_follows_gravity_supports_and_degrees() {
     // Gravity leans 0.1 to the front: the CoP runs ahead by 0.1 m per metre of height.
     folder.write("a.toml", "gravity = [0.980665, 0.0, -9.80665]\n");
     let predicted = folder.stdout("predict pole.urdf --data a.csv --degrees");
-    assert_eq!(predicted.lines().nth(1), Some("7,0,0,1,0.1,0"));
-    assert_eq!(predicted.lines().nth(2), Some("9,0,0,0,0,0"));
+    assert_eq!(predicted.lines().nth(1), Some("7,0,0,0.5,0.05,0"));
+    assert_eq!(predicted.lines().nth(2), Some("9,0,0,-0.5,-0.05,0"));
     folder.refuses(
         "predict pole.urdf --data a.csv",
         &["a.csv:2", "`hip`", "--degrees"],

@@ -35,7 +35,7 @@ pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -
     let typical = *loads.get(loads.len() / 2)?;
     let weight = model.tree.mass * GRAVITY;
     let ratio = typical / weight;
-    if !(ratio > 0.0) || (1.0 / FORCE_UNLIKE..FORCE_UNLIKE).contains(&ratio) {
+    if ratio <= 0.0 || (1.0 / FORCE_UNLIKE..FORCE_UNLIKE).contains(&ratio) {
         return None;
     }
     let off = |known: f64| (ratio / known).ln().abs();
