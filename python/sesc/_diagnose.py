@@ -253,6 +253,7 @@ def diagnose(
     log: Any,
     *,
     then: Any = (),
+    healthy: Any = (),
     support: str | None = None,
     angles: Angles | None = None,
     prior: Prior = "tight",
@@ -270,10 +271,13 @@ def diagnose(
         robot: the robot with CAD masses.
         log: a :class:`Log` or what one is made of.
         then: logs of experiments that :meth:`Diagnosis.next_postures` asked for.
+        healthy: logs of the same robot when it was healthy: the masses that they tell take the
+            place of CAD's.
         support: link on the ground; the log's own unless given.
         angles: ``"deg"`` where revolute joints are logged in degrees.
         prior: tolerances of CAD: ``"tight"`` (mass 0.2 %, CoM 0.1 mm), ``"cad"`` (10 %, 5 mm),
-            ``"free"``, or a TOML file.
+            ``"free"``, or a TOML file: tolerances, or the model file of this robot that a fit
+            wrote when it was healthy.
         noise: standard deviation of a single reading on one axis, m; from the log unless given.
         floor: added to the noise in quadrature, m: what encoder ticks do.
         motion: ``"auto"`` compares readings with the ZMP where a log with times knows
@@ -305,6 +309,7 @@ def diagnose(
     check_first(robot, Robot, "a robot")
     first = _run.one_log(log, FitError, "; logs of experiments are given as `then`")
     further = _run.logs(list(then) if isinstance(then, (list, tuple)) else then)
+    before = _run.logs(list(healthy) if isinstance(healthy, (list, tuple)) else healthy)
     options = {
         "support": support,
         "degrees": _run.degrees(angles),
@@ -317,11 +322,16 @@ def diagnose(
         "mcap": None if mcap is None else os.fspath(mcap),
     }
     if mcap is not None:
-        read = [robot.file, first.name, *(one.name for one in further), prior, servos]
+        read = [robot.file, first.name, *(one.name for one in (*further, *before)), prior, servos]
         _check_place(mcap, [path for path in read if path is not None])
     try:
         report = _sesc.diagnose_log(
-            robot, first._inner, [one._inner for one in further], options, _run.shown(progress)
+            robot,
+            first._inner,
+            [one._inner for one in further],
+            [one._inner for one in before],
+            options,
+            _run.shown(progress),
         )
     finally:
         _run.ended(progress)

@@ -312,7 +312,12 @@ def correct_urdf(
     robot: Robot, model_file: str, prior: str, total_mass: float | None = None
 ) -> tuple[str, list[str]]: ...
 def diagnose_log(
-    robot: Robot, log: Log, then: list[Log], options: dict[str, Any], show: _Show = None
+    robot: Robot,
+    log: Log,
+    then: list[Log],
+    healthy: list[Log],
+    options: dict[str, Any],
+    show: _Show = None,
 ) -> DiagnosisReport: ...
 def draw_postures(robot: Robot, model: Model, q: Float64) -> list[str]: ...
 def draw_robot(robot: Robot, model: Model) -> list[str]: ...

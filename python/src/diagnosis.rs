@@ -46,18 +46,20 @@ pub struct DiagnosisReport {
 
 /// Find where simulation and measurement disagree, and name what is missing.
 #[pyfunction]
-#[pyo3(signature = (robot, log, then, options, show=None))]
+#[pyo3(signature = (robot, log, then, healthy, options, show=None))]
 pub fn diagnose_log(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     log: PyRef<'_, Log>,
     then: Vec<PyRef<'_, Log>>,
+    healthy: Vec<PyRef<'_, Log>>,
     options: &Bound<'_, PyAny>,
     show: Option<Py<PyAny>>,
 ) -> PyResult<DiagnosisReport> {
     let options: DiagnoseOptions = taken(options, Doing::Fit)?;
     let mut request = Request::new(robot.inner.clone(), &log.source);
     request.then = then.iter().map(|log| log.source.clone()).collect();
+    request.healthy = healthy.iter().map(|log| log.source.clone()).collect();
     request.support = options.support;
     request.snapping = robot.snapping;
     request.angles = options.degrees.map(angles);

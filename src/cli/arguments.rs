@@ -42,7 +42,8 @@ pub(super) struct ReadingArguments {
     pub(super) degrees: bool,
     /// Tolerances of CAD: tight (mass 0.2 %, CoM 0.1 mm), cad (10 %, 5 mm), free, or a TOML file:
     /// [default] mass = 0.1, com = 0.005 (m); [links.NAME] likewise, and mass_kg; or what
-    /// `fleet --prior-out` wrote. Unless given, tight for diagnoses, and cad for `fit` and the
+    /// `fleet --prior-out` wrote; or the model file of this robot that `fit` wrote when it was
+    /// healthy. Unless given, tight for diagnoses, and cad for `fit` and the
     /// parameters of `fleet`
     #[arg(long, value_name = "tight|cad|free|FILE")]
     pub(super) prior: Option<String>,

@@ -26,6 +26,7 @@ const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose op2.urdf --data log.csv --next next.csv\n  \
     sesc diagnose op2.urdf --data log.csv --mcap diagnosis.mcap\n  \
     sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
+    sesc diagnose op2.urdf --data log.csv --healthy before.csv\n  \
     sesc diagnose op2.urdf --data log.csv --prior cad --json";
 
 /// What `--fail-above` judges: a robot whose gap an effect explains still is not as simulated.
@@ -44,6 +45,10 @@ pub(super) struct Arguments {
     /// to both logs
     #[arg(long, value_name = "FILE")]
     then: Vec<PathBuf>,
+    /// Log of the same robot when it was healthy, may be repeated: the masses that it tells take
+    /// the place of CAD's
+    #[arg(long, value_name = "FILE")]
+    healthy: Vec<PathBuf>,
     #[command(flatten)]
     how: DiagnosisArguments,
     #[command(flatten)]
@@ -104,6 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .may_read(&arguments.how.reading.prior)
         .reads_logs([&arguments.data])
         .reads_logs(&arguments.then)
+        .reads_logs(&arguments.healthy)
         .writes(Kind::Model, &arguments.out)
         .writes(Kind::Urdf, &arguments.corrected)
         .writes_logs(Kind::Postures, &arguments.next)
@@ -196,6 +202,8 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     let mut request = how.request(robot, log, standing, &arguments.feet, &arguments.stays)?;
     let then = arguments.then.iter().map(|path| outputs::log(path));
     request.then = then.collect::<Result<_, _>>()?;
+    let healthy = arguments.healthy.iter().map(|path| outputs::log(path));
+    request.healthy = healthy.collect::<Result<_, _>>()?;
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
     if let Some(file) = &arguments.servos {

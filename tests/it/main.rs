@@ -24,6 +24,7 @@ mod fresh;
 mod generate_c;
 mod gravity;
 mod health;
+mod healthy;
 mod hidden_effect;
 mod hostile;
 mod identify;

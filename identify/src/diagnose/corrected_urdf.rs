@@ -68,7 +68,8 @@ pub(crate) fn of(
         true => &wide,
         false => prior,
     };
-    let model = problem.model;
+    // Masses move from CAD's, also where others are expected of this robot.
+    let model = &robot.model(problem.model.support(), snapping, None)?;
     let mut corrected = of_model_file(
         &file,
         robot,

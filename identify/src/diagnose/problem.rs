@@ -163,7 +163,7 @@ impl<'m> Problem<'m> {
         });
         let factor = match prior {
             Prior::Free => free(&flat),
-            Prior::Cad(_) | Prior::Population(_) => prior
+            Prior::Cad(_) | Prior::Population(_) | Prior::Fitted(_) => prior
                 .covariance_factor(model)
                 .unwrap_or_else(|| DMatrix::zeros(p, 0)),
         };
@@ -200,7 +200,7 @@ impl<'m> Problem<'m> {
             prior: factor,
             beyond_prior: match prior {
                 Prior::Free => Beyond::Nothing,
-                Prior::Cad(_) | Prior::Population(_) => Beyond::Exact,
+                Prior::Cad(_) | Prior::Population(_) | Prior::Fitted(_) => Beyond::Exact,
             },
             wide_prior: usual,
             rows: flat,

@@ -27,8 +27,9 @@ use super::report::{Report, next_log};
 use super::view::DiagnosisView;
 use super::{closure, experiment, model_check, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
-use crate::fit::check_result;
+use crate::fit::fitted::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
+use crate::fit::{Request as FitRequest, check_result, fit};
 use crate::health::{self, Finding, Health};
 use crate::logs::{Angles, LogSource, Options, PostureReader, Readings, Sidecar, Stays};
 use crate::observations::motion_use::{MotionModel, MotionUse};
@@ -48,6 +49,9 @@ pub struct Request {
     pub log: LogSource,
     /// Logs of experiments: explanations are fitted to them, too.
     pub then: Vec<LogSource>,
+    /// Logs of the same robot when it was healthy: no effect acts in them, and the masses that they
+    /// tell take the place of CAD's.
+    pub healthy: Vec<LogSource>,
     /// Link on the ground in rows that do not say; the sidecar's unless given.
     pub support: Option<String>,
     /// Whether decimals of right angles are made exact.
@@ -57,7 +61,7 @@ pub struct Request {
     /// The effects that may be the cause.
     #[doc(hidden)]
     pub effects: Catalog,
-    /// How far masses may be off CAD.
+    /// How far masses may be off CAD; in logs of the healthy robot at least as they usually are.
     pub prior: PriorChoice,
     /// Standard deviation of a single reading on one axis, m; the log's unless given.
     pub noise: Option<f64>,
@@ -94,6 +98,7 @@ impl Request {
             robot,
             log: log.into(),
             then: Vec::new(),
+            healthy: Vec::new(),
             support: None,
             snapping: Snapping::default(),
             angles: None,
@@ -165,14 +170,23 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let (sidecar, _) = request.log.sidecar()?;
     let support = support_of(request)?;
     let model = robot.model(&support, request.snapping, None)?;
-    let prior = request.prior.of(&model)?;
+    let prior = masses_before(request, &model, watch)?;
+    let model = prior.expected(model);
     let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
-    let stands = request.then.iter().map(|log| stand(request, &support, log));
-    let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, _>>()?;
+    let stands = request.then.iter().map(|log| {
+        let (experiment, own) = stand(request, &support, log)?;
+        Ok((experiment, prior.seen_from(&model, &own).expected(own)))
+    });
+    let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, Error>>()?;
     let mut further = Vec::new();
     let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
     let mut before = vec![(hash(&data), rows_hash(&data))];
-    for (log, (experiment, model)) in request.then.iter().zip(&stands) {
+    if let Some(own) = &before[0].0 {
+        prior.check_other(request.log.name(), own)?;
+    }
+    for (log, (experiment, own_model)) in request.then.iter().zip(&stands) {
+        let prior = prior.seen_from(&model, own_model);
+        let model = own_model;
         let mut postures = take(request, model, &prior, (log, request.motion), watch)?;
         let own = (hash(&postures), rows_hash(&postures));
         let same =
@@ -300,10 +314,43 @@ pub fn look(request: &Request, watch: &mut dyn Watch) -> Result<Vec<Finding>, Er
     check_noise(request)?;
     let support = support_of(request)?;
     let model = request.robot.model(&support, request.snapping, None)?;
-    let prior = request.prior.of(&model)?;
+    let prior = masses_before(request, &model, watch)?;
+    let model = prior.expected(model);
     let (_, rows, data) = screened(request, &model, &prior, watch)?;
     let (_, health) = examined(request, &model, (&data, request.motion));
     Ok(health.after(rows).findings)
+}
+
+/// What is known of the masses before the log: what logs of the healthy robot tell, or the prior
+/// alone.
+fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Result<Prior, Error> {
+    if request.healthy.is_empty() {
+        return request.prior.of(model);
+    }
+    // No robot has its CAD masses: held tight, these would leave nothing to learn.
+    let prior = match &request.prior {
+        PriorChoice::Tight => PriorChoice::Cad,
+        other => other.clone(),
+    };
+    let healthy = fit(
+        &FitRequest {
+            robot: Some(Arc::clone(&request.robot)),
+            logs: request.healthy.clone(),
+            support: Some(model.support().to_string()),
+            snapping: request.snapping,
+            angles: request.angles,
+            noise: request.noise,
+            motion: request.motion,
+            stays: request.stays,
+            prior,
+            ..FitRequest::default()
+        },
+        watch,
+    )?;
+    let names = request.healthy.iter().map(LogSource::file_name);
+    let names = names.collect::<Vec<_>>().join(" + ");
+    let fitted = Fitted::new(&healthy.model_file, model, &names)?;
+    Ok(Prior::Fitted(Box::new(fitted)))
 }
 
 /// The link on the ground: as was asked, else as the sidecar says, else that of the first row.

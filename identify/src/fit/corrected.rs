@@ -148,7 +148,7 @@ pub(super) fn masses_of(
     let usual = Tolerances::usual();
     let tolerances = match prior {
         Prior::Cad(tolerances) => tolerances,
-        Prior::Free | Prior::Population(_) => &usual,
+        Prior::Free | Prior::Population(_) | Prior::Fitted(_) => &usual,
     };
     let params = DVector::from_column_slice(params);
     masses::nearest(model, tolerances, &params, &Limits::generous(robot))

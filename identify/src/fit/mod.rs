@@ -8,6 +8,7 @@
 pub mod corrected;
 mod criteria;
 mod estimate;
+pub mod fitted;
 #[cfg(test)]
 mod freed_tests;
 mod gather;

@@ -47,8 +47,8 @@ pub fn constrain(
     let (tolerances, width) = match prior {
         Prior::Cad(tolerances) => (tolerances.clone(), 1.0),
         Prior::Free => (Tolerances::usual(), WEAK),
-        // Of links a population knows nothing; it is refused before.
-        Prior::Population(_) => (Tolerances::usual(), 1.0),
+        // Of links these know nothing; they are refused before.
+        Prior::Population(_) | Prior::Fitted(_) => (Tolerances::usual(), 1.0),
     };
     Space::too_many(model).map_or(Ok(()), Err)?;
     let space = Space::new(model, &tolerances);

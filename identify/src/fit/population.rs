@@ -8,10 +8,7 @@
 //! The file is TOML: a table `population` with `urdf_hash`, `support`, `robots`, `names`, `mean`
 //! (m) and `covariance` (m², row by row).
 
-use std::collections::BTreeMap;
-
 use nalgebra::{DMatrix, DVector};
-use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sesc_model::{Model, files};
 
@@ -51,16 +48,6 @@ struct File<T> {
 }
 
 impl Population {
-    /// Whether the text of `file` is that of a population, and not of tolerances.
-    ///
-    /// # Errors
-    /// When it is no TOML, or of a newer format.
-    pub(super) fn is_in(text: &str, file: &str) -> Result<bool, Error> {
-        let keys: BTreeMap<String, IgnoredAny> =
-            files::parse_toml(text, FORMAT).map_err(|fault| Error::prior_toml(file, fault))?;
-        Ok(keys.contains_key("population"))
-    }
-
     /// Read the text of `file`.
     ///
     /// # Errors

@@ -2,14 +2,17 @@
 //!
 //! Tolerances of CAD are those of [`Tolerances`]; a fleet's are those of its [`Population`].
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::Model;
+use serde::de::IgnoredAny;
 use sesc_model::files;
 use sesc_model::text::listed;
 use sesc_model::urdf::suggestion;
+use sesc_model::{Model, ModelFile};
 
+use super::fitted::Fitted;
 use super::population::{FORMAT, Population};
 use crate::logs::names::short;
 pub use crate::tolerances::{Tolerance, Tolerances};
@@ -25,6 +28,8 @@ pub enum Prior {
     Cad(Tolerances),
     /// What a fleet of such robots is like.
     Population(Box<Population>),
+    /// What an earlier fit knows of this robot.
+    Fitted(Box<Fitted>),
 }
 
 /// Which prior, before the robot is known that it is of.
@@ -37,7 +42,7 @@ pub enum PriorChoice {
     Cad,
     /// Data alone.
     Free,
-    /// A file of tolerances or of a [`Population`].
+    /// A file of tolerances, of a [`Population`], or of a model that was fitted.
     File(PathBuf),
     /// A prior from the caller.
     Given(Prior),
@@ -92,7 +97,7 @@ impl Prior {
     /// off are an explanation that competes with the effects and is named.
     pub const OF_DIAGNOSES: &str = "tight";
 
-    /// `tight`, `cad`, `free`, or a file of tolerances or of a [`Population`].
+    /// `tight`, `cad`, `free`, or a file of tolerances, of a [`Population`] or of a fitted model.
     ///
     /// # Errors
     /// As [`PriorChoice::of`].
@@ -107,11 +112,18 @@ impl Prior {
             let message = message![source, Setting::Prior, " takes tight, cad, free or a file"];
             Error::prior(&file, message)
         })?;
-        match Population::is_in(&text, &file)? {
-            true => Population::read(&text, &file, model)
-                .map(|found| Prior::Population(Box::new(found))),
-            false => read_tolerances(&text, &file, model).map(Prior::Cad),
+        let keys: BTreeMap<String, IgnoredAny> =
+            files::parse_toml(&text, u32::MAX).map_err(|fault| Error::prior_toml(&file, fault))?;
+        if keys.contains_key("population") {
+            let found = Population::read(&text, &file, model)?;
+            return Ok(Prior::Population(Box::new(found)));
         }
+        if keys.contains_key("parameters") {
+            let fitted = ModelFile::parse(&text, &file)?;
+            let fitted = Fitted::new(&fitted, model, &file)?;
+            return Ok(Prior::Fitted(Box::new(fitted)));
+        }
+        read_tolerances(&text, &file, model).map(Prior::Cad)
     }
 
     /// In a few words, for reports.
@@ -121,6 +133,7 @@ impl Prior {
                 "a fleet: mean and covariance of {} robots of this URDF",
                 found.robots
             ),
+            Prior::Fitted(found) => format!("masses as they were fitted ({})", found.source),
             Prior::Free => "none: data alone, what they cannot see stays at CAD".to_string(),
             Prior::Cad(tolerances) => {
                 let (mass, com) = tolerances.of_link("");
@@ -151,6 +164,14 @@ impl Prior {
             Prior::Free => None,
             Prior::Cad(tolerances) => Some(tolerances.factor(model)),
             Prior::Population(found) => Some(found.about_cad(&model.cad_params())),
+            Prior::Fitted(found) => {
+                let off = found.centre() - DVector::from_vec(model.cad_params());
+                let own = found.factor();
+                let columns = own.ncols();
+                let mut wider = own.insert_column(columns, 0.0);
+                wider.set_column(columns, &off);
+                Some(wider)
+            }
         }
     }
 
@@ -159,6 +180,34 @@ impl Prior {
         match self {
             Prior::Free | Prior::Cad(_) => DVector::from_vec(model.cad_params()),
             Prior::Population(found) => found.centre(),
+            Prior::Fitted(found) => found.centre(),
+        }
+    }
+
+    /// The robot that is expected: as in CAD, or as an earlier fit found it.
+    pub(crate) fn expected(&self, model: Model) -> Model {
+        match self {
+            Prior::Fitted(found) => model.with_nominal(found.centre().as_slice()),
+            _ => model,
+        }
+    }
+
+    /// The same prior of the robot on the support of `to`, where it is of the one of `from`.
+    pub(crate) fn seen_from(&self, from: &Model, to: &Model) -> Prior {
+        match self {
+            Prior::Fitted(found) if from.support() != to.support() => {
+                Prior::Fitted(Box::new(found.seen_from(from, to)))
+            }
+            _ => self.clone(),
+        }
+    }
+
+    /// # Errors
+    /// Where it was fitted to a log of this hash.
+    pub(crate) fn check_other(&self, log: &str, hash: &str) -> Result<(), Error> {
+        match self {
+            Prior::Fitted(found) => found.check_other(log, hash),
+            _ => Ok(()),
         }
     }
 
@@ -167,6 +216,7 @@ impl Prior {
         match self {
             Prior::Free | Prior::Cad(_) => self.covariance_factor(model),
             Prior::Population(found) => found.factor(),
+            Prior::Fitted(found) => Some(found.factor()),
         }
     }
 }

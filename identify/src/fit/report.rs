@@ -208,14 +208,17 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
         range: request.range,
         ..Settings::new(request.prior.of(&model)?)
     };
-    if request.physical && matches!(settings.prior, Prior::Population(_)) {
+    if request.physical && matches!(settings.prior, Prior::Population(_) | Prior::Fitted(_)) {
         return Err(Error::request(message![
             Setting::Physical,
-            " needs to know how far masses of links may be off CAD, and a population of robots \
-             does not tell: give ",
+            " needs to know how far masses of links may be off CAD, and neither a population of \
+             robots nor an earlier fit tells: give ",
             Setting::Prior,
             " cad"
         ]));
+    }
+    for log in &part.gathered.logs {
+        settings.prior.check_other(&log.file, &log.hash)?;
     }
     let supports: Vec<&str> = part.supports.iter().map(String::as_str).collect();
     let limits = request.physical.then(|| Limits::of(&robot)).transpose()?;

@@ -112,6 +112,17 @@ impl Model {
         }
     }
 
+    /// The same robot with other base parameters in the place of CAD's, m: what is expected of it.
+    #[doc(hidden)]
+    pub fn with_nominal(mut self, values: &[f64]) -> Model {
+        let params = self.robot.base.params.iter_mut();
+        params
+            .zip(values)
+            .for_each(|(param, value)| param.cad = *value);
+        self.param_limits = self.limits_of(values);
+        self
+    }
+
     /// Take identified parameters from a model file.
     pub fn with_file(mut self, file: ModelFile) -> Result<Model, Error> {
         file.check(&self.robot)?;

@@ -16,7 +16,7 @@ use sesc_reference::{Reference, Robot as TrueRobot};
 use super::{NOISE, POSES, op2_plan};
 
 /// The OP2 as it might really be: every link's mass off by 10 %, its CoM by 5 mm per axis.
-pub(super) fn true_robot(rng: &mut ChaCha8Rng) -> TrueRobot {
+pub(crate) fn true_robot(rng: &mut ChaCha8Rng) -> TrueRobot {
     let cad = TrueRobot::from_urdf(OP2_URDF).unwrap();
     let mut gauss = |std: f64| -> f64 {
         let x: f64 = StandardNormal.sample(rng);

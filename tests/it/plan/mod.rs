@@ -1,7 +1,7 @@
 //! `sesc plan`: how efficient planned postures are, that they can be stood in, and
 //! what is refused.
 
-mod efficiency;
+pub(crate) mod efficiency;
 mod revisits;
 mod sole;
 

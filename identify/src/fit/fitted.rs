@@ -1,0 +1,109 @@
+//! One robot as an earlier fit knows it, in the place of CAD and its tolerances.
+//!
+//! ```text
+//! r ~ N(r̂, C)      C = (RᵀR)⁻¹ = S Sᵀ, S = R⁻¹      R: `information.factor` of a model file
+//! ```
+//!
+//! Of a direction that neither data nor prior say anything about, R has a row of zeros; there r stays
+//! at r̂.
+
+use nalgebra::{DMatrix, DVector};
+use sesc_model::{Model, ModelFile};
+
+use crate::Error;
+
+/// Base parameters of one robot and how well they are known, with the logs that they are from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// File of the parameters, or names of the logs of the healthy robot.
+    pub source: String,
+    values: Vec<f64>,
+    /// S.
+    factor: DMatrix<f64>,
+    /// Hashes of the logs that they were fitted to.
+    logs: Vec<String>,
+}
+
+impl Fitted {
+    /// What `file` knows of the robot of `model`.
+    ///
+    /// # Errors
+    /// A file of another robot or support, with effects, or that does not say how well it knows
+    /// its parameters.
+    pub fn new(file: &ModelFile, model: &Model, source: &str) -> Result<Fitted, Error> {
+        let bad = |reason: &str| Error::prior(source, reason);
+        model.clone().with_file(file.clone())?;
+        if !file.effects.is_empty() {
+            return Err(bad(
+                "it has effects, so that it is not of a healthy robot; give the file that `fit` \
+                 wrote of one",
+            ));
+        }
+        let information = file.information.as_ref().ok_or_else(|| {
+            bad("it has no `information.factor`: how well its parameters are known; fit again")
+        })?;
+        let n = file.parameters.len();
+        let row = |i: usize| information.factor.get(i).map_or(&[][..], Vec::as_slice);
+        let mut factor = DMatrix::zeros(n, n);
+        for k in 0..n {
+            // R x = e_k, from below.
+            for i in (0..=k).rev() {
+                let own = row(i);
+                let known = (i + 1..=k)
+                    .map(|j| own[j - i] * factor[(j, k)])
+                    .sum::<f64>();
+                let one = if i == k { 1.0 } else { 0.0 };
+                factor[(i, k)] = if own[0] > 0.0 {
+                    (one - known) / own[0]
+                } else {
+                    0.0
+                };
+            }
+        }
+        Ok(Fitted {
+            source: source.to_string(),
+            values: file
+                .parameters
+                .iter()
+                .map(|parameter| parameter.value)
+                .collect(),
+            factor,
+            logs: file.data.iter().map(|log| log.hash.clone()).collect(),
+        })
+    }
+
+    /// What they are, m.
+    pub(crate) fn centre(&self) -> DVector<f64> {
+        DVector::from_column_slice(&self.values)
+    }
+
+    /// S with S Sᵀ their covariance.
+    pub(crate) fn factor(&self) -> DMatrix<f64> {
+        self.factor.clone()
+    }
+
+    /// The same robot on the support of `to`, seen before from that of `from`.
+    pub(crate) fn seen_from(&self, from: &Model, to: &Model) -> Fitted {
+        let shift = to.params_from(from);
+        let values = &shift.matrix * self.centre() + &shift.offset;
+        Fitted {
+            values: values.as_slice().to_vec(),
+            factor: &shift.matrix * &self.factor,
+            ..self.clone()
+        }
+    }
+
+    /// # Errors
+    /// Where they were fitted to a log of this hash: it would count twice.
+    pub(crate) fn check_other(&self, log: &str, hash: &str) -> Result<(), Error> {
+        if !self.logs.iter().any(|own| own == hash) {
+            return Ok(());
+        }
+        let message = format!(
+            "the masses of {} were fitted to this very log, which would count twice; give a log of \
+             the healthy robot",
+            self.source
+        );
+        Err(Error::log(log, None, message))
+    }
+}

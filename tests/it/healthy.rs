@@ -1,0 +1,215 @@
+//! A log of the healthy robot tells its masses, so that a later fault is not hidden in them.
+//!
+//! Robots weigh what CAD does not say: 10 % and 5 mm a link. The virtual robot takes the healthy log,
+//! then the fault is hidden.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use sesc_identify::diagnose::{self, Diagnosis, Verdict};
+use sesc_identify::evaluate::Evaluator;
+use sesc_identify::fit::{self, prior::PriorChoice};
+use sesc_identify::logs::{LogSource, Sidecar, Table};
+use sesc_identify::robot::Robot;
+use sesc_model::{Function, Model, ModelFile, Snapping};
+use sesc_reference::{Place, World};
+use sesc_test_support::command::Folder;
+use sesc_test_support::stage::{Platform, Stage};
+
+use crate::plan::efficiency::true_robot;
+
+/// Noise of a posture's reading, m.
+const NOISE: f64 = 5e-4;
+/// Postures of the healthy log, and of the one with the fault.
+const HEALTHY: usize = 200;
+const FAULTY: usize = 120;
+
+/// A robot as it is bought, on the bench.
+struct Bench {
+    stage: Stage,
+    robot: Arc<Robot>,
+    world: World,
+    random: ChaCha8Rng,
+}
+
+impl Bench {
+    fn new(seed: u64) -> Bench {
+        let stage = Stage::new(Platform::Op2);
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let world = World::new(&true_robot(&mut random), stage.support).unwrap();
+        let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
+        Bench {
+            stage,
+            robot,
+            world,
+            random,
+        }
+    }
+
+    /// A log of `world` in so many balanced postures.
+    fn log(&mut self, world: &World, postures: usize, name: &str) -> LogSource {
+        let q = self.stage.balanced(postures, &mut self.random);
+        let mut table = Table::new(name);
+        for (j, joint) in self.stage.joint_names().iter().enumerate() {
+            table = table.numbers(joint, q.iter().map(|q| q[j]).collect::<Vec<f64>>());
+        }
+        for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
+            let mut noise = || -> f64 { StandardNormal.sample(&mut self.random) };
+            let column = q.iter().map(|q| world.cop(q)[axis] + NOISE * noise());
+            table = table.numbers(name, column.collect::<Vec<f64>>());
+        }
+        LogSource::from(table).with_sidecar(Sidecar {
+            support: Some(self.stage.support.into()),
+            ..Sidecar::default()
+        })
+    }
+
+    fn request(&self, log: LogSource) -> diagnose::Request {
+        let mut request = diagnose::Request::new(Arc::clone(&self.robot), log);
+        request.noise = Some(NOISE);
+        request
+    }
+
+    /// RMS error of a model's CoM, x and y, in fresh postures of `world`, m.
+    fn com_error(&mut self, world: &World, file: Option<&ModelFile>) -> f64 {
+        let model = |file: Option<&ModelFile>| -> Model {
+            let support = self.stage.support;
+            self.robot
+                .model(support, Snapping::default(), file)
+                .unwrap()
+        };
+        let com = Evaluator::new(&model(file), Function::Com);
+        let q = self.stage.balanced(200, &mut self.random);
+        let square = q.iter().map(|q| {
+            let found = com.run(q, 1);
+            let off = Vector3::from_column_slice(&found) - world.com(q);
+            (off.x * off.x + off.y * off.y) / 2.0
+        });
+        (square.sum::<f64>() / 200.0).sqrt()
+    }
+}
+
+/// What is hidden, and the name and target that it goes by.
+const FAULTS: [(&str, Place, &[f64]); 8] = [
+    ("joint_offset", Place::Joint("r_knee"), &[0.026]),
+    ("joint_offset", Place::Joint("r_hip_roll"), &[0.026]),
+    ("joint_scale", Place::Joint("r_hip_pitch"), &[1.1]),
+    (
+        "payload",
+        Place::Link("body_link"),
+        &[0.25, 0.03, 0.04, 0.05],
+    ),
+    ("joint_compliance", Place::Joint("r_ank_pitch"), &[20.0]),
+    ("backlash", Place::Joint("r_hip_roll"), &[0.035]),
+    ("sensor_rotation", Place::Whole, &[0.07]),
+    ("sensor_offset", Place::Whole, &[0.006, -0.004]),
+];
+
+fn place(place: Place) -> String {
+    match place {
+        Place::Joint(name) | Place::Link(name) => name.to_string(),
+        _ => "-".to_string(),
+    }
+}
+
+/// Whether the truth is named alone, or is in a class of the answer.
+fn is_told(found: &Diagnosis, effect: &str, target: &str) -> (bool, bool) {
+    let alone = found.verdict == Verdict::Named
+        && found.steps.len() == 1
+        && (found.steps[0].effect, &*found.steps[0].target) == (effect, target);
+    let label = match target {
+        "-" => effect.to_string(),
+        _ => format!("{effect}:{target}"),
+    };
+    let listed = found
+        .indistinguishable
+        .iter()
+        .any(|one| *one == [label.clone()]);
+    (alone, alone || listed)
+}
+
+#[test]
+fn a_healthy_log_tells_a_fault_from_masses() {
+    let (mut alone, mut told, mut all) = (0, 0, 0);
+    let mut ratios = Vec::new();
+    let mut lines = Vec::new();
+    for seed in 1..=2 {
+        let mut bench = Bench::new(seed);
+        let healthy = bench.world.clone();
+        let before = bench.log(&healthy, HEALTHY, "before.csv");
+        for (effect, target, values) in FAULTS {
+            let faulty = healthy.clone().named(effect, target, values).unwrap();
+            let log = bench.log(&faulty, FAULTY, "log.csv");
+            let mut request = bench.request(log);
+            request.healthy = vec![before.clone()];
+            let found = diagnose::diagnose(&request, &mut ()).unwrap();
+            let (is_alone, is_told) = is_told(&found.diagnosis, effect, &place(target));
+            alone += usize::from(is_alone);
+            told += usize::from(is_told);
+            all += 1;
+            lines.push(format!("{effect}: {}", found.diagnosis.sentence));
+            let error = bench.com_error(&faulty, Some(&found.model_file));
+            ratios.push(error / bench.com_error(&faulty, None));
+        }
+        // The same robot, still sound.
+        let log = bench.log(&healthy, FAULTY, "log.csv");
+        let mut request = bench.request(log);
+        request.healthy = vec![before];
+        let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
+        assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
+    }
+    ratios.sort_by(f64::total_cmp);
+    let lines = lines.join("\n");
+    assert!(
+        told + 1 >= all && 10 * alone >= 7 * all,
+        "{alone}, {told} of {all}\n{lines}"
+    );
+    assert!(ratios[ratios.len() / 2] < 0.1, "{ratios:?}");
+}
+
+#[test]
+fn a_fitted_model_is_the_prior_that_its_log_is() {
+    let mut bench = Bench::new(3);
+    let healthy = bench.world.clone();
+    let before = bench.log(&healthy, HEALTHY, "before.csv");
+    let faulty = healthy.joint_offset("r_hip_roll", 0.026).unwrap();
+    let log = bench.log(&faulty, FAULTY, "log.csv");
+    let mut request = bench.request(log);
+    request.healthy = vec![before.clone()];
+    let by_log = diagnose::diagnose(&request, &mut ()).unwrap();
+    let fitted = |noise: f64| {
+        let mut request = fit::Request::default();
+        request.robot = Some(Arc::clone(&bench.robot));
+        request.logs = vec![before.clone()];
+        request.support = Some("r_sole".into());
+        request.noise = Some(noise);
+        fit::fit(&request, &mut ()).unwrap().model_file
+    };
+    let folder = Folder::empty();
+    folder.write("fitted.toml", fitted(NOISE).to_toml().unwrap());
+    request.healthy.clear();
+    request.prior = PriorChoice::File(folder.join("fitted.toml"));
+    let by_file = diagnose::diagnose(&request, &mut ()).unwrap();
+    assert_eq!(by_log.diagnosis.steps[0].effect, "joint_offset");
+    assert_eq!(by_log.diagnosis.steps, by_file.diagnosis.steps);
+    // A log does not count twice.
+    let refused = |request: &diagnose::Request, words: &str| {
+        let error = diagnose::diagnose(request, &mut ())
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(words), "{error}");
+    };
+    let mut again = bench.request(before.clone());
+    again.prior = request.prior.clone();
+    refused(&again, "were fitted to this very log");
+    // Nor does a file count that does not say how well it knows, or that has effects.
+    let mut vague = fitted(NOISE);
+    vague.information = None;
+    folder.write("fitted.toml", vague.to_toml().unwrap());
+    refused(&request, "information.factor");
+    folder.write("fitted.toml", by_log.model_file.to_toml().unwrap());
+    refused(&request, "it has effects");
+}
