@@ -55,7 +55,7 @@ pub fn fit_logs(
         let report = fit::fit(&request, watch).during(Doing::Fit)?;
         Ok(Arc::new((request, report)))
     })?;
-    let found = &inner.identification;
+    let found = &inner.1.identification;
     warnings.extend_from_slice(&found.warnings[found.warnings_of_logs..]);
     Ok(FitReport { inner, warnings })
 }
