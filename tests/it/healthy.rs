@@ -171,6 +171,22 @@ fn a_healthy_log_tells_a_fault_from_masses() {
 }
 
 #[test]
+fn a_fault_that_the_healthy_log_shares_is_said() {
+    let mut bench = Bench::new(4);
+    let faulty = bench.world.clone().joint_scale("r_hip_pitch", 1.1).unwrap();
+    let before = bench.log(&faulty, HEALTHY, "before.csv");
+    let log = bench.log(&faulty, FAULTY, "log.csv");
+    let mut request = bench.request(log);
+    request.healthy = vec![before];
+    let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
+    let said = found.warnings.join("\n");
+    assert!(
+        said.contains("before.csv") && said.contains("joint_scale:r_hip_pitch"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_fitted_model_is_the_prior_that_its_log_is() {
     let mut bench = Bench::new(3);
     let healthy = bench.world.clone();
@@ -193,6 +209,7 @@ fn a_fitted_model_is_the_prior_that_its_log_is() {
     request.healthy.clear();
     request.prior = PriorChoice::File(folder.join("fitted.toml"));
     let by_file = diagnose::diagnose(&request, &mut ()).unwrap();
+    assert_eq!(by_log.diagnosis.warnings, [""; 0]);
     assert_eq!(by_log.diagnosis.steps[0].effect, "joint_offset");
     assert_eq!(by_log.diagnosis.steps, by_file.diagnosis.steps);
     // A log does not count twice.

@@ -171,6 +171,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let support = support_of(request)?;
     let model = robot.model(&support, request.snapping, None)?;
     let prior = masses_before(request, &model, watch)?;
+    check_healthy(request, watch)?;
     let model = prior.expected(model);
     let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
     let stands = request.then.iter().map(|log| {
@@ -327,11 +328,6 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
     if request.healthy.is_empty() {
         return request.prior.of(model);
     }
-    // No robot has its CAD masses: held tight, these would leave nothing to learn.
-    let prior = match &request.prior {
-        PriorChoice::Tight => PriorChoice::Cad,
-        other => other.clone(),
-    };
     let healthy = fit(
         &FitRequest {
             robot: Some(Arc::clone(&request.robot)),
@@ -342,7 +338,7 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
             noise: request.noise,
             motion: request.motion,
             stays: request.stays,
-            prior,
+            prior: prior_of_healthy(request),
             ..FitRequest::default()
         },
         watch,
@@ -351,6 +347,49 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
     let names = names.collect::<Vec<_>>().join(" + ");
     let fitted = Fitted::new(&healthy.model_file, model, &names)?;
     Ok(Prior::Fitted(Box::new(fitted)))
+}
+
+/// How far the masses of a healthy robot may be off: held tight, they would leave nothing to learn.
+fn prior_of_healthy(request: &Request) -> PriorChoice {
+    match &request.prior {
+        PriorChoice::Tight => PriorChoice::Cad,
+        other => other.clone(),
+    }
+}
+
+/// Warn of a log of the healthy robot that shows an effect by itself: what it shares with the other
+/// log is not found by comparing the two.
+fn check_healthy(request: &Request, watch: &mut dyn Watch) -> Result<(), Error> {
+    for log in &request.healthy {
+        let own = Request {
+            log: log.clone(),
+            then: Vec::new(),
+            healthy: Vec::new(),
+            prior: prior_of_healthy(request),
+            feet: Feet::default(),
+            next_file: None,
+            corrected_urdf: false,
+            view: false,
+            recording: false,
+            ..request.clone()
+        };
+        let found = diagnose(&own, watch)?.diagnosis;
+        let shown = match (found.verdict, found.steps.first()) {
+            (Verdict::Named | Verdict::Class, Some(step)) => match step.target.as_str() {
+                "-" => format!("shows `{}`", step.effect),
+                target => format!("shows `{}:{target}`", step.effect),
+            },
+            (Verdict::Unexplained, _) => "shows what nothing known explains".to_string(),
+            _ => continue,
+        };
+        let warning = format!(
+            "{}: this log of the healthy robot {shown} itself; what both logs share is not found: \
+             diagnose it alone first",
+            log.name()
+        );
+        watch.warning(&warning.into());
+    }
+    Ok(())
 }
 
 /// The link on the ground: as was asked, else as the sidecar says, else that of the first row.
