@@ -40,6 +40,9 @@ use crate::{Error, Message, Setting, message};
 /// A revolute joint further out than this was hardly logged in radians.
 const FULL_TURN: f64 = 6.3;
 
+/// No joint is logged further out in degrees.
+const LARGEST_DEGREES: f64 = 400.0;
+
 /// No sole is so large: a log whose typical CoP is further out is not in metres, m.
 const FAR: f64 = 2.0;
 /// In no unit that is the CoP of a robot: a unit that is wrong by a thousand is an effect, m.
@@ -508,6 +511,14 @@ impl Assembler {
     fn check_joints(&self, positions: impl Iterator<Item = f64>) -> Result<(), Message> {
         for ((value, joint), name) in positions.zip(&self.joints).zip(&self.columns.names) {
             if joint.reach.is_some_and(|reach| value.abs() > reach) {
+                if value.abs() > LARGEST_DEGREES {
+                    return Err(format!(
+                        "column `{name}`: {} rad is more than a full turn, and would be in degrees: \
+                         are these ticks of an encoder? give (ticks − zero) · 2π / ticks of a turn",
+                        three_digits(value)
+                    )
+                    .into());
+                }
                 return Err(message![
                     format!(
                         "column `{name}`: {} rad is more than a full turn; {IN_DEGREES}",

@@ -248,7 +248,14 @@ impl Suspicions {
 }
 
 /// Units that stamps come in, and how many of them are a second.
-const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("µs", 1e6), ("ns", 1e9)];
+const UNITS: [(&str, f64); 6] = [
+    ("ms", 1e3),
+    ("µs", 1e6),
+    ("ns", 1e9),
+    ("minutes", 1.0 / 60.0),
+    ("hours", 1.0 / 3600.0),
+    ("days", 1.0 / 86_400.0),
+];
 
 /// What stamps and joints of a log say of each other: stamps that stand still, and stamps in
 /// another unit than seconds.
@@ -260,7 +267,7 @@ const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("µs", 1e6), ("ns", 1e9)];
 ///
 /// A robot that creeps for hours is logged slowly; one whose rows are smooth, seconds apart by
 /// their stamps, and thousands of times slower than its joints can be was stamped in ms, µs
-/// or ns.
+/// or ns, one that is faster than they can be in minutes or days.
 struct Stamps {
     /// Speed that each joint is allowed, rad/s or m/s.
     limits: Vec<f64>,
@@ -403,21 +410,29 @@ impl Stamps {
         let reached = moving.iter().filter(|&&j| self.limits[j] > 0.0);
         let reached = reached.map(|&j| self.fastest[j] / self.limits[j]);
         let reached = reached.fold(0.0, f64::max);
-        if !smooth || reached == 0.0 || reached > CREEPS {
+        // In minutes, rows come by the thousand a second, and joints move faster than they can.
+        let rushes = step < LOGGED.0 && reached > FASTEST;
+        if !smooth || reached == 0.0 || reached > CREEPS && !rushes {
             return None;
         }
         let fits = |unit: &&(&str, f64)| {
             let per_second = unit.1;
             let logged = (LOGGED.0..=LOGGED.1).contains(&(step / per_second));
-            logged && reached * per_second <= FASTEST
+            rushes == (per_second < 1.0) && logged && reached * per_second <= FASTEST
         };
         let (unit, per_second) = UNITS.iter().find(fits)?;
-        Some(format!(
-            "rows are {step:.3} s apart by `{T}`, and no joint moves faster than {:.4} % of its \
-             limit: is `{T}` in {unit}? Rows would be {:.3} s apart then; give seconds",
-            100.0 * reached,
-            step / per_second
-        ))
+        let apart = step / per_second;
+        Some(match rushes {
+            true => format!(
+                "rows are {step:.1e} s apart by `{T}`, and joints move {reached:.0} times as fast as \
+                 they can: is `{T}` in {unit}? Rows would be {apart:.3} s apart then; give seconds"
+            ),
+            false => format!(
+                "rows are {step:.3} s apart by `{T}`, and no joint moves faster than {:.4} % of its \
+                 limit: is `{T}` in {unit}? Rows would be {apart:.3} s apart then; give seconds",
+                100.0 * reached
+            ),
+        })
     }
 }
 
@@ -491,6 +506,12 @@ mod tests {
         }
         assert!(said(0.01, 1.0, 1e6).unwrap().contains("in µs?"));
         assert!(said(0.01, 1.0, 1e9).unwrap().contains("in ns?"));
+        assert!(said(0.01, 1.0, 1.0 / 60.0).unwrap().contains("in minutes?"));
+        assert!(
+            said(0.01, 1.0, 1.0 / 86_400.0)
+                .unwrap()
+                .contains("in days?")
+        );
         // A swing of a minute, and one of ten, logged every second.
         assert_eq!(said(1.0, 24.0, 1.0), None);
         assert_eq!(said(1.0, 240.0, 1.0), None);

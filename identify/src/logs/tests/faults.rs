@@ -19,6 +19,10 @@ fn faults_name_row_column_and_remedy() {
         ("hip;knee\n0;0,5\n", &[":2", "`knee`", "decimal comma"]),
         ("hip,knee\n0,inf\n", &[":2", "`knee`", "not finite"]),
         (
+            "hip,knee\n0,2048\n",
+            &[":2", "`knee`", "ticks of an encoder"],
+        ),
+        (
             "hip,knee\n0,45\n",
             &[":2", "`knee`", "give `angles`", "sidecar"],
         ),
