@@ -40,6 +40,20 @@ def test_a_hidden_offset_is_among_the_explanations(found: sesc.Diagnosis) -> Non
     assert found.health == [] and found.unexplained is False
 
 
+def test_healthy_logs_and_fitted_models_take_the_place_of_cad(
+    model: sesc.Model, op2: sesc.Robot, log: sesc.Log, tmp_path: Path
+) -> None:
+    before = sesc.simulate(model, 200, range=0.5, noise=5e-4, seed=2)
+    by_log = sesc.diagnose(op2, log, healthy=before)
+    assert ["joint_offset:r_knee"] in by_log.explanations
+    fitted = tmp_path / "before.toml"
+    sesc.fit(op2, before).save(fitted)
+    by_file = sesc.diagnose(op2, log, prior=fitted)
+    assert by_file.explanations == by_log.explanations
+    with pytest.raises(sesc.SescError, match="fitted to this very log"):
+        sesc.diagnose(op2, before, prior=fitted)
+
+
 def test_the_model_of_a_diagnosis_has_the_effect(
     found: sesc.Diagnosis, model: sesc.Model, op2: sesc.Robot
 ) -> None:
