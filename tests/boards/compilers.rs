@@ -191,7 +191,7 @@ fn a_batch_is_within_its_bound_of_the_reference() {
         let bound: f64 = row
             .unwrap()
             .split_whitespace()
-            .nth(6)
+            .nth(7)
             .unwrap()
             .parse()
             .unwrap();

@@ -22,8 +22,12 @@ impl build::Config {
     /// Every name that is called: `com_jacobian`, `com_jacobian_sc`, `com_jacobian_ticks`, …;
     /// floats alone have the ZMP, which divides.
     pub fn names(self) -> impl Iterator<Item = (String, &'static str, &'static str)> {
+        // Nobody asks for the Jacobian of the reading here.
+        let asked = Function::ALL
+            .into_iter()
+            .filter(|f| *f != Function::CopJacobian);
         let (of_floats, of_all): (Vec<_>, Vec<_>) =
-            (Function::ALL.into_iter()).partition(|function| *function == Function::Zmp);
+            asked.partition(|function| *function == Function::Zmp);
         let of = |functions: Vec<Function>| {
             ["", "_sc", "_ticks"].into_iter().flat_map(move |kind| {
                 let names = functions.clone().into_iter().map(Function::name);
