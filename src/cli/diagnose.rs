@@ -46,7 +46,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     then: Vec<PathBuf>,
     /// Log of the same robot when it was healthy, may be repeated: the masses that it tells take
-    /// the place of CAD's
+    /// the place of CAD's. Its own prior is cad, or the file that --prior names, never tight
     #[arg(long, value_name = "FILE")]
     healthy: Vec<PathBuf>,
     #[command(flatten)]

@@ -33,6 +33,9 @@ impl Fitted {
     pub fn new(file: &ModelFile, model: &Model, source: &str) -> Result<Fitted, Error> {
         let bad = |reason: &str| Error::prior(source, reason);
         model.clone().with_file(file.clone())?;
+        if let Some(reason) = file.invalid_reason() {
+            return Err(bad(&reason));
+        }
         if !file.effects.is_empty() {
             return Err(bad(
                 "it has effects, so that it is not of a healthy robot; give the file that `fit` \

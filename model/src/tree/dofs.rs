@@ -70,7 +70,7 @@ pub(super) fn virtual_base(robot: &Description, support: Option<&str>) -> HashSe
         if robot.joints[one].joint_type != JointType::Fixed {
             // What lies beyond a joint that moves is no part of the robot.
             last = base.iter().copied().collect();
-            if support.is_some_and(|support| stands_on(support, &passed)) {
+            if support.is_some_and(|support| super::is_support(support, passed.iter().copied())) {
                 return HashSet::new();
             }
         }
@@ -91,11 +91,6 @@ pub(super) fn virtual_base(robot: &Description, support: Option<&str>) -> HashSe
         true => HashSet::new(),
         false => last,
     }
-}
-
-/// Whether `support` is one of these links, or the sole of one.
-fn stands_on(support: &str, links: &HashSet<&str>) -> bool {
-    super::is_support(support, links.iter().copied())
 }
 
 /// Whether a link or one that it carries has mass.
