@@ -31,10 +31,6 @@ pub const TOO_MANY_EFFECTS: usize = 4;
 pub const OUTLIER_SHARE: f64 = 0.2;
 /// Explanations that are listed, at most. Chosen: it shortens lists alone.
 pub const LISTED: usize = 24;
-/// Explanations of a first log within this of its best are fitted to further logs, too. Chosen:
-/// twice as much fits more explanations to each further log; half may leave out the truth where
-/// the first log spoke against it by chance.
-pub const JUDGED_SCORE: f64 = 2.0 * CLASS_SCORE;
 
 // What is left over.
 
@@ -239,8 +235,11 @@ pub mod samples {
     pub const STAYED: f64 = 2.0;
 }
 
-/// Explanations with dead bands.
-pub mod resting {
+/// Explanations as their file predicts them.
+pub mod stated {
+    /// Prediction and statement agree where they differ by no more than this part of what is
+    /// left over, RMS. Chosen: with half of it more fits are taken to readings at their own masses.
+    pub const AGREES: f64 = 2e-3;
     /// χ² that one posture counts, at most: it may rest where gravity does not decide. Chosen:
     /// three deviations; twice as much lets one posture decide an explanation.
     pub const MOST: f64 = 9.0;
@@ -253,14 +252,6 @@ pub mod resting {
     /// A fit that predicts the log better by less than this part is no better. Chosen: it costs
     /// time.
     pub const GAIN: f64 = 1e-4;
-}
-
-/// Readings for any masses.
-pub mod exact {
-    /// Prediction and statement agree where they differ by no more than this part of what is
-    /// left over, RMS. Chosen: with half of it
-    /// more fits are taken to readings at their own masses.
-    pub const AGREES: f64 = 2e-3;
 }
 
 /// What a robot that moves may be off by before anything is known.

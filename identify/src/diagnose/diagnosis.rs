@@ -4,15 +4,14 @@ use super::closure;
 use super::com_spread;
 use super::criteria;
 use super::findings::{About, Diagnosis, Explained, Gap, ModelOnLog, NextPostures, Step, Verdict};
-use super::further_logs::{self, FurtherLog};
 use super::held_out::{self, HeldOut};
 use super::hypothesis::Term;
 use super::leftover::Misfit;
 use super::noise;
 use super::outliers::Outliers;
-use super::problem::{Fit, Problem};
-use super::resting;
+use super::problem::{ALL, Fit, Problem};
 use super::search::Search;
+use super::stated;
 use super::statements::{detectable, last, members, outliers, rest, told};
 use super::words::{self, capital};
 use crate::Error;
@@ -21,19 +20,18 @@ use crate::observations::revisits::Again;
 use crate::observations::samples::Samples;
 use crate::watch::Watch;
 
-/// What is missing in a log, explanations judged by further logs, too.
+/// What is missing in the logs.
 ///
 /// # Errors
 /// When `watch` stops the search.
 pub fn find<'m>(
     whole_problem: &mut Problem<'m>,
-    further: &[FurtherLog],
     about: &About,
     watch: &mut dyn Watch,
 ) -> Result<Explained, Error> {
     let mut search = Search::new(&mut *whole_problem);
     let visible = search.visible().to_vec();
-    let too_few = search.problem().too_few();
+    let too_few = search.problem().first.too_few();
     // Nothing at all is left to tell the noise from.
     let hopeless =
         too_few.is_some_and(|[rows, directions]| rows < directions + noise::LEFT_AT_LEAST);
@@ -43,9 +41,8 @@ pub fn find<'m>(
         false => vec![search.fit(&[], None)],
     };
     ranked.retain(|fit| !too_many_outliers(fit));
-    let ranked = judged(&search, ranked, further);
-    let nothing = further_logs::together(search.problem(), search.fit(&[], None), further);
-    let (mut ranked, implausible) = believed(search.problem(), ranked, &nothing, further);
+    let nothing = search.fit(&[], None);
+    let (mut ranked, implausible) = believed(search.problem(), ranked, &nothing);
     // Something is missing only if that is clearly better than nothing missing.
     if nothing.score() < ranked[0].score() + criteria::OVER_NOTHING {
         ranked = vec![nothing];
@@ -54,9 +51,9 @@ pub fn find<'m>(
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
     let mut class = class(&best, ranked);
     let problem = search.problem();
-    let misfit = misfit(problem, &best, further);
+    let misfit = misfit(problem, &best);
     // Noise that was taken from what free masses leave says it where far more is left.
-    let known = problem.data.noise_source != NoiseSource::Residuals
+    let known = problem.first.data.noise_source != NoiseSource::Residuals
         || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let soles = about.usable && closure::is_open(search.problem(), &best);
@@ -74,8 +71,7 @@ pub fn find<'m>(
     let whole = steps.last().unwrap_or(&null);
     let held_out = |step: &Fit| {
         let apart = held_out::apart_on_the_way(problem, step, whole);
-        // Steps are fits of the first log, whose rows are held out of it.
-        match resting::settle(problem, step, &[]) {
+        match stated::settle(problem, step) {
             Some((own, step)) => held_out::cross_validate(&own, &step, &apart),
             None => held_out::cross_validate(problem, step, &apart),
         }
@@ -87,20 +83,19 @@ pub fn find<'m>(
         .iter()
         .map(|term| {
             let others: Vec<Term> = best.terms.iter().filter(|i| *i != term).cloned().collect();
-            let without = search.fit(&others, Some(&best));
-            further_logs::together(search.problem(), without, further).score() - best.score()
+            search.fit(&others, Some(&best)).score() - best.score()
         })
         .collect();
     let counted = search.fitted;
     let expected = Misfit::of(problem, &null);
     let raw = raw_misfit(problem);
     let members = members(problem, &class);
-    if let Some((own, settled)) = resting::settle(problem, &best, further) {
+    if let Some((own, settled)) = stated::settle(problem, &best) {
         drop(search);
         *whole_problem = own;
         let problem = &*whole_problem;
         // Everything that is shown beside it is seen from the same masses.
-        let again = |fit: &Fit| further_logs::fitted_again(problem, fit, further);
+        let again = |fit: &Fit| problem.fit(&fit.terms, Some(&fit.unknowns), ALL);
         class = class.iter().map(again).collect();
         best = settled;
         if let Some(first) = class.first_mut().filter(|first| first.terms == best.terms) {
@@ -127,23 +122,23 @@ pub fn find<'m>(
         health: about.health.clone(),
         warnings: Vec::new(),
         samples: Samples::default(),
-        motion: problem.data.motion_use.clone(),
-        visits: problem.data.visits,
+        motion: problem.first.data.motion_use.clone(),
+        visits: problem.first.data.visits,
         closure,
         again: noise::untold(problem, verdict)
-            .and_then(|untold| Again::of(untold, problem.model, &problem.data)),
+            .and_then(|untold| Again::of(untold, problem.first.model, &problem.first.data)),
         sentence: String::new(),
         lead: String::new(),
         robot: about.robot.to_string(),
         support: about.support.to_string(),
         log: about.log.to_string(),
         times: None,
-        postures: problem.data.postures,
-        postures_used: problem.data.len(),
+        postures: problem.first.data.postures,
+        postures_used: problem.first.data.len(),
         prior: about.prior.clone(),
-        noise: problem.data.noise,
-        noise_floor: problem.data.noise_floor,
-        noise_source: problem.data.noise_source,
+        noise: problem.first.data.noise,
+        noise_floor: problem.first.data.noise_floor,
+        noise_source: problem.first.data.noise_source,
         baseline: Gap {
             rmse: baseline.rmse,
             rmse_x: baseline.rmse_x,
@@ -181,12 +176,7 @@ pub fn find<'m>(
 
 /// Explanations that sit within all physical bounds, the best first; and what was
 /// implausible about a clearly better one, as a sentence.
-fn believed(
-    problem: &Problem,
-    ranked: Vec<Fit>,
-    nothing: &Fit,
-    further: &[FurtherLog],
-) -> (Vec<Fit>, Option<String>) {
+fn believed(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Option<String>) {
     let mut best: Option<(f64, String)> = None;
     let mut believed = Vec::new();
     for fit in ranked {
@@ -196,7 +186,7 @@ fn believed(
             Some(_) => {}
         }
     }
-    let (passed_over, settled) = pass_over_impossible(problem, &mut believed, further);
+    let (passed_over, settled) = pass_over_impossible(problem, &mut believed);
     if believed.is_empty() {
         believed.push(nothing.clone());
     }
@@ -211,12 +201,12 @@ fn believed(
 
 /// What an explanation leaves. Where masses end far from CAD's, their linearisation about CAD
 /// leaves some of it, and not the explanation: more than noise is asked for once they have settled.
-fn misfit(problem: &Problem, fit: &Fit, further: &[FurtherLog]) -> Misfit {
+fn misfit(problem: &Problem, fit: &Fit) -> Misfit {
     let about_cad = Misfit::of(problem, fit);
     if !about_cad.is_clear() {
         return about_cad;
     }
-    let settled = resting::settle(problem, fit, further);
+    let settled = stated::settle(problem, fit);
     let settled = settled.map(|(own, fit)| Misfit::of(&own, &fit));
     let less = settled.filter(|settled| settled.chi2 < about_cad.chi2);
     less.unwrap_or(about_cad)
@@ -229,11 +219,10 @@ fn misfit(problem: &Problem, fit: &Fit, further: &[FurtherLog]) -> Misfit {
 fn pass_over_impossible(
     problem: &Problem,
     believed: &mut Vec<Fit>,
-    further: &[FurtherLog],
 ) -> (Option<(f64, String)>, Option<f64>) {
     let mut best: Option<(f64, String)> = None;
     while let Some(first) = believed.first() {
-        let Some((own, fit)) = resting::settle(problem, first, further) else {
+        let Some((own, fit)) = stated::settle(problem, first) else {
             return (best, None);
         };
         let Some(sentence) = implausible(&own, &fit) else {
@@ -249,7 +238,7 @@ fn pass_over_impossible(
 
 /// What of an explanation no robot has, as a sentence.
 fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
-    let context = &problem.context;
+    let context = &problem.first.context;
     let found = words::values(problem, fit);
     let of = |name: &str| {
         fit.terms
@@ -283,20 +272,6 @@ fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
     })
 }
 
-/// What comes near the best of the first log, ranked by all logs.
-fn judged(search: &Search, mut ranked: Vec<Fit>, further: &[FurtherLog]) -> Vec<Fit> {
-    if further.is_empty() {
-        return ranked;
-    }
-    let best = ranked[0].score();
-    ranked.retain(|fit| fit.score() <= best + criteria::JUDGED_SCORE);
-    ranked.truncate(criteria::LISTED);
-    let together = |fit| further_logs::together(search.problem(), fit, further);
-    let mut ranked: Vec<Fit> = ranked.into_iter().map(together).collect();
-    ranked.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    ranked
-}
-
 /// The best first, without those that only add to another.
 fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     let mut class: Vec<Fit> = vec![best.clone()];
@@ -324,19 +299,23 @@ fn too_many_outliers(fit: &Fit) -> bool {
         .is_some_and(|o| share(o) > criteria::OUTLIER_SHARE)
 }
 
-/// χ² of the robot with CAD masses.
+/// χ² of the robot with CAD masses in the log that is reported.
 fn raw_misfit(problem: &Problem) -> Misfit {
-    let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.posture_context);
-    let gap = |row: usize| (problem.data.reading[row] - out[row]) * problem.weight[row];
-    let whole = |row: usize| gap(row) * problem.widened[row % 2];
+    let block = &problem.first;
+    let out = block.evaluate(&[], &[], &block.data.q, &block.data.posture_context);
+    let gaps = block.residual(&out);
+    let whole = gaps
+        .iter()
+        .enumerate()
+        .map(|(row, gap)| gap * block.widened[row % 2]);
     Misfit {
-        chi2: (0..out.len()).map(|row| whole(row).powi(2)).sum(),
+        chi2: whole.map(|gap| gap.powi(2)).sum(),
         expected: out.len() as f64,
-        rows_per_sample: problem.rows_per_sample(),
+        rows_per_sample: block.rows_per_sample(),
     }
 }
 
 fn absorbed(problem: &Problem, best: &Fit) -> f64 {
     let shift = problem.mass_shift(best);
-    crate::observations::postures::rms(shift.iter().zip(&problem.weight).map(|(s, w)| s / w))
+    crate::observations::postures::rms(shift.iter().zip(&problem.first.weight).map(|(s, w)| s / w))
 }

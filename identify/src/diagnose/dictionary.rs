@@ -8,12 +8,14 @@
 //! of the current hypothesis take their part. S: no mass error, see `nuisance`. Of a log of
 //! both feet the rows of the soles stand below those of the readings.
 
+use std::borrow::Cow;
+
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::PostureContext;
 
 use super::criteria;
 use super::hypothesis::{Term, effect_terms};
-use super::problem::{Fit, Problem};
+use super::problem::{ALL, Block, Fit, Problem, stacked_residual, stacked_slopes};
 use crate::lsq::{factor_normal, transposed_times};
 
 pub struct Dictionary {
@@ -35,47 +37,37 @@ pub struct Candidate {
 }
 
 impl Dictionary {
-    /// Slopes at joint positions `q`.
-    pub fn new(problem: &Problem, q: &[f64]) -> Dictionary {
-        let context = &problem.context;
-        let posture_context = sides_at(problem, q);
-        let rows = 2 * problem.data.len();
-        let without = problem.closed_at(&[], &[], q, &posture_context);
+    /// Slopes at joint positions `q` of each block, those of the logs unless given.
+    pub fn new(problem: &Problem, q: Option<&[Vec<f64>]>) -> Dictionary {
+        let context = &problem.first.context;
+        let contexts: Vec<Cow<[f64]>> = problem
+            .blocks()
+            .enumerate()
+            .map(|(at, block)| sides_at(block, q.map_or(&block.data.q, |q| &q[at])).into())
+            .collect();
+        let predicted =
+            |terms: &[Term], unknowns: &[f64]| problem.predict(terms, unknowns, &contexts, q);
+        let none = stacked_residual(predicted(&[], &[]).iter());
         let mut candidates = Vec::new();
-        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut columns: Vec<DVector<f64>> = Vec::new();
         for term in effect_terms(context) {
-            if term.unknowns(context) == 0 {
+            let count = term.unknowns(context);
+            if count == 0 {
                 continue;
             }
             let from = columns.len();
             let own = std::slice::from_ref(&term);
             let starts = term.starts(context);
             if starts.len() == 1 {
-                let out = problem.evaluate(own, &starts[0], q, &posture_context);
-                let p = starts[0].len();
-                let closed = problem.closed_at(own, &starts[0], q, &posture_context);
-                for k in 0..p {
-                    let column =
-                        (0..rows).map(|row| out[row * (p + 1) + 1 + k] * problem.weight[row]);
-                    let soles = closed.iter().flat_map(|closed| closed.slopes.column(k));
-                    columns.push(column.chain(soles.copied()).collect());
-                }
+                let slopes = stacked_slopes(predicted(own, &starts[0]).iter(), count);
+                columns.extend(slopes.column_iter().map(|column| column.into_owned()));
             } else {
                 // No slope at none: what each start does, as one direction each,
                 // of which the strongest stands for it.
-                let none = problem.evaluate(&[], &[], q, &posture_context);
                 let middle = &starts[starts.len() / 3];
-                let out = problem.evaluate(own, middle, q, &posture_context);
-                let width = middle.len() + 1;
-                let column =
-                    (0..rows).map(|row| (out[row * width] - none[row]) * problem.weight[row]);
-                let closed = problem.closed_at(own, middle, q, &posture_context);
-                let soles = closed.iter().zip(&without).flat_map(|(with, without)| {
-                    let pairs = with.residual.iter().zip(&without.residual);
-                    // A residual falls by what its prediction rises.
-                    pairs.map(|(with, without)| without - with)
-                });
-                columns.push(column.chain(soles).collect());
+                let with = stacked_residual(predicted(own, middle).iter());
+                // A residual falls by what its prediction rises.
+                columns.push(&none - with);
             }
             candidates.push(Candidate {
                 started: starts.len() > 1,
@@ -84,8 +76,10 @@ impl Dictionary {
                 count: columns.len() - from,
             });
         }
-        let rows = columns.first().map_or(rows, Vec::len);
-        let slopes = DMatrix::from_fn(rows, columns.len(), |row, k| columns[k][row]);
+        let slopes = match columns.is_empty() {
+            true => DMatrix::zeros(none.len(), 0),
+            false => DMatrix::from_columns(&columns),
+        };
         let projected = problem.project_out(&problem.nuisance, &slopes);
         let square = |c: &Candidate| {
             let columns = slopes.columns(c.from, c.count);
@@ -103,7 +97,7 @@ impl Dictionary {
     /// χ² that each candidate of ordinary size would have in this log.
     pub fn visible(&self, problem: &Problem) -> Vec<(Term, f64)> {
         let of = |c: &Candidate| {
-            let scales = c.term.scales(&problem.context);
+            let scales = c.term.scales(&problem.first.context);
             let ordinary = match c.count == scales.len() && !c.started {
                 true => DVector::from_vec(scales),
                 false => DVector::from_element(c.count, 1.0),
@@ -119,11 +113,10 @@ impl Dictionary {
     /// How far each candidate would lower the objective of `fit`, to first order.
     pub fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
         let masses = problem.masses(&fit.terms);
-        let (mut residual, own) = problem.whole(fit);
-        if let Some(outliers) = &fit.outliers {
-            let root = outliers.root_weights(None);
-            residual.iter_mut().zip(root).for_each(|(e, w)| *e *= w);
-        }
+        let (mut residual, own) = (fit.residual(), fit.slopes());
+        let root = problem.root_weights(fit, ALL);
+        let weights = root.iter().flatten();
+        residual.iter_mut().zip(weights).for_each(|(e, w)| *e *= w);
         let left = problem.project_out_one(masses, &residual);
         let own_projected = problem.project_out(masses, &own);
         let factor = factor_normal(own.tr_mul(&own_projected));
@@ -210,12 +203,12 @@ fn gain(mut a: DMatrix<f64>, b: &DVector<f64>, whole: &[f64]) -> f64 {
 }
 
 /// Posture context with every joint on the side where gravity puts it.
-fn sides_at(problem: &Problem, q: &[f64]) -> Vec<f64> {
-    let layout = PostureContext::of(problem.context.robot);
-    let dof = problem.context.robot.dof();
-    let mut posture_context = problem.data.posture_context.clone();
-    let moments = problem.moments_at(q);
-    for k in 0..problem.data.len() {
+fn sides_at(block: &Block, q: &[f64]) -> Vec<f64> {
+    let layout = PostureContext::of(block.context.robot);
+    let dof = block.context.robot.dof();
+    let mut posture_context = block.data.posture_context.clone();
+    let moments = block.moments_at(q);
+    for k in 0..block.data.len() {
         for joint in 0..dof {
             let moment = moments[k * 3 * dof + joint];
             posture_context[k * layout.len() + layout.side(joint)] =

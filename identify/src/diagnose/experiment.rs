@@ -15,7 +15,7 @@ use sesc_model::effects::{
 use sesc_model::{Function, Model};
 
 use super::criteria;
-use super::problem::{Fit, Problem};
+use super::problem::{Block, Fit, Problem};
 use crate::evaluate::Evaluator;
 
 /// The experiment of this name whose log says all that there is to know of it: not
@@ -65,6 +65,33 @@ pub(super) struct CarriedExplanation {
 }
 
 impl CarriedExplanation {
+    /// The explanation of the log itself.
+    pub fn same(terms: &[Term], context: &EffectContext) -> CarriedExplanation {
+        let unknowns: usize = terms.iter().map(|term| term.unknowns(context)).sum();
+        CarriedExplanation {
+            terms: terms.to_vec(),
+            columns: (0..unknowns).map(|k| (k, 1.0)).collect(),
+        }
+    }
+
+    /// Slopes by the unknowns here as slopes by the `count` unknowns of the log.
+    pub fn by_unknowns(&self, slopes: DMatrix<f64>, count: usize) -> DMatrix<f64> {
+        if self
+            .columns
+            .iter()
+            .copied()
+            .eq((0..count).map(|k| (k, 1.0)))
+        {
+            return slopes;
+        }
+        let mut all = DMatrix::zeros(slopes.nrows(), count);
+        for (own, &(k, sign)) in slopes.column_iter().zip(&self.columns) {
+            let mut to = all.column_mut(k);
+            to += own * sign;
+        }
+        all
+    }
+
     pub fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
         let columns = self.columns.iter();
         columns.map(|(k, sign)| sign * of_log[*k]).collect()
@@ -113,7 +140,7 @@ pub(super) fn carried(
 pub struct Trial<'a, 'm> {
     pub experiment: Experiment,
     pub here: &'a Problem<'m>,
-    pub there: &'a Problem<'m>,
+    pub there: &'a Block<'m>,
     pub postures: Postures<'m>,
 }
 
@@ -149,7 +176,7 @@ impl Trial<'_, '_> {
         if self.experiment != Experiment::RawCells {
             return 0.0;
         }
-        let context = &self.here.context;
+        let context = &self.here.first.context;
         let carried = |fit: &Fit| -> f64 {
             let mut mass = 0.0;
             for (term, own) in with_places(&fit.terms, context) {
@@ -159,27 +186,29 @@ impl Trial<'_, '_> {
             }
             mass
         };
-        let arms = self.here.data.cells.iter().map(|c| c[0].abs());
+        let arms = self.here.first.data.cells.iter().map(|c| c[0].abs());
         let arm = arms.fold(0.0, f64::max).max(0.01);
-        let noise = self.here.data.noise_floor * context.mass() / arm;
-        let postures = self.here.data.len() as f64;
+        let noise = self.here.first.data.noise_floor * context.mass() / arm;
+        let postures = self.here.first.data.len() as f64;
         postures * ((carried(truth) - carried(other)) / noise).powi(2)
     }
 
-    /// Old rows as the log has them, then new ones.
+    /// Old rows as the logs have them, then new ones.
     fn rows(&self, fit: &Fit) -> WhitenedReadings {
-        let here = self.here;
+        let blocks = self.here.blocks().zip(fit.blocks());
+        let values = blocks.flat_map(|(block, own)| {
+            let pairs = own.predicted.iter().zip(&block.weight);
+            pairs.map(|(value, weight)| value * weight)
+        });
         let old = WhitenedReadings {
-            value: DVector::from_fn(fit.predicted.len(), |row, _| {
-                fit.predicted[row] * here.weight[row]
-            }),
-            slopes: fit.slopes.as_ref().clone(),
+            value: DVector::from_vec(values.collect()),
+            slopes: self.here.of_readings(&fit.slopes()),
         };
         old.below(self.new_rows(fit))
     }
 
     fn new_rows(&self, fit: &Fit) -> WhitenedReadings {
-        let (here, there) = (&self.here.context, &self.there.context);
+        let (here, there) = (&self.here.first.context, &self.there.context);
         let carried = carried(self.experiment, here, there, &fit.terms);
         let mut unknowns = carried.unknowns(&fit.unknowns);
         let CarriedExplanation { mut terms, columns } = carried;
@@ -194,7 +223,7 @@ impl Trial<'_, '_> {
             .evaluate(&terms, &unknowns, &self.postures.q, &posture_context);
         let width = unknowns.len() + 1;
         let rows = out.len() / width;
-        let weight = 1.0 / self.here.data.noise_floor;
+        let weight = 1.0 / self.here.first.data.noise_floor;
         let mut slopes = DMatrix::zeros(rows, fit.unknowns.len());
         for row in 0..rows {
             for (own, (k, sign)) in columns.iter().enumerate() {
@@ -233,7 +262,7 @@ impl Trial<'_, '_> {
         };
         let moments =
             self.there
-                .evaluate_moments_at(terms, unknowns, &self.postures.q, posture_context);
+                .evaluate_moments(terms, unknowns, &self.postures.q, posture_context);
         for k in 0..posture_context.len() / layout.len() {
             for (joint, _) in &joints {
                 let side = if moments[k * 3 * dof + joint] < 0.0 {
@@ -250,13 +279,9 @@ impl Trial<'_, '_> {
     fn masses(&self) -> DMatrix<f64> {
         let here = self.here;
         let n = self.postures.posture_context.len() / self.layout().len();
-        let directions = here.prior.ncols();
-        let old = 2 * here.data.len();
-        let mut k = DMatrix::zeros(old + 2 * n, directions);
-        let mut first = &here.rows * &here.prior;
-        for (mut row, w) in first.row_iter_mut().zip(&here.weight) {
-            row *= *w;
-        }
+        let first = here.of_readings(here.nuisance.columns());
+        let old = first.nrows();
+        let mut k = DMatrix::zeros(old + 2 * n, first.ncols());
         k.rows_mut(0, old).copy_from(&first);
         // Base parameters of another support are others: shifted by lengths.
         let params = self.postures.model.base.params.len();
@@ -264,12 +289,12 @@ impl Trial<'_, '_> {
         let rows = DMatrix::from_row_slice(2 * n, params, &flat.run(&self.postures.q, n));
         let map = match self.experiment {
             Experiment::OtherFoot => {
-                let shift = self.postures.model.params_from(here.context.robot);
+                let shift = self.postures.model.params_from(here.first.context.robot);
                 &shift.matrix * &here.prior
             }
             _ => here.prior.clone(),
         };
-        let second = rows * map / here.data.noise_floor;
+        let second = rows * map / here.first.data.noise_floor;
         k.rows_mut(old, 2 * n).copy_from(&second);
         k
     }

@@ -1,7 +1,6 @@
 //! Errors on postures that a fit did not see.
 
 use super::hypothesis::Term;
-use nalgebra::DVector;
 
 use super::criteria;
 use super::problem::{Fit, Problem, RowSelection};
@@ -25,9 +24,14 @@ pub struct HeldOut {
 /// Part that each posture is held out with: stretches of a log in time, several times as
 /// long as noise lasts; of a log without times every 20th posture.
 pub(super) fn parts(problem: &Problem) -> Vec<usize> {
-    let n = problem.data.len();
+    let n = problem.first.data.len();
     let most = criteria::FOLDS.min(n);
-    let timed = problem.data.t.as_ref().is_some_and(|t| step(t).is_some());
+    let timed = problem
+        .first
+        .data
+        .t
+        .as_ref()
+        .is_some_and(|t| step(t).is_some());
     // Noise lasts half as many rows as an independent one takes.
     let lasts = 0.5 * problem.rows_per_sample();
     let stretches = (n as f64 / (criteria::HELD_OUT_TIMES * lasts)) as usize;
@@ -40,7 +44,7 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
 /// Cross-validation of a hypothesis: each posture predicted without itself. Postures
 /// that are `apart` do not count.
 pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
-    let n = problem.data.len();
+    let n = problem.first.data.len();
     if whole.terms.is_empty() && problem.nuisance.is_negligible() {
         return of_errors(errors_of(problem, whole, None), apart);
     }
@@ -61,29 +65,31 @@ pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut
 
 /// Errors of the robot with CAD masses.
 pub fn of_cad(problem: &Problem) -> HeldOut {
-    let n = problem.data.len();
-    let out = problem.evaluate(&[], &[], &problem.data.q, &problem.data.posture_context);
-    let errors = problem.data.reading.iter().zip(&out).map(|(y, p)| y - p);
+    let n = problem.first.data.len();
+    let out = problem.first.evaluate(
+        &[],
+        &[],
+        &problem.first.data.q,
+        &problem.first.data.posture_context,
+    );
+    let errors = problem
+        .first
+        .data
+        .reading
+        .iter()
+        .zip(&out)
+        .map(|(y, p)| y - p);
     of_errors(errors.collect(), &vec![false; n])
 }
 
 /// reading − prediction, masses as the kept postures suggest, or as `fit` is stated with.
 pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> Vec<f64> {
-    let masses = problem.masses(&fit.terms);
-    let root: Vec<f64> = match (&fit.outliers, keep) {
-        (Some(outliers), keep) => outliers.root_weights(keep),
-        (None, Some(keep)) => keep
-            .iter()
-            .flat_map(|k| [f64::from(u8::from(*k)); 2])
-            .collect(),
-        (None, None) => vec![1.0; fit.residual.len()],
-    };
-    let weighted = DVector::from_fn(root.len(), |row, _| fit.residual[row] * root[row]);
     let shift = match &fit.masses {
         Some(_) => problem.mass_shift(fit),
-        None => masses.shift(&masses.reweighted(&root).posterior_mean(&weighted)),
+        None => problem.mass_shift_of(fit, RowSelection { keep }),
     };
-    let left = fit.residual.iter().zip(shift.iter()).zip(&problem.weight);
+    let left = fit.first.residual.iter().zip(shift.iter());
+    let left = left.zip(&problem.first.weight);
     left.map(|((e, s), w)| (e - s) / w).collect()
 }
 
@@ -98,12 +104,12 @@ pub fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
 pub fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec<bool> {
     let slack = step.terms.iter().any(|term| term.dead_band().is_some());
     let outlying = step.terms.contains(&Term::Outliers);
-    let mut apart = vec![false; problem.data.len()];
+    let mut apart = vec![false; problem.first.data.len()];
     if let Some(outliers) = best.outliers.as_ref().filter(|_| outlying) {
         outliers.named().into_iter().for_each(|k| apart[k] = true);
     }
     if slack {
-        best.flipped.iter().for_each(|&k| apart[k] = true);
+        best.first.flipped.iter().for_each(|&k| apart[k] = true);
     }
     apart
 }

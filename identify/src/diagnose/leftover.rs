@@ -30,19 +30,23 @@ pub struct Misfit {
 
 impl Misfit {
     pub fn of(problem: &Problem, fit: &Fit) -> Misfit {
-        let apart = held_out::apart(problem, fit);
         let masses = problem.masses(&fit.terms);
         let shift = problem.mass_shift(fit);
-        let mut chi2 = 0.0;
-        let mut rows = 0.0;
-        for (k, apart) in apart.iter().enumerate() {
-            if !apart {
-                for row in [2 * k, 2 * k + 1] {
-                    // Against the noise as it is, however few samples the rows are worth.
-                    let left = (fit.residual[row] - shift[row]) * problem.widened[row % 2];
-                    chi2 += left.powi(2);
-                    rows += 1.0;
+        let (mut chi2, mut rows) = (0.0, 0.0);
+        let blocks = problem.blocks().zip(fit.blocks()).zip(problem.readings());
+        for (at, ((block, own), range)) in blocks.enumerate() {
+            let apart = match at {
+                0 => held_out::apart(problem, fit),
+                _ => {
+                    let flipped = |k| own.flipped.contains(&k);
+                    (0..block.data.len()).map(flipped).collect()
                 }
+            };
+            for (row, at) in range.enumerate().filter(|(row, _)| !apart[row / 2]) {
+                // Against the noise as it is, however few samples the rows are worth.
+                let left = (own.residual[row] - shift[at]) * block.widened[row % 2];
+                chi2 += left.powi(2);
+                rows += 1.0;
             }
         }
         Misfit {
@@ -69,7 +73,7 @@ fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
     let shift = problem.mass_shift(fit);
     let apart = held_out::apart(problem, fit);
     let postures = (0..apart.len()).filter(|&k| !apart[k]);
-    let left = |row: usize| fit.residual[row] - shift[row];
+    let left = |row: usize| fit.first.residual[row] - shift[row];
     postures
         .map(|k| (k, [left(2 * k), left(2 * k + 1)]))
         .collect()
@@ -78,9 +82,12 @@ fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
 /// What the residual goes with, each with its share of the scatter, the strongest first.
 pub fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
     let residuals = residuals(problem, fit);
-    let (data, layout) = (&problem.data, PostureContext::of(problem.context.robot));
-    let dofs = &problem.context.robot.tree.dofs;
-    let moments = problem.moments_at(&data.q);
+    let (data, layout) = (
+        &problem.first.data,
+        PostureContext::of(problem.first.context.robot),
+    );
+    let dofs = &problem.first.context.robot.tree.dofs;
+    let moments = problem.first.moments_at(&data.q);
     let place = |k: usize| data.posture_context[k * layout.len() + layout.place()];
     let mut found = vec![(Suspect::Place, share(&residuals, place))];
     for (j, dof) in dofs.iter().enumerate() {

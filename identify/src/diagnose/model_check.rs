@@ -9,8 +9,9 @@ use sesc_model::{EffectRecord, Function, Model, ModelFile};
 use super::criteria::model_file::{AGREES, BENEATH_NOISE, MOST_LEFT_OUT, OTHER_SIDE};
 use super::findings::{Explained, ModelOnLog};
 use super::held_out;
+use super::hypothesis::Term;
 use super::problem::Problem;
-use super::resting::Predictions;
+use super::stated::FileModel;
 use crate::Error;
 use crate::evaluate::{EffectPredictor, Evaluator};
 use crate::observations::postures::rms;
@@ -45,11 +46,9 @@ pub(super) fn check(
     }
     let text = toml::to_string(file).map_err(|error| refused(error.to_string()))?;
     let read = ModelFile::parse(&text, "model.toml")?;
-    let model = problem.model.clone().with_file(read)?;
-    let mut predicted = readings(problem, &model);
-    let moved = problem.motion_of(&model.params());
-    predicted.iter_mut().zip(moved).for_each(|(y, by)| *y += by);
-    let readings = problem.data.reading.iter().zip(&predicted);
+    let model = problem.first.model.clone().with_file(read)?;
+    let predicted = readings(problem, &model);
+    let readings = problem.first.data.reading.iter().zip(&predicted);
     let predicted: Vec<f64> = readings.map(|(y, p)| y - p).collect();
     // On which side of its dead band a joint rests near no moment, the log knows and a
     // posture alone does not.
@@ -60,12 +59,12 @@ pub(super) fn check(
         .any(|term| term.dead_band().is_some());
     let before = apart.iter().filter(|apart| **apart).count();
     for k in (0..apart.len()).filter(|_| loose) {
-        let off = |row: usize| (predicted[row] - stated[row]).abs() * problem.weight[row];
+        let off = |row: usize| (predicted[row] - stated[row]).abs() * problem.first.weight[row];
         apart[k] |= off(2 * k).max(off(2 * k + 1)) > OTHER_SIDE;
     }
     let left_out = apart.iter().filter(|apart| **apart).count() - before;
     let (stated_rmse, predicted_rmse) = (error(&stated, &apart), error(&predicted, &apart));
-    let slack = (AGREES * stated_rmse).max(BENEATH_NOISE * problem.data.noise_floor);
+    let slack = (AGREES * stated_rmse).max(BENEATH_NOISE * problem.first.data.noise_floor);
     let few = (left_out as f64) <= MOST_LEFT_OUT * apart.len() as f64;
     Ok(ModelOnLog {
         stated_rmse,
@@ -77,16 +76,17 @@ pub(super) fn check(
 
 /// Readings of the log's postures by the model, m.
 fn readings(problem: &Problem, model: &Model) -> Vec<f64> {
-    let (data, n) = (&problem.data, problem.data.len());
+    let (data, n) = (&problem.first.data, problem.first.data.len());
     let layout = PostureContext::of(model);
     let of_log = |(i, _): &(Instance, Vec<f64>)| !i.effect.is_static();
     let of_contacts = !data.other_contact.is_empty();
     if of_contacts || data.moved.is_some() || model.effects.iter().any(of_log) {
         // Drift, delay and motion need the log around a posture, and contacts where encoders have
         // them, which predictions lack.
-        let instances: Vec<Instance> = model.effects.iter().map(|(i, _)| i.clone()).collect();
+        let terms = model.effects.iter().map(|(i, _)| Term::Effect(i.clone()));
+        let terms: Vec<Term> = terms.collect();
         let unknowns: Vec<f64> = model.effects.iter().flat_map(|(_, x)| x.clone()).collect();
-        return Predictions::new(problem, &instances).readings(problem, &unknowns, &model.params());
+        return FileModel::new(problem, &terms).readings(problem, &unknowns, &model.params());
     }
     let tilt = |k: usize, axis: usize| data.posture_context[k * layout.len() + layout.tilt(axis)];
     let gravity: Vec<[f64; 3]> = (0..n).map(|k| [tilt(k, 0), tilt(k, 1), -1.0]).collect();

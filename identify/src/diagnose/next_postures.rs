@@ -11,7 +11,7 @@ use super::criteria::{self, NEXT_POSTURES};
 use super::experiment::{Postures, Trial};
 use super::findings::{ExperimentProposal, Explained, Verdict};
 use super::hypothesis::Term;
-use super::problem::{Fit, Problem};
+use super::problem::{Block, Fit, Problem};
 use crate::plan::balance::Region;
 use crate::plan::candidates::sample;
 use crate::plan::geometry::Geometry;
@@ -50,7 +50,7 @@ pub fn next(
         return Next::default();
     }
     let mut ranked: Vec<Ranked> = Vec::new();
-    let model = problem.model;
+    let model = problem.first.model;
     let support = model.support().to_string();
     let fresh = candidates(problem, model, robot, folder);
     let mut all = vec![
@@ -65,7 +65,13 @@ pub fn next(
             for experiment in [Experiment::Postures, Experiment::Turned] {
                 let q = q.clone();
                 ranked.push(with_postures(
-                    experiment, problem, problem, model, q, truth, &others,
+                    experiment,
+                    problem,
+                    &problem.first,
+                    model,
+                    q,
+                    truth,
+                    &others,
                 ));
             }
         }
@@ -78,11 +84,11 @@ pub fn next(
         let trial = Trial {
             experiment,
             here: problem,
-            there: problem,
+            there: &problem.first,
             postures: Postures {
-                model: problem.model,
-                q: problem.data.q.clone(),
-                posture_context: problem.data.posture_context.clone(),
+                model: problem.first.model,
+                q: problem.first.data.q.clone(),
+                posture_context: problem.first.data.posture_context.clone(),
             },
         };
         let (separations, _) = trial.separations(truth, &others);
@@ -90,14 +96,14 @@ pub fn next(
             proposal: proposal(trial.experiment, &support, separations),
             postures: OnFoot {
                 support: support.clone(),
-                q: problem.data.q.clone(),
+                q: problem.first.data.q.clone(),
                 ranks: Vec::new(),
             },
             experiment: trial.experiment,
         });
     }
     if let Some(other) = other_foot(robot, &support, snapping) {
-        let there = problem.on(&other);
+        let there = problem.first.on(&other);
         if let Some(q) = candidates(problem, &other, robot, folder) {
             let foot = Experiment::OtherFoot;
             ranked.push(with_postures(
@@ -126,7 +132,9 @@ pub fn next(
 fn makes_sense(experiment: Experiment, problem: &Problem, found: &Explained) -> bool {
     let any = |holds: fn(&Term) -> bool| found.class.iter().any(|f| f.terms.iter().any(holds));
     match experiment {
-        Experiment::RawCells => !problem.data.raw_cells && !problem.data.cells.is_empty(),
+        Experiment::RawCells => {
+            !problem.first.data.raw_cells && !problem.first.data.cells.is_empty()
+        }
         Experiment::BothSides => any(|term| term.dead_band().is_some()),
         Experiment::Untouched => any(|term| {
             let gone = |experiment| term.in_experiment(experiment) == Carry::Gone;
@@ -183,7 +191,7 @@ struct Ranked {
 fn with_postures(
     experiment: Experiment,
     here: &Problem,
-    there: &Problem,
+    there: &Block,
     model: &Model,
     q: Vec<f64>,
     truth: &Fit,
@@ -239,7 +247,7 @@ fn candidates(
     let dof = model.dof();
     let mut limits = Limits::of_urdf(&model.tree.dofs);
     for (joint, range) in limits.ranges.iter_mut().enumerate() {
-        let values = problem.data.q.iter().skip(joint).step_by(dof);
+        let values = problem.first.data.q.iter().skip(joint).step_by(dof);
         let low = values.clone().copied().fold(f64::INFINITY, f64::min);
         let high = values.copied().fold(f64::NEG_INFINITY, f64::max);
         let room = criteria::BEYOND_LOG * (high - low);
@@ -248,7 +256,7 @@ fn candidates(
             *range = narrowed;
         }
     }
-    let far = problem.data.reading.iter().map(|x| x.abs());
+    let far = problem.first.data.reading.iter().map(|x| x.abs());
     let half = far
         .fold(criteria::COP_BOX_M.0, f64::max)
         .min(criteria::COP_BOX_M.1);

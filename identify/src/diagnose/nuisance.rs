@@ -39,16 +39,13 @@ fn triangle(k: &DMatrix<f64>) -> Cholesky<f64, Dyn> {
 }
 
 impl Nuisance {
-    /// `rows`: regressor, 2 per posture; `prior`: F; `weight`: 1/σ per row.
-    pub fn new(rows: &DMatrix<f64>, prior: &DMatrix<f64>, weight: &[f64]) -> Nuisance {
-        let mut k = rows * prior;
-        for (mut row, w) in k.row_iter_mut().zip(weight) {
-            row *= *w;
-        }
-        Nuisance::of(k)
+    /// Masses that are known.
+    pub fn none() -> Nuisance {
+        Nuisance::of(DMatrix::zeros(0, 0))
     }
 
-    fn of(k: DMatrix<f64>) -> Nuisance {
+    /// `k`: whitened regressor rows times F.
+    pub fn of(k: DMatrix<f64>) -> Nuisance {
         let mut a = transposed_times(&k, &k);
         for i in 0..a.nrows() {
             a[(i, i)] += 1.0;

@@ -1,57 +1,49 @@
-//! Hypotheses about one log: what they predict, and what they cost.
+//! Hypotheses about the logs of one robot: what they predict, and what they cost.
+//!
+//! ```text
+//! −2 log p(y | e) = eᵀ S e + log det A       e: residuals of all blocks, whitened, one below
+//!                                            the other; S, A: see `nuisance`
+//! ```
+//!
+//! Blocks share the robot's masses, which are marginalised once for all of them, and the unknowns
+//! of effects. The first block is the log that is reported; further ones are of experiments.
 
 pub mod backlash_sides;
-mod closing;
+mod block;
 mod fitting;
-mod readings;
 
+use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
-use std::sync::{Arc, Mutex};
+use std::iter::once;
+use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::{self, Catalog, EffectContext, EffectId, Instance, PostureContext};
-use sesc_model::{Function, Model};
+use sesc_model::effects::{self, EffectContext, EffectId, PostureContext};
 
 use super::criteria;
+use super::experiment::{CarriedExplanation, carried};
 use super::hypothesis::{self, Term, with_places};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
-use crate::Error;
-use crate::evaluate::Evaluator;
-use crate::feet::{Closure, ROWS};
 use crate::fit::prior::{Prior, Tolerances};
 use crate::lsq::factor_normal;
 use crate::lsq::information::Beyond;
-use crate::observations::correlation::{Correlation, Process};
-use crate::observations::noise::NoiseSource;
-use crate::observations::postures::Postures;
-use crate::observations::rows::CopRows;
+use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;
-pub use closing::Closed;
-pub(super) use fitting::State;
-use readings::Tapes;
+pub(super) use block::Rewire;
+pub use block::{Block, Closed};
+pub(super) use fitting::Weighting;
 
-/// A log, the robot, and the prior of its masses.
+/// Logs of a robot, and the prior of its masses.
 #[derive(Clone)]
 pub struct Problem<'m> {
-    /// The robot on its support, with CAD masses.
-    pub model: &'m Model,
-    pub context: EffectContext<'m>,
-    pub data: Postures,
-    /// Base parameters from CAD, m.
-    pub cad: Vec<f64>,
-    /// Those about which readings are linear in masses: CAD's, or where a fit ended.
-    pub params: Vec<f64>,
-    /// Whitened shift of readings from `params` back to CAD's, where they differ.
-    pub(super) offset: Option<DVector<f64>>,
-    /// 1/σ per reading.
-    pub weight: Vec<f64>,
-    /// Factor of each axis's noise for the correlation of its readings in time.
-    pub widened: [f64; 2],
-    /// How each axis's noise lasts; none where readings are independent.
-    lasting: [Option<Process>; 2],
-    /// Masses within the prior that was asked for.
+    /// The log that is reported.
+    pub first: Block<'m>,
+    /// Logs of experiments.
+    pub others: Vec<Block<'m>>,
+    /// Masses within the prior that was asked for; rows are those of all blocks.
     pub nuisance: Nuisance,
     /// Masses within the usual tolerances of CAD, for `mass_distribution`.
     pub wide: Nuisance,
@@ -60,14 +52,6 @@ pub struct Problem<'m> {
     /// What is known of directions that `prior` has no column for.
     pub beyond_prior: Beyond,
     pub wide_prior: DMatrix<f64>,
-    /// Regressor rows of the unbent robot.
-    pub rows: DMatrix<f64>,
-    /// What of them is motion's; none of standing robots.
-    motion_rows: Option<Arc<DMatrix<f64>>>,
-    /// Both soles on one floor, where the log is of both feet.
-    pub(crate) closure: Option<Arc<Closure>>,
-    /// Shared by copies of the problem, whose noise may be another.
-    tapes: Arc<Mutex<HashMap<Vec<Instance>, Arc<Tapes>>>>,
     target_weights: HashMap<Term, f64>,
     kinds: usize,
 }
@@ -92,24 +76,34 @@ pub struct Fit {
     pub objective: f64,
     /// What its unknowns and the search cost.
     pub penalty: f64,
-    /// Readings it predicts, CAD masses, m.
-    pub predicted: Arc<Vec<f64>>,
-    /// Whitened residuals (reading − predicted)/σ.
-    pub residual: Arc<DVector<f64>>,
-    /// Whitened derivative by the unknowns.
-    pub slopes: Arc<DMatrix<f64>>,
-    /// The same of the soles, where the log is of both feet.
-    pub closed: Option<Closed>,
-    /// Sides of dead bands, where they matter.
-    pub sides: Option<backlash_sides::OwnSides>,
+    /// What it predicts of the first block.
+    pub first: OnBlock,
+    /// The same of each further one.
+    pub others: Vec<OnBlock>,
+    /// Outliers are among the readings of the first block.
     pub outliers: Option<Outliers>,
-    /// Postures with a joint on the side of its dead band that gravity does not favour.
-    pub flipped: Vec<usize>,
     /// Walls that are touched: the answer lies at the edge of what is physical.
     pub at_bound: f64,
     /// Base parameters (m) that it is stated with, where they are not those that its
     /// residuals suggest: the problem is then about them.
     pub masses: Option<Vec<f64>>,
+}
+
+/// What a hypothesis predicts of a block.
+#[derive(Debug, Clone)]
+pub struct OnBlock {
+    /// Readings, CAD masses, m.
+    pub predicted: Arc<Vec<f64>>,
+    /// Whitened residuals (reading − predicted)/σ.
+    pub residual: Arc<DVector<f64>>,
+    /// Whitened derivative of the readings by the unknowns of all blocks.
+    pub slopes: Arc<DMatrix<f64>>,
+    /// The same of the soles, where the log is of both feet.
+    pub closed: Option<Closed>,
+    /// Sides of dead bands, where they matter.
+    pub sides: Option<backlash_sides::OwnSides>,
+    /// Postures with a joint on the side of its dead band that gravity does not favour.
+    pub flipped: Vec<usize>,
 }
 
 impl Fit {
@@ -129,244 +123,274 @@ impl Fit {
     pub fn frees_masses(&self) -> bool {
         self.terms.contains(&Term::FreeMasses)
     }
+
+    /// What it predicts, block by block.
+    pub fn blocks(&self) -> impl Iterator<Item = &OnBlock> + Clone {
+        once(&self.first).chain(&self.others)
+    }
+
+    /// Whitened residuals of all rows.
+    pub fn residual(&self) -> DVector<f64> {
+        stacked_residual(self.blocks())
+    }
+
+    /// Whitened slopes of all rows.
+    pub fn slopes(&self) -> DMatrix<f64> {
+        stacked_slopes(self.blocks(), self.unknowns.len())
+    }
+}
+
+impl OnBlock {
+    fn height(&self) -> usize {
+        let soles = self.closed.as_ref().map_or(0, |soles| soles.residual.len());
+        self.residual.len() + soles
+    }
+}
+
+/// Whitened residuals of readings and, below them, of soles, block by block.
+pub(super) fn stacked_residual<'b>(blocks: impl Iterator<Item = &'b OnBlock>) -> DVector<f64> {
+    let rows: Vec<f64> = blocks
+        .flat_map(|own| {
+            let soles = own.closed.iter().flat_map(|soles| soles.residual.iter());
+            own.residual.iter().chain(soles)
+        })
+        .copied()
+        .collect();
+    DVector::from_vec(rows)
+}
+
+/// The same of slopes by so many unknowns.
+pub(super) fn stacked_slopes<'b>(
+    blocks: impl Iterator<Item = &'b OnBlock> + Clone,
+    unknowns: usize,
+) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(blocks.clone().map(OnBlock::height).sum(), unknowns);
+    let mut at = 0;
+    let parts = blocks.flat_map(|own| {
+        let soles = own.closed.iter().map(|soles| &soles.slopes);
+        once(&*own.slopes).chain(soles)
+    });
+    for part in parts {
+        all.rows_mut(at, part.nrows()).copy_from(part);
+        at += part.nrows();
+    }
+    all
 }
 
 /// How a set of readings counts in a fit.
 #[derive(Clone, Copy)]
 pub struct RowSelection<'a> {
-    /// 1 or 0 per posture; all where `None`.
+    /// 1 or 0 per posture of the first block; all where `None`.
     pub keep: Option<&'a [bool]>,
 }
 
 pub const ALL: RowSelection = RowSelection { keep: None };
 
+impl RowSelection<'_> {
+    /// Root of the weight of the first block's readings; none where all count.
+    pub(super) fn root(&self, outliers: Option<&Outliers>) -> Option<Vec<f64>> {
+        match (outliers, self.keep) {
+            (Some(outliers), keep) => Some(outliers.root_weights(keep)),
+            (None, keep) => Some(
+                keep?
+                    .iter()
+                    .flat_map(|k| [f64::from(u8::from(*k)); 2])
+                    .collect(),
+            ),
+        }
+    }
+}
+
 impl<'m> Problem<'m> {
-    pub fn new(
-        model: &'m Model,
-        mut data: Postures,
-        prior: &Prior,
-        effects: &Catalog,
-    ) -> Result<Problem<'m>, Error> {
-        let times = data.motion.is_some();
-        let mut context = EffectContext::new(model, &data.cells, times, effects.clone());
-        context.moving = data.moved.is_some();
-        let n = data.len();
-        let p = model.base.params.len();
-        let layout = PostureContext::of(model);
-        let entry = |k: usize, entry: usize| data.posture_context[k * layout.len() + entry];
-        let tilt = |k: usize| [0, 1].map(|axis| entry(k, layout.tilt(axis)));
-        let tilts: Vec<[f64; 2]> = (0..n).map(tilt).collect();
-        let mut flat = CopRows::new(model).of(&data.q, n, Some(&tilts));
-        let motion_rows = data.moved.as_ref().map(|moved| {
-            let standing = std::mem::replace(&mut flat, moved.rows.dense());
-            Arc::new(&flat - standing)
-        });
-        let factor = match prior {
-            Prior::Free => free(&flat),
-            Prior::Cad(_) | Prior::Population(_) | Prior::Fitted(_) => prior
-                .covariance_factor(model)
-                .unwrap_or_else(|| DMatrix::zeros(p, 0)),
+    /// Logs of the robot, the first of which is reported.
+    pub fn new(first: Block<'m>, others: Vec<Block<'m>>, prior: &Prior) -> Problem<'m> {
+        let (model, p) = (first.model, first.model.base.params.len());
+        let none = || DMatrix::zeros(p, 0);
+        let (factor, beyond_prior) = match prior {
+            Prior::Free => {
+                let rows = once(&first).chain(&others).map(Block::rows_of_first);
+                (free(&below(rows, p)), Beyond::Nothing)
+            }
+            Prior::Cad(_) | Prior::Population(_) | Prior::Fitted(_) => {
+                let factor = prior.covariance_factor(model).unwrap_or_else(none);
+                (factor, Beyond::Exact)
+            }
         };
         let usual = Prior::Cad(Tolerances::usual()).covariance_factor(model);
-        let usual = usual.unwrap_or_else(|| DMatrix::zeros(p, 0));
-        if data.noise_source == NoiseSource::Residuals {
-            let mut out = Evaluator::new(model, Function::Cop).run(&data.q, n);
-            let moved = data
-                .moved
-                .iter()
-                .flat_map(|moved| moved.shift.iter().flatten());
-            out.iter_mut().zip(moved).for_each(|(cop, by)| *cop += by);
-            let (left, taken) = left_by_masses(&flat, &data.reading, &out);
-            data.take_noise(&left, taken);
-        }
-        let weight: Vec<f64> = data.std.iter().map(|s| 1.0 / s).collect();
-        let nuisance = Nuisance::new(&flat, &factor, &weight);
-        let wide = Nuisance::new(&flat, &usual, &weight);
-        let instances = effects::instances(&context);
+        let instances = effects::instances(&first.context);
         let kinds: BTreeSet<EffectId> = instances.iter().map(|i| i.effect.id()).collect();
-        Ok(Problem {
-            cad: model.cad_params(),
-            params: model.cad_params(),
-            offset: None,
-            widened: [1.0; 2],
-            lasting: [None; 2],
-            model,
+        let mut problem = Problem {
             kinds: kinds.len() + hypothesis::MODELS,
-            context,
-            data,
-            weight,
-            nuisance,
-            wide,
+            first,
+            others,
+            nuisance: Nuisance::none(),
+            wide: Nuisance::none(),
             prior: factor,
-            beyond_prior: match prior {
-                Prior::Free => Beyond::Nothing,
-                Prior::Cad(_) | Prior::Population(_) | Prior::Fitted(_) => Beyond::Exact,
-            },
-            wide_prior: usual,
-            rows: flat,
-            motion_rows,
-            closure: None,
-            tapes: Arc::default(),
+            beyond_prior,
+            wide_prior: usual.unwrap_or_else(none),
             target_weights: HashMap::new(),
+        };
+        problem.weigh();
+        problem
+    }
+
+    /// All blocks, the first one first.
+    pub fn blocks(&self) -> impl Iterator<Item = &Block<'m>> + Clone {
+        once(&self.first).chain(&self.others)
+    }
+
+    fn blocks_mut(&mut self) -> impl Iterator<Item = &mut Block<'m>> {
+        once(&mut self.first).chain(&mut self.others)
+    }
+
+    /// Places of each block's readings among all rows.
+    pub(super) fn readings(&self) -> impl Iterator<Item = Range<usize>> {
+        let mut at = 0;
+        self.blocks().map(move |block| {
+            let from = at;
+            at += block.height();
+            from..from + 2 * block.data.len()
         })
     }
 
-    /// The same beliefs about the robot on another support: nothing can be fitted there,
-    /// explanations can be evaluated.
-    pub fn on<'o>(&self, model: &'o Model) -> Problem<'o>
-    where
-        'm: 'o,
-    {
-        let (cells, times) = (&self.data.cells, self.data.motion.is_some());
-        Problem {
-            cad: model.cad_params(),
-            params: model.cad_params(),
-            offset: None,
-            widened: [1.0; 2],
-            lasting: [None; 2],
-            context: EffectContext::new(model, cells, times, self.context.catalog.clone()),
-            model,
-            motion_rows: None,
-            closure: None,
-            tapes: Arc::default(),
-            target_weights: HashMap::new(),
-            ..self.clone()
+    /// Those of all rows that are of readings.
+    pub(super) fn of_readings(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+        let own = self
+            .readings()
+            .map(|range| rows.rows_range(range).into_owned());
+        below(own, rows.ncols())
+    }
+
+    /// Rows of all blocks.
+    pub(super) fn height(&self) -> usize {
+        self.blocks().map(Block::height).sum()
+    }
+
+    /// `terms` as this block has them.
+    pub(super) fn carried(&self, block: &Block, terms: &[Term]) -> CarriedExplanation {
+        match &block.further {
+            None => CarriedExplanation::same(terms, &self.first.context),
+            Some(further) => carried(
+                further.experiment,
+                &self.first.context,
+                &block.context,
+                terms,
+            ),
         }
     }
 
-    /// The same problem, whose log is of both feet: what the soles say counts.
-    pub(super) fn on_both_feet(self, closure: Option<Closure>) -> Problem<'m> {
-        Problem {
-            closure: closure.map(Arc::new),
-            ..self
-        }
-    }
-
-    /// What masses `r` (m) do to what motion adds to readings of CAD's, m; empty of standing
-    /// robots.
-    pub(super) fn motion_of(&self, r: &[f64]) -> Vec<f64> {
-        let Some(rows) = &self.motion_rows else {
-            return Vec::new();
-        };
-        let off = DVector::from_fn(r.len(), |k, _| r[k] - self.cad[k]);
-        (&**rows * off).as_slice().to_vec()
-    }
-
-    /// Rows per independent one, of the axis that has fewer.
+    /// Rows per independent one, of the block and axis that have fewest.
     pub(super) fn rows_per_sample(&self) -> f64 {
-        self.widened[0].max(self.widened[1]).powi(2)
+        self.blocks()
+            .map(Block::rows_per_sample)
+            .fold(1.0, f64::max)
     }
 
-    /// Factor of an axis's noise for what is known worse.
-    pub(super) fn widened(&self, axis: usize) -> f64 {
-        self.widened[axis]
-    }
-
-    /// The noise of each axis is `factors` times as large.
-    pub(super) fn scale_noise(&mut self, factors: [f64; 2]) {
-        self.data.scale_noise(factors);
-        self.weigh();
-    }
-
-    /// Count each axis as known `factors` times as badly: readings are not independent.
-    pub(super) fn widen_noise(&mut self, factors: [f64; 2]) {
-        self.widened = factors;
-        for (row, std) in self.data.std.iter_mut().enumerate() {
-            *std *= factors[row % 2];
+    /// The noise of each axis of a block is `factors` times as large, and its readings are not
+    /// independent: `correlation` says how many rows one is worth, and how far deviations of
+    /// unknowns are from those of noise that is as slow as whatever they explain.
+    pub(super) fn correlate_noise(
+        &mut self,
+        block: usize,
+        factors: [f64; 2],
+        correlation: &[Correlation; 2],
+    ) {
+        let own = self
+            .blocks_mut()
+            .nth(block)
+            .expect("a block of the problem");
+        own.data.scale_noise(factors);
+        own.widened = correlation.map(|axis| axis.rows_per_sample.sqrt());
+        for (row, std) in own.data.std.iter_mut().enumerate() {
+            *std *= own.widened[row % 2];
         }
+        own.lasting = correlation.map(|axis| axis.process);
         self.weigh();
     }
 
-    /// The same by what `correlation` says, which also tells how far deviations of unknowns are
-    /// from those of noise that is as slow as whatever they explain.
-    pub(super) fn correlate_noise(&mut self, correlation: &[Correlation; 2]) {
-        self.widen_noise(correlation.map(|axis| axis.rows_per_sample.sqrt()));
-        self.lasting = correlation.map(|axis| axis.process);
+    /// Take the noise of each axis of the first block from what is `left` of its readings, m, by
+    /// that which took up `taken` of them.
+    pub(super) fn take_noise(&mut self, left: &[f64], taken: f64) {
+        self.first.data.take_noise(left, taken);
+        self.weigh();
     }
 
     /// Readings count by their deviations.
     fn weigh(&mut self) {
-        self.weight = self.data.std.iter().map(|s| 1.0 / s).collect();
-        self.nuisance = Nuisance::new(&self.rows, &self.prior, &self.weight);
-        self.wide = Nuisance::new(&self.rows, &self.wide_prior, &self.weight);
+        for block in self.blocks_mut() {
+            block.weight = block.data.std.iter().map(|s| 1.0 / s).collect();
+        }
+        let rows = self.whitened_rows();
+        self.nuisance = Nuisance::of(&rows * &self.prior);
+        self.wide = Nuisance::of(&rows * &self.wide_prior);
     }
 
-    /// Take the noise of each axis from what is `left` of readings, m, by that which took up
-    /// `taken` of them.
-    pub(super) fn take_noise(&mut self, left: &[f64], taken: f64) {
-        self.data.take_noise(left, taken);
-        self.weigh();
+    /// Whitened derivative of all rows by the base parameters; masses move no sole.
+    pub(super) fn whitened_rows(&self) -> DMatrix<f64> {
+        let mut all = DMatrix::zeros(self.height(), self.prior.nrows());
+        for (block, range) in self.blocks().zip(self.readings()) {
+            let mut own = block.rows_of_first();
+            for (mut row, weight) in own.row_iter_mut().zip(&block.weight) {
+                row *= *weight;
+            }
+            all.rows_mut(range.start, range.len()).copy_from(&own);
+        }
+        all
     }
 
-    /// What `fit` and free masses leave of readings, m, and how many of these they take up:
-    /// free masses alone leave what the fit explains, too.
+    /// What `fit` and free masses leave of the first block's readings, m, and how many of these
+    /// they take up: free masses alone leave what the fit explains, too.
     pub(super) fn left_beside_masses(&self, fit: &Fit) -> (Vec<f64>, f64) {
-        let n = fit.residual.len();
-        let left = |row: usize| fit.residual[row] / self.weight[row];
+        let (first, own) = (&self.first, &fit.first);
+        let n = own.residual.len();
+        let left = |row: usize| own.residual[row] / first.weight[row];
         let left = DVector::from_fn(n, |row, _| left(row));
-        let (p, unknowns) = (self.rows.ncols(), fit.slopes.ncols());
+        let (p, unknowns) = (first.rows.ncols(), own.slopes.ncols());
         // Unknowns come in all units.
-        let sizes = fit.slopes.column_iter().map(|c| c.norm().max(1e-30));
+        let sizes = own.slopes.column_iter().map(|c| c.norm().max(1e-30));
         let sizes: Vec<f64> = sizes.collect();
         let columns = DMatrix::from_fn(n, p + unknowns, |row, c| match c.checked_sub(p) {
-            None => self.rows[(row, c)],
-            Some(c) => fit.slopes[(row, c)] / self.weight[row] / sizes[c],
+            None => first.rows[(row, c)],
+            Some(c) => own.slopes[(row, c)] / first.weight[row] / sizes[c],
         });
         without(&columns, left)
     }
 
     /// Whether readings are linear in masses about those of CAD.
+    #[cfg(test)]
     pub(super) fn is_about_cad(&self) -> bool {
-        self.offset.is_none()
+        self.first.offset.is_none()
     }
 
-    /// The same problem about other masses `params`: `rows` are the slopes of readings
-    /// there, `offset` the whitened shift of readings from `params` back to CAD's.
-    pub(super) fn about(
-        &self,
-        params: Vec<f64>,
-        rows: DMatrix<f64>,
-        nuisance: Nuisance,
-        wide: Nuisance,
-        offset: DVector<f64>,
-    ) -> Problem<'m> {
-        Problem {
-            params,
-            offset: Some(offset),
-            nuisance,
-            wide,
-            rows,
-            tapes: Arc::default(),
+    /// The same robot with other `blocks`: further ones, or the same about other masses.
+    pub(super) fn about(&self, mut blocks: Vec<Block<'m>>) -> Problem<'m> {
+        let first = blocks.remove(0);
+        let mut own = Problem {
+            first,
+            others: blocks,
             ..self.clone()
-        }
-    }
-
-    /// Readings and the directions that masses take of them, where nothing states the noise and
-    /// readings are fewer than twice those: what masses leave says little of it.
-    pub fn too_few(&self) -> Option<[usize; 2]> {
-        let unknown = self.data.noise_source == NoiseSource::Residuals;
-        let (rows, directions) = (self.rows.nrows(), self.rows.ncols());
-        (unknown && rows < 2 * directions).then_some([rows, directions.min(rows)])
+        };
+        own.weigh();
+        own
     }
 
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
     pub fn penalty(&self, terms: &[Term]) -> f64 {
-        let soles = if self.closure.is_some() { ROWS } else { 0 };
-        let readings = ((2 + soles) * self.data.len()) as f64;
+        let readings = self.height() as f64;
         let of = |term: &Term| {
             let weight = match self.target_weights.get(term) {
                 Some(weight) => *weight,
-                None => 1.0 / term.targets(&self.context) as f64,
+                None => 1.0 / term.targets(&self.first.context) as f64,
             };
-            let unknowns = term.penalised_unknowns(&self.context);
+            let unknowns = term.penalised_unknowns(&self.first.context);
             unknowns as f64 * readings.ln() + 2.0 * (self.kinds as f64 / weight).ln()
         };
         terms.iter().map(of).sum()
     }
 
-    /// Share the chance of each effect among its targets by how well this log
-    /// sees them: `visible` is χ² of an effect of ordinary size at each.
+    /// Share the chance of each effect among its targets by how well the logs
+    /// see them: `visible` is χ² of an effect of ordinary size at each.
     ///
     /// A fault in an elbow that explains what an ankle's would has to be absurdly
     /// large. Weights of one effect sum to one, so false alarms stay as rare as
@@ -385,22 +409,57 @@ impl<'m> Problem<'m> {
 
     /// The masses' directions under a hypothesis.
     pub fn masses(&self, terms: &[Term]) -> &Nuisance {
-        match terms.contains(&Term::FreeMasses) {
-            true => &self.wide,
-            false => &self.nuisance,
+        if terms.contains(&Term::FreeMasses) {
+            &self.wide
+        } else {
+            &self.nuisance
         }
     }
 
-    /// Whitened shift of readings by the mass errors that the residuals of `fit` suggest, or
-    /// by those that it is stated with.
-    pub(super) fn mass_shift(&self, fit: &Fit) -> DVector<f64> {
-        match (&fit.masses, &self.offset) {
-            (Some(_), Some(offset)) => offset.clone(),
-            _ => {
-                let masses = self.masses(&fit.terms);
-                masses.shift(&masses.posterior_mean(&fit.residual))
-            }
+    /// Root of the weight of all rows, where outliers count less or some are left out.
+    pub(super) fn root_weights(&self, fit: &Fit, rows: RowSelection) -> Option<Vec<f64>> {
+        let mut root = rows.root(fit.outliers.as_ref())?;
+        root.resize(self.height(), 1.0);
+        Some(root)
+    }
+
+    /// The masses' directions where rows count by the weights of a fit.
+    pub(super) fn masses_of(&self, fit: &Fit, rows: RowSelection) -> Cow<'_, Nuisance> {
+        let masses = self.masses(&fit.terms);
+        match self.root_weights(fit, rows) {
+            Some(root) => Cow::Owned(masses.reweighted(&root)),
+            None => Cow::Borrowed(masses),
         }
+    }
+
+    /// The most likely mass errors of a fit, in units of F's columns.
+    pub(super) fn mass_errors(&self, fit: &Fit, rows: RowSelection) -> DVector<f64> {
+        let mut residual = fit.residual();
+        let root = self.root_weights(fit, rows);
+        let weights = root.iter().flatten();
+        residual.iter_mut().zip(weights).for_each(|(e, w)| *e *= w);
+        self.masses_of(fit, rows).posterior_mean(&residual)
+    }
+
+    /// Whitened shift of all rows by the mass errors that the residuals of `fit` suggest, or
+    /// by those that it is stated with; outliers count as all readings do.
+    pub(super) fn mass_shift(&self, fit: &Fit) -> DVector<f64> {
+        if fit.masses.is_some() {
+            let mut all = DVector::zeros(self.height());
+            for (block, range) in self.blocks().zip(self.readings()) {
+                if let Some(offset) = &block.offset {
+                    all.rows_mut(range.start, range.len()).copy_from(offset);
+                }
+            }
+            return all;
+        }
+        let masses = self.masses(&fit.terms);
+        masses.shift(&masses.posterior_mean(&fit.residual()))
+    }
+
+    /// The same shift by rows that count as they do in a fit.
+    pub(super) fn mass_shift_of(&self, fit: &Fit, rows: RowSelection) -> DVector<f64> {
+        self.masses(&fit.terms).shift(&self.mass_errors(fit, rows))
     }
 
     /// Whether the usual tolerances of CAD leave masses more room than the prior.
@@ -408,17 +467,57 @@ impl<'m> Problem<'m> {
         self.wide.log_det > self.nuisance.log_det
     }
 
-    /// The revolute joints that have a dead band under `terms`, with the
-    /// place of its width among the unknowns.
-    pub(super) fn slack_joints(&self, terms: &[Term]) -> Vec<(usize, usize)> {
-        let mut found = Vec::new();
-        for (term, own) in with_places(terms, &self.context) {
-            if let (Some(_), Some(instance)) = (term.dead_band(), term.effect()) {
-                let joints = instance.target.revolute(self.context.robot);
-                found.extend(joints.into_iter().map(|j| (j, own.start)));
+    /// What of stacked columns is neither a mass error nor common to all soles of a log.
+    pub(super) fn project_out(&self, masses: &Nuisance, stacked: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut left = masses.project_out(stacked);
+        for (block, range) in self.blocks().zip(self.readings()) {
+            if let Some(closure) = &block.closure {
+                let mut own = left.rows_mut(range.end, block.height() - range.len());
+                let rest = closure.without_common(&own.clone_owned());
+                own.copy_from(&rest);
             }
         }
-        found
+        left
+    }
+
+    /// The same of one column.
+    pub(super) fn project_out_one(
+        &self,
+        masses: &Nuisance,
+        stacked: &DVector<f64>,
+    ) -> DVector<f64> {
+        let column = DMatrix::from_column_slice(stacked.len(), 1, stacked.as_slice());
+        self.project_out(masses, &column).column(0).into_owned()
+    }
+
+    /// What is known of the postures of each block, under a fit to them where one is given.
+    pub(super) fn posture_contexts(&self, fit: Option<&Fit>) -> Vec<Cow<'_, [f64]>> {
+        let sides = |at: usize| fit?.blocks().nth(at)?.sides.as_ref();
+        let blocks = self.blocks().enumerate();
+        blocks
+            .map(|(at, block)| {
+                let log = &block.data.posture_context;
+                match sides(at) {
+                    Some(own) => {
+                        let layout = PostureContext::of(block.context.robot);
+                        Cow::Owned(own.context(&layout, log))
+                    }
+                    None => Cow::Borrowed(&log[..]),
+                }
+            })
+            .collect()
+    }
+
+    /// Joint positions of every block's postures as a hypothesis bends them.
+    pub fn bent(&self, fit: &Fit) -> Vec<Vec<f64>> {
+        let contexts = self.posture_contexts(Some(fit));
+        let blocks = self.blocks().zip(&contexts);
+        blocks
+            .map(|(block, context)| {
+                let own = self.carried(block, &fit.terms);
+                block.bent(&own.terms, &own.unknowns(&fit.unknowns), context)
+            })
+            .collect()
     }
 }
 
@@ -443,6 +542,16 @@ fn without(rows: &DMatrix<f64>, gap: DVector<f64>) -> (Vec<f64>, f64) {
         }
         None => (gap.as_slice().to_vec(), 0.0),
     }
+}
+
+/// Matrices of `columns` columns, one below the other.
+fn below(parts: impl Iterator<Item = DMatrix<f64>>, columns: usize) -> DMatrix<f64> {
+    parts.fold(DMatrix::zeros(0, columns), |all, part| {
+        let at = all.nrows();
+        let mut all = all.resize_vertically(at + part.nrows(), 0.0);
+        all.rows_mut(at, part.nrows()).copy_from(&part);
+        all
+    })
 }
 
 /// A prior without information: 100 m on every direction that data determine.

@@ -17,10 +17,9 @@ use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
 use super::corrected_urdf;
 use super::findings::{About, Explained, NextPostures, Verdict};
-use super::further_logs::FurtherLog;
 use super::model_file::model_file;
 use super::next_postures;
-use super::problem::Problem;
+use super::problem::{Block, Problem};
 use super::recording;
 use super::remedy::{self, Servo};
 use super::report::{Report, next_log};
@@ -179,15 +178,14 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         Ok((experiment, prior.seen_from(&model, &own).expected(own)))
     });
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, Error>>()?;
-    let mut further = Vec::new();
+    let mut others = Vec::new();
     let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
     let mut before = vec![(hash(&data), rows_hash(&data))];
     if let Some(own) = &before[0].0 {
         prior.check_other(request.log.name(), own)?;
     }
-    for (log, (experiment, own_model)) in request.then.iter().zip(&stands) {
-        let prior = prior.seen_from(&model, own_model);
-        let model = own_model;
+    for (log, (experiment, there)) in request.then.iter().zip(&stands) {
+        let (prior, model) = (prior.seen_from(&model, there), there);
         let mut postures = take(request, model, &prior, (log, request.motion), watch)?;
         let own = (hash(&postures), rows_hash(&postures));
         let same =
@@ -203,11 +201,10 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         before.push(own);
         let (sidecar, _) = log.sidecar()?;
         let closure = closure::of(&Feet::default(), &sidecar, model, &mut postures, watch)?;
-        let problem = Problem::new(model, postures, &prior, &request.effects)?;
-        further.push(FurtherLog {
-            experiment: *experiment,
-            problem: problem.on_both_feet(closure),
-        });
+        others.push((
+            Block::new(model, postures, closure, &request.effects),
+            *experiment,
+        ));
     }
     let names = [&request.log].into_iter().chain(&request.then);
     let names = names.map(LogSource::file_name).collect::<Vec<_>>();
@@ -228,8 +225,11 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             health: health.findings,
         };
         let closure = closure::of(&request.feet, &sidecar, &model, &mut data, watch)?;
-        let problem = Problem::new(&model, data, &prior, &request.effects)?;
-        samples::explained(problem.on_both_feet(closure), &further, &about, watch)
+        let first = Block::new(&model, data, closure, &request.effects);
+        let others = others.iter().cloned();
+        let others = others.map(|(block, experiment)| block.beside(&first, experiment));
+        let others = others.collect();
+        samples::explained(Problem::new(first, others, &prior), &about, watch)
     };
     let (mut problem, mut found, mut correlation) = explain(&data, request.motion, watch)?;
     let share = motion::said(&problem, &found.best);
@@ -244,7 +244,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         .told();
         (problem, found, correlation) = explain(&data, MotionModel::Off, watch)?;
     }
-    found.diagnosis.samples = samples::said(&problem, &further, &correlation);
+    found.diagnosis.samples = samples::of_logs(&problem, &correlation);
     found.diagnosis.motion = motion::said(&problem, &found.best);
     let open = found.diagnosis.closure.as_ref();
     if let Some(open) = open.filter(|closure| !closure.closes) {
@@ -253,11 +253,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let overstated = noise::overstated(&problem, &found);
     found.diagnosis.health.extend(overstated);
     let meshes = request.meshes.as_deref();
-    found.diagnosis.times = times(
-        [&problem]
-            .into_iter()
-            .chain(further.iter().map(|f| &f.problem)),
-    );
+    found.diagnosis.times = times(&problem);
     let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
     found.diagnosis.next_postures = NextPostures {
         why: next_postures::why(&next, &found),
@@ -276,7 +272,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         .transpose()?;
     remedy::add(&problem, &mut found, &robot.description, &request.servos);
     found.diagnosis.left_out_of_urdf = corrected.as_ref().map(|urdf| urdf.left_out.clone());
-    let model_file = with_data(request, &problem, &found, &further);
+    let model_file = with_data(request, &problem, &found);
     if found.diagnosis.verdict != Verdict::Unusable {
         check_result(&model_file)?;
     }
@@ -531,18 +527,13 @@ fn stand(request: &Request, first: &str, log: &LogSource) -> Result<(Experiment,
 }
 
 /// The model file, with all logs that it was found in.
-fn with_data(
-    request: &Request,
-    problem: &Problem,
-    found: &Explained,
-    further: &[FurtherLog],
-) -> ModelFile {
+fn with_data(request: &Request, problem: &Problem, found: &Explained) -> ModelFile {
     let mut file = model_file(problem, &found.best);
-    let first = [(&request.log, problem)].into_iter();
-    let logs = first.chain(request.then.iter().zip(further.iter().map(|f| &f.problem)));
+    let logs = [&request.log].into_iter().chain(&request.then);
     file.data = logs
-        .filter_map(|(log, problem)| {
-            let summary = problem.data.summary.as_ref()?;
+        .zip(problem.blocks())
+        .filter_map(|(log, block)| {
+            let summary = block.data.summary.as_ref()?;
             Some(DataUsed {
                 file: log.file_name().to_string(),
                 hash: summary.hash.clone(),
@@ -555,7 +546,8 @@ fn with_data(
 }
 
 /// First and last time of all logs, s.
-fn times<'a, 'm: 'a>(problems: impl Iterator<Item = &'a Problem<'m>>) -> Option<[f64; 2]> {
-    let known = problems.filter_map(|problem| problem.data.summary.as_ref()?.times);
+fn times(problem: &Problem) -> Option<[f64; 2]> {
+    let blocks = problem.blocks();
+    let known = blocks.filter_map(|block| block.data.summary.as_ref()?.times);
     known.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }

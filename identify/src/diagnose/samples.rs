@@ -9,10 +9,9 @@ use nalgebra::{DMatrix, DVector};
 use super::criteria::samples::{COUNTS, LONGER, STAYED};
 use super::diagnosis;
 use super::findings::{About, Explained};
-use super::further_logs::FurtherLog;
-use super::hypothesis::Term;
 use super::noise;
-use super::problem::{Fit, Problem};
+use super::nuisance::Nuisance;
+use super::problem::{Block, Fit, OnBlock, Problem};
 use crate::Error;
 use crate::observations::correlation::{Correlation, step};
 use crate::observations::noise::NoiseSource;
@@ -22,18 +21,16 @@ use crate::watch::Watch;
 /// Rounds in which the number of independent readings and the explanation settle.
 const ROUNDS: usize = 3;
 
-/// The best explanation of a log and further ones, with noise counted for as long as it lasts in
-/// each; with the correlation of what is left, log by log.
+/// The best explanation of all logs, with noise counted for as long as it lasts in each; with the
+/// correlation of what is left, log by log.
 pub(super) fn explained<'m>(
     mut first: Problem<'m>,
-    further: &[FurtherLog<'m>],
     about: &About<'_>,
     watch: &mut dyn Watch,
 ) -> Result<(Problem<'m>, Explained, Vec<[Correlation; 2]>), Error> {
     let mut problem = first.clone();
-    let mut logs = further.to_vec();
-    let mut found = diagnosis::find(&mut problem, &logs, about, watch)?;
-    let mut correlation = correlations(&problem, &logs, &found.best);
+    let mut found = diagnosis::find(&mut problem, about, watch)?;
+    let mut correlation = correlations(&problem, &found.best);
     // What free masses leave is noise and what they cannot explain; the best explanation can.
     // Where noise lasts, it is no explanation yet.
     for _ in 0..ROUNDS {
@@ -44,8 +41,8 @@ pub(super) fn explained<'m>(
         };
         first.take_noise(&left, taken);
         problem = first.clone();
-        found = diagnosis::find(&mut problem, &logs, about, watch)?;
-        correlation = correlations(&problem, &logs, &found.best);
+        found = diagnosis::find(&mut problem, about, watch)?;
+        correlation = correlations(&problem, &found.best);
     }
     let mut times = vec![[1.0; 2]; correlation.len()];
     let mut unknowns = found.best.unknowns.len();
@@ -56,32 +53,21 @@ pub(super) fn explained<'m>(
         if !correlation.iter().any(counts) || !about.usable {
             break;
         }
-        let problems = [&problem]
-            .into_iter()
-            .chain(logs.iter().map(|log| &log.problem));
-        for ((times, correlation), problem) in times.iter_mut().zip(&correlation).zip(problems) {
-            *times = noise_factors(problem, *times, correlation);
+        let own = times.iter_mut().zip(&correlation).zip(problem.blocks());
+        for ((times, correlation), block) in own {
+            *times = noise_factors(block, *times, correlation);
         }
-        let mut all = times.iter().zip(&correlation);
-        let mut counted = |log: &Problem<'m>| {
-            let mut log = log.clone();
-            // Where rows are independent, a log stays as it is.
-            if let Some((times, correlation)) = all.next().filter(|(_, own)| counts(own)) {
-                log.scale_noise(*times);
-                log.correlate_noise(correlation);
-            }
-            log
-        };
-        problem = counted(&first);
-        logs = further
+        problem = first.clone();
+        // Where rows are independent, a log stays as it is.
+        let correlated = correlation
             .iter()
-            .map(|log| FurtherLog {
-                experiment: log.experiment,
-                problem: counted(&log.problem),
-            })
-            .collect();
-        found = diagnosis::find(&mut problem, &logs, about, watch)?;
-        let again = correlations(&problem, &logs, &found.best);
+            .enumerate()
+            .filter(|(_, own)| counts(own));
+        for (block, own) in correlated {
+            problem.correlate_noise(block, times[block], own);
+        }
+        found = diagnosis::find(&mut problem, about, watch)?;
+        let again = correlations(&problem, &found.best);
         let fewer = found.best.unknowns.len() < unknowns;
         let pairs = again.iter().flatten().zip(correlation.iter().flatten());
         let changed = pairs.into_iter().any(|(again, before)| {
@@ -97,31 +83,23 @@ pub(super) fn explained<'m>(
     Ok((problem, found, correlation))
 }
 
-/// Correlation of what is left on each axis, of the first log and of further ones.
-fn correlations(problem: &Problem, further: &[FurtherLog<'_>], fit: &Fit) -> Vec<[Correlation; 2]> {
-    let first = correlation(problem, &fit.terms, &fit.residual, &fit.slopes);
-    let others = further.iter().map(|log| {
-        let (log, terms, state) = log.explained_by(problem, fit);
-        correlation(&log.problem, &terms, &state.residual, &state.slopes)
-    });
-    [first].into_iter().chain(others).collect()
+/// Correlation of what a fit leaves on each axis, log by log.
+fn correlations(problem: &Problem, fit: &Fit) -> Vec<[Correlation; 2]> {
+    let masses = problem.masses(&fit.terms);
+    let blocks = problem.blocks().zip(fit.blocks()).zip(problem.readings());
+    let blocks = blocks.map(|((block, own), range)| correlation(block, own, masses, range.start));
+    blocks.collect()
 }
 
-/// Correlation of what terms leave of a log, on each axis.
-fn correlation(
-    problem: &Problem,
-    terms: &[Term],
-    residual: &DVector<f64>,
-    slopes: &DMatrix<f64>,
-) -> [Correlation; 2] {
-    let Some(t) = &problem.data.t else {
+/// Correlation of what a fit leaves of a log whose readings begin at a row of those of all.
+fn correlation(block: &Block, own: &OnBlock, masses: &Nuisance, from: usize) -> [Correlation; 2] {
+    let Some(t) = &block.data.t else {
         return [Correlation::NONE; 2];
     };
-    let masses = problem.masses(terms);
     [0, 1].map(|axis| {
-        let n = problem.data.len();
-        let y = DVector::from_fn(n, |k, _| residual[2 * k + axis]);
-        let unknowns = slopes.ncols();
+        let n = block.data.len();
+        let y = DVector::from_fn(n, |k, _| own.residual[2 * k + axis]);
+        let unknowns = own.slopes.ncols();
         let columns = masses.columns();
         // Their coefficients have deviation one.
         let held = match masses.is_negligible() {
@@ -130,8 +108,8 @@ fn correlation(
         };
         let x = DMatrix::from_fn(n, 1 + unknowns + held, |k, c| match c {
             0 => 1.0,
-            c if c <= unknowns => slopes[(2 * k + axis, c - 1)],
-            c => columns[(2 * k + axis, c - 1 - unknowns)],
+            c if c <= unknowns => own.slopes[(2 * k + axis, c - 1)],
+            c => columns[(from + 2 * k + axis, c - 1 - unknowns)],
         });
         Correlation::with_held(t, &y, &x, held)
     })
@@ -144,38 +122,31 @@ fn counts(correlation: &[Correlation; 2]) -> bool {
 }
 
 /// How many times as large as residuals of a first fit showed it the noise of each axis is;
-/// 1 where it is known from elsewhere. Slow noise hides in that fit: `problem`, whose noise is
+/// 1 where it is known from elsewhere. Slow noise hides in that fit: `block`, whose noise is
 /// `now` times as large, has what it leaves beside masses that a prior holds.
-fn noise_factors(problem: &Problem, now: [f64; 2], correlation: &[Correlation; 2]) -> [f64; 2] {
-    match problem.data.noise_source {
+fn noise_factors(block: &Block, now: [f64; 2], correlation: &[Correlation; 2]) -> [f64; 2] {
+    match block.data.noise_source {
         NoiseSource::Residuals => {
-            [0, 1].map(|k| now[k] * problem.widened(k) * correlation[k].variance.max(0.0).sqrt())
+            [0, 1].map(|k| now[k] * block.widened[k] * correlation[k].variance.max(0.0).sqrt())
         }
         _ => now,
     }
     .map(|factor| factor.max(1.0))
 }
 
-/// What is said of the first log and of further ones.
-pub(super) fn said(
-    problem: &Problem,
-    further: &[FurtherLog<'_>],
-    correlation: &[[Correlation; 2]],
-) -> Samples {
-    let problems = [problem]
-        .into_iter()
-        .chain(further.iter().map(|log| &log.problem));
+/// Samples of all logs.
+pub(super) fn of_logs(problem: &Problem, correlation: &[[Correlation; 2]]) -> Samples {
     let mut sum = Sum::default();
     let mut rows = 0;
-    for (problem, correlation) in problems.zip(correlation) {
-        add(problem, correlation, &mut sum);
-        rows += problem.data.rows;
+    for (block, correlation) in problem.blocks().zip(correlation) {
+        add(block, correlation, &mut sum);
+        rows += block.data.rows;
     }
     sum.of(rows)
 }
 
-fn add(problem: &Problem, correlation: &[Correlation; 2], sum: &mut Sum) {
-    let data = &problem.data;
+fn add(block: &Block, correlation: &[Correlation; 2], sum: &mut Sum) {
+    let data = &block.data;
     let timed = data.t.as_ref().is_some_and(|t| step(t).is_some());
     // Postures count by what their stays are worth, and may be correlated themselves.
     let rows_of = |k: usize| {

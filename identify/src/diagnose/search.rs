@@ -12,6 +12,7 @@ use sesc_model::effects::{Stage, Target};
 use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, sorted};
+use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem, Proposal};
 use super::wiring;
@@ -41,7 +42,7 @@ pub struct Search<'p, 'm> {
 
 impl<'p, 'm> Search<'p, 'm> {
     pub fn new(problem: &'p mut Problem<'m>) -> Self {
-        let base = Dictionary::new(problem, &problem.data.q);
+        let base = Dictionary::new(problem, None);
         let visible = base.visible(problem);
         problem.weigh_targets(&visible);
         Search {
@@ -85,7 +86,7 @@ impl<'p, 'm> Search<'p, 'm> {
             }
             if depth > 1 {
                 // Wiring faults also occur together, and leave large gaps.
-                let large = criteria::WIRING_CHI2 * 2.0 * self.problem.data.len() as f64;
+                let large = criteria::WIRING_CHI2 * 2.0 * self.problem.first.data.len() as f64;
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
                     .take(criteria::WIRING_PARENTS)
@@ -137,7 +138,7 @@ impl<'p, 'm> Search<'p, 'm> {
 
     /// Fit a set of terms once.
     pub fn fit(&mut self, terms: &[Term], parent: Option<&Fit>) -> Fit {
-        let terms = sorted(&self.problem.context, terms);
+        let terms = sorted(&self.problem.first.context, terms);
         if let Some(fit) = self.known.get(&terms) {
             return fit.clone();
         }
@@ -160,7 +161,7 @@ impl<'p, 'm> Search<'p, 'm> {
             .any(|term| term.stage() == Some(Stage::Wiring));
         let dictionary = match wired {
             true => {
-                own = Dictionary::new(self.problem, &self.problem.bent(parent));
+                own = Dictionary::new(self.problem, Some(&self.problem.bent(parent)));
                 &own
             }
             false => &self.base,
@@ -209,22 +210,22 @@ impl<'p, 'm> Search<'p, 'm> {
         let penalty = self.problem.penalty(std::slice::from_ref(&term));
         let predicted_score = match term {
             Term::Outliers => {
-                let outliers = Outliers::of(&parent.residual, None);
+                let outliers = Outliers::of(&parent.first.residual, None);
                 let root = outliers.root_weights(None);
                 let squares = parent
+                    .first
                     .residual
                     .iter()
                     .zip(&root)
                     .map(|(e, w)| (e * w).powi(2));
-                let mixture = outliers.objective(&parent.residual, None, squares.sum());
-                let plain = parent.residual.norm_squared();
+                let mixture = outliers.objective(&parent.first.residual, None, squares.sum());
+                let plain = parent.first.residual.norm_squared();
                 parent.score() + (mixture - plain) + penalty
             }
             _ => {
                 let (wide, tight) = (&self.problem.wide, &self.problem.nuisance);
-                let left = |n: &super::nuisance::Nuisance| {
-                    parent.residual.dot(&n.project_out_one(&parent.residual))
-                };
+                let residual = parent.residual();
+                let left = |n: &Nuisance| residual.dot(&n.project_out_one(&residual));
                 let change = left(wide) + wide.log_det - left(tight) - tight.log_det;
                 parent.score() + change + penalty
             }
@@ -238,7 +239,7 @@ impl<'p, 'm> Search<'p, 'm> {
 
     /// The best pairs of a linear search over all of them.
     fn pairs(&mut self, null: &Fit) -> Vec<Proposal> {
-        let (residual, _) = self.problem.whole(null);
+        let residual = null.residual();
         let pairs = self.base.pairs(&residual);
         let candidates = &self.base.candidates;
         let mut proposals: Vec<Proposal> = pairs
@@ -283,7 +284,7 @@ impl<'p, 'm> Search<'p, 'm> {
             while next.len() < processors()
                 && let Some(proposal) = waiting.next()
             {
-                let terms = sorted(&self.problem.context, &proposal.terms);
+                let terms = sorted(&self.problem.first.context, &proposal.terms);
                 let is_known = self.known.contains_key(&terms)
                     || next.iter().any(|(others, _)| *others == terms);
                 if !is_known && !is_hopeless(&proposal, best) {
@@ -360,7 +361,7 @@ fn fitted(problem: &Problem, terms: &[Term], parent: Option<&Fit>) -> Fit {
 
 fn with(problem: &Problem, terms: &[Term], more: &Term) -> Vec<Term> {
     sorted(
-        &problem.context,
+        &problem.first.context,
         &[terms, std::slice::from_ref(more)].concat(),
     )
 }
@@ -380,6 +381,6 @@ fn kinds(terms: &[Term]) -> Vec<&'static str> {
 fn ranks(problem: &Problem, terms: &[Term]) -> Vec<(usize, Target)> {
     terms
         .iter()
-        .map(|term| term.rank(&problem.context))
+        .map(|term| term.rank(&problem.first.context))
         .collect()
 }

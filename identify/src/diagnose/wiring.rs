@@ -1,20 +1,22 @@
 //! Wiring faults, fitted by full evaluation: signs, swaps, units, axes. None of them is
 //! near linear, so each is computed, alone and beside the best linear effect.
 
+use std::sync::Arc;
+
 use nalgebra::DVector;
 
 use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, effect_terms, sorted};
-use super::problem::{Fit, Problem, Proposal};
+use super::problem::{Fit, Problem, Proposal, Rewire, stacked_residual};
 use crate::lsq::factor_normal;
 use crate::threads::each_long;
 
 pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
-    let context = &problem.context;
+    let context = &problem.first.context;
     let with_best = each_long(faults(problem), |fault| {
         let own = std::slice::from_ref(&fault);
-        let residual = residual(problem, &fault);
+        let residual = residual(problem, None, &fault);
         let left = problem.project_out_one(&problem.nuisance, &residual);
         let penalty = problem.penalty(own);
         let predicted_score = residual.dot(&left) + penalty;
@@ -61,20 +63,13 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary) -> Vec<Proposal> {
 /// Further faults beside a hypothesis that leaves a large gap: its unknowns stay,
 /// but for what a linear step of theirs takes.
 pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
-    let context = &problem.context;
-    let posture_context = &problem.posture_context_of(parent);
+    let context = &problem.first.context;
     let masses = problem.masses(&parent.terms);
-    let (_, own) = problem.whole(parent);
+    let own = parent.slopes();
     let factor = factor_normal(own.tr_mul(&problem.project_out(masses, &own)));
-    let width = parent.unknowns.len() + 1;
     let further = faults(problem).filter(|fault| !parent.terms.contains(fault));
     let proposals = each_long(further, |fault| {
-        let (q, rewire) = problem.rewired(&fault);
-        let out = problem.evaluate(&parent.terms, &parent.unknowns, &q, posture_context);
-        let values: Vec<f64> = out.iter().step_by(width).copied().collect();
-        let residual = whitened(problem, &rewire.readings(&values));
-        let closed = problem.closed_at(&parent.terms, &parent.unknowns, &q, posture_context);
-        let residual = problem.stacked_residual(&residual, closed.as_ref());
+        let residual = residual(problem, Some(parent), &fault);
         let left = problem.project_out_one(masses, &residual);
         let pull = own.tr_mul(&left);
         let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
@@ -94,22 +89,23 @@ pub fn beside(problem: &Problem, parent: &Fit) -> Vec<Proposal> {
 
 /// Effects without unknowns.
 fn faults<'p>(problem: &'p Problem) -> impl Iterator<Item = Term> + 'p {
-    let all = effect_terms(&problem.context).into_iter();
-    all.filter(|term| term.unknowns(&problem.context) == 0)
+    let context = &problem.first.context;
+    let all = effect_terms(context).into_iter();
+    all.filter(|term| term.unknowns(context) == 0)
 }
 
-/// Whitened residuals of readings and soles under a fault.
-fn residual(problem: &Problem, fault: &Term) -> DVector<f64> {
-    let (q, rewire) = problem.rewired(fault);
-    let out = problem.evaluate(&[], &[], &q, &problem.data.posture_context);
-    let closed = problem.closed_at(&[], &[], &q, &problem.data.posture_context);
-    let readings = whitened(problem, &rewire.readings(&out));
-    problem.stacked_residual(&readings, closed.as_ref())
-}
-
-/// (reading − predicted)/σ, two rows per posture.
-fn whitened(problem: &Problem, predicted: &[f64]) -> DVector<f64> {
-    DVector::from_fn(predicted.len(), |row, _| {
-        (problem.data.reading[row] - predicted[row]) * problem.weight[row]
-    })
+/// Whitened residuals of all rows under a fault beside a hypothesis.
+fn residual(problem: &Problem, parent: Option<&Fit>, fault: &Term) -> DVector<f64> {
+    let (terms, unknowns) = parent.map_or((&[][..], &[][..]), |fit| (&fit.terms, &fit.unknowns));
+    let contexts = problem.posture_contexts(parent);
+    let rewired = problem.blocks().map(|block| {
+        let own = problem.carried(block, std::slice::from_ref(fault));
+        block.rewired(&own.terms)
+    });
+    let (q, rewires): (Vec<Vec<f64>>, Vec<Rewire>) = rewired.unzip();
+    let mut predicted = problem.predict(terms, unknowns, &contexts, Some(&q));
+    for ((on, block), rewire) in predicted.iter_mut().zip(problem.blocks()).zip(&rewires) {
+        on.residual = Arc::new(block.residual(&rewire.readings(&on.predicted)));
+    }
+    stacked_residual(predicted.iter())
 }

@@ -71,7 +71,7 @@ pub(crate) use instance::{apply, apply_before_sensor, reading_slopes, sense, und
 pub use parameter::{Fitted, Parameter, Unit, Value};
 pub use payload::known_weight;
 pub use programs::{
-    joints, moments, other_sole, other_sole_by_joints, reading, reading_of_masses, resting_reading,
+    joints, moments, other_sole, other_sole_by_joints, reading, reading_by_masses, resting_reading,
     wired_joints, wired_reading,
 };
 pub use remedy::EncoderMap;

@@ -54,9 +54,19 @@ pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) 
     slopes_beside(measured, &reading, &unknowns, inputs)
 }
 
-/// The reading alone, with the base parameters as a further input: `q`, `e`, `u`, `r`.
-pub fn reading_of_masses(context: &EffectContext, instances: &[Instance]) -> Program {
-    of_masses(context, instances, ContextSource::Log)
+/// The reading and its derivative by each base parameter, through joints that give way under their
+/// moments: rows x and y, columns value, ∂/∂r_1, ∂/∂r_2, …. Inputs: `q`, `e`, `u`, `r`.
+pub fn reading_by_masses(context: &EffectContext, instances: &[Instance]) -> Program {
+    let params = context.robot.base.params.len();
+    let unbounded = Parameters::Argument(vec![f64::INFINITY; params]);
+    let (mut measured, unknowns) = written(context, instances, ContextSource::Log, unbounded);
+    let masses: Vec<Id> = (0..params)
+        .map(|k| measured.g().input(Argument::Parameters, k))
+        .collect();
+    let reading = measured.reading;
+    let mut inputs = inputs(context, unknowns.len());
+    inputs.push(Array::new(Argument::Parameters, params));
+    slopes_beside(measured, &reading, &masses, inputs)
 }
 
 /// The reading where loose joints rest as their gravity moments have them, as a model file
@@ -64,19 +74,13 @@ pub fn reading_of_masses(context: &EffectContext, instances: &[Instance]) -> Pro
 ///
 /// Inputs: `q`, `e`, `u` without sides, `r`.
 pub fn resting_reading(context: &EffectContext, instances: &[Instance]) -> Program {
-    of_masses(context, instances, ContextSource::Resting)
-}
-
-fn of_masses(context: &EffectContext, instances: &[Instance], source: ContextSource) -> Program {
     let params = context.robot.base.params.len();
     let unbounded = Parameters::Argument(vec![f64::INFINITY; params]);
-    let (mut measured, unknowns) = written(context, instances, source, unbounded);
+    let (mut measured, unknowns) = written(context, instances, ContextSource::Resting, unbounded);
     let mut outputs = measured.reading.to_vec();
-    if source == ContextSource::Resting {
-        let zero = measured.constant(0.0);
-        let sides = measured.sides.iter().map(|side| side.unwrap_or(zero));
-        outputs.extend(sides);
-    }
+    let zero = measured.constant(0.0);
+    let sides = measured.sides.iter().map(|side| side.unwrap_or(zero));
+    outputs.extend(sides);
     let mut inputs = inputs(context, unknowns.len());
     inputs.push(Array::new(Argument::Parameters, params));
     let shape = Shape::Vector(outputs.len());

@@ -4,16 +4,16 @@
 //! that carries the robot is an inverted pendulum: near zero moment both sides
 //! hold, and the reading decides which, at a penalty.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
-use nalgebra::DVector;
 use sesc_model::effects::{PostureContext, ROUNDS};
 
-use super::{Fit, Problem};
+use super::{Block, Problem, stacked_residual};
 use crate::diagnose::criteria;
 use crate::diagnose::hypothesis::Term;
 
-/// Sides, written into the posture context, with the penalty of the unlikely ones.
+/// Sides of a block, written into its posture context, with the penalty of the unlikely ones.
 pub struct Sides {
     pub posture_context: Vec<f64>,
     pub penalty: f64,
@@ -21,87 +21,106 @@ pub struct Sides {
     pub flipped: Vec<usize>,
 }
 
-/// The side of every slack joint in every posture: gravity's, and where that is
-/// nearly even and `fit` is there to say what is left over, the reading's.
-pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fit: Option<&Fit>) -> Sides {
-    let layout = PostureContext::of(problem.context.robot);
-    let (n, dof) = (problem.data.len(), problem.context.robot.dof());
-    let joints = problem.slack_joints(terms);
-    let mut posture_context = problem.data.posture_context.clone();
-    let mut out = Vec::new();
-    // From the middle of every band, all at once, as in `Measured::bend`.
-    joints_at(problem, &joints, &mut posture_context, |_, _| 0.0);
-    for _ in 0..ROUNDS {
-        out = problem.evaluate_moments(terms, unknowns, &posture_context);
-        joints_at(problem, &joints, &mut posture_context, |before, at| {
-            let step = if out[at] < 0.0 { -1.0 } else { 1.0 };
-            before + step / ROUNDS as f64
-        });
-    }
-    let mut penalty = 0.0;
-    let mut flipped = Vec::new();
-    if fit.is_some() {
-        let residual = residual_now(problem, terms, unknowns, &posture_context);
+/// The side of every slack joint in every posture of each block: gravity's, and where that is
+/// nearly even and the unknowns are `fitted`, the reading's.
+pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool) -> Vec<Sides> {
+    let blocks = problem.blocks().map(|block| {
+        let own = problem.carried(block, terms);
+        let given = own.unknowns(unknowns);
+        (block, own.terms, given)
+    });
+    let blocks: Vec<(&Block, Vec<Term>, Vec<f64>)> = blocks.collect();
+    let resting = blocks
+        .iter()
+        .map(|(block, terms, unknowns)| by_gravity(block, terms, unknowns));
+    let (mut sides, moments): (Vec<Sides>, Vec<Vec<f64>>) = resting.unzip();
+    if fitted {
+        let contexts = sides.iter().map(|own| own.posture_context[..].into());
+        let contexts: Vec<Cow<[f64]>> = contexts.collect();
+        let predicted = problem.predict(terms, unknowns, &contexts, None);
+        let residual = stacked_residual(predicted.iter());
         let unexplained = problem.masses(terms).project_out_one(&residual);
-        for k in 0..n {
-            let near = bistable(
-                problem,
-                &out[k * 3 * dof..(k + 1) * 3 * dof],
-                unknowns,
-                &joints,
-                k,
-            );
-            if near.is_empty() {
-                continue;
-            }
-            let own = [unexplained[2 * k], unexplained[2 * k + 1]];
-            let (flips, cost) = best_flips(k, own, &near, &posture_context, &layout);
-            penalty += cost;
-            if !flips.is_empty() {
-                flipped.push(k);
-            }
-            for joint in flips {
-                posture_context[k * layout.len() + layout.side(joint)] *= -1.0;
-            }
+        let own = sides
+            .iter_mut()
+            .zip(&blocks)
+            .zip(&moments)
+            .zip(problem.readings());
+        for (((sides, (block, terms, unknowns)), moments), range) in own {
+            let unexplained = &unexplained.as_slice()[range];
+            by_reading(block, (terms, unknowns), moments, unexplained, sides);
         }
     }
-    Sides {
+    sides
+}
+
+/// The sides that gravity decides, and the moments there.
+fn by_gravity(block: &Block, terms: &[Term], unknowns: &[f64]) -> (Sides, Vec<f64>) {
+    let joints = block.slack_joints(terms);
+    let mut posture_context = block.data.posture_context.clone();
+    let mut out = Vec::new();
+    if !joints.is_empty() {
+        // From the middle of every band, all at once, as in `Measured::bend`.
+        joints_at(block, &joints, &mut posture_context, |_, _| 0.0);
+        for _ in 0..ROUNDS {
+            out = block.evaluate_moments(terms, unknowns, &block.data.q, &posture_context);
+            joints_at(block, &joints, &mut posture_context, |before, at| {
+                let step = if out[at] < 0.0 { -1.0 } else { 1.0 };
+                before + step / ROUNDS as f64
+            });
+        }
+    }
+    let sides = Sides {
         posture_context,
-        penalty,
-        flipped,
+        penalty: 0.0,
+        flipped: Vec::new(),
+    };
+    (sides, out)
+}
+
+/// Put joints that may rest on either side where the reading has them.
+fn by_reading(
+    block: &Block,
+    (terms, unknowns): (&[Term], &[f64]),
+    moments: &[f64],
+    unexplained: &[f64],
+    sides: &mut Sides,
+) {
+    let layout = PostureContext::of(block.context.robot);
+    let joints = block.slack_joints(terms);
+    let dof = block.context.robot.dof();
+    for (k, own) in moments.chunks_exact(3 * dof).enumerate() {
+        let near = bistable(block, own, unknowns, &joints, k);
+        if near.is_empty() {
+            continue;
+        }
+        let left = [unexplained[2 * k], unexplained[2 * k + 1]];
+        let (flips, cost) = best_flips(k, left, &near, &sides.posture_context, &layout);
+        sides.penalty += cost;
+        if !flips.is_empty() {
+            sides.flipped.push(k);
+        }
+        for joint in flips {
+            sides.posture_context[k * layout.len() + layout.side(joint)] *= -1.0;
+        }
     }
 }
 
 /// Move every loose joint of every posture: from where it is and the place of its
 /// moment among the outputs.
 fn joints_at(
-    problem: &Problem,
+    block: &Block,
     joints: &[(usize, usize)],
     posture_context: &mut [f64],
     to: impl Fn(f64, usize) -> f64,
 ) {
-    let layout = PostureContext::of(problem.context.robot);
-    let dof = problem.context.robot.dof();
-    for k in 0..problem.data.len() {
+    let layout = PostureContext::of(block.context.robot);
+    let dof = block.context.robot.dof();
+    for k in 0..block.data.len() {
         for &(joint, _) in joints {
             let side = &mut posture_context[k * layout.len() + layout.side(joint)];
             *side = to(*side, k * 3 * dof + joint);
         }
     }
-}
-
-fn residual_now(
-    problem: &Problem,
-    terms: &[Term],
-    unknowns: &[f64],
-    posture_context: &[f64],
-) -> DVector<f64> {
-    let out = problem.evaluate(terms, unknowns, &problem.data.q, posture_context);
-    let width = unknowns.len() + 1;
-    let rows = 2 * problem.data.len();
-    DVector::from_fn(rows, |row, _| {
-        (problem.data.reading[row] - out[row * width]) * problem.weight[row]
-    })
 }
 
 /// A joint that may rest on either side: what moving there does to the reading.
@@ -114,19 +133,19 @@ struct Near {
 }
 
 fn bistable(
-    problem: &Problem,
+    block: &Block,
     moments: &[f64],
     unknowns: &[f64],
     joints: &[(usize, usize)],
     k: usize,
 ) -> Vec<Near> {
-    let dof = problem.context.robot.dof();
+    let dof = block.context.robot.dof();
     let mut near: Vec<Near> = Vec::new();
     for &(joint, at) in joints {
         let half = 0.5 * unknowns[at].abs();
         let slope = [moments[dof + joint], moments[2 * dof + joint]];
         let lever = slope[0].hypot(slope[1]);
-        let change = [0, 1].map(|axis| half * slope[axis] * problem.weight[2 * k + axis]);
+        let change = [0, 1].map(|axis| half * slope[axis] * block.weight[2 * k + axis]);
         let reach = half * lever + criteria::MOMENT_ERROR_M;
         let certainty = moments[joint].abs() / reach;
         if 2.0 * change[0].hypot(change[1]) > criteria::SIDE_MATTERS

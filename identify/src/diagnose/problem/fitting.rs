@@ -7,11 +7,14 @@
 //! Damped least squares over the unknowns of all terms together, with the
 //! symbolic derivatives of the measurement.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Closed, Fit, Problem, RowSelection, backlash_sides};
+use super::backlash_sides::{self, Sides};
+use super::{Block, Closed, Fit, OnBlock, Problem, RowSelection};
+use super::{stacked_residual, stacked_slopes};
 use crate::diagnose::hypothesis::{Term, with_places};
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
@@ -42,10 +45,10 @@ impl Problem<'_> {
     pub fn starts(&self, terms: &[Term], parent: Option<&Fit>) -> Vec<Vec<f64>> {
         let mut starts = vec![Vec::new()];
         for term in terms {
-            let found = parent.and_then(|fit| fit.unknowns_of(&self.context, term));
+            let found = parent.and_then(|fit| fit.unknowns_of(&self.first.context, term));
             let own = match found {
                 Some(own) => vec![own.to_vec()],
-                None => term.starts(&self.context),
+                None => term.starts(&self.first.context),
             };
             let longer = |before: &Vec<f64>| -> Vec<Vec<f64>> {
                 own.iter()
@@ -71,9 +74,14 @@ impl Problem<'_> {
                     // A width to begin with, else no side matters.
                     self.widen(terms, &mut unknowns);
                 }
-                sides = Some(backlash_sides::settle(self, terms, &unknowns, fit.as_ref()));
+                sides = Some(backlash_sides::settle(
+                    self,
+                    terms,
+                    &unknowns,
+                    fit.is_some(),
+                ));
             }
-            let next = self.descend(terms, unknowns.clone(), sides.as_ref(), &outliers, rows);
+            let next = self.descend(terms, unknowns.clone(), sides.as_deref(), &outliers, rows);
             let done = match &fit {
                 Some(before) => (before.objective - next.objective).abs() < SETTLED,
                 None => false,
@@ -88,14 +96,14 @@ impl Problem<'_> {
             }
             if outlying {
                 let fit = fit.as_ref().expect("set above");
-                outliers = Some(Outliers::of(&fit.residual, rows.keep));
+                outliers = Some(Outliers::of(&fit.first.residual, rows.keep));
             }
         }
         fit.expect("at least one round")
     }
 
     fn widen(&self, terms: &[Term], unknowns: &mut [f64]) {
-        for (term, own) in with_places(terms, &self.context) {
+        for (term, own) in with_places(terms, &self.first.context) {
             let at = own.start;
             if let (Some(width), true) = (term.dead_band(), unknowns.get(at) == Some(&0.0)) {
                 unknowns[at] = width;
@@ -108,36 +116,51 @@ impl Problem<'_> {
         &self,
         terms: &[Term],
         start: Vec<f64>,
-        sides: Option<&backlash_sides::Sides>,
+        sides: Option<&[Sides]>,
         outliers: &Option<Outliers>,
         rows: RowSelection,
     ) -> Fit {
-        let posture_context: &[f64] = match sides {
-            Some(sides) => &sides.posture_context,
-            None => &self.data.posture_context,
+        let contexts = match sides {
+            Some(sides) => sides
+                .iter()
+                .map(|own| own.posture_context[..].into())
+                .collect(),
+            None => self.posture_contexts(None),
         };
+        let mut root = rows.root(outliers.as_ref());
+        root.iter_mut()
+            .for_each(|root| root.resize(self.height(), 1.0));
         let masses = self.masses(terms);
-        let root = outliers.as_ref().map(|o| o.root_weights(rows.keep));
-        let root = match (root, rows.keep) {
-            (None, Some(keep)) => Some(
-                keep.iter()
-                    .flat_map(|k| [f64::from(u8::from(*k)); 2])
-                    .collect(),
-            ),
-            (root, _) => root,
-        };
-        let reweighted = root.as_ref().map(|root: &Vec<f64>| masses.reweighted(root));
+        let reweighted = root.as_ref().map(|root| masses.reweighted(root));
         let masses = reweighted.as_ref().unwrap_or(masses);
+        let weighting = Weighting {
+            contexts: &contexts,
+            root: root.as_deref(),
+            masses,
+        };
         let scales = self.scales(terms);
-        let expand = |unknowns| self.state(terms, unknowns, posture_context, &root, masses);
+        let expand = |unknowns| self.state(terms, unknowns, &weighting);
         let state = damped::minimise(expand(start), &scales, expand);
-        let covariance = self.covariance(&state, &scales, &root, masses);
+        let covariance = self.covariance(&state, &scales, &weighting);
         let mut objective = state.value + masses.log_det - self.nuisance.log_det;
-        if let Some(sides) = sides {
-            objective += sides.penalty;
-        }
+        objective += sides
+            .iter()
+            .copied()
+            .flatten()
+            .map(|own| own.penalty)
+            .sum::<f64>();
         if let Some(outliers) = outliers {
-            objective = outliers.objective(&state.residual, rows.keep, objective);
+            let residual = &state.blocks[0].residual;
+            objective = outliers.objective(residual, rows.keep, objective);
+        }
+        let mut blocks = state.blocks;
+        let settled = blocks
+            .iter_mut()
+            .zip(self.blocks())
+            .zip(sides.unwrap_or_default());
+        for ((own, block), sides) in settled {
+            own.sides = Some(block.sides_of(&sides.posture_context));
+            own.flipped.clone_from(&sides.flipped);
         }
         Fit {
             penalty: self.penalty(terms),
@@ -145,13 +168,9 @@ impl Problem<'_> {
             unknowns: state.unknowns,
             covariance,
             objective,
-            predicted: Arc::new(state.predicted),
-            residual: Arc::new(state.residual),
-            slopes: Arc::new(state.slopes),
-            closed: state.closed,
-            sides: sides.map(|sides| self.sides_of(&sides.posture_context)),
+            first: blocks.remove(0),
+            others: blocks,
             outliers: outliers.clone(),
-            flipped: sides.map_or_else(Vec::new, |sides| sides.flipped.clone()),
             at_bound: state.at_bound,
             masses: None,
         }
@@ -161,7 +180,7 @@ impl Problem<'_> {
     /// worth one; what it moves them by is that of noise which lasts as it does:
     ///
     /// ```text
-    /// C = A⁻¹ (A + Σ_axis Zᵀ (R/f − I) Z) A⁻¹        A = Jᵀ Z,  Z = (I + F Fᵀ)⁻¹ J
+    /// C = A⁻¹ (A + Σ_log Σ_axis Zᵀ (R/f − I) Z) A⁻¹        A = Jᵀ Z,  Z = (I + F Fᵀ)⁻¹ J
     /// ```
     ///
     /// R is the correlation of an axis's rows, f how many are worth one, F what masses do.
@@ -169,39 +188,37 @@ impl Problem<'_> {
         &self,
         state: &State,
         scales: &[f64],
-        root: &Option<Vec<f64>>,
-        masses: &Nuisance,
+        weighting: &Weighting,
     ) -> DMatrix<f64> {
         let as_white = damped::covariance(&state.normal.0, scales);
-        match self.lasting_spread(state, root, masses) {
+        match self.lasting_spread(state, weighting) {
             Some(spread) => &as_white + &as_white * spread * &as_white,
             None => as_white,
         }
     }
 
-    /// `Σ_axis Zᵀ (R/f − I) Z`: how far noise that lasts spreads the gradient of the unknowns beyond
-    /// noise that is white; none where no noise lasts. That of several logs is the sum of theirs.
-    pub(in crate::diagnose) fn lasting_spread(
-        &self,
-        state: &State,
-        root: &Option<Vec<f64>>,
-        masses: &Nuisance,
-    ) -> Option<DMatrix<f64>> {
-        let t = self.data.t.as_ref()?;
-        if self.lasting.iter().all(Option::is_none) {
+    /// `Σ Zᵀ (R/f − I) Z`: how far noise that lasts spreads the gradient of the unknowns beyond
+    /// noise that is white; none where no noise lasts.
+    fn lasting_spread(&self, state: &State, weighting: &Weighting) -> Option<DMatrix<f64>> {
+        let lasts =
+            |block: &Block| block.data.t.is_some() && block.lasting.iter().any(Option::is_some);
+        if !self.blocks().any(lasts) {
             return None;
         }
-        let counted = |mut slopes: DMatrix<f64>| {
-            let rows = root.iter().flatten().enumerate();
-            rows.for_each(|(row, root)| slopes.row_mut(row).scale_mut(*root));
-            slopes
-        };
-        let z = counted(masses.project_out(&counted(state.slopes.clone())));
-        let mut spread = DMatrix::zeros(z.ncols(), z.ncols());
-        for (axis, process) in self.lasting.iter().enumerate() {
-            let Some(process) = process else { continue };
-            let own = DMatrix::from_fn(t.len(), z.ncols(), |k, c| z[(2 * k + axis, c)]);
-            spread += process.spread(t, &own) / self.widened[axis].powi(2) - own.tr_mul(&own);
+        let unknowns = state.unknowns.len();
+        let mut z = stacked_slopes(state.blocks.iter(), unknowns);
+        weighting.weigh(&mut z);
+        z = weighting.masses.project_out(&z);
+        weighting.weigh(&mut z);
+        let mut spread = DMatrix::zeros(unknowns, unknowns);
+        for (block, range) in self.blocks().zip(self.readings()) {
+            let Some(t) = &block.data.t else { continue };
+            for (axis, process) in block.lasting.iter().enumerate() {
+                let Some(process) = process else { continue };
+                let row = |k: usize| range.start + 2 * k + axis;
+                let own = DMatrix::from_fn(t.len(), unknowns, |k, c| z[(row(k), c)]);
+                spread += process.spread(t, &own) / block.widened[axis].powi(2) - own.tr_mul(&own);
+            }
         }
         Some(spread)
     }
@@ -209,19 +226,74 @@ impl Problem<'_> {
     pub fn scales(&self, terms: &[Term]) -> Vec<f64> {
         terms
             .iter()
-            .flat_map(|term| term.scales(&self.context))
+            .flat_map(|term| term.scales(&self.first.context))
             .collect()
     }
 
+    /// What terms predict of every block at joint positions `q`, those of the log unless given.
+    pub(in crate::diagnose) fn predict(
+        &self,
+        terms: &[Term],
+        unknowns: &[f64],
+        contexts: &[Cow<[f64]>],
+        q: Option<&[Vec<f64>]>,
+    ) -> Vec<OnBlock> {
+        let blocks = self.blocks().zip(contexts).enumerate();
+        blocks
+            .map(|(at, (block, context))| {
+                let own = self.carried(block, terms);
+                let given = own.unknowns(unknowns);
+                let q = q.map_or(&block.data.q, |q| &q[at]);
+                let out = block.evaluate(&own.terms, &given, q, context);
+                let width = given.len() + 1;
+                let rows = 2 * block.data.len();
+                let predicted = (0..rows).map(|row| block.of_cad(row, out[row * width]));
+                let predicted: Vec<f64> = predicted.collect();
+                let residual = block.residual(&predicted);
+                let slopes = DMatrix::from_fn(rows, given.len(), |row, k| {
+                    out[row * width + 1 + k] * block.weight[row]
+                });
+                let closed = block.closed(&own.terms, &given, q, context);
+                OnBlock {
+                    predicted: Arc::new(predicted),
+                    residual: Arc::new(residual),
+                    slopes: Arc::new(own.by_unknowns(slopes, unknowns.len())),
+                    closed: closed.map(|closed| Closed {
+                        slopes: own.by_unknowns(closed.slopes, unknowns.len()),
+                        ..closed
+                    }),
+                    sides: None,
+                    flipped: Vec::new(),
+                }
+            })
+            .collect()
+    }
+
+    /// The likelihood at given unknowns, bounds as walls.
     pub(in crate::diagnose) fn state(
         &self,
         terms: &[Term],
         unknowns: Vec<f64>,
-        posture_context: &[f64],
-        root: &Option<Vec<f64>>,
-        masses: &Nuisance,
+        weighting: &Weighting,
     ) -> State {
-        let mut state = self.squares(terms, unknowns, posture_context, root, masses);
+        let blocks = self.predict(terms, &unknowns, weighting.contexts, None);
+        let mut e = stacked_residual(blocks.iter());
+        let mut j = stacked_slopes(blocks.iter(), unknowns.len());
+        weighting.weigh(&mut j);
+        if let Some(root) = weighting.root {
+            e.iter_mut().zip(root).for_each(|(e, root)| *e *= root);
+        }
+        let inner = self.project_out_one(weighting.masses, &e);
+        let mut state = State {
+            value: e.dot(&inner),
+            normal: (
+                transposed_times(&j, &self.project_out(weighting.masses, &j)),
+                j.tr_mul(&inner),
+            ),
+            at_bound: 0.0,
+            unknowns,
+            blocks,
+        };
         let (normal, gradient) = &mut state.normal;
         self.walls(terms, &state.unknowns, |violation, slope| {
             state.value += violation * violation;
@@ -239,73 +311,14 @@ impl Problem<'_> {
         state
     }
 
-    /// The same without walls.
-    pub(in crate::diagnose) fn squares(
-        &self,
-        terms: &[Term],
-        unknowns: Vec<f64>,
-        posture_context: &[f64],
-        root: &Option<Vec<f64>>,
-        masses: &Nuisance,
-    ) -> State {
-        let (n, p) = (self.data.len(), unknowns.len());
-        let out = self.evaluate(terms, &unknowns, &self.data.q, posture_context);
-        let width = p + 1;
-        let mut predicted = Vec::with_capacity(2 * n);
-        let mut residual = DVector::zeros(2 * n);
-        let mut slopes = DMatrix::zeros(2 * n, p);
-        for row in 0..2 * n {
-            let values = &out[row * width..(row + 1) * width];
-            // Readings of CAD's masses, by what is linear about `params`.
-            let back = self.offset.as_ref().map_or(0.0, |offset| offset[row]) / self.weight[row];
-            let value = values[0] - back;
-            predicted.push(value);
-            residual[row] = (self.data.reading[row] - value) * self.weight[row];
-            for k in 0..p {
-                slopes[(row, k)] = values[1 + k] * self.weight[row];
-            }
-        }
-        let (mut e, mut j) = (residual.clone(), slopes.clone());
-        if let Some(root) = root {
-            for row in 0..2 * n {
-                e[row] *= root[row];
-                j.row_mut(row).scale_mut(root[row]);
-            }
-        }
-        let inner = masses.project_out_one(&e);
-        let mut value = e.dot(&inner);
-        let mut normal = (
-            transposed_times(&j, &masses.project_out(&j)),
-            j.tr_mul(&inner),
-        );
-        let closed = self.closed(terms, &unknowns, posture_context);
-        if let (Some(closure), Some(closed)) = (&self.closure, &closed) {
-            let (residual, slopes) = (&closed.residual, &closed.slopes);
-            let inner = closure.without_common_of(residual);
-            value += residual.dot(&inner);
-            normal.0 += slopes.tr_mul(&closure.without_common(slopes));
-            normal.1 += slopes.tr_mul(&inner);
-        }
-        State {
-            value,
-            normal,
-            closed,
-            at_bound: 0.0,
-            unknowns,
-            predicted,
-            residual,
-            slopes,
-        }
-    }
-
     /// Each bound that is crossed, with its slope by the unknowns.
     fn walls(&self, terms: &[Term], unknowns: &[f64], mut each: impl FnMut(f64, &[f64])) {
-        for (term, places) in with_places(terms, &self.context) {
+        for (term, places) in with_places(terms, &self.first.context) {
             let own = &unknowns[places.clone()];
-            let violation = |x: &[f64]| term.bound_violation(&self.context, x);
+            let violation = |x: &[f64]| term.bound_violation(&self.first.context, x);
             let now = violation(own);
             if now.iter().any(|x| *x > 0.0) {
-                let scales = term.scales(&self.context);
+                let scales = term.scales(&self.first.context);
                 let mut slopes = vec![vec![0.0; unknowns.len()]; now.len()];
                 for k in 0..own.len() {
                     let mut moved = own.to_vec();
@@ -325,13 +338,26 @@ impl Problem<'_> {
     }
 }
 
+/// What is held while unknowns are fitted.
+pub(in crate::diagnose) struct Weighting<'w> {
+    /// What is known of the postures of each block.
+    pub contexts: &'w [Cow<'w, [f64]>],
+    /// Root of the weight of each row; none where all count alike.
+    pub root: Option<&'w [f64]>,
+    pub masses: &'w Nuisance,
+}
+
+impl Weighting<'_> {
+    fn weigh(&self, rows: &mut DMatrix<f64>) {
+        let roots = self.root.into_iter().flatten().enumerate();
+        roots.for_each(|(row, root)| rows.row_mut(row).scale_mut(*root));
+    }
+}
+
 /// A hypothesis at given unknowns.
 pub(in crate::diagnose) struct State {
     pub unknowns: Vec<f64>,
-    pub predicted: Vec<f64>,
-    pub residual: DVector<f64>,
-    pub slopes: DMatrix<f64>,
-    pub closed: Option<Closed>,
+    pub blocks: Vec<OnBlock>,
     pub value: f64,
     pub normal: (DMatrix<f64>, DVector<f64>),
     pub at_bound: f64,

@@ -5,11 +5,10 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::Experiment;
 
-use super::{Bench, NOISE, about, gauss, term};
+use super::{Bench, NOISE, about, gauss, term, together};
 use crate::diagnose::Verdict;
-use crate::diagnose::further_logs::{FurtherLog, together};
 use crate::diagnose::problem::ALL;
-use crate::diagnose::samples::{explained, said};
+use crate::diagnose::samples::{explained, of_logs};
 use crate::diagnose::words;
 use crate::observations::correlation::{Correlation, Cut, Process};
 use crate::observations::postures::Postures;
@@ -80,16 +79,13 @@ fn deviations_of_two_logs_are_those_of_noise_that_lasts() {
         let cut = if seed % 2 == 0 { 60 } else { 140 };
         let of = |rows: Range<usize>, seed: u64| {
             let mut problem = bench.certain(log(&bench, rows, seed));
-            problem.correlate_noise(&[correlation(); 2]);
+            problem.correlate_noise(0, [1.0; 2], &[correlation(); 2]);
             problem
         };
         let first = of(0..cut, 2 * seed);
-        let second = FurtherLog {
-            experiment: Experiment::Postures,
-            problem: of(cut..ROWS, 2 * seed + 1),
-        };
+        let second = of(cut..ROWS, 2 * seed + 1);
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&first, name, "-"));
-        let both = together(&first, first.fit(&terms, None, ALL), &[second]);
+        let both = together(&first, &second, Experiment::Postures).fit(&terms, None, ALL);
         let found = words::values(&first, &both).concat();
         for (k, (found, truth)) in found.iter().zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
             squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
@@ -113,12 +109,9 @@ fn each_of_several_logs_is_worth_what_its_own_noise_says() {
         data
     };
     let first = bench.problem(white(0..ROWS), "tight");
-    let second = FurtherLog {
-        experiment: Experiment::Postures,
-        problem: bench.problem(log(&bench, 0..ROWS, 7), "tight"),
-    };
-    let logs = [second];
-    let (problem, found, each) = explained(first, &logs, &about(), &mut ()).unwrap();
+    let second = bench.problem(log(&bench, 0..ROWS, 7), "tight");
+    let both = together(&first, &second, Experiment::Postures);
+    let (problem, found, each) = explained(both, &about(), &mut ()).unwrap();
     assert_eq!(found.diagnosis.verdict, Verdict::None);
     let [own, other] = &each[..] else {
         panic!("{each:?}")
@@ -130,7 +123,7 @@ fn each_of_several_logs_is_worth_what_its_own_noise_says() {
     for found in worth(other) {
         assert!((0.5..2.0).contains(&(found / expected)), "{found}");
     }
-    let samples = said(&problem, &logs, &each);
+    let samples = of_logs(&problem, &each);
     assert_eq!(samples.rows, 2 * ROWS);
     let all = ROWS as f64 + ROWS as f64 / worth(other)[0].max(worth(other)[1]);
     assert_eq!(samples.independent, all.round() as usize);
@@ -150,7 +143,7 @@ fn deviations_are_those_of_noise_that_lasts() {
     for seed in 0..LOGS {
         let mut problem = bench.certain(log(&bench, 0..ROWS, seed));
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&problem, name, "-"));
-        problem.correlate_noise(&[correlation; 2]);
+        problem.correlate_noise(0, [1.0; 2], &[correlation; 2]);
         let found = words::values(&problem, &problem.fit(&terms, None, ALL)).concat();
         for (k, (found, truth)) in found.iter().zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
             squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
@@ -159,7 +152,7 @@ fn deviations_are_those_of_noise_that_lasts() {
             process: None,
             ..correlation
         };
-        problem.correlate_noise(&[white; 2]);
+        problem.correlate_noise(0, [1.0; 2], &[white; 2]);
         // Readings are widened twice now: the deviation is √(rows per sample) times as large.
         let again = words::values(&problem, &problem.fit(&terms, None, ALL)).concat();
         let std = again[0].std / rows_per_sample.sqrt();
@@ -180,22 +173,23 @@ fn intervals_hold_where_how_long_noise_lasts_is_estimated() {
     let (mut all, mut hold) = (0, 0);
     for seed in 0..LOGS {
         let plain = bench.certain(log(&bench, 0..ROWS, seed));
-        let t = plain.data.t.clone().unwrap();
+        let t = plain.first.data.t.clone().unwrap();
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&plain, name, "-"));
         let mut problem = plain.clone();
         let mut fit = problem.fit(&terms, None, ALL);
         for _ in 0..2 {
             let axes = [0, 1].map(|axis| {
-                let whole = |k: usize| problem.widened(axis) * fit.residual[2 * k + axis];
+                let whole =
+                    |k: usize| problem.first.widened[axis] * fit.first.residual[2 * k + axis];
                 let y = DVector::from_fn(ROWS, |k, _| whole(k));
-                let x = DMatrix::from_fn(ROWS, 1 + fit.slopes.ncols(), |k, c| match c {
+                let x = DMatrix::from_fn(ROWS, 1 + fit.first.slopes.ncols(), |k, c| match c {
                     0 => 1.0,
-                    c => problem.widened(axis) * fit.slopes[(2 * k + axis, c - 1)],
+                    c => problem.first.widened[axis] * fit.first.slopes[(2 * k + axis, c - 1)],
                 });
                 Correlation::of(&t, &y, &x)
             });
             problem = plain.clone();
-            problem.correlate_noise(&axes);
+            problem.correlate_noise(0, [1.0; 2], &axes);
             fit = problem.fit(&terms, None, ALL);
         }
         let found = words::values(&problem, &fit).concat();

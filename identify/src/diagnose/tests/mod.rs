@@ -20,14 +20,14 @@ use std::sync::Arc;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use sesc_model::effects::{Catalog, Instance};
+use sesc_model::effects::{Catalog, Experiment, Instance};
 use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
 use super::diagnosis::find;
 use super::findings::{About, Explained};
 use super::hypothesis::Term;
-use super::problem::{Fit, Problem};
+use super::problem::{Block, Fit, Problem};
 use super::{Request, words};
 use crate::fit::prior::{Prior, Tolerance, Tolerances};
 use crate::logs::{LogSource, Table};
@@ -136,7 +136,8 @@ impl Bench {
     }
 
     fn of(&self, data: Postures, prior: &Prior) -> Problem<'_> {
-        Problem::new(&self.model, data, prior, &Catalog::standard()).unwrap()
+        let block = Block::new(&self.model, data, None, &Catalog::standard());
+        Problem::new(block, Vec::new(), prior)
     }
 
     fn diagnose(&self, data: Postures, prior: &str) -> Explained {
@@ -180,6 +181,12 @@ fn request(log: impl Into<LogSource>) -> Request {
     request
 }
 
+/// A log beside that of an experiment.
+fn together<'m>(first: &Problem<'m>, second: &Problem<'m>, experiment: Experiment) -> Problem<'m> {
+    let second = second.first.clone().beside(&first.first, experiment);
+    first.about(vec![first.first.clone(), second])
+}
+
 fn about() -> About<'static> {
     About {
         robot: "robot",
@@ -192,7 +199,7 @@ fn about() -> About<'static> {
 }
 
 fn diagnosed(problem: &mut Problem) -> Explained {
-    let mut found = find(problem, &[], &about(), &mut ()).unwrap();
+    let mut found = find(problem, &about(), &mut ()).unwrap();
     let said = super::verdict::sentences(problem, &found);
     found.diagnosis.sentence = said.whole();
     found.diagnosis.lead = said.lead;
@@ -211,8 +218,8 @@ fn term(problem: &Problem, effect: &str, target: &str) -> Term {
         "mass_distribution" => return Term::FreeMasses,
         _ => (),
     }
-    let effect = problem.context.catalog.named(effect).unwrap();
-    let target = problem.context.target_named(effect, target).unwrap();
+    let effect = problem.first.context.catalog.named(effect).unwrap();
+    let target = problem.first.context.target_named(effect, target).unwrap();
     Term::Effect(Instance { effect, target })
 }
 

@@ -5,12 +5,11 @@ use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
 use super::OP2_URDF;
-use super::{Bench, NOISE, about, diagnosed, gauss, term};
+use super::{Bench, NOISE, about, diagnosed, gauss, term, together};
 use crate::diagnose::criteria::{CLASS_SCORE, TOLD_APART};
 use crate::diagnose::diagnosis::find;
-use crate::diagnose::further_logs::{FurtherLog, together};
 use crate::diagnose::next_postures::{OnFoot, next};
-use crate::diagnose::problem::{ALL, Problem};
+use crate::diagnose::problem::{ALL, Block, Problem};
 use crate::fit::prior::Prior;
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
@@ -60,7 +59,11 @@ fn taken<'m>(model: &'m Model, world: &World, q: &[f64], seed: u64) -> Problem<'
     let reading: Vec<f64> = cop.map(|x| x + NOISE * gauss()).collect();
     let data = Postures::given(model.dof(), q, &reading, NOISE, 0.0);
     let prior = Prior::named("tight", model).unwrap();
-    Problem::new(model, data, &prior, &Catalog::standard()).unwrap()
+    Problem::new(
+        Block::new(model, data, None, &Catalog::standard()),
+        Vec::new(),
+        &prior,
+    )
 }
 
 #[test]
@@ -88,11 +91,10 @@ fn the_first_experiment_splits_the_class() {
             let model = robot.model(support, Snapping::default(), None).unwrap();
             let world = World::new(&bench.twin, support).unwrap();
             let world = hide(world, &label, offset, &experiment);
-            let further = FurtherLog {
-                problem: taken(&model, &world, q, 500 + seed),
-                experiment,
-            };
-            let after = find(&mut problem, &[further], &about(), &mut ()).unwrap();
+            let further = taken(&model, &world, q, 500 + seed);
+            let log = bench.problem(problem.first.data.clone(), "tight");
+            let mut both = together(&log, &further, experiment);
+            let after = find(&mut both, &about(), &mut ()).unwrap();
             let after = after.diagnosis.indistinguishable;
             let gone = before.iter().filter(|rival| !after.contains(rival)).count();
             let remains = after.contains(&truth);
@@ -130,14 +132,10 @@ fn logs_together_are_one_log() {
             bench.certain(Postures::given(dof, q, y, NOISE, 0.0))
         };
         let (whole, first) = (of(0, 120), of(0, 50));
-        let second = FurtherLog {
-            experiment: Experiment::Postures,
-            problem: of(50, 120),
-        };
+        let both = together(&first, &of(50, 120), Experiment::Postures);
         let own = [term(&whole, effect, target)];
         let at_once = whole.fit(&own, None, ALL);
-        let alone = first.fit(&own, None, ALL);
-        let both = together(&first, alone.clone(), &[second]);
+        let both = both.fit(&own, None, ALL);
         let (ours, expected) = (both.score(), at_once.score());
         let off = (ours - expected).abs();
         assert!(off < 0.05, "{effect}: {ours}, not {expected}");
@@ -147,8 +145,6 @@ fn logs_together_are_one_log() {
             assert!(off < 0.05 * std, "{effect} {k}: {off:e}");
             assert!((both.covariance[(k, k)].sqrt() / std - 1.0).abs() < 0.02);
         }
-        let same = together(&first, alone.clone(), &[]);
-        assert_eq!(same.unknowns, alone.unknowns);
     }
 }
 
@@ -161,11 +157,8 @@ fn a_turned_robot_sees_the_slope_the_other_way() {
     let first = bench.certain(bench.log(&slope(0.005), &q, 1));
     let own = [term(&first, "ground_slope", "-")];
     let score = |there: f64, experiment: Experiment| {
-        let further = FurtherLog {
-            experiment,
-            problem: bench.certain(bench.log(&slope(there), &q, 2)),
-        };
-        together(&first, first.fit(&own, None, ALL), &[further])
+        let second = bench.certain(bench.log(&slope(there), &q, 2));
+        together(&first, &second, experiment).fit(&own, None, ALL)
     };
     let fit = score(-0.005, Experiment::Turned);
     let expected = 240.0 - 2.0;
@@ -176,26 +169,24 @@ fn a_turned_robot_sees_the_slope_the_other_way() {
     assert!(score(-0.005, Experiment::Postures).objective > 10.0 * expected);
 }
 
-/// An offset of 11° on a robot whose masses are 10 % off: masses settle far
-/// from CAD's, and what is stated is of both logs. Information of logs adds up:
-///
-/// ```text
-/// 1/σ² = 1/σ₁² + 1/σ₂²        x = σ² (x₁/σ₁² + x₂/σ₂²)
-/// ```
+/// An offset of 11° on a robot whose masses are 10 % off: masses settle far from CAD's. The masses
+/// are those of both logs, so what is stated is that of one log with all postures.
 #[test]
-fn what_is_stated_about_settled_masses_is_of_all_logs() {
+fn logs_share_the_masses_of_what_is_stated() {
     let bench = Bench::op2();
     let world = bench.world().joint_offset("r_knee", 0.2).unwrap();
     let world = world.link_mass("body_link", 1.1, [0.004, 0.002, 0.01]);
-    let world = world.unwrap();
-    let log = |count: usize, seed: u64| {
-        let q = bench.balanced(count, seed);
-        bench.problem(bench.log(&world, &q, seed), "cad")
+    let data = bench.log(&world.unwrap(), &bench.balanced(200, 11), 11);
+    let dof = bench.model.dof();
+    let of = |from: usize, to: usize| {
+        let (q, y) = (
+            &data.q[from * dof..to * dof],
+            &data.reading[2 * from..2 * to],
+        );
+        bench.problem(Postures::given(dof, q, y, NOISE, 0.0), "cad")
     };
-    let (first, second) = (log(40, 11), log(160, 12));
-    let stated = |further: &[FurtherLog], first: &Problem| {
-        let mut problem = first.clone();
-        let found = find(&mut problem, further, &about(), &mut ()).unwrap();
+    let stated = |mut problem: Problem| {
+        let found = find(&mut problem, &about(), &mut ()).unwrap();
         assert!(!problem.is_about_cad(), "masses of CAD predict it");
         let steps = found.diagnosis.steps;
         let knee = steps.iter().find(|step| step.target == "r_knee");
@@ -203,16 +194,16 @@ fn what_is_stated_about_settled_masses_is_of_all_logs() {
         let offset = &knee.parameters["offset_rad"];
         (offset.value, offset.std)
     };
-    let (one, other) = (stated(&[], &first), stated(&[], &second));
-    let further = FurtherLog {
-        experiment: Experiment::Postures,
-        problem: second,
-    };
-    let both = stated(&[further], &first);
-    let [a, b] = [one, other].map(|(_, std)| std.powi(-2));
-    let (value, std) = ((a * one.0 + b * other.0) / (a + b), (a + b).powf(-0.5));
-    assert!((both.1 / std - 1.0).abs() < 0.05, "{both:?} {std}");
-    assert!((both.0 - value).abs() < 0.3 * std, "{both:?} {value}");
+    let at_once = stated(of(0, 200));
+    let both = stated(together(&of(0, 40), &of(40, 200), Experiment::Postures));
+    assert!(
+        (both.1 / at_once.1 - 1.0).abs() < 0.02,
+        "{both:?} {at_once:?}"
+    );
+    assert!(
+        (both.0 - at_once.0).abs() < 0.1 * both.1,
+        "{both:?} {at_once:?}"
+    );
     assert!((both.0 - 0.2).abs() < 4.0 * both.1, "{both:?}");
 }
 

@@ -36,7 +36,7 @@ impl Case {
     }
 
     fn nuisance(&self) -> Nuisance {
-        Nuisance::new(&self.rows, &self.prior, &self.weight())
+        Nuisance::of(self.whitened(&(&self.rows * &self.prior)))
     }
 
     fn whitened(&self, x: &DMatrix<f64>) -> DMatrix<f64> {

@@ -39,8 +39,10 @@ fn differ(problem: &Problem, terms: &[Term]) -> f64 {
     let scales = problem.scales(terms);
     let at: Vec<f64> = scales.iter().map(|scale| 0.3 * scale).collect();
     let run = |x: &[f64]| {
-        let data = &problem.data;
-        problem.evaluate(terms, x, &data.q, &data.posture_context)
+        let data = &problem.first.data;
+        problem
+            .first
+            .evaluate(terms, x, &data.q, &data.posture_context)
     };
     let (here, width) = (run(&at), scales.len() + 1);
     let mut worst: f64 = 0.0;
@@ -70,8 +72,8 @@ fn slopes_of_every_effect_are_central_differences() {
     let bench = Bench::skew();
     let problem = everything(&bench);
     let mut seen = Vec::new();
-    for term in effect_terms(&problem.context) {
-        if term.unknowns(&problem.context) == 0 {
+    for term in effect_terms(&problem.first.context) {
+        if term.unknowns(&problem.first.context) == 0 {
             continue;
         }
         let off = differ(&problem, std::slice::from_ref(&term));
@@ -161,7 +163,7 @@ fn values_are_found_and_their_deviations_are_honest() {
         let mut of_effect = 0.0;
         for seed in 0..SEEDS {
             let mut gauss = gauss(100 + seed);
-            problem.data.reading = clean.iter().map(|x| x + NOISE * gauss()).collect();
+            problem.first.data.reading = clean.iter().map(|x| x + NOISE * gauss()).collect();
             let fit = problem.fit(&own, None, ALL);
             let found = values(&problem, &fit);
             assert_eq!(found.len(), truth.len());
@@ -197,7 +199,7 @@ fn penalties_grow_with_unknowns_and_targets() {
         let mut problem = bench.certain(bench.log(&bench.world(), &q, 1));
         let (joints, links) = (
             bench.model.dof() as f64,
-            problem.context.links().len() as f64,
+            problem.first.context.links().len() as f64,
         );
         let penalty = |problem: &Problem, effect: &str, target: &str| {
             problem.penalty(&[term(problem, effect, target)])
@@ -214,7 +216,7 @@ fn penalties_grow_with_unknowns_and_targets() {
         let sum = rotation + penalty(&problem, "sensor_gain", "-");
         assert!((problem.penalty(&both) - sum).abs() < 1e-12);
         // By how well targets are seen: the chance of an effect stays what it was.
-        let terms = effect_terms(&problem.context);
+        let terms = effect_terms(&problem.first.context);
         let chance = |problem: &Problem, name: &str| {
             let own = terms.iter().filter(|i| i.name() == name);
             let penalties = own.map(|i| problem.penalty(std::slice::from_ref(i)));
