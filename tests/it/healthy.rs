@@ -15,11 +15,10 @@ use sesc_identify::fit::{self, prior::PriorChoice};
 use sesc_identify::logs::{LogSource, Sidecar, Table};
 use sesc_identify::robot::Robot;
 use sesc_model::{Function, Model, ModelFile, Snapping};
-use sesc_reference::{Place, World};
+use sesc_reference::{Place, Robot as TrueRobot, World};
 use sesc_test_support::command::Folder;
+use sesc_test_support::examine::bought::bought;
 use sesc_test_support::stage::{Platform, Stage};
-
-use crate::plan::efficiency::true_robot;
 
 /// Noise of a posture's reading, m.
 const NOISE: f64 = 5e-4;
@@ -39,7 +38,8 @@ impl Bench {
     fn new(seed: u64) -> Bench {
         let stage = Stage::new(Platform::Op2);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let world = World::new(&true_robot(&mut random), stage.support).unwrap();
+        let cad = TrueRobot::from_urdf(sesc::OP2_URDF).unwrap();
+        let world = World::new(&bought(&cad, &mut random), stage.support).unwrap();
         let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
         Bench {
             stage,

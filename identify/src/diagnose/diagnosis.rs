@@ -18,6 +18,7 @@ use crate::Error;
 use crate::observations::noise::NoiseSource;
 use crate::observations::revisits::Again;
 use crate::observations::samples::Samples;
+use crate::threads::each_long;
 use crate::watch::Watch;
 
 /// What is missing in the logs.
@@ -41,9 +42,16 @@ pub fn find<'m>(
         false => vec![search.fit(&[], None)],
     };
     ranked.retain(|fit| !too_many_outliers(fit));
-    let nothing = search.fit(&[], None);
-    let (mut ranked, implausible) = believed(search.problem(), ranked, &nothing);
-    // Something is missing only if that is clearly better than nothing missing.
+    let none = search.fit(&[], None);
+    let (mut ranked, implausible) = judged(search.problem(), ranked, &none);
+    // Something is missing only if that is clearly better than nothing missing, whatever masses
+    // are; that these are off CAD is a finding of its own.
+    let masses = ranked.iter().find(|fit| fit.beside_masses().count() == 0);
+    let clear = criteria::OVER_NOTHING + search.problem().kind_penalty();
+    let nothing = match masses {
+        Some(masses) if masses.score() + clear < none.score() => masses.clone(),
+        _ => none,
+    };
     if nothing.score() < ranked[0].score() + criteria::OVER_NOTHING {
         ranked = vec![nothing];
     }
@@ -174,29 +182,57 @@ pub fn find<'m>(
     Ok(found)
 }
 
-/// Explanations that sit within all physical bounds, the best first; and what was
-/// implausible about a clearly better one, as a sentence.
-fn believed(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Option<String>) {
-    let mut best: Option<(f64, String)> = None;
-    let mut believed = Vec::new();
+/// Explanations that a robot can have, the best first, those that come near the best by their
+/// score where their own masses are; and what was implausible about a clearly better one, as a
+/// sentence. Nothing is missing where no robot has any.
+fn judged(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Option<String>) {
+    let mut better: Option<(f64, String)> = None;
+    let mut pass_over = |score: f64, sentence: String| {
+        if better.as_ref().is_none_or(|(best, _)| score < *best) {
+            better = Some((score, sentence));
+        }
+    };
+    let mut plausible = Vec::new();
     for fit in ranked {
         match implausible(problem, &fit) {
-            None => believed.push(fit),
-            Some(sentence) if best.is_none() => best = Some((fit.score(), sentence)),
-            Some(_) => {}
+            None => plausible.push(fit),
+            Some(sentence) => pass_over(fit.score(), sentence),
         }
     }
-    let (passed_over, settled) = pass_over_impossible(problem, &mut believed);
-    if believed.is_empty() {
-        believed.push(nothing.clone());
+    let mut waiting = plausible.into_iter().peekable();
+    let mut ranked: Vec<Fit> = Vec::new();
+    while ranked.is_empty()
+        && let Some(first) = waiting.peek()
+    {
+        let near = first.score() + criteria::CLASS_SCORE;
+        let mut batch = Vec::new();
+        while batch.len() < criteria::LISTED
+            && let Some(fit) = waiting.next_if(|fit| fit.score() <= near)
+        {
+            batch.push(fit);
+        }
+        let settled = each_long(batch, |fit| match stated::settle(problem, &fit) {
+            Some((own, settled)) => {
+                let sentence = implausible(&own, &settled);
+                let objective = settled.objective;
+                (Fit { objective, ..fit }, sentence)
+            }
+            None => (fit, None),
+        });
+        for (fit, sentence) in settled {
+            match sentence {
+                None => ranked.push(fit),
+                Some(sentence) => pass_over(fit.score(), sentence),
+            }
+        }
     }
-    let far = |(score, sentence): (f64, String), first: f64| {
-        (score + criteria::CLASS_SCORE < first.min(nothing.score())).then_some(sentence)
-    };
-    let first = believed[0].score();
-    let better = best.and_then(|best| far(best, first));
-    let better = better.or_else(|| far(passed_over?, settled.unwrap_or(first)));
-    (believed, better)
+    ranked.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    if ranked.is_empty() {
+        ranked.push(nothing.clone());
+    }
+    let first = ranked[0].score().min(nothing.score());
+    let better = better.filter(|(score, _)| score + criteria::CLASS_SCORE < first);
+    (ranked, better.map(|(_, sentence)| sentence))
 }
 
 /// What an explanation leaves. Where masses end far from CAD's, their linearisation about CAD
@@ -210,30 +246,6 @@ fn misfit(problem: &Problem, fit: &Fit) -> Misfit {
     let settled = settled.map(|(own, fit)| Misfit::of(&own, &fit));
     let less = settled.filter(|settled| settled.chi2 < about_cad.chi2);
     less.unwrap_or(about_cad)
-}
-
-/// Leave out explanations at the head of the list that no robot has once masses have settled,
-/// which moves the effects beside them where masses end far from CAD's: what is told and written
-/// is where both have settled. The best of those left out with its score, as a sentence, and the
-/// score of what is first then; both are settled.
-fn pass_over_impossible(
-    problem: &Problem,
-    believed: &mut Vec<Fit>,
-) -> (Option<(f64, String)>, Option<f64>) {
-    let mut best: Option<(f64, String)> = None;
-    while let Some(first) = believed.first() {
-        let Some((own, fit)) = stated::settle(problem, first) else {
-            return (best, None);
-        };
-        let Some(sentence) = implausible(&own, &fit) else {
-            return (best, Some(fit.score()));
-        };
-        if best.as_ref().is_none_or(|(score, _)| fit.score() < *score) {
-            best = Some((fit.score(), sentence));
-        }
-        believed.remove(0);
-    }
-    (best, None)
 }
 
 /// What of an explanation no robot has, as a sentence.
@@ -272,18 +284,20 @@ fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
     })
 }
 
-/// The best first, without those that only add to another.
+/// The best first, without those that only add to another. The same effects beside masses of
+/// another width are the same explanation.
 fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     let mut class: Vec<Fit> = vec![best.clone()];
     for fit in near {
-        let same = fit.terms == best.terms;
+        let same = |other: &Fit| fit.beside_masses().eq(other.beside_masses());
         // More of the same is an answer of its own only if it is as good.
         let adds = |other: &Fit| {
             let all = other.terms.iter().all(|i| fit.terms.contains(i));
             let difference = fit.score() - other.score();
             all && other.terms.len() < fit.terms.len() && difference > criteria::ADDED_EFFECT
         };
-        if !same && !fit.terms.is_empty() && !class.iter().any(adds) && !best.terms.is_empty() {
+        let known = |other: &Fit| same(other) || adds(other);
+        if !fit.terms.is_empty() && !class.iter().any(known) && !best.terms.is_empty() {
             class.push(fit);
         }
     }

@@ -3,7 +3,7 @@
 //! ```text
 //! effect         a rewrite of the measurement at a target, with its unknowns
 //! outliers       some readings come from elsewhere: noise of two widths
-//! free masses    all base parameters are identified again, CAD within tolerances
+//! masses         all base parameters are identified again, CAD within tolerances
 //! ```
 //!
 //! Outliers (a foot that slips, a hand on the robot) are named by posture; nothing
@@ -24,8 +24,32 @@ pub enum Term {
     Effect(Instance),
     /// Noise of two widths: a few readings come from elsewhere.
     Outliers,
-    /// The masses within the usual tolerances of CAD, not within the given prior.
-    FreeMasses,
+    /// The masses within a part of the usual tolerances of CAD, not within the given prior.
+    Masses(Width),
+}
+
+/// How far masses may be off CAD.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Width {
+    /// 1 % and 0.5 mm.
+    Tenth,
+    /// 3 % and 1.5 mm.
+    Third,
+    /// 10 % and 5 mm: as they usually are.
+    Usual,
+}
+
+impl Width {
+    pub const ALL: [Width; 3] = [Width::Tenth, Width::Third, Width::Usual];
+
+    /// Part of the usual tolerances.
+    pub fn part(self) -> f64 {
+        match self {
+            Width::Tenth => 0.1,
+            Width::Third => 0.3,
+            Width::Usual => 1.0,
+        }
+    }
 }
 
 /// Unknowns of the noise of two widths: its share and its width.
@@ -82,7 +106,7 @@ impl Term {
     pub fn effect(&self) -> Option<&Instance> {
         match self {
             Term::Effect(instance) => Some(instance),
-            Term::Outliers | Term::FreeMasses => None,
+            Term::Outliers | Term::Masses(_) => None,
         }
     }
 
@@ -153,7 +177,7 @@ impl Term {
         match self {
             Term::Effect(i) => i.effect.in_experiment(experiment, &i.target),
             Term::Outliers => Carry::Gone,
-            Term::FreeMasses => Carry::Same,
+            Term::Masses(_) => Carry::Same,
         }
     }
 
@@ -162,7 +186,7 @@ impl Term {
         match self {
             Term::Effect(instance) => instance.effect.id().name(),
             Term::Outliers => OUTLIERS.0,
-            Term::FreeMasses => FREE_MASSES,
+            Term::Masses(_) => FREE_MASSES,
         }
     }
 
@@ -183,7 +207,7 @@ impl Term {
         match self {
             Term::Effect(instance) => instance.phrase(context),
             Term::Outliers => OUTLIERS.1.to_string(),
-            Term::FreeMasses => FREED.1.to_string(),
+            Term::Masses(_) => FREED.1.to_string(),
         }
     }
 
@@ -198,7 +222,7 @@ impl Term {
         match self {
             Term::Effect(i) => (context.catalog.rank(i.effect.id()), i.target.clone()),
             Term::Outliers => (effects, Target::Whole),
-            Term::FreeMasses => (effects + 1, Target::Whole),
+            Term::Masses(width) => (effects + 1 + *width as usize, Target::Whole),
         }
     }
 
@@ -206,7 +230,7 @@ impl Term {
     /// by the same effect, not two foot cells.
     pub fn is_compatible(&self, other: &Term) -> bool {
         let (Some(a), Some(b)) = (self.effect(), other.effect()) else {
-            return self != other;
+            return self.name() != other.name();
         };
         let same = a.effect.id() == b.effect.id();
         let all = a.target == Target::AllJoints || b.target == Target::AllJoints;

@@ -23,7 +23,7 @@ use sesc_model::effects::{self, EffectContext, EffectId, PostureContext};
 
 use super::criteria;
 use super::experiment::{CarriedExplanation, carried};
-use super::hypothesis::{self, Term, with_places};
+use super::hypothesis::{self, Term, Width, with_places};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use crate::fit::prior::{Prior, Tolerances};
@@ -45,8 +45,8 @@ pub struct Problem<'m> {
     pub others: Vec<Block<'m>>,
     /// Masses within the prior that was asked for; rows are those of all blocks.
     pub nuisance: Nuisance,
-    /// Masses within the usual tolerances of CAD, for `mass_distribution`.
-    pub wide: Nuisance,
+    /// Masses within parts of the usual tolerances of CAD, for `mass_distribution`, by [`Width`].
+    wide: [Nuisance; Width::ALL.len()],
     /// Factor F of the prior on masses; `wide_prior` is that of the usual tolerances.
     pub prior: DMatrix<f64>,
     /// What is known of directions that `prior` has no column for.
@@ -54,6 +54,9 @@ pub struct Problem<'m> {
     pub wide_prior: DMatrix<f64>,
     target_weights: HashMap<Term, f64>,
     kinds: usize,
+    /// What it costs that masses are not within the prior: nothing where it is one of several
+    /// tolerances of CAD that are as likely.
+    masses_penalty: f64,
 }
 
 /// A hypothesis to be fitted.
@@ -119,9 +122,15 @@ impl Fit {
         Some(&self.unknowns[own])
     }
 
-    /// Whether masses are identified within the usual tolerances of CAD.
+    /// Whether masses are identified within other tolerances of CAD than the prior's.
     pub fn frees_masses(&self) -> bool {
-        self.terms.contains(&Term::FreeMasses)
+        width(&self.terms).is_some()
+    }
+
+    /// What it names beside masses that are off.
+    pub fn beside_masses(&self) -> impl Iterator<Item = &Term> {
+        let terms = self.terms.iter();
+        terms.filter(|term| !matches!(term, Term::Masses(_)))
     }
 
     /// What it predicts, block by block.
@@ -219,12 +228,17 @@ impl<'m> Problem<'m> {
         let usual = Prior::Cad(Tolerances::usual()).covariance_factor(model);
         let instances = effects::instances(&first.context);
         let kinds: BTreeSet<EffectId> = instances.iter().map(|i| i.effect.id()).collect();
+        let kinds = kinds.len() + hypothesis::MODELS;
         let mut problem = Problem {
-            kinds: kinds.len() + hypothesis::MODELS,
+            masses_penalty: match prior {
+                Prior::Cad(_) => 0.0,
+                _ => 2.0 * (kinds as f64).ln(),
+            },
+            kinds,
             first,
             others,
             nuisance: Nuisance::none(),
-            wide: Nuisance::none(),
+            wide: Width::ALL.map(|_| Nuisance::none()),
             prior: factor,
             beyond_prior,
             wide_prior: usual.unwrap_or_else(none),
@@ -322,7 +336,8 @@ impl<'m> Problem<'m> {
         }
         let rows = self.whitened_rows();
         self.nuisance = Nuisance::of(&rows * &self.prior);
-        self.wide = Nuisance::of(&rows * &self.wide_prior);
+        let wide = &rows * &self.wide_prior;
+        self.wide = Width::ALL.map(|width| Nuisance::of(&wide * width.part()));
     }
 
     /// Whitened derivative of all rows by the base parameters; masses move no sole.
@@ -379,6 +394,9 @@ impl<'m> Problem<'m> {
     pub fn penalty(&self, terms: &[Term]) -> f64 {
         let readings = self.height() as f64;
         let of = |term: &Term| {
+            if let Term::Masses(_) = term {
+                return self.masses_penalty;
+            }
             let weight = match self.target_weights.get(term) {
                 Some(weight) => *weight,
                 None => 1.0 / term.targets(&self.first.context) as f64,
@@ -407,12 +425,24 @@ impl<'m> Problem<'m> {
         }
     }
 
+    /// What it costs to say that masses are off CAD where nothing else is missing.
+    pub(super) fn kind_penalty(&self) -> f64 {
+        2.0 * (self.kinds as f64).ln()
+    }
+
     /// The masses' directions under a hypothesis.
     pub fn masses(&self, terms: &[Term]) -> &Nuisance {
-        if terms.contains(&Term::FreeMasses) {
-            &self.wide
-        } else {
-            &self.nuisance
+        match width(terms) {
+            Some(width) => &self.wide[width as usize],
+            None => &self.nuisance,
+        }
+    }
+
+    /// Factor F of the masses' prior under a hypothesis, and what is known beyond.
+    pub(super) fn prior_of(&self, terms: &[Term]) -> (Cow<'_, DMatrix<f64>>, Beyond) {
+        match width(terms) {
+            Some(width) => (Cow::Owned(&self.wide_prior * width.part()), Beyond::Exact),
+            None => (Cow::Borrowed(&self.prior), self.beyond_prior),
         }
     }
 
@@ -462,9 +492,9 @@ impl<'m> Problem<'m> {
         self.masses(&fit.terms).shift(&self.mass_errors(fit, rows))
     }
 
-    /// Whether the usual tolerances of CAD leave masses more room than the prior.
-    pub(super) fn is_wider(&self) -> bool {
-        self.wide.log_det > self.nuisance.log_det
+    /// Whether this part of the usual tolerances leaves masses more room than the prior.
+    pub(super) fn is_wider(&self, width: Width) -> bool {
+        self.wide[width as usize].log_det > self.nuisance.log_det
     }
 
     /// What of stacked columns is neither a mass error nor common to all soles of a log.
@@ -519,6 +549,14 @@ impl<'m> Problem<'m> {
             })
             .collect()
     }
+}
+
+/// How far masses may be off CAD under a hypothesis; none where the prior holds.
+fn width(terms: &[Term]) -> Option<Width> {
+    terms.iter().find_map(|term| match term {
+        Term::Masses(width) => Some(*width),
+        _ => None,
+    })
 }
 
 /// What free masses leave of readings, m, and how many of these they take up: noise, and

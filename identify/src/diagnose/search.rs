@@ -11,7 +11,7 @@ use sesc_model::effects::{Stage, Target};
 
 use super::criteria;
 use super::dictionary::Dictionary;
-use super::hypothesis::{Term, sorted};
+use super::hypothesis::{Term, Width, sorted};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem, Proposal};
@@ -22,7 +22,7 @@ use crate::watch::{Watch, tell};
 
 /// How many extensions of a hypothesis are fitted.
 #[derive(Clone, Copy)]
-enum Width {
+enum Breadth {
     /// Some of every kind.
     First,
     /// The most promising.
@@ -77,12 +77,12 @@ impl<'p, 'm> Search<'p, 'm> {
         for depth in 1..=criteria::DEEPEST {
             let mut proposals = Vec::new();
             for parent in &beam {
-                let width = if depth == 1 {
-                    Width::First
+                let breadth = if depth == 1 {
+                    Breadth::First
                 } else {
-                    Width::Later
+                    Breadth::Later
                 };
-                proposals.extend(self.extensions(parent, width));
+                proposals.extend(self.extensions(parent, breadth));
             }
             if depth > 1 {
                 // Wiring faults also occur together, and leave large gaps.
@@ -153,7 +153,7 @@ impl<'p, 'm> Search<'p, 'm> {
     }
 
     /// What could be added to a hypothesis, with its predicted score.
-    fn extensions(&self, parent: &Fit, width: Width) -> Vec<Proposal> {
+    fn extensions(&self, parent: &Fit, breadth: Breadth) -> Vec<Proposal> {
         let own;
         let wired = parent
             .terms
@@ -179,10 +179,10 @@ impl<'p, 'm> Search<'p, 'm> {
             })
             .collect();
         proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-        let (per_kind, most) = match width {
-            Width::First => (criteria::FIRST_OF_KIND, usize::MAX),
-            Width::Later => (criteria::LATER_OF_KIND, criteria::LATER),
-            Width::Near => (usize::MAX, criteria::NEAR),
+        let (per_kind, most) = match breadth {
+            Breadth::First => (criteria::FIRST_OF_KIND, usize::MAX),
+            Breadth::Later => (criteria::LATER_OF_KIND, criteria::LATER),
+            Breadth::Near => (usize::MAX, criteria::NEAR),
         };
         let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
         proposals.retain(|p| {
@@ -192,19 +192,22 @@ impl<'p, 'm> Search<'p, 'm> {
             *count <= per_kind
         });
         proposals.truncate(most);
-        for term in [Term::Outliers, Term::FreeMasses] {
+        let masses = Width::ALL.map(Term::Masses);
+        for term in [Term::Outliers].into_iter().chain(masses) {
             proposals.extend(self.with_model(parent, term));
         }
         proposals
     }
 
-    /// Outliers or free masses beside a hypothesis.
+    /// Outliers or masses within other tolerances beside a hypothesis.
     fn with_model(&self, parent: &Fit, term: Term) -> Option<Proposal> {
         if !compatible(&parent.terms, &term) {
             return None;
         }
         // Masses that are as free already are no effect.
-        if term == Term::FreeMasses && !self.problem.is_wider() {
+        if let Term::Masses(width) = term
+            && !self.problem.is_wider(width)
+        {
             return None;
         }
         let penalty = self.problem.penalty(std::slice::from_ref(&term));
@@ -223,7 +226,8 @@ impl<'p, 'm> Search<'p, 'm> {
                 parent.score() + (mixture - plain) + penalty
             }
             _ => {
-                let (wide, tight) = (&self.problem.wide, &self.problem.nuisance);
+                let wide = self.problem.masses(std::slice::from_ref(&term));
+                let tight = &self.problem.nuisance;
                 let residual = parent.residual();
                 let left = |n: &Nuisance| residual.dot(&n.project_out_one(&residual));
                 let change = left(wide) + wide.log_det - left(tight) - tight.log_det;
@@ -328,7 +332,7 @@ impl<'p, 'm> Search<'p, 'm> {
     /// everything that comes near it.
     fn reexamine(&mut self, watch: &mut dyn Watch) -> Result<(), Error> {
         let null = self.fit(&[], None);
-        let alone = self.extensions(&null, Width::Near);
+        let alone = self.extensions(&null, Breadth::Near);
         self.refine(alone, 2, watch)?;
         let best: Vec<Fit> = self.ranked().into_iter().take(criteria::EXAMINED).collect();
         for (place, fit) in best.iter().enumerate() {
@@ -336,12 +340,12 @@ impl<'p, 'm> Search<'p, 'm> {
                 let mut fewer = fit.terms.clone();
                 fewer.remove(k);
                 let parent = self.fit(&fewer, Some(fit));
-                let width = if place == 0 {
-                    Width::Near
+                let breadth = if place == 0 {
+                    Breadth::Near
                 } else {
-                    Width::Later
+                    Breadth::Later
                 };
-                let proposals = self.extensions(&parent, width);
+                let proposals = self.extensions(&parent, breadth);
                 self.refine(proposals, 2, watch)?;
             }
         }

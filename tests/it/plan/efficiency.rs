@@ -13,26 +13,9 @@ use sesc_identify::lsq::solve;
 use sesc_model::Function;
 use sesc_reference::{Reference, Robot as TrueRobot};
 
-use super::{NOISE, POSES, op2_plan};
+use sesc_test_support::examine::bought::bought;
 
-/// The OP2 as it might really be: every link's mass off by 10 %, its CoM by 5 mm per axis.
-pub(crate) fn true_robot(rng: &mut ChaCha8Rng) -> TrueRobot {
-    let cad = TrueRobot::from_urdf(OP2_URDF).unwrap();
-    let mut gauss = |std: f64| -> f64 {
-        let x: f64 = StandardNormal.sample(rng);
-        std * x
-    };
-    let mut robot = cad.clone();
-    for link in cad.links().iter().filter(|link| link.mass_kg > 0.0) {
-        let mass = link.mass_kg * (1.0 + gauss(0.1)).max(0.2);
-        let com = link.com_m.coords.map(|c| c + gauss(0.005));
-        // A point mass that makes it so.
-        let extra = mass - link.mass_kg;
-        let at = (com * mass - link.com_m.coords * link.mass_kg) / extra;
-        robot = robot.with_point_mass(&link.name, extra, at.into()).unwrap();
-    }
-    robot
-}
+use super::{NOISE, POSES, op2_plan};
 
 /// Readings of one robot, and what a fit of them knows beforehand.
 struct Lab<'a> {
@@ -67,10 +50,11 @@ impl Lab<'_> {
 fn yardstick(prior: &str) -> (f64, f64) {
     let (mut planned, mut random) = (0.0, 0.0);
     let seeds = 20;
+    let cad = TrueRobot::from_urdf(OP2_URDF).unwrap();
     for seed in 1..=seeds {
         let (_, model, found) = op2_plan(prior, seed, 1000);
         let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);
-        let reference = Reference::new(&true_robot(&mut rng), "r_sole").unwrap();
+        let reference = Reference::new(&bought(&cad, &mut rng), "r_sole").unwrap();
         let postures: Vec<&[f64]> = found.q.chunks(model.dof()).collect();
         let truth = postures.iter().flat_map(|q| {
             let com = reference.com(q);

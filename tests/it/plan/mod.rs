@@ -20,7 +20,7 @@ use sesc_model::{Model, Snapping};
 use sesc_reference::Reference;
 use sesc_test_support::command::{Folder, ROOT};
 
-use efficiency::true_robot;
+use sesc_test_support::examine::bought::bought;
 
 /// The seed paper's: |CoP| < 23 mm, 38 postures, 100 readings of 4.93 mm each.
 const COP_BOX: f64 = 0.023;
@@ -62,7 +62,7 @@ fn every_planned_posture_can_be_stood_in() {
         .collect();
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let others: Vec<Reference> = (0..20)
-        .map(|_| Reference::new(&true_robot(&mut rng), "r_sole").unwrap())
+        .map(|_| Reference::new(&bought(reference.robot(), &mut rng), "r_sole").unwrap())
         .collect();
     let mut outside = 0;
     for q in found.q.chunks(model.dof()) {

@@ -10,6 +10,7 @@
 //! the last tables.
 
 mod alarms;
+mod bought;
 mod com;
 mod effects;
 mod fleet;
@@ -34,8 +35,9 @@ type Scenario = (
     u64,
     Option<for<'a> fn(&'a Asked) -> Plan<'a>>,
 );
-const SCENARIOS: [Scenario; 8] = [
+const SCENARIOS: [Scenario; 9] = [
     ("effects", 400, 800_000, None),
+    ("bought", 400, 1, Some(bought::plan)),
     ("com", 150, 1, Some(com::plan)),
     ("recordings", 8, 1, Some(recordings::plan)),
     ("motion", 1, 1, Some(motion::plan)),
@@ -48,7 +50,7 @@ const SCENARIOS: [Scenario; 8] = [
 /// What to ask how often.
 #[derive(Args)]
 pub struct Study {
-    /// effects, com, recordings, motion, false-alarms, fast-alarms, health or fleet
+    /// effects, bought, com, recordings, motion, false-alarms, fast-alarms, health or fleet
     #[arg(value_parser = SCENARIOS.map(|scenario| scenario.0))]
     scenario: String,
     /// Number of logs, or of logs of each kind; that of the committed table unless given

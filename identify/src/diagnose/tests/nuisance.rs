@@ -31,10 +31,6 @@ impl Case {
         }
     }
 
-    fn weight(&self) -> Vec<f64> {
-        self.std.iter().map(|s| 1.0 / s).collect()
-    }
-
     fn nuisance(&self) -> Nuisance {
         Nuisance::of(self.whitened(&(&self.rows * &self.prior)))
     }

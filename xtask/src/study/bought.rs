@@ -1,0 +1,99 @@
+//! Robots as they are bought (`tests/support/src/examine/bought.rs`), with and without a log of the
+//! healthy robot; every fifth log hides nothing.
+
+use sesc_test_support::examine::bought::{Found, examine};
+use sesc_test_support::hidden::Effect;
+use sesc_test_support::stage::Platform;
+use sesc_test_support::trial::{Choice, Question, Trial};
+
+use super::{Answer, Asked, Case, Cell, Plan};
+
+const PLATFORMS: [Platform; 3] = [Platform::Op2, Platform::Skew, Platform::Plain];
+/// What is hidden: faults that come to a robot, one at a time.
+const EFFECTS: [Effect; 10] = [
+    Effect::JointOffset,
+    Effect::JointScale,
+    Effect::Payload,
+    Effect::JointCompliance,
+    Effect::Backlash,
+    Effect::SensorRotation,
+    Effect::SensorOffset,
+    Effect::SensorGain,
+    Effect::GroundSlope,
+    Effect::ExternalForce,
+];
+
+fn draw(i: usize, seed: u64) -> Trial {
+    let choice = Choice {
+        platforms: vec![PLATFORMS[i % PLATFORMS.len()]],
+        only: Some(EFFECTS[i / PLATFORMS.len() % EFFECTS.len()]),
+        body: false,
+        long: false,
+        held: 0.0,
+    };
+    let question = match i % 5 {
+        4 => Question::Nothing,
+        _ => Question::Library(1),
+    };
+    Trial::draw(question, &choice, seed + i as u64)
+}
+
+fn counted(found: &Found, sound: bool) -> Answer {
+    let share = |holds: bool| Cell::Share(usize::from(!sound && holds), usize::from(!sound));
+    let absorbed = !found.listed && !found.beside && !found.wrong;
+    let note = format!("{}: {} (CoM {:.3})", found.log, found.said, found.ratio);
+    Answer {
+        cells: vec![
+            share(found.alone),
+            share(found.listed),
+            share(found.beside),
+            share(found.wrong),
+            share(absorbed),
+            Cell::Share(
+                usize::from(sound && !found.wrong && !found.beside),
+                usize::from(sound),
+            ),
+            Cell::is(found.agrees),
+            Cell::Median(found.ratio),
+        ],
+        note: (found.wrong || found.beside || !found.agrees || !found.listed).then_some(note),
+    }
+}
+
+pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
+    let cases = (0..asked.logs as usize).flat_map(|k| {
+        [false, true].map(|healthy| {
+            let trial = draw(k, asked.seed);
+            let sound = trial.hidden.is_empty();
+            let name = if healthy {
+                (1, "with a healthy log")
+            } else {
+                (0, "without")
+            };
+            let mut rows = vec![(name.0, name.1.to_owned())];
+            let effect = trial.hidden.first().map(|hidden| hidden.effect);
+            if let Some(k) = effect.and_then(|own| EFFECTS.iter().position(|e| *e == own)) {
+                let row = 10 + 100 * usize::from(healthy) + k;
+                rows.push((row, format!("{}: {}", name.1, EFFECTS[k].name())));
+            }
+            Case {
+                rows,
+                ask: Box::new(move || Ok(counted(&examine(&trial, healthy, asked.folder)?, sound))),
+            }
+        })
+    });
+    Plan {
+        about: "Every link of the virtual robots is off CAD by 10 % of its mass and 5 mm; an effect of \
+                the list is hidden, from barely visible to as large as they come, in every fifth log \
+                none. Alone: the answer is what was hidden, masses aside; listed: it is the answer or of \
+                the class; beside: it is in the answer with something that is not there; wrong: \
+                something else is named and masses are not of the class; absorbed: the rest. Silent: \
+                nothing but masses is named of a sound robot. File: the written model predicts its own \
+                log as the diagnosis states. CoM: error of the written model over CAD's on 200 new \
+                postures, median.",
+        columns: &[
+            "alone", "listed", "beside", "wrong", "absorbed", "silent", "file", "CoM",
+        ],
+        cases: cases.collect(),
+    }
+}
