@@ -54,6 +54,8 @@ pub enum NextStep {
     LookAtRobot,
     /// Give the tolerances of masses that are known better.
     GivePrior,
+    /// Record a log of the healthy robot, and diagnose this one beside it.
+    RecordHealthy,
     /// Keep the log, and compare a later one with it.
     CompareLater,
     /// Record larger ranges of joints: of this one first.

@@ -41,6 +41,9 @@ fn call(step: &NextStep, model: &impl Fn(&str) -> String) -> Option<String> {
             "sesc.diagnose(robot, \"LOG\", then=\"NEXT_LOG\")".to_string()
         }
         NextStep::GivePrior => "sesc.diagnose(robot, \"LOG\", prior=\"PRIOR.toml\")".to_string(),
+        NextStep::RecordHealthy => {
+            "sesc.diagnose(robot, \"LOG\", healthy=\"HEALTHY_LOG\")".to_string()
+        }
         NextStep::LookAtPage => format!("{DIAGNOSIS}.report(\"report.html\")"),
         NextStep::DiagnoseLater { log } => format!("sesc.diagnose(robot, {})", text(log)),
         NextStep::CompareLater => {

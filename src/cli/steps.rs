@@ -57,6 +57,7 @@ impl<'a> About<'a> {
             NextStep::WritePostures { .. } => diagnose(&["--next", "next.csv"]),
             NextStep::TakePostures { .. } => diagnose(&["--then", "NEXT_LOG"]),
             NextStep::GivePrior => diagnose(&["--prior", "PRIOR.toml"]),
+            NextStep::RecordHealthy => diagnose(&["--healthy", "HEALTHY_LOG"]),
             NextStep::LookAtPage => diagnose(&["--report", "report.html"]),
             NextStep::DiagnoseLater { log } => Some(line(["diagnose", &urdf, "--data", log])),
             NextStep::CompareLater => {

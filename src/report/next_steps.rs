@@ -134,6 +134,11 @@ fn sentence(step: &NextStep) -> (String, String) {
             "Give the tolerances of masses that you trust, or weigh links",
             "masses that are known better do not hide an effect",
         ),
+        NextStep::RecordHealthy => both(
+            "Record 200 balanced postures of the robot when nothing is wrong with it, before the \
+             fault or after its repair, and diagnose this log beside that one",
+            "masses are off CAD, and a log of the healthy robot tells them from faults",
+        ),
         NextStep::CompareLater => both(
             "Keep this log, and compare a later one with it",
             "what changes on the robot shows in the difference",

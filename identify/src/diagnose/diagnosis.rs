@@ -1,5 +1,7 @@
 //! The whole diagnosis: search, class, verdict, held-out errors, sentences.
 
+use std::sync::Arc;
+
 use super::closure;
 use super::com_spread;
 use super::criteria;
@@ -30,24 +32,26 @@ pub fn find<'m>(
     about: &About,
     watch: &mut dyn Watch,
 ) -> Result<Explained, Error> {
-    let mut search = Search::new(&mut *whole_problem);
+    let mut search = Search::new(whole_problem.clone());
     let visible = search.visible().to_vec();
-    let too_few = search.problem().first.too_few();
+    let too_few = whole_problem.first.too_few();
     // Nothing at all is left to tell the noise from.
     let hopeless =
         too_few.is_some_and(|[rows, directions]| rows < directions + noise::LEFT_AT_LEAST);
-    let mut ranked = match about.usable && !hopeless {
-        true => search.run(watch)?,
-        // Whatever explains broken data explains nothing.
-        false => vec![search.fit(&[], None)],
-    };
-    ranked.retain(|fit| !too_many_outliers(fit));
     let none = search.fit(&[], None);
-    let (mut ranked, implausible) = judged(search.problem(), ranked, &none);
+    // Whatever explains broken data explains nothing.
+    let (mut ranked, implausible) = match about.usable && !hopeless {
+        true => {
+            let mut ranked = search.run(watch)?;
+            ranked.retain(|fit| !too_many_outliers(fit));
+            judged(&search.problem(), ranked, &none)
+        }
+        false => (vec![none.clone()], None),
+    };
     // Something is missing only if that is clearly better than nothing missing, whatever masses
     // are; that these are off CAD is a finding of its own.
     let masses = ranked.iter().find(|fit| fit.beside_masses().count() == 0);
-    let clear = criteria::OVER_NOTHING + search.problem().kind_penalty();
+    let clear = criteria::OVER_NOTHING + whole_problem.kind_penalty();
     let nothing = match masses {
         Some(masses) if masses.score() + clear < none.score() => masses.clone(),
         _ => none,
@@ -58,27 +62,26 @@ pub fn find<'m>(
     let mut best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
     let mut class = class(&best, ranked);
-    let problem = search.problem();
+    let whole = search.problem();
+    let problem = &*whole;
     let misfit = misfit(problem, &best);
     // Noise that was taken from what free masses leave says it where far more is left.
     let known = problem.first.data.noise_source != NoiseSource::Residuals
         || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
-    let soles = about.usable && closure::is_open(search.problem(), &best);
+    let soles = about.usable && closure::is_open(problem, &best);
     let no_known = known && misfit.is_clear() || soles;
     let is_short = about.usable && too_few.is_some() && best.terms.is_empty() && !soles;
     let unexplained = !is_short && (no_known || crowd || implausible.is_some());
-    let problem = search.problem();
     if unexplained {
         class = vec![best.clone()];
     }
     let baseline = held_out::of_cad(problem);
     let steps = held_out::order(&best, &mut |terms| search.fit(terms, None));
-    let problem = search.problem();
     let null = search.fit(&[], None);
-    let whole = steps.last().unwrap_or(&null);
+    let last_step = steps.last().unwrap_or(&null);
     let held_out = |step: &Fit| {
-        let apart = held_out::apart_on_the_way(problem, step, whole);
+        let apart = held_out::apart_on_the_way(problem, step, last_step);
         match stated::settle(problem, step) {
             Some((own, step)) => held_out::cross_validate(&own, &step, &apart),
             None => held_out::cross_validate(problem, step, &apart),
@@ -91,15 +94,17 @@ pub fn find<'m>(
         .iter()
         .map(|term| {
             let others: Vec<Term> = best.terms.iter().filter(|i| *i != term).cloned().collect();
-            search.fit(&others, Some(&best)).score() - best.score()
+            settled_score(problem, &search.fit(&others, Some(&best))) - best.score()
         })
         .collect();
     let counted = search.fitted;
     let expected = Misfit::of(problem, &null);
     let raw = raw_misfit(problem);
     let members = members(problem, &class);
-    if let Some((own, settled)) = stated::settle(problem, &best) {
-        drop(search);
+    let settled = stated::settle(problem, &best);
+    drop(search);
+    *whole_problem = Arc::unwrap_or_clone(whole);
+    if let Some((own, settled)) = settled {
         *whole_problem = own;
         let problem = &*whole_problem;
         // Everything that is shown beside it is seen from the same masses.
@@ -135,6 +140,7 @@ pub fn find<'m>(
         closure,
         again: noise::untold(problem, verdict)
             .and_then(|untold| Again::of(untold, problem.first.model, &problem.first.data)),
+        masses_are_cad: problem.is_about_tolerances(),
         sentence: String::new(),
         lead: String::new(),
         robot: about.robot.to_string(),
@@ -233,6 +239,12 @@ fn judged(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Opti
     let first = ranked[0].score().min(nothing.score());
     let better = better.filter(|(score, _)| score + criteria::CLASS_SCORE < first);
     (ranked, better.map(|(_, sentence)| sentence))
+}
+
+/// The score of a fit where its own masses are.
+fn settled_score(problem: &Problem, fit: &Fit) -> f64 {
+    let settled = stated::settle(problem, fit);
+    settled.map_or(fit.objective, |(_, own)| own.objective) + fit.penalty
 }
 
 /// What an explanation leaves. Where masses end far from CAD's, their linearisation about CAD

@@ -369,6 +369,9 @@ pub struct Diagnosis {
     /// Postures to reach once more, where nothing tells the noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub again: Option<Again>,
+    /// Masses before the log are CAD's: a log of the healthy robot would tell them.
+    #[serde(skip)]
+    pub masses_are_cad: bool,
     /// The whole result in sentences.
     pub sentence: String,
     /// What it adds to a title that names the effects and to a table of errors.

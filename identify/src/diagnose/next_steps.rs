@@ -1,5 +1,6 @@
 //! What a diagnosis leaves to be done, by its verdict.
 
+use super::FREE_MASSES;
 use super::findings::{Diagnosis, Suspect, Verdict};
 use crate::next_steps::NextStep;
 use crate::observations::revisits::Again;
@@ -24,6 +25,10 @@ impl Diagnosis {
                 [NextStep::CompareLater].into_iter().chain(widest).collect()
             }
         };
+        let masses = |effects: &Vec<String>| effects.iter().any(|one| one == FREE_MASSES);
+        if self.masses_are_cad && self.indistinguishable.iter().any(masses) {
+            steps.insert(0, NextStep::RecordHealthy);
+        }
         steps.extend(self.again.as_ref().map(Again::step));
         if self.verdict != Verdict::None {
             steps.push(NextStep::LookAtPage);

@@ -425,6 +425,11 @@ impl<'m> Problem<'m> {
         }
     }
 
+    /// Whether masses are known as tolerances of CAD alone.
+    pub(super) fn is_about_tolerances(&self) -> bool {
+        self.masses_penalty == 0.0
+    }
+
     /// What it costs to say that masses are off CAD where nothing else is missing.
     pub(super) fn kind_penalty(&self) -> f64 {
         2.0 * (self.kinds as f64).ln()

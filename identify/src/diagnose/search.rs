@@ -6,6 +6,7 @@
 //! takes the part of two. Earlier steps are re-examined: drop one, replace one.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use sesc_model::effects::{Stage, Target};
 
@@ -32,21 +33,21 @@ enum Breadth {
 }
 
 /// Fitted hypotheses.
-pub struct Search<'p, 'm> {
-    problem: &'p Problem<'m>,
+pub struct Search<'m> {
+    problem: Arc<Problem<'m>>,
     known: HashMap<Vec<Term>, Fit>,
     base: Dictionary,
     visible: Vec<(Term, f64)>,
     pub fitted: usize,
 }
 
-impl<'p, 'm> Search<'p, 'm> {
-    pub fn new(problem: &'p mut Problem<'m>) -> Self {
-        let base = Dictionary::new(problem, None);
-        let visible = base.visible(problem);
+impl<'m> Search<'m> {
+    pub fn new(mut problem: Problem<'m>) -> Self {
+        let base = Dictionary::new(&problem, None);
+        let visible = base.visible(&problem);
         problem.weigh_targets(&visible);
         Search {
-            problem,
+            problem: Arc::new(problem),
             known: HashMap::new(),
             base,
             visible,
@@ -54,8 +55,8 @@ impl<'p, 'm> Search<'p, 'm> {
         }
     }
 
-    pub fn problem(&self) -> &'p Problem<'m> {
-        self.problem
+    pub fn problem(&self) -> Arc<Problem<'m>> {
+        Arc::clone(&self.problem)
     }
 
     /// χ² that each effect of ordinary size would have in this log.
@@ -90,12 +91,12 @@ impl<'p, 'm> Search<'p, 'm> {
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
                     .take(criteria::WIRING_PARENTS)
-                    .flat_map(|f| wiring::beside(self.problem, f));
+                    .flat_map(|f| wiring::beside(&self.problem, f));
                 proposals.extend(further);
             }
             if depth == 1 {
                 proposals.extend(self.pairs(&beam[0]));
-                proposals.extend(wiring::proposals(self.problem, &self.base));
+                proposals.extend(wiring::proposals(&self.problem, &self.base));
             }
             self.refine(proposals, depth, watch)?;
             beam = self.beam(depth);
@@ -124,7 +125,7 @@ impl<'p, 'm> Search<'p, 'm> {
             let score = a.score().total_cmp(&b.score());
             score
                 .then(a.terms.len().cmp(&b.terms.len()))
-                .then_with(|| ranks(self.problem, &a.terms).cmp(&ranks(self.problem, &b.terms)))
+                .then_with(|| ranks(&self.problem, &a.terms).cmp(&ranks(&self.problem, &b.terms)))
         });
         all
     }
@@ -142,7 +143,7 @@ impl<'p, 'm> Search<'p, 'm> {
         if let Some(fit) = self.known.get(&terms) {
             return fit.clone();
         }
-        let fit = fitted(self.problem, &terms, parent);
+        let fit = fitted(&self.problem, &terms, parent);
         self.learn(terms, fit.clone());
         fit
     }
@@ -161,19 +162,19 @@ impl<'p, 'm> Search<'p, 'm> {
             .any(|term| term.stage() == Some(Stage::Wiring));
         let dictionary = match wired {
             true => {
-                own = Dictionary::new(self.problem, Some(&self.problem.bent(parent)));
+                own = Dictionary::new(&self.problem, Some(&self.problem.bent(parent)));
                 &own
             }
             false => &self.base,
         };
-        let gains = dictionary.gains(parent, self.problem);
+        let gains = dictionary.gains(parent, &self.problem);
         let mut proposals: Vec<Proposal> = dictionary
             .candidates
             .iter()
             .zip(gains)
             .filter(|(c, _)| compatible(&parent.terms, &c.term))
             .map(|(c, gain)| Proposal {
-                terms: with(self.problem, &parent.terms, &c.term),
+                terms: with(&self.problem, &parent.terms, &c.term),
                 predicted_score: parent.score() - gain + self.penalty(&c.term),
                 parent: Some(parent.clone()),
             })
@@ -235,7 +236,7 @@ impl<'p, 'm> Search<'p, 'm> {
             }
         };
         Some(Proposal {
-            terms: with(self.problem, &parent.terms, &term),
+            terms: with(&self.problem, &parent.terms, &term),
             predicted_score,
             parent: Some(parent.clone()),
         })
@@ -298,7 +299,7 @@ impl<'p, 'm> Search<'p, 'm> {
             if next.is_empty() {
                 return Ok(());
             }
-            let problem = self.problem;
+            let problem = &*self.problem;
             let fits = each_long(&next, |(terms, proposal)| {
                 fitted(problem, terms, proposal.parent.as_ref())
             });

@@ -196,7 +196,7 @@ fn penalties_grow_with_unknowns_and_targets() {
         (Bench::skew(), "knee", "shank"),
     ] {
         let q = bench.postures(30, 1);
-        let mut problem = bench.certain(bench.log(&bench.world(), &q, 1));
+        let problem = bench.certain(bench.log(&bench.world(), &q, 1));
         let (joints, links) = (
             bench.model.dof() as f64,
             problem.first.context.links().len() as f64,
@@ -224,7 +224,7 @@ fn penalties_grow_with_unknowns_and_targets() {
         };
         let names = ["joint_offset", "payload", "joint_scale", "sensor_gain"];
         let even = names.map(|name| chance(&problem, name));
-        Search::new(&mut problem);
+        let problem = Search::new(problem).problem();
         for (name, even) in names.iter().zip(even) {
             let weighted = chance(&problem, name);
             assert!((weighted / even - 1.0).abs() < 1e-9, "{name}");
