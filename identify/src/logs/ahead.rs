@@ -16,9 +16,6 @@ use super::reader::{PostureReader, Summary};
 use super::sidecar::Sidecar;
 use crate::{Error, Message};
 
-/// Blocks that wait to be taken, at most.
-const WAITING: usize = 2;
-
 /// A block and what the reader says after it.
 struct Step {
     block: Block,
@@ -30,27 +27,17 @@ struct Step {
 
 /// A reader of postures that reads ahead.
 pub struct Ahead {
-    source: BlockSource,
+    /// The reader, until a block is asked for, and where there are no threads.
+    reader: Option<Box<PostureReader>>,
+    /// The thread that reads, whose blocks come one by one. It ends by itself once nobody takes
+    /// them: nobody waits for it, since a pipe may have nothing more to say.
+    thread: Option<(Receiver<Result<Step, Error>>, JoinHandle<()>)>,
     /// What the log's sidecar says.
     pub sidecar: Sidecar,
     /// What is odd about the log so far, complete after the last block.
     pub warnings: Vec<Message>,
     /// What the reader said after the block that was taken last.
     last: Step,
-}
-
-enum BlockSource {
-    /// Nothing was asked for yet, or there are no threads.
-    Here(Box<PostureReader>),
-    Thread(Thread),
-    Ended,
-}
-
-/// The thread that reads. It ends by itself once nobody takes its blocks: nobody waits for it,
-/// since a pipe may have nothing more to say.
-struct Thread {
-    steps: Receiver<Result<Step, Error>>,
-    handle: Option<JoinHandle<()>>,
 }
 
 impl Ahead {
@@ -60,7 +47,8 @@ impl Ahead {
             sidecar: reader.sidecar.clone(),
             warnings: std::mem::take(&mut reader.warnings),
             last: Step::after(&mut reader, Block::default()),
-            source: BlockSource::Here(Box::new(reader)),
+            reader: Some(Box::new(reader)),
+            thread: None,
         }
     }
 
@@ -70,20 +58,48 @@ impl Ahead {
     /// # Errors
     /// As [`PostureReader::block`].
     pub fn block(&mut self, count: usize) -> Result<Block, Error> {
-        self.source = match std::mem::replace(&mut self.source, BlockSource::Ended) {
-            BlockSource::Here(reader) => BlockSource::started(reader, count),
-            other => other,
-        };
-        self.last = match &mut self.source {
-            BlockSource::Here(reader) => Step::next(reader, count)?,
-            BlockSource::Thread(thread) => match thread.next() {
-                Some(step) => step?,
-                None => return Ok(Block::default()),
+        if let Some(reader) = self.reader.take() {
+            self.start(reader, count);
+        }
+        self.last = match (&mut self.reader, &self.thread) {
+            (Some(reader), _) => Step::next(reader, count)?,
+            (None, Some((steps, _))) => match steps.recv() {
+                Ok(step) => step?,
+                Err(_) => return self.ended(),
             },
-            BlockSource::Ended => return Ok(Block::default()),
+            (None, None) => return Ok(Block::default()),
         };
         self.warnings.append(&mut self.last.warnings);
         Ok(std::mem::take(&mut self.last.block))
+    }
+
+    /// Read ahead on a thread, if there are threads.
+    fn start(&mut self, reader: Box<PostureReader>, count: usize) {
+        let (to, steps) = sync_channel(2);
+        // Where no thread starts, the reader is not lost with it.
+        let (hand_over, take) = sync_channel(1);
+        let work = move || {
+            if let Ok(reader) = take.recv() {
+                read(reader, count, &to);
+            }
+        };
+        match Builder::new().name("log".into()).spawn(work) {
+            Ok(thread) => {
+                self.thread = Some((steps, thread));
+                self.reader = hand_over.send(reader).err().map(|unsent| unsent.0);
+            }
+            Err(_) => self.reader = Some(reader),
+        }
+    }
+
+    /// The empty block after the last one; a panic of the reader is the caller's.
+    fn ended(&mut self) -> Result<Block, Error> {
+        if let Some((_, thread)) = self.thread.take()
+            && let Err(reason) = thread.join()
+        {
+            panic::resume_unwind(reason);
+        }
+        Ok(Block::default())
     }
 
     /// See [`PostureReader::progress`]; of the blocks that were taken.
@@ -99,30 +115,6 @@ impl Ahead {
     /// See [`PostureReader::summary`].
     pub fn summary(&self) -> Option<Summary> {
         self.last.summary.clone()
-    }
-}
-
-impl BlockSource {
-    /// Read ahead on a thread, if there are threads.
-    fn started(reader: Box<PostureReader>, count: usize) -> BlockSource {
-        let (to, steps) = sync_channel(WAITING);
-        // Where no thread starts, the reader is not lost with it.
-        let (hand_over, take) = sync_channel(1);
-        let thread = Builder::new().name("log".into()).spawn(move || {
-            if let Ok(reader) = take.recv() {
-                read(reader, count, &to);
-            }
-        });
-        let Ok(handle) = thread else {
-            return BlockSource::Here(reader);
-        };
-        match hand_over.send(reader) {
-            Ok(()) => BlockSource::Thread(Thread {
-                steps,
-                handle: Some(handle),
-            }),
-            Err(unsent) => BlockSource::Here(unsent.0),
-        }
     }
 }
 
@@ -151,19 +143,6 @@ impl Step {
             averaged: reader.averaged(),
             summary: reader.summary(),
         }
-    }
-}
-
-impl Thread {
-    /// None after the last block; a panic of the reader is the caller's.
-    fn next(&mut self) -> Option<Result<Step, Error>> {
-        if let Ok(step) = self.steps.recv() {
-            return Some(step);
-        }
-        if let Some(Err(reason)) = self.handle.take().map(JoinHandle::join) {
-            panic::resume_unwind(reason);
-        }
-        None
     }
 }
 
@@ -237,13 +216,8 @@ mod tests {
         let (_folder, path) = log("log.csv", rows(20_000, None).as_bytes(), "");
         let mut ahead = Ahead::new(reader(&path));
         assert_eq!(ahead.block(10).unwrap().len(), 10);
-        let BlockSource::Thread(mut thread) =
-            std::mem::replace(&mut ahead.source, BlockSource::Ended)
-        else {
-            panic!("no thread reads");
-        };
-        let handle = thread.handle.take().unwrap();
-        drop(thread);
+        let (steps, handle) = ahead.thread.take().expect("no thread reads");
+        drop(steps);
         // The thread waits with its next block; nobody takes it, so that it ends.
         handle.join().unwrap();
     }

@@ -29,33 +29,24 @@ use sesc_model::text::listed;
 use sesc_model::tree::{Dof, is_support};
 
 use super::block::{Block, Cells};
-use super::bounds::{self, LEAST_LOAD_N, check, check_gravity, check_joint, three_digits};
+use super::bounds::{Bound, LEAST_LOAD_N, check_cop, check_gravity, scale, three_digits};
 use super::columns::{Columns, POSE};
-use super::names::short;
+use super::formats::{MISSING, Raw};
+use super::names::{list, short};
 use super::options::Options;
-use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR, Sidecar};
-use super::source::{MISSING, Raw};
+use super::sidecar::{Angles, Sidecar};
 use crate::{Error, Message, Setting, message};
-
-/// A revolute joint further out than this was hardly logged in radians.
-const FULL_TURN: f64 = 6.3;
-
-/// No joint is logged further out in degrees.
-const LARGEST_DEGREES: f64 = 400.0;
 
 /// No sole is so large: a log whose typical CoP is further out is not in metres, m.
 const FAR: f64 = 2.0;
-/// In no unit that is the CoP of a robot: a unit that is wrong by a thousand is an effect, m.
-const FAR_IN_ANY_UNIT: f64 = 1e4;
-
-/// Rows that are no further apart follow each other, s.
-const FOLLOWS_S: f64 = 1.0;
 
 /// Makes blocks of raw rows.
 pub(super) struct Assembler {
     file: String,
     columns: Columns,
-    joints: Vec<Joint>,
+    bounds: Vec<Bound>,
+    /// To rad or m, and whether it turns without end, of each joint.
+    joints: Vec<(f64, bool)>,
     cells: Vec<[f64; 2]>,
     support: Option<Arc<str>>,
     gravity: Option<[f64; 3]>,
@@ -84,38 +75,6 @@ struct Missing {
     unused: Vec<usize>,
 }
 
-struct Joint {
-    endless: bool,
-    /// To rad or m.
-    scale: f64,
-    /// Largest |value| that can be meant, rad; none of prismatic and endless joints.
-    reach: Option<f64>,
-    prismatic: bool,
-    /// Values up to this need no further look, rad or m.
-    most: f64,
-}
-
-impl Joint {
-    fn new(dof: &Dof, angles: Angles, any_unit: bool) -> Joint {
-        let reach = (!dof.prismatic && !dof.continuous && !any_unit)
-            .then(|| FULL_TURN.max(dof.lower.abs()).max(dof.upper.abs()));
-        let largest = match dof.prismatic {
-            true => bounds::STROKE_M,
-            false => bounds::ANGLE_RAD,
-        };
-        Joint {
-            endless: dof.continuous,
-            scale: match angles {
-                Angles::Deg if !dof.prismatic => std::f64::consts::PI / 180.0,
-                _ => 1.0,
-            },
-            reach,
-            prismatic: dof.prismatic,
-            most: reach.map_or(largest, |reach| reach.min(largest)),
-        }
-    }
-}
-
 impl Assembler {
     pub fn new(
         file: &str,
@@ -125,19 +84,15 @@ impl Assembler {
         sidecar: &Sidecar,
         options: &Options,
     ) -> Result<Assembler, Error> {
-        let joints = dofs
-            .iter()
-            .map(|dof| Joint::new(dof, angles, options.any_unit));
+        let support = options.support.as_deref().or(sidecar.support.as_deref());
+        let joints = dofs.iter().map(|dof| (scale(dof, angles), dof.continuous));
         let assembler = Assembler {
             file: file.to_string(),
             columns: columns.clone(),
+            bounds: Bound::all(columns, dofs, angles, options.any_unit),
             joints: joints.collect(),
             cells: sidecar.cells.clone().unwrap_or_default(),
-            support: options
-                .support
-                .as_deref()
-                .or(sidecar.support.as_deref())
-                .map(Arc::from),
+            support: support.map(Arc::from),
             gravity: sidecar.gravity,
             links: options.links.clone(),
             readings_per_pose: sidecar.readings_per_pose.unwrap_or(1),
@@ -191,7 +146,8 @@ impl Assembler {
         };
         let line = raw.line.first().copied();
         let far = self.typical(raw, k);
-        let most = if self.any_unit { FAR_IN_ANY_UNIT } else { FAR };
+        // In no unit is that the CoP of a robot: one that is wrong by a thousand is an effect.
+        let most = if self.any_unit { 1e4 } else { FAR };
         if let Some(typical) = far.filter(|far| *far > most) {
             let message = format!(
                 "columns `cop_x`, `cop_y`: the CoP is typically {} m from the origin of the \
@@ -201,13 +157,18 @@ impl Assembler {
             return Err(self.fault(line, message));
         }
         // In a log in millimetres deviations are, too: the unit is found from its readings.
-        let in_metres = far.is_some_and(|far| far <= FAR);
-        match self.columns.cop_std.and_then(|k| self.typical(raw, k)) {
-            Some(std) if in_metres => {
-                bounds::check_typical_std(std).map_err(|message| self.fault(line, message))
-            }
-            _ => Ok(()),
+        if far.is_some_and(|far| far <= FAR)
+            && let Some(k) = self.columns.cop_std
+            && let Some(std) = self.typical(raw, k).filter(|std| *std > 0.1)
+        {
+            let said = format!(
+                "columns `cop_x_std`, `cop_y_std`: a reading is typically known to {} m, more than \
+                 a sole; give metres, not millimetres, or leave out the columns and give ",
+                three_digits(std)
+            );
+            return Err(self.fault(line, message![said, Setting::Noise]));
         }
+        Ok(())
     }
 
     /// Optional columns without a value.
@@ -264,16 +225,11 @@ impl Assembler {
         let named = |k: usize| self.columns.names.get(k).map_or(POSE, String::as_str);
         if !unused.is_empty() {
             let names: Vec<&str> = unused.iter().map(|k| named(*k)).collect();
-            let said = format!(
-                "{}: {} without a value, and not used: {}",
-                self.file,
-                if names.len() == 1 {
-                    "a column"
-                } else {
-                    "columns"
-                },
-                super::names::list(&names)
-            );
+            let (file, names, noun) = match names[..] {
+                [_] => (&self.file, list(&names), "a column"),
+                _ => (&self.file, list(&names), "columns"),
+            };
+            let said = format!("{file}: {noun} without a value, and not used: {names}");
             warnings.push(said.into());
         }
         if *lost == 0 {
@@ -287,13 +243,11 @@ impl Assembler {
             rows + lost,
             listed(of, 8)
         );
-        match rows {
-            0 => Err(self.fault(Some(*first), said)),
-            _ => {
-                warnings.push(format!("{}: {said}", self.file).into());
-                Ok(())
-            }
+        if rows == 0 {
+            return Err(self.fault(Some(*first), said));
         }
+        warnings.push(format!("{}: {said}", self.file).into());
+        Ok(())
     }
 
     /// Take note of a row that misses values.
@@ -389,16 +343,16 @@ impl Assembler {
     }
 
     /// Joints of the newest row that turn without end, on the branch nearest to the row before
-    /// where it follows that: programs log them within ±π.
+    /// where it follows that, by a second at most: programs log them within ±π.
     fn unwrap(&mut self, pose: i64, block: &mut Block) {
         let t = block.t.as_ref().and_then(|all| all.last()).copied();
         let t = t.unwrap_or(f64::NAN);
         let start = block.q.len() - self.joints.len();
         let q = &mut block.q[start..];
         let (last, last_t, last_pose) = &mut self.last;
-        let follows = *last_pose == pose || (0.0..=FOLLOWS_S).contains(&(t - *last_t));
-        for ((q, last), joint) in q.iter_mut().zip(last.iter()).zip(&self.joints) {
-            if joint.endless && follows {
+        let follows = *last_pose == pose || (0.0..=1.0).contains(&(t - *last_t));
+        for ((q, last), (_, endless)) in q.iter_mut().zip(last.iter()).zip(&self.joints) {
+            if *endless && follows {
                 *q -= TAU * ((*q - last) / TAU).round();
             }
         }
@@ -424,31 +378,17 @@ impl Assembler {
 
     fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), Message> {
         let columns = &self.columns;
-        let are_finite = numbers.iter().fold(true, |all, x| all & x.is_finite());
-        if let Some(k) = numbers
-            .iter()
-            .position(|x| !x.is_finite())
-            .filter(|_| !are_finite)
+        let bounded = numbers.iter().zip(&self.bounds);
+        if !bounded
+            .clone()
+            .fold(true, |all, (x, bound)| all & bound.holds(*x))
         {
-            return Err(format!(
-                "column `{}`: {} is not finite; remove the row or mend the value",
-                columns.names[k], numbers[k]
-            )
-            .into());
+            let mut named = bounded.zip(&columns.names);
+            named.try_for_each(|((x, bound), name)| bound.check(name, *x))?;
         }
-        let positions = || {
-            numbers
-                .iter()
-                .zip(&self.joints)
-                .map(|(x, joint)| x * joint.scale)
-        };
-        let within = positions().zip(&self.joints);
-        if !within.fold(true, |all, (q, joint)| all & (q.abs() <= joint.most)) {
-            self.check_joints(positions())?;
-        }
-        block.q.extend(positions());
+        let scaled = numbers.iter().zip(&self.joints);
+        block.q.extend(scaled.map(|(x, (scale, _))| x * scale));
         if let (Some(k), Some(t)) = (columns.t, &mut block.t) {
-            bounds::check_time(&columns.names[k], numbers[k])?;
             t.push(numbers[k]);
         }
         if let Some(all) = &mut block.gravity {
@@ -460,92 +400,36 @@ impl Assembler {
             all.push(gravity);
         }
         if let (Some(k), Some(all)) = (columns.load, &mut block.load) {
-            check(&columns.names[k], numbers[k], bounds::FORCE_N)?;
             all.push(numbers[k]);
         }
-        if let Some(k) = columns.cop_std {
-            self.positive(numbers, k..k + 2, bounds::COP)?;
-        }
-        for k in columns.cells.clone() {
-            check(&columns.names[k], numbers[k], bounds::FORCE_N)?;
-        }
         let force = &numbers[columns.cells.clone()];
-        let force_std = columns.cell_std.map(|k| k..k + force.len());
-        if let Some(range) = &force_std {
-            self.positive(numbers, range.clone(), bounds::FORCE_N)?;
-        }
-        let force_std = force_std.map(|range| numbers[range].iter().map(|s| s * self.shrink));
+        let force_std = columns.cell_std.map(|k| &numbers[k..k + force.len()]);
+        let force_std = force_std.map(|all| all.iter().map(|s| s * self.shrink));
         if let Some(cells) = &mut block.cells {
             cells.force.extend(force);
             if let (Some(all), Some(std)) = (&mut cells.std, force_std.clone()) {
                 all.extend(std);
             }
         }
+        let Some(reading) = &mut block.reading else {
+            return Ok(());
+        };
         if let Some(k) = columns.cop {
-            for k in [k, k + 1] {
-                check(&columns.names[k], numbers[k], bounds::COP)?;
-            }
-            if let Some(reading) = &mut block.reading {
-                reading.push([numbers[k], numbers[k + 1]]);
-            }
+            reading.push([numbers[k], numbers[k + 1]]);
             if let (Some(std), Some(k)) = (&mut block.std, columns.cop_std) {
                 std.push([numbers[k] * self.shrink, numbers[k + 1] * self.shrink]);
             }
-        } else if let Some(reading) = &mut block.reading {
+        } else {
             let cop = match centre(&self.cells, force) {
                 Err(_) if self.no_load => [0.0; 2],
                 cop => cop?,
             };
-            let named = |x: f64| check("cop_x, cop_y of the cells", x, bounds::COP);
-            cop.into_iter().try_for_each(named)?;
+            check_cop(cop)?;
             reading.push(cop);
             if let (Some(all), Some(std)) = (&mut block.std, force_std) {
                 let own = deviation(&self.cells, force, std, cop);
                 all.push(own.map(|s| if s.is_finite() { s } else { 1.0 }));
             }
-        }
-        Ok(())
-    }
-
-    /// Joint positions that can be meant, rad or m.
-    fn check_joints(&self, positions: impl Iterator<Item = f64>) -> Result<(), Message> {
-        for ((value, joint), name) in positions.zip(&self.joints).zip(&self.columns.names) {
-            if joint.reach.is_some_and(|reach| value.abs() > reach) {
-                if value.abs() > LARGEST_DEGREES {
-                    return Err(format!(
-                        "column `{name}`: {} rad is more than a full turn, and would be in degrees: \
-                         are these ticks of an encoder? give (ticks − zero) · 2π / ticks of a turn",
-                        three_digits(value)
-                    )
-                    .into());
-                }
-                return Err(message![
-                    format!(
-                        "column `{name}`: {} rad is more than a full turn; {IN_DEGREES}",
-                        three_digits(value)
-                    ),
-                    Setting::Angles,
-                    OR_SIDECAR
-                ]);
-            }
-            check_joint(name, value, joint.prismatic)?;
-        }
-        Ok(())
-    }
-
-    /// Deviations that can be meant.
-    fn positive(&self, numbers: &[f64], range: Range<usize>, most: f64) -> Result<(), Message> {
-        for k in range {
-            let name = &self.columns.names[k];
-            if numbers[k] <= 0.0 {
-                return Err(format!(
-                    "column `{name}`: a standard deviation of {}; it must be positive, or leave \
-                     out the column",
-                    numbers[k]
-                )
-                .into());
-            }
-            check(name, numbers[k], most)?;
         }
         Ok(())
     }
@@ -574,7 +458,7 @@ impl Assembler {
         let links: Vec<&str> = self.links.iter().map(String::as_str).collect();
         let meant = match nearest(link, "", links.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("the robot has {}", super::names::list(&links)),
+            None => format!("the robot has {}", list(&links)),
         };
         Err(format!("no link `{}` to stand on; {meant}", short(link)))
     }

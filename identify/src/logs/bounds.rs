@@ -1,87 +1,193 @@
 //! What a value of a log can be: beyond it no sensor, sole or robot is.
 //!
+//! ```text
+//! joint     20 bits of rad, m: beyond it sines mean nothing      10⁶ m
+//! t         10¹⁵ s: a clock of today in nanoseconds is beyond it
+//! CoP, its deviation      10⁶, in whatever unit it was logged: a metre in micrometres
+//! force, its deviation    10⁹ N
+//! gravity   0.01 to 10⁶ m/s², of which the sine of a degree pulls onto the sole
+//! ```
+//!
 //! Values within these bounds keep every later sum of squares finite. They are wide: which
 //! unit a log is in, and which rows are outliers, is for others to find.
 
+use std::f64::consts::PI;
+
+use sesc_model::tree::Dof;
+
+use super::columns::Columns;
+use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
-/// Largest angle of a joint, rad: beyond it sines mean nothing (2^20).
-pub(super) const ANGLE_RAD: f64 = 1_048_576.0;
-/// Largest stroke of a prismatic joint, m.
-pub(super) const STROKE_M: f64 = 1e6;
-/// Largest CoP, and deviation of one, in whatever unit it was logged: a metre in micrometres.
-pub(super) const COP: f64 = 1e6;
-/// Largest force of a cell, and deviation of one, N.
-pub(super) const FORCE_N: f64 = 1e9;
 /// Least force on a sole, N: with less, nothing stands on it, whoever measured it.
 pub(crate) const LEAST_LOAD_N: f64 = 1.0;
-/// Largest time, s; in nanoseconds a clock of today is beyond it.
-pub(super) const TIME_S: f64 = 1e15;
-/// Largest entry of gravity, m/s².
-pub(super) const GRAVITY: f64 = 1e6;
-/// Least gravity that holds a robot on the ground, m/s²; a direction of length 1 is more.
-const LEAST_GRAVITY: f64 = 0.01;
-/// Part of gravity that must pull onto the sole: the sine of a degree.
-pub(super) const ONTO_SOLE: f64 = 0.017;
-/// A CoP is typically known better than this, m, or its deviation is not in metres.
-pub(super) const STD_M: f64 = 0.1;
+/// Largest CoP, m, and largest angle, rad, as the table says.
+const COP: f64 = 1e6;
+const ANGLE_RAD: f64 = 1_048_576.0;
 
-/// Whether a value is one that can be meant, with its column and a remedy where it is not.
-pub(super) fn check(name: &str, value: f64, most: f64) -> Result<(), Message> {
-    if value.is_finite() && value.abs() <= most {
-        return Ok(());
-    }
-    let what = match value.is_finite() {
-        true => format!("is beyond {most:e}, more than any sensor reads"),
-        false => "is not finite".to_string(),
-    };
-    Err(format!("column `{name}`: {value:?} {what}; remove the row or mend the value").into())
+/// The values that a column can have, as they stand in it.
+#[derive(Clone, Copy)]
+pub(super) struct Bound {
+    least: f64,
+    most: f64,
+    kind: Kind,
 }
 
-/// The same of a joint's position, rad or m.
-pub(super) fn check_joint(name: &str, value: f64, prismatic: bool) -> Result<(), Message> {
-    if prismatic {
-        return check(name, value, STROKE_M);
-    }
-    if value.abs() <= ANGLE_RAD {
-        return Ok(());
-    }
-    Err(format!(
-        "column `{name}`: {value:?} rad: an angle is beyond 2^20 rad, where sines mean nothing; \
-         reduce it by whole turns, or mend the value"
-    )
-    .into())
+#[derive(Clone, Copy)]
+enum Kind {
+    /// What is one of the file's unit, rad; a joint with limits is hardly logged beyond `reach`, rad.
+    Angle {
+        scale: f64,
+        reach: f64,
+    },
+    Time,
+    Deviation,
+    Plain,
 }
 
-/// The same of the time of a row.
-pub(super) fn check_time(name: &str, value: f64) -> Result<(), Message> {
-    if value.abs() <= TIME_S {
-        return Ok(());
+impl Bound {
+    fn plain(most: f64) -> Bound {
+        let (least, kind) = (-most, Kind::Plain);
+        Bound { least, most, kind }
     }
-    Err(format!("column `{name}`: {value:?} s is beyond every clock; give seconds").into())
+
+    fn deviation(most: f64) -> Bound {
+        let (least, kind) = (f64::MIN_POSITIVE, Kind::Deviation);
+        Bound { least, most, kind }
+    }
+
+    fn joint(dof: &Dof, angles: Angles, any_unit: bool) -> Bound {
+        if dof.prismatic {
+            return Bound::plain(1e6);
+        }
+        let reach = match dof.continuous || any_unit {
+            true => f64::INFINITY,
+            // Further out than a full turn it was hardly logged in radians.
+            false => 6.3_f64.max(dof.lower.abs()).max(dof.upper.abs()),
+        };
+        let scale = scale(dof, angles);
+        let kind = Kind::Angle { scale, reach };
+        let most = reach.min(ANGLE_RAD) / scale;
+        Bound {
+            kind,
+            ..Bound::plain(most)
+        }
+    }
+
+    /// Those of the numbers of a row, in their order.
+    pub fn all(columns: &Columns, dofs: &[Dof], angles: Angles, any_unit: bool) -> Vec<Bound> {
+        let mut all = vec![Bound::plain(f64::MAX); columns.numbers.len()];
+        let cells = columns.cells.len();
+        let (cop, force) = (Bound::plain(COP), Bound::plain(1e9));
+        let time = Bound {
+            kind: Kind::Time,
+            ..Bound::plain(1e15)
+        };
+        for (own, dof) in all.iter_mut().zip(dofs) {
+            *own = Bound::joint(dof, angles, any_unit);
+        }
+        for (first, count, bound) in [
+            (columns.t, 1, time),
+            (columns.load, 1, force),
+            (columns.cop, 2, cop),
+            (columns.cop_std, 2, Bound::deviation(COP)),
+            (Some(columns.cells.start), cells, force),
+            (columns.cell_std, cells, Bound::deviation(1e9)),
+        ] {
+            if let Some(first) = first {
+                all[first..first + count].fill(bound);
+            }
+        }
+        all
+    }
+
+    pub fn holds(&self, value: f64) -> bool {
+        self.least <= value && value <= self.most
+    }
+
+    /// Whether a value is one that can be meant, with its column and a remedy where it is not.
+    pub fn check(&self, name: &str, value: f64) -> Result<(), Message> {
+        if !value.is_finite() {
+            return Err(format!(
+                "column `{name}`: {value:?} is not finite; remove the row or mend the value"
+            )
+            .into());
+        }
+        if self.holds(value) {
+            return Ok(());
+        }
+        Err(match self.kind {
+            Kind::Angle { scale, reach } => return check_angle(name, value * scale, reach),
+            Kind::Time => {
+                format!("column `{name}`: {value:?} s is beyond every clock; give seconds")
+            }
+            Kind::Deviation if value <= 0.0 => format!(
+                "column `{name}`: a standard deviation of {value}; it must be positive, or leave \
+                 out the column"
+            ),
+            Kind::Deviation | Kind::Plain => format!(
+                "column `{name}`: {value:?} is beyond {:e}, more than any sensor reads; remove the \
+                 row or mend the value",
+                self.most
+            ),
+        }
+        .into())
+    }
+}
+
+/// How many rad or m one of the unit of a joint's column is.
+pub(super) fn scale(dof: &Dof, angles: Angles) -> f64 {
+    match angles {
+        Angles::Deg if !dof.prismatic => PI / 180.0,
+        _ => 1.0,
+    }
+}
+
+fn check_angle(name: &str, rad: f64, reach: f64) -> Result<(), Message> {
+    if rad.abs() > reach {
+        let said = format!(
+            "column `{name}`: {} rad is more than a full turn",
+            three_digits(rad)
+        );
+        // No joint is logged further out in degrees.
+        return Err(match rad.abs() > 400.0 {
+            true => format!(
+                "{said}, and would be in degrees: are these ticks of an encoder? give (ticks − \
+                 zero) · 2π / ticks of a turn"
+            )
+            .into(),
+            false => message![format!("{said}; {IN_DEGREES}"), Setting::Angles, OR_SIDECAR],
+        });
+    }
+    if rad.abs() > ANGLE_RAD {
+        return Err(format!(
+            "column `{name}`: {rad:?} rad: an angle is beyond 2^20 rad, where sines mean nothing; \
+             reduce it by whole turns, or mend the value"
+        )
+        .into());
+    }
+    Ok(())
+}
+
+/// The same of a CoP that forces on cells give.
+pub(super) fn check_cop([x, y]: [f64; 2]) -> Result<(), Message> {
+    let check = |x| Bound::plain(COP).check("cop_x, cop_y of the cells", x);
+    check(x).and_then(|()| check(y))
 }
 
 /// Gravity must pull onto the sole, or nothing stands on it.
 pub(super) fn check_gravity([x, y, z]: [f64; 3]) -> Result<(), String> {
-    let largest = [x, y, z].iter().fold(0.0, |most: f64, g| most.max(g.abs()));
     // By the largest entry, so that no square overflows.
-    let size = [x, y, z]
-        .iter()
-        .map(|g| (g / largest).powi(2))
-        .sum::<f64>()
-        .sqrt();
-    let pulls = z < 0.0 && -z / largest >= ONTO_SOLE * size;
-    if pulls
-        && (LEAST_GRAVITY..=GRAVITY).contains(&largest)
-        && [x, y, z].iter().all(|g| g.is_finite())
-    {
-        Ok(())
-    } else {
-        Err(format!(
-            "gravity [{x:?}, {y:?}, {z:?}] does not pull onto the sole; its z must be negative, \
-             m/s², and not small beside the others"
-        ))
+    let largest = [x, y, z].iter().fold(0.0, |most: f64, g| most.max(g.abs()));
+    let [a, b, c] = [x, y, z].map(|g| (g / largest).powi(2));
+    let pulls = z < 0.0 && -z / largest >= 0.017 * (a + b + c).sqrt();
+    if pulls && (0.01..=1e6).contains(&largest) && [x, y, z].iter().all(|g| g.is_finite()) {
+        return Ok(());
     }
+    Err(format!(
+        "gravity [{x:?}, {y:?}, {z:?}] does not pull onto the sole; its z must be negative, m/s², \
+         and not small beside the others"
+    ))
 }
 
 /// A number with three digits that count, as people write it.
@@ -93,21 +199,6 @@ pub(super) fn three_digits(x: f64) -> String {
         }
         _ => format!("{x:.2e}"),
     }
-}
-
-/// Deviations as they typically stand in a log whose CoP is in metres.
-pub(super) fn check_typical_std(typical: f64) -> Result<(), Message> {
-    if typical <= STD_M {
-        return Ok(());
-    }
-    Err(message![
-        format!(
-            "columns `cop_x_std`, `cop_y_std`: a reading is typically known to {} m, more than a \
-             sole; give metres, not millimetres, or leave out the columns and give ",
-            three_digits(typical)
-        ),
-        Setting::Noise
-    ])
 }
 
 #[cfg(test)]

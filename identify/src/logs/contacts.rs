@@ -32,18 +32,24 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// A point of this frame in the other one, m.
+    pub fn placed(&self, own: [f64; 3]) -> [f64; 3] {
+        let turned = self.turned(own);
+        [0, 1, 2].map(|k| self.origin[k] + turned[k])
+    }
+
     /// A vector in the other frame.
     pub fn turned(&self, own: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| (0..3).map(|axis| self.axes[axis][k] * own[axis]).sum())
     }
 
     /// A wrench about the origin of this frame as one about that of the other.
-    pub fn moved(&self, force: [f64; 3], torque: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    pub fn moved(&self, [force, torque]: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
         let (force, torque) = (self.turned(force), self.turned(torque));
         let at = self.origin;
         let of = |a: usize, b: usize| at[a] * force[b] - at[b] * force[a];
         let moment = [of(1, 2), of(2, 0), of(0, 1)];
-        (force, [0, 1, 2].map(|k| torque[k] + moment[k]))
+        [force, [0, 1, 2].map(|k| torque[k] + moment[k])]
     }
 }
 

@@ -12,18 +12,17 @@
 //! To make numbers of digits takes longer than to find where fields end. Numbers and errors are
 //! those of reading row by row: the first faulty row is the one that is told.
 
-use std::io::{self, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use csv::ByteRecord;
-use memchr::{memchr, memchr_iter};
+use memchr::memchr_iter;
 
 use super::columns::{Columns, POSE};
+use super::formats::{Interner, MISSING, Raw, RowSource};
 use super::header::{preamble, units, with_unit};
 use super::input::{Meter, Metered};
 use super::names::short;
-use super::source::{Interner, MISSING, Raw, RowSource};
 use crate::Error;
 use crate::threads::each_long;
 
@@ -33,7 +32,7 @@ const HEAD: u64 = 64 << 10;
 /// A CSV file being read.
 pub(super) struct CsvSource {
     file: String,
-    reader: csv::Reader<Box<dyn Read + Send>>,
+    reader: csv::Reader<RowInput>,
     record: ByteRecord,
     batch: Batch,
     header: Vec<String>,
@@ -42,7 +41,6 @@ pub(super) struct CsvSource {
     /// The first row, which was looked at for units.
     first: Option<Result<bool, Error>>,
     meter: Arc<Meter>,
-    passing: Arc<Passing>,
     links: Interner,
     /// Line of the last row.
     line: u64,
@@ -62,38 +60,30 @@ impl CsvSource {
         }
         let bad = |line, message| Error::log(file.to_string(), line, message);
         let mut head = Vec::new();
-        (&mut input)
-            .take(HEAD)
-            .read_to_end(&mut head)
-            .map_err(|error| bad(None, unreadable(&error)))?;
+        let begun = (&mut input).take(HEAD).read_to_end(&mut head);
+        begun.map_err(|error| bad(None, unreadable(&error)))?;
         let above = preamble(&head);
         let told = delimiter(&head, above.start).map_err(|message| bad(None, message))?;
-        let head = head.split_off(above.start);
-        let passing = Arc::new(Passing::default());
-        passing.lines.store(above.line - 1, Ordering::Relaxed);
-        let input = RowInput {
-            input: Cursor::new(head).chain(input),
-            passing: passing.clone(),
-            rest: Cursor::default(),
-            held: false,
-            last: 0,
-            ended: false,
-        };
+        let input = Cursor::new(head.split_off(above.start)).chain(input);
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(above.delimiter.unwrap_or(told))
             .flexible(true)
-            .from_reader(Box::new(input) as Box<dyn Read + Send>);
+            .from_reader(RowInput {
+                input: Box::new(BufReader::new(input)),
+                line: Cursor::default(),
+                since_row: 0,
+                to_pass: 0,
+                lines: above.line - 1,
+            });
         let header: Vec<String> = match reader.headers() {
             Ok(header) => header.iter().map(name).collect(),
             Err(error) => return Err(bad(Some(above.line), fault(&error))),
         };
         if header.iter().all(String::is_empty) {
-            return Err(bad(
-                Some(above.line),
-                "no header row; a log starts with the names of its columns".into(),
-            ));
+            let message = "no header row; a log starts with the names of its columns";
+            return Err(bad(Some(above.line), message.into()));
         }
-        passing.since_row.store(0, Ordering::Relaxed);
+        reader.get_mut().since_row = 0;
         let mut source = CsvSource {
             file: file.to_string(),
             reader,
@@ -103,7 +93,6 @@ impl CsvSource {
             names_line: above.line,
             first: None,
             meter,
-            passing,
             links: Interner::default(),
             line: above.line,
             below: 0,
@@ -116,9 +105,8 @@ impl CsvSource {
     fn take_units(&mut self) {
         let first = self.next();
         let fields = self.record.iter().map(|f| str::from_utf8(f).unwrap_or("?"));
-        match units(fields)
-            .filter(|own| matches!(first, Ok(true)) && own.len() == self.header.len())
-        {
+        let units = units(fields).filter(|own| own.len() == self.header.len());
+        match units.filter(|_| matches!(first, Ok(true))) {
             Some(units) => {
                 let names = self.header.iter().zip(&units);
                 self.header = names.map(|(name, unit)| with_unit(name, unit)).collect();
@@ -134,14 +122,13 @@ impl CsvSource {
         }
         loop {
             let more = self.reader.read_byte_record(&mut self.record);
-            self.passing.since_row.store(0, Ordering::Relaxed);
+            self.reader.get_mut().since_row = 0;
             match more {
                 Ok(true) => {}
                 Ok(false) => return Ok(false),
                 Err(error) => {
                     let line = error.position().map(csv::Position::line);
-                    let line = line.unwrap_or(self.line + 1);
-                    return Err(Error::log(self.file.clone(), Some(line), fault(&error)));
+                    return Err(self.error((line.unwrap_or(self.line + 1), fault(&error))));
                 }
             }
             // A record's own position is before the blank lines above it; the
@@ -149,15 +136,9 @@ impl CsvSource {
             let below = self.reader.position().line();
             let within = match std::mem::replace(&mut self.below, below) + 1 == below {
                 true => 0,
-                false => self
-                    .record
-                    .as_slice()
-                    .iter()
-                    .filter(|byte| **byte == b'\n')
-                    .count(),
+                false => memchr_iter(b'\n', self.record.as_slice()).count(),
             };
-            let above = self.passing.lines.load(Ordering::Relaxed);
-            self.line = above + below.saturating_sub(1 + within as u64);
+            self.line = self.reader.get_ref().lines + below.saturating_sub(1 + within as u64);
             if self.record.len() != 1 || !self.record[0].trim_ascii().is_empty() {
                 return Ok(true);
             }
@@ -166,13 +147,19 @@ impl CsvSource {
 
     /// Rows for a batch, `most` of them at most; false at the end of the file.
     fn batch(&mut self, most: usize) -> Result<bool, Error> {
-        self.batch.clear(self.header.len());
-        while self.batch.rows() < most && !self.batch.is_full() {
+        self.batch.clear();
+        while self.batch.count < most && !self.batch.is_full() {
             if !self.next()? {
                 return Ok(false);
             }
-            let pushed = self.batch.push(&self.record, self.line);
-            pushed.map_err(|fault| self.error(fault))?;
+            let (fields, expected) = (self.record.len(), self.header.len());
+            if fields != expected {
+                let message = format!(
+                    "{fields} fields where the header has {expected}; the row is ragged or cut off"
+                );
+                return Err(self.error((self.line, message)));
+            }
+            self.batch.push(&mut self.record, self.line);
         }
         Ok(true)
     }
@@ -205,7 +192,7 @@ impl RowSource for CsvSource {
             if !more? {
                 break;
             }
-            left -= self.batch.rows();
+            left -= self.batch.count;
         }
         Ok(())
     }
@@ -214,12 +201,7 @@ impl RowSource for CsvSource {
     fn skip(&mut self, _: &Columns, rows: u64) -> Result<(), Error> {
         let at = self.reader.position();
         let length = at.byte() as f64 / at.line().max(1) as f64;
-        let bytes = (length * rows as f64) as u64;
-        self.passing.bytes.store(bytes, Ordering::Relaxed);
-        if bytes > 0 {
-            // The hash of a log of which rows are passed over is not used.
-            self.meter.forget_hash();
-        }
+        self.reader.get_mut().to_pass = (length * rows as f64) as u64;
         Ok(())
     }
 
@@ -297,150 +279,77 @@ fn unreadable(error: &io::Error) -> String {
 /// A row longer than this is no posture, bytes.
 const LONGEST_ROW: u64 = 4 << 20;
 
-/// Bytes that are taken at once where rows are passed over.
-const PASSED_AT_ONCE: usize = 256 << 10;
-
-/// Rows on their way to the parser, and rows that are passed over.
-#[derive(Debug, Default)]
-struct Passing {
-    /// Bytes handed to the parser since the last row.
-    pub since_row: AtomicU64,
-    /// Bytes that are to be, and the rest of the row that these end in.
-    pub bytes: AtomicU64,
-    /// Lines that were.
-    pub lines: AtomicU64,
-}
-
-/// Input for the parser: rows end in `\n`, the last one too, and none is
+/// Input for the parser: lines end in `\n`, the last one too, and no row is
 /// endless, since an open quote could swallow the whole file.
-struct RowInput<R> {
-    input: R,
-    passing: Arc<Passing>,
-    /// Bytes that were taken from the input and not yet given out.
-    rest: Cursor<Vec<u8>>,
-    /// A `\r` of which it is not yet known whether a `\n` follows.
-    held: bool,
-    last: u8,
-    ended: bool,
+struct RowInput {
+    input: Box<dyn BufRead + Send>,
+    /// The line that is handed to the parser.
+    line: Cursor<Vec<u8>>,
+    /// Bytes that were handed to it since the last row.
+    since_row: u64,
+    /// Bytes to pass over once the line is given out, and the rest of the line that these end in.
+    to_pass: u64,
+    /// Lines that the parser does not see.
+    lines: u64,
 }
 
-impl<R: Read> RowInput<R> {
-    fn take(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        match self.rest.read(buffer)? {
-            0 => self.input.read(buffer),
-            n => Ok(n),
-        }
-    }
-
-    /// Take bytes; no more than the end of a row where rows behind it are to be passed over.
-    fn next(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let passed_over = self.passing.bytes.load(Ordering::Relaxed);
-        if passed_over == 0 {
-            return self.take(buffer);
-        }
-        if self.last == b'\n' && !self.held {
-            self.passing.bytes.store(0, Ordering::Relaxed);
-            self.pass(passed_over)?;
-            return self.take(buffer);
-        }
-        let n = self.take(buffer)?;
-        let Some(end) = memchr(b'\n', &buffer[..n]) else {
-            return Ok(n);
-        };
-        self.put_back(&buffer[end + 1..n]);
-        Ok(end + 1)
-    }
-
-    /// Bytes that are given out before the others.
-    fn put_back(&mut self, bytes: &[u8]) {
-        let mut rest = bytes.to_vec();
-        let at = usize::try_from(self.rest.position()).unwrap_or(usize::MAX);
-        rest.extend(self.rest.get_ref().get(at..).unwrap_or_default());
-        self.rest = Cursor::new(rest);
-    }
-
-    /// Pass over so many bytes, and the row that these end in.
-    fn pass(&mut self, bytes: u64) -> io::Result<()> {
-        let mut left = usize::try_from(bytes).unwrap_or(usize::MAX);
-        let mut buffer = vec![0; PASSED_AT_ONCE];
-        loop {
-            let n = self.take(&mut buffer)?;
-            if n == 0 {
-                return Ok(());
-            }
-            let whole = n.min(left);
-            left -= whole;
-            let end = memchr(b'\n', &buffer[whole..n]);
-            let passed = end.map_or(n, |end| whole + end + 1);
-            let lines = memchr_iter(b'\n', &buffer[..passed]).count() as u64;
-            self.passing.lines.fetch_add(lines, Ordering::Relaxed);
-            if end.is_some() {
-                self.put_back(&buffer[passed..n]);
+impl RowInput {
+    fn pass(&mut self) -> io::Result<()> {
+        let mut left = usize::try_from(std::mem::take(&mut self.to_pass)).unwrap_or(usize::MAX);
+        while left > 0 {
+            let bytes = self.input.fill_buf()?;
+            let n = bytes.len().min(left);
+            self.lines += memchr_iter(b'\n', &bytes[..n]).count() as u64;
+            self.input.consume(n);
+            left -= n;
+            if left == 0 || n == 0 {
+                self.lines += u64::from(self.input.skip_until(b'\n')? > 0);
                 return Ok(());
             }
         }
+        Ok(())
     }
 
-    /// Drop each `\r` before a `\n` from `bytes`; how many are left.
-    fn unify(&mut self, bytes: &mut [u8]) -> usize {
-        if memchr(b'\r', bytes).is_none() {
-            self.held = false;
-            return bytes.len();
+    fn next_line(&mut self) -> io::Result<()> {
+        self.pass()?;
+        self.line.set_position(0);
+        let line = self.line.get_mut();
+        line.clear();
+        let n = (&mut self.input)
+            .take(LONGEST_ROW)
+            .read_until(b'\n', line)?;
+        if line.ends_with(b"\r\n") {
+            line.truncate(n - 2);
+            line.push(b'\n');
+        } else if n > 0 && (n as u64) < LONGEST_ROW && !line.ends_with(b"\n") {
+            line.push(b'\n');
         }
-        let mut to = 0;
-        for from in 0..bytes.len() {
-            if bytes[from] == b'\n' && to > 0 && bytes[to - 1] == b'\r' {
-                to -= 1;
-            }
-            bytes[to] = bytes[from];
-            to += 1;
-        }
-        self.held = to > 0 && bytes[to - 1] == b'\r';
-        to - usize::from(self.held)
+        Ok(())
     }
 }
 
-impl<R: Read> Read for RowInput<R> {
+impl Read for RowInput {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.passing.since_row.load(Ordering::Relaxed) > LONGEST_ROW {
+        if self.since_row > LONGEST_ROW {
             return Err(io::Error::other(format!(
                 "a row of more than {} MiB; is a quote left open, or is this no log?",
                 LONGEST_ROW >> 20
             )));
         }
-        // Room for a held byte and a new one; the parser gives thousands.
-        if self.ended || buffer.len() < 2 {
-            return Ok(0);
+        let mut n = self.line.read(buffer)?;
+        if n == 0 {
+            self.next_line()?;
+            n = self.line.read(buffer)?;
         }
-        loop {
-            let start = usize::from(self.held);
-            buffer[0] = b'\r';
-            let n = self.next(&mut buffer[start..])?;
-            let kept = if n > 0 {
-                self.unify(&mut buffer[..start + n])
-            } else {
-                self.ended = true;
-                if self.held || self.last == b'\n' {
-                    return Ok(start);
-                }
-                buffer[0] = b'\n';
-                1
-            };
-            if kept > 0 {
-                self.last = buffer[kept - 1];
-                let handed = &self.passing.since_row;
-                handed.fetch_add(kept as u64, Ordering::Relaxed);
-                return Ok(kept);
-            }
-        }
+        self.since_row += n as u64;
+        Ok(n)
     }
 }
 
 /// Text and ends of fields after which a batch is full, bytes: it stays in the second cache.
 const FULL: usize = 1 << 20;
-/// Parts of a batch.
+/// Parts of a batch. With fewer numbers a thread takes longer to start than it helps.
 const PARTS: usize = 4;
-/// With fewer numbers a thread takes longer to start than it helps.
 const LEAST: usize = 16_384;
 
 const NO_TEXT: &str = "not text; is this a CSV file in UTF-8?";
@@ -448,160 +357,90 @@ const NO_TEXT: &str = "not text; is this a CSV file in UTF-8?";
 /// Rows as fields.
 #[derive(Default)]
 struct Batch {
-    /// All fields, one behind the other.
-    text: Vec<u8>,
-    /// Where each field ends.
-    ends: Vec<usize>,
-    /// Line of each row.
-    lines: Vec<u64>,
-    /// Fields of a row.
-    fields: usize,
+    /// Rows and their lines; those beyond `count` are room for others.
+    rows: Vec<(u64, ByteRecord)>,
+    count: usize,
+    bytes: usize,
 }
 
 /// What is wrong with a row, and its line.
 type Fault = (u64, String);
 
-/// Rows that one thread makes numbers of, and the places of these.
-struct Part<'a> {
-    first: usize,
-    numbers: &'a mut [f64],
-    poses: &'a mut [i64],
-    rows: usize,
-}
-
 impl Batch {
-    /// Forget all rows, for rows of `fields`.
-    pub fn clear(&mut self, fields: usize) {
-        self.text.clear();
-        self.ends.clear();
-        self.lines.clear();
-        self.fields = fields;
+    /// Forget all rows.
+    fn clear(&mut self) {
+        (self.count, self.bytes) = (0, 0);
     }
 
-    pub fn rows(&self) -> usize {
-        self.lines.len()
+    fn is_full(&self) -> bool {
+        self.bytes >= FULL
     }
 
-    pub fn is_full(&self) -> bool {
+    /// Take a row, which stands at `line`.
+    fn push(&mut self, record: &mut ByteRecord, line: u64) {
         // Columns may be many, and all of their fields empty.
-        self.text.len() + size_of_val(self.ends.as_slice()) >= FULL
-    }
-
-    /// Append a row, which stands at `line`.
-    ///
-    /// # Errors
-    /// A row with another number of fields.
-    pub fn push(&mut self, record: &ByteRecord, line: u64) -> Result<(), Fault> {
-        let (fields, expected) = (record.len(), self.fields);
-        if fields != expected {
-            let message = format!(
-                "{fields} fields where the header has {expected}; the row is ragged or cut off"
-            );
-            return Err((line, message));
+        self.bytes += record.as_slice().len() + record.len() * size_of::<usize>();
+        if self.count == self.rows.len() {
+            self.rows.push(Default::default());
         }
-        let before = self.text.len();
-        self.text.extend_from_slice(record.as_slice());
-        let ends = (0..fields).map(|k| before + record.range(k).map_or(0, |own| own.end));
-        self.ends.extend(ends);
-        self.lines.push(line);
-        Ok(())
+        let (own_line, own) = &mut self.rows[self.count];
+        *own_line = line;
+        std::mem::swap(own, record);
+        self.count += 1;
     }
 
     /// Append the rows to `raw`.
     ///
     /// # Errors
     /// What is wrong with the first row that is not what the columns want.
-    pub fn parse(
-        &self,
-        columns: &Columns,
-        links: &mut Interner,
-        raw: &mut Raw,
-    ) -> Result<(), Fault> {
-        let (rows, width) = (self.rows(), columns.numbers.len());
-        let of_poses = usize::from(columns.pose.is_some());
-        let (numbers, poses) = (raw.numbers.len(), raw.pose.len());
-        raw.numbers.resize(numbers + rows * width, 0.0);
-        raw.pose.resize(poses + rows * of_poses, 0);
-        let (mut numbers, mut poses) = (&mut raw.numbers[numbers..], &mut raw.pose[poses..]);
-        let size = match rows * width < LEAST {
-            true => rows,
-            false => rows.div_ceil(PARTS),
+    fn parse(&self, columns: &Columns, links: &mut Interner, raw: &mut Raw) -> Result<(), Fault> {
+        let rows = &self.rows[..self.count];
+        let size = match rows.len() * columns.numbers.len() < LEAST {
+            true => rows.len(),
+            false => rows.len().div_ceil(PARTS),
         };
-        let mut parts = Vec::with_capacity(PARTS);
-        for first in (0..rows).step_by(size.max(1)) {
-            let rows = size.min(rows - first);
-            let (own, others) = numbers.split_at_mut(rows * width);
-            let (own_poses, other_poses) = poses.split_at_mut(rows * of_poses);
-            (numbers, poses) = (others, other_poses);
-            parts.push(Part {
-                first,
-                numbers: own,
-                poses: own_poses,
-                rows,
-            });
+        for part in each_long(rows.chunks(size.max(1)), |rows| parse_rows(columns, rows)) {
+            let (poses, numbers) = part?;
+            raw.pose.extend(poses);
+            raw.numbers.extend(numbers);
         }
-        let parsed = each_long(parts, |part| self.parse_part(columns, part));
-        parsed.into_iter().collect::<Result<(), Fault>>()?;
+        raw.line.extend(rows.iter().map(|(line, _)| line));
         if let Some(k) = columns.support {
-            let names = (0..rows).map(|row| str::from_utf8(self.field(row, k)).unwrap_or_default());
-            raw.support.extend(names.map(|name| links.get(name.trim())));
-        }
-        raw.line.extend(&self.lines);
-        Ok(())
-    }
-
-    fn parse_part(&self, columns: &Columns, part: Part) -> Result<(), Fault> {
-        let width = columns.numbers.len();
-        let Part {
-            first,
-            numbers,
-            poses,
-            rows,
-        } = part;
-        for k in 0..rows {
-            let row = first + k;
-            let poses = poses.get_mut(k);
-            let parsed = self.parse_row(columns, row, poses, &mut numbers[k * width..][..width]);
-            parsed.map_err(|message| (self.lines[row], message))?;
+            let names = rows.iter().map(|(_, row)| str::from_utf8(&row[k]));
+            raw.support
+                .extend(names.map(|name| links.get(name.unwrap_or_default().trim())));
         }
         Ok(())
     }
+}
 
-    fn parse_row(
-        &self,
-        columns: &Columns,
-        row: usize,
-        pose: Option<&mut i64>,
-        numbers: &mut [f64],
-    ) -> Result<(), String> {
-        // Checked at once, and cut between characters all the same: delimiters are ASCII.
-        let (start, end) = (self.start(row, 0), self.start(row + 1, 0));
-        let text = str::from_utf8(&self.text[start..end]).map_err(|_| NO_TEXT)?;
-        let field = |k: usize| {
-            let own = self.start(row, k) - start..self.start(row, k + 1) - start;
-            text.get(own).unwrap_or_default()
+/// Poses and numbers of rows.
+fn parse_rows(
+    columns: &Columns,
+    rows: &[(u64, ByteRecord)],
+) -> Result<(Vec<i64>, Vec<f64>), Fault> {
+    let mut poses = Vec::new();
+    let mut numbers = Vec::with_capacity(rows.len() * columns.numbers.len());
+    for (line, row) in rows {
+        let mut parse = || -> Result<(), String> {
+            // Checked at once, and cut between characters all the same: delimiters are ASCII.
+            let text = str::from_utf8(row.as_slice()).map_err(|_| NO_TEXT)?;
+            let field = |k: usize| {
+                row.range(k)
+                    .and_then(|own| text.get(own))
+                    .unwrap_or_default()
+            };
+            if let Some(k) = columns.pose {
+                poses.push(whole(field(k).trim())?);
+            }
+            for (&k, name) in columns.numbers.iter().zip(&columns.names) {
+                numbers.push(number(field(k), name)?);
+            }
+            Ok(())
         };
-        if let (Some(k), Some(pose)) = (columns.pose, pose) {
-            *pose = whole(field(k).trim())?;
-        }
-        let named = columns.numbers.iter().zip(&columns.names);
-        for (place, (&k, name)) in numbers.iter_mut().zip(named) {
-            *place = number(field(k), name)?;
-        }
-        Ok(())
+        parse().map_err(|message| (*line, message))?;
     }
-
-    fn field(&self, row: usize, k: usize) -> &[u8] {
-        &self.text[self.start(row, k)..self.start(row, k + 1)]
-    }
-
-    /// Where field `k` of a row begins, and where the one before it ends.
-    fn start(&self, row: usize, k: usize) -> usize {
-        match row * self.fields + k {
-            0 => 0,
-            fields => self.ends[fields - 1],
-        }
-    }
+    Ok((poses, numbers))
 }
 
 fn whole(text: &str) -> Result<i64, String> {
@@ -611,7 +450,7 @@ fn whole(text: &str) -> Result<i64, String> {
     // Programs write whole numbers as 3.0 or 3e0, too.
     match text.parse() {
         _ if is_missing(text) => Ok(MISSING),
-        Ok(number) => super::source::whole(number),
+        Ok(number) => super::formats::whole(number),
         Err(_) => Err(format!(
             "column `{POSE}`: `{}` is no whole number",
             short(text)
@@ -651,10 +490,10 @@ mod tests {
     fn empty_fields_fill_a_batch() {
         let empty = ByteRecord::from(vec![""; 20_000]);
         let mut batch = Batch::default();
-        batch.clear(empty.len());
+        batch.clear();
         while !batch.is_full() {
-            assert!(batch.rows() < 10);
-            batch.push(&empty, 2).unwrap();
+            assert!(batch.count < 10);
+            batch.push(&mut empty.clone(), 2);
         }
     }
 }

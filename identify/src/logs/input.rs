@@ -5,8 +5,7 @@ use std::fs::File;
 use std::hash::Hasher as _;
 use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use sesc_model::files::Stamp;
 use twox_hash::XxHash64;
@@ -301,26 +300,22 @@ impl Read for Bytes {
 /// What passed through a [`Metered`] file, to be looked at from outside.
 #[derive(Debug)]
 pub(super) struct Meter {
-    done: AtomicU64,
-    hash: Mutex<XxHash64>,
-    /// Nobody asks for the hash.
-    unhashed: AtomicBool,
+    /// Bytes, and their hash.
+    read: Mutex<(u64, XxHash64)>,
     total: Option<u64>,
 }
 
 impl Meter {
-    pub fn progress(&self) -> (u64, Option<u64>) {
-        (self.done.load(Ordering::Relaxed), self.total)
+    fn read(&self) -> MutexGuard<'_, (u64, XxHash64)> {
+        self.read.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// From here on nothing is hashed.
-    pub fn forget_hash(&self) {
-        self.unhashed.store(true, Ordering::Relaxed);
+    pub fn progress(&self) -> (u64, Option<u64>) {
+        (self.read().0, self.total)
     }
 
     pub fn hash(&self) -> u64 {
-        let hash = self.hash.lock().unwrap_or_else(PoisonError::into_inner);
-        hash.finish()
+        self.read().1.finish()
     }
 }
 
@@ -332,14 +327,14 @@ pub(super) struct Metered {
 
 impl Metered {
     pub fn new(file: Bytes) -> Metered {
-        let total = file.count();
-        let meter = Arc::new(Meter {
-            done: AtomicU64::new(0),
-            hash: Mutex::new(XxHash64::with_seed(0)),
-            unhashed: AtomicBool::new(false),
-            total,
-        });
-        Metered { file, meter }
+        let meter = Meter {
+            read: Mutex::new((0, XxHash64::with_seed(0))),
+            total: file.count(),
+        };
+        Metered {
+            file,
+            meter: Arc::new(meter),
+        }
     }
 
     pub fn meter(&self) -> Arc<Meter> {
@@ -350,13 +345,9 @@ impl Metered {
 impl Read for Metered {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let n = self.file.read(buffer)?;
-        // One thread reads; others may look.
-        let meter = &self.meter;
-        meter.done.fetch_add(n as u64, Ordering::Relaxed);
-        if !meter.unhashed.load(Ordering::Relaxed) {
-            let mut hash = meter.hash.lock().unwrap_or_else(PoisonError::into_inner);
-            hash.write(&buffer[..n]);
-        }
+        let mut read = self.meter.read();
+        read.0 += n as u64;
+        read.1.write(&buffer[..n]);
         Ok(n)
     }
 }

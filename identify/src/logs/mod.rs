@@ -20,8 +20,7 @@ mod columns;
 mod contacts;
 pub(crate) mod criteria;
 mod csv;
-mod foreign;
-mod guard;
+mod formats;
 mod header;
 mod input;
 #[cfg(feature = "mcap")]
@@ -34,7 +33,6 @@ mod reader;
 mod recording;
 mod settle;
 mod sidecar;
-mod source;
 mod stillness;
 mod suspect;
 mod table;
@@ -53,7 +51,7 @@ pub use columns::{COLUMNS, Column, Need, Row, Written};
 pub use contacts::{Frame, Soles};
 pub(crate) use csv::delimiter;
 #[doc(hidden)]
-pub use guard::panic_becomes_error;
+pub use formats::panic_becomes_error;
 pub use input::LogSource;
 #[doc(hidden)]
 pub use input::{Screen, Screening};

@@ -1,7 +1,5 @@
 //! Reading a log of any format in blocks.
 
-use std::io::Read as _;
-use std::path::Path;
 use std::sync::Arc;
 
 use sesc_model::files::Stamp;
@@ -12,16 +10,13 @@ use super::assemble::Assembler;
 use super::block::Block;
 use super::columns::Columns;
 use super::contacts::Standing;
-use super::csv::CsvSource;
-use super::foreign;
+use super::formats::{self, Raw, RowSource, misnamed};
 use super::header;
-use super::input::{Bytes, LogSource, Metered, Place, Screening};
+use super::input::{LogSource, Screening};
 use super::options::{Options, Stays, StillnessLimits};
 use super::settle::Settling;
 use super::sidecar::{Angles, Sidecar};
-use super::source::{Raw, RowSource};
 use super::suspect::Suspicions;
-use super::table::{Shared, TableSource};
 use crate::{Error, Message};
 
 /// Rows taken from the file at once, and looked at before the first is given out.
@@ -114,7 +109,7 @@ impl PostureReader {
         let (mut sidecar, mut warnings) = log.sidecar()?;
         let file = log.name().to_string();
         let watched = log.watched()?;
-        let mut source = open_source(&log, dofs, options, &sidecar)?;
+        let mut source = formats::open(&log, dofs, options, &sidecar)?;
         let misnamed = misnamed(&log, &*source);
         let at = Some(source.names_line());
         let bad = |message: Message| Error::log(&file, at, message.after(misnamed));
@@ -336,7 +331,7 @@ impl PostureReader {
         self.times = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         self.suspicions.see(&block);
         if block.len() < count && !std::mem::replace(&mut self.concluded, true) {
-            self.suspicions.judge(&mut self.warnings);
+            self.warnings.extend(self.suspicions.judge());
             self.assembler.conclude(self.rows, &mut self.warnings)?;
         }
         Ok(block)
@@ -416,7 +411,7 @@ impl PostureReader {
 /// # Errors
 /// Files that cannot be read or are no table.
 pub fn column_names(log: &LogSource) -> Result<Vec<String>, Error> {
-    let source = open_source(log, &[], &Options::default(), &Sidecar::default())?;
+    let source = formats::open(log, &[], &Options::default(), &Sidecar::default())?;
     Ok(source.header().to_vec())
 }
 
@@ -435,132 +430,4 @@ pub(crate) fn joints(
     let first = PostureReader::open(log, &dofs, options)?.first_support()?;
     let first = first.filter(|link| !link.is_empty());
     Ok(robot.dofs_on(first.as_deref()))
-}
-
-/// The right source for what `log` holds.
-fn open_source(
-    log: &LogSource,
-    dofs: &[Dof],
-    options: &Options,
-    sidecar: &Sidecar,
-) -> Result<Box<dyn RowSource>, Error> {
-    let file = log.name();
-    let failed = |source| Error::read(file.to_string(), source);
-    let place = &log.place;
-    if let Place::Table(table) = place {
-        return Ok(Box::new(TableSource::open(table)?));
-    }
-    let wrong = |message: String| Error::log(file.to_string(), None, message);
-    if let Place::File(path) = place
-        && path.is_dir()
-    {
-        return Err(wrong(foreign::folder(path)));
-    }
-    let mut input = Metered::new(Bytes::open(place).map_err(failed)?);
-    let mut head = Vec::new();
-    (&mut input)
-        .take(8)
-        .read_to_end(&mut head)
-        .map_err(failed)?;
-    if head.starts_with(b"PAR1") || head.starts_with(b"PARE") {
-        return match place {
-            // What its columns are stands at the end.
-            Place::Stream(_) => {
-                let mut bytes = head;
-                input.read_to_end(&mut bytes).map_err(failed)?;
-                open_parquet(&Place::Bytes(Shared::new(bytes)), file)
-            }
-            _ => open_parquet(place, file),
-        };
-    }
-    if head.starts_with(b"\x89MCAP") {
-        return open_mcap(place, file, dofs, options, sidecar);
-    }
-    if let Some(message) = foreign::file(file, &head) {
-        return Err(wrong(message));
-    }
-    if let Some(message) = damaged_from_the_start(file, &head) {
-        return Err(wrong(message));
-    }
-    Ok(Box::new(CsvSource::open(file, head, input)?))
-}
-
-/// What is said before a complaint about columns of a file that its name promises to be of
-/// another format than text.
-fn misnamed(log: &LogSource, source: &dyn RowSource) -> &'static str {
-    match ending(log.name()).as_deref().filter(|_| source.is_text()) {
-        Some("parquet") => "not a Parquet file but text, which is read as CSV: ",
-        Some("mcap") => "not an MCAP recording but text, which is read as CSV: ",
-        _ => "",
-    }
-}
-
-/// What the name of a file ends in, in small letters.
-fn ending(file: &str) -> Option<String> {
-    let end = Path::new(file).extension()?.to_str()?;
-    Some(end.to_ascii_lowercase())
-}
-
-/// What is wrong with a file that by its name is no CSV, and by its first bytes no text.
-fn damaged_from_the_start(file: &str, head: &[u8]) -> Option<String> {
-    let format = match ending(file)?.as_str() {
-        "parquet" => "a Parquet file",
-        "mcap" => "an MCAP recording",
-        "gz" if !head.starts_with(b"\x1f\x8b") => "packed with gzip",
-        _ => return None,
-    };
-    // Text of any name is read as CSV.
-    let text = head.utf8_chunks().next().is_some_and(|chunk| {
-        // The last character may be cut by the eight bytes looked at.
-        !chunk.valid().is_empty() && !chunk.valid().contains('\0') && chunk.invalid().is_empty()
-    });
-    (!text).then(|| match head.is_empty() {
-        true => "empty; copy it again".to_string(),
-        false => format!(
-            "by its name {format}, but it does not start like one: damaged, or of another format; \
-             copy it again, or rename it"
-        ),
-    })
-}
-
-#[cfg(feature = "parquet")]
-fn open_parquet(place: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
-    Ok(Box::new(super::parquet::ParquetSource::open(place, file)?))
-}
-
-#[cfg(not(feature = "parquet"))]
-fn open_parquet(_: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
-    Err(Error::without("parquet", "Parquet", file))
-}
-
-#[cfg(feature = "mcap")]
-fn open_mcap(
-    place: &Place,
-    file: &str,
-    dofs: &[Dof],
-    options: &Options,
-    sidecar: &Sidecar,
-) -> Result<Box<dyn RowSource>, Error> {
-    let topic = options.topic.as_deref().or(sidecar.topic.as_deref());
-    let topics = (topic, sidecar.joints_topic.as_deref());
-    let mut options = options.clone();
-    options.support = options.support.or_else(|| sidecar.support.clone());
-    options.both_feet = options.both_feet.or(sidecar.both_feet);
-    if let Stays::Alone(duration) = options.stays {
-        options.stillness.duration = duration;
-    }
-    let options = &options;
-    let source = super::mcap::McapSource::open(place, file, dofs, options, topics)?;
-    Ok(Box::new(source))
-}
-
-#[cfg(not(feature = "mcap"))]
-fn open_mcap(
-    _: &Place,
-    file: &str,
-    _: &[Dof],
-    _: &Options,
-    _: &Sidecar,
-) -> Result<Box<dyn RowSource>, Error> {
-    Err(Error::without("mcap", "MCAP", file))
 }

@@ -1,8 +1,19 @@
 //! What a whole log looks like it got wrong: degrees for radians, two columns
 //! swapped, millimetres, time running backwards, standing still or in another unit.
 //!
+//! ```text
+//! v_j = max |Δq_j| / Δt ≪ v_limit        in rows that follow each other smoothly:
+//! Σ |Δq|² ≪ 2 n Σ Var(q_j)
+//! ```
+//!
+//! A robot that creeps for hours is logged slowly; one whose rows are smooth, seconds apart by
+//! their stamps, and thousands of times slower than its joints can be was stamped in ms, µs
+//! or ns, one that is faster than they can be in minutes or days.
+//!
 //! Each is a warning: the values are possible, only unlikely. Memory: some
 //! numbers per joint.
+
+use std::f64::consts::PI;
 
 use sesc_model::tree::Dof;
 
@@ -12,140 +23,150 @@ use super::criteria::{CREEPS, FASTEST, FEW, GOES_ON, LOGGED, MOVES, SHARED, SLAC
 use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
-/// Statistics of a log, and what was said about it.
+/// Statistics of a log.
 pub(super) struct Suspicions {
     file: String,
-    joints: Vec<Dof>,
-    seen: Seen,
+    joints: Vec<Joint>,
     /// From rad back to the unit of the file.
     per_rad: f64,
-    degrees: bool,
+    rows: u64,
     readings: u64,
     /// Sum of |CoP|, m.
     reach: f64,
+    /// Least and largest time, s.
+    ends: [f64; 2],
     last_t: f64,
+    /// Line of the first row that is earlier than the one above it.
     backwards: Option<u64>,
-    stamps: Stamps,
-    said: [bool; 8],
+    /// Rows that share the stamp of the row above.
+    shared: u64,
 }
 
-/// What the columns of all joints show: a row is taken note of by a few operations on whole
-/// registers.
-struct Seen {
-    rows: u64,
-    /// Limits with their slack, rad or m; infinite where none mean something.
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-    least: Vec<f64>,
-    most: Vec<f64>,
-    outside: Vec<u64>,
+/// What the column of a joint shows, rad or m.
+struct Joint {
+    dof: Dof,
+    /// Limits with their slack; infinite where none mean something.
+    lower: f64,
+    upper: f64,
+    least: f64,
+    most: f64,
+    outside: u64,
     /// Values other than zero, and how many of them are whole in the file's unit.
-    nonzero: Vec<u64>,
-    whole: Vec<u64>,
+    nonzero: u64,
+    whole: u64,
+    last: f64,
+    /// Largest speed by the stamps, rad/s or m/s.
+    fastest: f64,
+    /// The last step, the sum of the squares of steps, and that of their changes.
+    last_step: f64,
+    stepped: f64,
+    bent: f64,
+    /// Mean of positions, and sum of squares about it.
+    mean: f64,
+    about: f64,
 }
 
-/// Adding and taking away this rounds what is much smaller to the next whole number.
-const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
-
-impl Seen {
-    fn new(dofs: &[Dof]) -> Seen {
-        let n = dofs.len();
+impl Joint {
+    fn new(dof: &Dof) -> Joint {
         // A servo is beyond its limits by no more than the slack.
-        let limit = |limit: fn(&Dof) -> f64, side: f64| {
-            let own = |dof: &Dof| match (dof.continuous, dof.prismatic) {
-                (true, _) => side * f64::INFINITY,
-                (_, true) => limit(dof),
-                _ => limit(dof) + side * SLACK,
-            };
-            dofs.iter().map(own).collect()
+        let slack = match (dof.continuous, dof.prismatic) {
+            (true, _) => f64::INFINITY,
+            (_, true) => 0.0,
+            _ => SLACK,
         };
-        Seen {
-            rows: 0,
-            lower: limit(|dof| dof.lower, -1.0),
-            upper: limit(|dof| dof.upper, 1.0),
-            least: vec![f64::INFINITY; n],
-            most: vec![f64::NEG_INFINITY; n],
-            outside: vec![0; n],
-            nonzero: vec![0; n],
-            whole: vec![0; n],
+        Joint {
+            dof: dof.clone(),
+            lower: dof.lower - slack,
+            upper: dof.upper + slack,
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+            outside: 0,
+            nonzero: 0,
+            whole: 0,
+            last: 0.0,
+            fastest: 0.0,
+            last_step: 0.0,
+            stepped: 0.0,
+            bent: 0.0,
+            mean: 0.0,
+            about: 0.0,
         }
     }
 
-    /// Joints of a row, rad or m; `per_rad` makes them what the file says.
-    fn row(&mut self, q: &[f64], per_rad: f64) {
-        let n = q.len();
-        let (lower, upper) = (&self.lower[..n], &self.upper[..n]);
-        let (least, most) = (&mut self.least[..n], &mut self.most[..n]);
-        let outside = &mut self.outside[..n];
-        let (nonzero, whole) = (&mut self.nonzero[..n], &mut self.whole[..n]);
-        self.rows += 1;
-        for k in 0..n {
-            let (q, written) = (q[k], q[k] * per_rad);
-            least[k] = if q < least[k] { q } else { least[k] };
-            most[k] = if q > most[k] { q } else { most[k] };
-            outside[k] += u64::from((q < lower[k]) | (q > upper[k]));
-            let is_whole = (written - ((written + TO_WHOLE) - TO_WHOLE)).abs() < 1e-9;
-            nonzero[k] += u64::from(q != 0.0);
-            whole[k] += u64::from((q != 0.0) & is_whole);
-        }
+    /// A position in the next row, and as it stands in the file; `weight` is 1/rows so far, and
+    /// `per_second` 1/Δt to the row above.
+    fn see(&mut self, q: f64, written: f64, weight: f64, per_second: f64) {
+        self.least = if q < self.least { q } else { self.least };
+        self.most = if q > self.most { q } else { self.most };
+        self.outside += u64::from((q < self.lower) | (q > self.upper));
+        let is_whole = (written - written.round_ties_even()).abs() < 1e-9;
+        self.nonzero += u64::from(q != 0.0);
+        self.whole += u64::from((q != 0.0) & is_whole);
+        let step = if weight < 1.0 { q - self.last } else { 0.0 };
+        self.fastest = self.fastest.max(step.abs() * per_second);
+        self.stepped += step * step;
+        self.bent += (step - self.last_step) * (step - self.last_step);
+        (self.last, self.last_step) = (q, step);
+        let off = q - self.mean;
+        self.mean += off * weight;
+        self.about += off * (q - self.mean);
     }
 
-    /// Whether column `k` respects the limits of joint `joint`.
-    fn fits(&self, k: usize, joint: usize) -> bool {
-        self.least[k] >= self.lower[joint] && self.most[k] <= self.upper[joint]
-    }
-
-    /// Beyond its own limits mostly, as a column is that belongs to another.
-    fn strays(&self, k: usize) -> bool {
-        self.rows >= FEW && 4 * self.outside[k] > self.rows
+    /// Whether the column of `other` respects the limits of this joint.
+    fn fits(&self, other: &Joint) -> bool {
+        let alike = other.dof.prismatic == self.dof.prismatic && !self.dof.continuous;
+        alike && other.least >= self.lower && other.most <= self.upper
     }
 }
 
 impl Suspicions {
     pub fn new(file: &str, dofs: &[Dof], angles: Angles) -> Suspicions {
-        let degrees = angles == Angles::Deg;
         Suspicions {
             file: file.to_string(),
-            seen: Seen::new(dofs),
-            joints: dofs.to_vec(),
-            per_rad: if degrees {
-                180.0 / std::f64::consts::PI
-            } else {
-                1.0
+            joints: dofs.iter().map(Joint::new).collect(),
+            per_rad: match angles {
+                Angles::Deg => 180.0 / PI,
+                Angles::Rad => 1.0,
             },
-            degrees,
+            rows: 0,
             readings: 0,
             reach: 0.0,
-            last_t: f64::NEG_INFINITY,
+            ends: [f64::INFINITY, f64::NEG_INFINITY],
+            last_t: f64::NAN,
             backwards: None,
-            stamps: Stamps::new(dofs),
-            said: [false; 8],
+            shared: 0,
         }
     }
 
     /// Take note of some rows.
     pub fn see(&mut self, block: &Block) {
-        for row in block.q.chunks_exact(self.joints.len().max(1)) {
-            self.seen.row(row, self.per_rad);
-        }
         for [x, y] in block.reading.iter().flatten() {
             self.readings += 1;
             self.reach += (x * x + y * y).sqrt();
         }
-        for (t, line) in block.t.iter().flatten().zip(&block.line) {
-            if *t < self.last_t && self.backwards.is_none() {
-                self.backwards = Some(*line);
+        let n = self.joints.len();
+        for (k, line) in block.line.iter().enumerate() {
+            self.rows += 1;
+            let t = block.t.as_ref().map_or(f64::NAN, |t| t[k]);
+            self.ends = [self.ends[0].min(t), self.ends[1].max(t)];
+            self.shared += u64::from(t == self.last_t);
+            if t < self.last_t {
+                self.backwards.get_or_insert(*line);
             }
-            self.last_t = *t;
-        }
-        match &block.t {
-            Some(t) => self.stamps.see(t, &block.q),
-            None => self.stamps.see(&vec![f64::NAN; block.len()], &block.q),
+            let per_second = match t > self.last_t {
+                true => 1.0 / (t - self.last_t),
+                false => 0.0,
+            };
+            self.last_t = t;
+            let weight = 1.0 / self.rows as f64;
+            for (joint, &q) in self.joints.iter_mut().zip(&block.q[k * n..]) {
+                joint.see(q, q * self.per_rad, weight, per_second);
+            }
         }
     }
 
-    /// Say what was noticed and not yet said.
-    pub fn judge(&mut self, warnings: &mut Vec<Message>) {
+    /// What was noticed.
+    pub fn judge(&self) -> impl Iterator<Item = Message> {
         let found = [
             self.degrees(),
             self.radians(),
@@ -155,52 +176,52 @@ impl Suspicions {
                 let remedy = "sort the log by time if it is one motion";
                 Message::from(format!("row {line}: `{T}` runs backwards; {remedy}"))
             }),
-            self.stamps.all_the_same().map(Message::from),
-            self.stamps.other_unit().map(Message::from),
-            self.stamps.unusable().map(Message::from),
+            self.all_the_same().map(Message::from),
+            self.other_unit().map(Message::from),
+            self.unusable().map(Message::from),
         ];
-        for (said, found) in self.said.iter_mut().zip(found) {
-            if let (false, Some(found)) = (*said, found) {
-                *said = true;
-                warnings.push(found.after(&format!("{}: ", self.file)));
-            }
-        }
+        let file = format!("{}: ", self.file);
+        let found = found.into_iter().flatten();
+        found.map(move |found| found.after(&file))
     }
 
-    fn revolute(&self) -> impl Iterator<Item = usize> {
-        (0..self.joints.len()).filter(|&k| !self.joints[k].prismatic)
+    fn revolute(&self) -> impl Iterator<Item = &Joint> {
+        self.joints.iter().filter(|joint| !joint.dof.prismatic)
     }
 
     /// Largest angle of a revolute joint, rad.
     fn largest(&self) -> f64 {
-        let most = |k: usize| self.seen.most[k].max(-self.seen.least[k]);
+        let most = |joint: &Joint| joint.most.max(-joint.least);
         self.revolute().map(most).fold(0.0, f64::max)
+    }
+
+    /// Beyond its own limits mostly, as a column is that belongs to another.
+    fn strays(&self, joint: &Joint) -> bool {
+        self.rows >= FEW && 4 * joint.outside > self.rows
     }
 
     /// Radians that look like degrees: whole numbers, or far beyond the limits
     /// of most joints.
     fn degrees(&self) -> Option<Message> {
-        let seen = &self.seen;
-        let nonzero: u64 = self.revolute().map(|k| seen.nonzero[k]).sum();
-        let whole: u64 = self.revolute().map(|k| seen.whole[k]).sum();
-        let count = self.revolute().count();
-        let straying = self.revolute().filter(|&k| seen.strays(k)).count();
+        let nonzero: u64 = self.revolute().map(|joint| joint.nonzero).sum();
+        let whole: u64 = self.revolute().map(|joint| joint.whole).sum();
+        let straying = self.revolute().filter(|joint| self.strays(joint)).count();
         let why = if nonzero >= FEW && 10 * whole > 9 * nonzero && self.largest() >= 2.0 {
             "nearly all angles are whole numbers"
-        } else if straying > 2 && 2 * straying > count {
+        } else if straying > 2 && 2 * straying > self.revolute().count() {
             "most joints are far beyond their limits"
         } else {
             return None;
         };
         let why = format!("{why}; {IN_DEGREES}");
-        (!self.degrees).then(|| message![why, Setting::Angles, OR_SIDECAR])
+        (self.per_rad == 1.0).then(|| message![why, Setting::Angles, OR_SIDECAR])
     }
 
     /// Degrees that look like radians: no joint ever moves by more than π of them.
     fn radians(&self) -> Option<Message> {
         let most = self.largest() * self.per_rad;
-        let nonzero: u64 = self.revolute().map(|k| self.seen.nonzero[k]).sum();
-        (self.degrees && nonzero >= FEW && most <= std::f64::consts::PI).then(|| {
+        let nonzero: u64 = self.revolute().map(|joint| joint.nonzero).sum();
+        (self.per_rad != 1.0 && nonzero >= FEW && most <= PI).then(|| {
             let said = format!("read in degrees, no joint ever moves beyond {most:.2}°");
             message![
                 format!("{said}; if the log is in radians, leave out "),
@@ -212,22 +233,18 @@ impl Suspicions {
 
     /// Two joints, one or both beyond their limits, that would fit if exchanged.
     fn swapped(&self) -> Option<String> {
-        let (joints, seen) = (&self.joints, &self.seen);
-        let could_be = |column: usize, joint: usize| {
-            let alike = joints[column].prismatic == joints[joint].prismatic;
-            alike && !joints[joint].continuous && seen.fits(column, joint)
-        };
-        let strays = (0..joints.len()).filter(|&stray| seen.strays(stray));
+        let strays = self.joints.iter().filter(|joint| self.strays(joint));
         let pairs = strays.filter_map(|stray| {
-            let exchanged =
-                |&other: &usize| other != stray && could_be(stray, other) && could_be(other, stray);
-            let mut partners = (0..joints.len()).filter(exchanged);
+            let exchanged = |other: &&Joint| {
+                !std::ptr::eq(*other, stray) && other.fits(stray) && stray.fits(other)
+            };
+            let mut partners = self.joints.iter().filter(exchanged);
             let first = partners.next()?;
-            let own = &joints[stray].joint;
+            let own = &stray.dof.joint;
             let mut said = format!("column `{own}` is beyond its joint's limits");
             // One candidate is a finding, several are a guess.
             if partners.next().is_none() {
-                let fits = &joints[first].joint;
+                let fits = &first.dof.joint;
                 said += &format!(", but fits `{fits}`, and the other way round");
             }
             Some(said)
@@ -245,107 +262,6 @@ impl Suspicions {
             )
         })
     }
-}
-
-/// Units that stamps come in, and how many of them are a second.
-const UNITS: [(&str, f64); 6] = [
-    ("ms", 1e3),
-    ("µs", 1e6),
-    ("ns", 1e9),
-    ("minutes", 1.0 / 60.0),
-    ("hours", 1.0 / 3600.0),
-    ("days", 1.0 / 86_400.0),
-];
-
-/// What stamps and joints of a log say of each other: stamps that stand still, and stamps in
-/// another unit than seconds.
-///
-/// ```text
-/// v_j = max |Δq_j| / Δt ≪ v_limit        in rows that follow each other smoothly:
-/// Σ |Δq|² ≪ 2 n Σ Var(q_j)
-/// ```
-///
-/// A robot that creeps for hours is logged slowly; one whose rows are smooth, seconds apart by
-/// their stamps, and thousands of times slower than its joints can be was stamped in ms, µs
-/// or ns, one that is faster than they can be in minutes or days.
-struct Stamps {
-    /// Speed that each joint is allowed, rad/s or m/s.
-    limits: Vec<f64>,
-    rows: u64,
-    ends: [f64; 2],
-    /// Rows that share the stamp of the row above.
-    shared: u64,
-    last_t: f64,
-    last_q: Vec<f64>,
-    /// Largest speed of each joint by the stamps.
-    fastest: Vec<f64>,
-    /// Its last step, the sum of the squares of its steps, and that of their changes.
-    last_step: Vec<f64>,
-    stepped: Vec<f64>,
-    bent: Vec<f64>,
-    /// Mean of its positions, and sum of squares about it.
-    mean: Vec<f64>,
-    about: Vec<f64>,
-}
-
-impl Stamps {
-    fn new(dofs: &[Dof]) -> Stamps {
-        let zeros = vec![0.0; dofs.len()];
-        Stamps {
-            limits: dofs.iter().map(|dof| dof.speed).collect(),
-            rows: 0,
-            ends: [f64::INFINITY, f64::NEG_INFINITY],
-            shared: 0,
-            last_t: f64::NAN,
-            last_q: zeros.clone(),
-            fastest: zeros.clone(),
-            last_step: zeros.clone(),
-            stepped: zeros.clone(),
-            bent: zeros.clone(),
-            mean: zeros.clone(),
-            about: zeros,
-        }
-    }
-
-    /// Take note of rows at times `t` with joints `q`, row after row.
-    fn see(&mut self, t: &[f64], q: &[f64]) {
-        let n = self.limits.len();
-        if n == 0 {
-            return;
-        }
-        for (&t, q) in t.iter().zip(q.chunks_exact(n)) {
-            self.rows += 1;
-            self.ends = [self.ends[0].min(t), self.ends[1].max(t)];
-            let follows = self.rows > 1;
-            self.shared += u64::from(t == self.last_t);
-            let per_second = match follows && t > self.last_t {
-                true => 1.0 / (t - self.last_t),
-                false => 0.0,
-            };
-            let weight = 1.0 / self.rows as f64;
-            let (last, fastest) = (&mut self.last_q[..n], &mut self.fastest[..n]);
-            let (stepped, mean) = (&mut self.stepped[..n], &mut self.mean[..n]);
-            let about = &mut self.about[..n];
-            let (last_step, bent) = (&mut self.last_step[..n], &mut self.bent[..n]);
-            for j in 0..n {
-                let step = if follows { q[j] - last[j] } else { 0.0 };
-                let speed = step.abs() * per_second;
-                fastest[j] = if speed > fastest[j] {
-                    speed
-                } else {
-                    fastest[j]
-                };
-                stepped[j] += step * step;
-                bent[j] += (step - last_step[j]) * (step - last_step[j]);
-                last_step[j] = step;
-                let off = q[j] - mean[j];
-                mean[j] += off * weight;
-                about[j] += off * (q[j] - mean[j]);
-                last[j] = q[j];
-            }
-            self.last_t = t;
-        }
-    }
 
     /// Said where all rows have one stamp.
     fn all_the_same(&self) -> Option<String> {
@@ -358,29 +274,26 @@ impl Stamps {
         })
     }
 
-    /// The joints that move.
-    fn moving(&self) -> Vec<usize> {
-        let moves = |j: &usize| self.about[*j] > MOVES * MOVES * self.rows as f64;
-        (0..self.limits.len()).filter(moves).collect()
-    }
-
-    /// Whether rows follow each other as those of a robot that moves do.
-    fn is_smooth(&self, moving: &[usize]) -> bool {
-        let sum = |of: &[f64]| moving.iter().map(|&j| of[j]).sum::<f64>();
-        sum(&self.stepped) < SMOOTH * 2.0 * sum(&self.about)
+    /// The joints that move, and whether rows follow each other as those of a robot that moves do.
+    fn moving(&self) -> (Vec<&Joint>, bool) {
+        let moves = |joint: &&Joint| joint.about > MOVES * MOVES * self.rows as f64;
+        let moving: Vec<&Joint> = self.joints.iter().filter(moves).collect();
+        let sum = |of: fn(&Joint) -> f64| moving.iter().map(|joint| of(joint)).sum::<f64>();
+        let smooth = sum(|joint| joint.stepped) < SMOOTH * 2.0 * sum(|joint| joint.about);
+        (moving, smooth)
     }
 
     /// Said where rows are of a robot that moves and stamps do not say when: its motion is not
     /// counted.
     fn unusable(&self) -> Option<String> {
-        let moving = self.moving();
+        let (moving, smooth) = self.moving();
         let timed = self.ends[0].is_finite();
         let coarse = timed && self.shared as f64 > SHARED * self.rows as f64;
         // Postures that are put in order step back and forth; a joint that moves goes on.
-        let sum = |of: &[f64]| moving.iter().map(|&j| of[j]).sum::<f64>();
-        let goes_on = sum(&self.bent) < GOES_ON * sum(&self.stepped);
+        let sum = |of: fn(&Joint) -> f64| moving.iter().map(|joint| of(joint)).sum::<f64>();
+        let goes_on = sum(|joint| joint.bent) < GOES_ON * sum(|joint| joint.stepped);
         let told = timed && !coarse || self.shared + 1 == self.rows;
-        if self.rows < FEW || told || !goes_on || !self.is_smooth(&moving) {
+        if self.rows < FEW || told || !goes_on || !smooth {
             return None;
         }
         let motion = "rows follow each other as those of a robot that moves do";
@@ -404,11 +317,10 @@ impl Stamps {
         }
         let rows = self.rows as f64;
         let step = (self.ends[1] - self.ends[0]) / (rows - 1.0);
-        let moving = self.moving();
-        let smooth = self.is_smooth(&moving);
+        let (moving, smooth) = self.moving();
         // Parts of their limits that joints reach.
-        let reached = moving.iter().filter(|&&j| self.limits[j] > 0.0);
-        let reached = reached.map(|&j| self.fastest[j] / self.limits[j]);
+        let reached = moving.iter().filter(|joint| joint.dof.speed > 0.0);
+        let reached = reached.map(|joint| joint.fastest / joint.dof.speed);
         let reached = reached.fold(0.0, f64::max);
         // In minutes, rows come by the thousand a second, and joints move faster than they can.
         let rushes = step < LOGGED.0 && reached > FASTEST;
@@ -436,6 +348,16 @@ impl Stamps {
     }
 }
 
+/// Units that stamps come in, and how many of them are a second.
+const UNITS: [(&str, f64); 6] = [
+    ("ms", 1e3),
+    ("µs", 1e6),
+    ("ns", 1e9),
+    ("minutes", 1.0 / 60.0),
+    ("hours", 1.0 / 3600.0),
+    ("days", 1.0 / 86_400.0),
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -457,10 +379,7 @@ mod tests {
                 .collect(),
             ..Block::default()
         });
-        let mut warnings = Vec::new();
-        suspicions.judge(&mut warnings);
-        suspicions.judge(&mut warnings);
-        let said = warnings.iter().map(Message::to_string);
+        let said = suspicions.judge().map(|said| said.to_string());
         // Rows of these tests follow each other and have no times.
         let said = said.filter(|said| !said.contains("motion is not counted"));
         said.collect::<Vec<_>>().join("\n")
@@ -485,14 +404,29 @@ mod tests {
         assert_eq!(of(&[(-0.5, 2.0), (-0.5, 0.5)], Angles::Rad, &beyond), "");
     }
 
+    /// A log of the joints without any rows yet.
+    fn stamps(joints: &[&str]) -> Suspicions {
+        Suspicions::new("f", &dofs(joints), Angles::Rad)
+    }
+
+    /// A row of a log.
+    fn row(t: f64, q: &[f64]) -> Block {
+        Block {
+            line: vec![0],
+            t: Some(vec![t]),
+            q: q.to_vec(),
+            ..Block::default()
+        }
+    }
+
     /// Two joints that swing at 0.4 and 0.3 Hz, rows `step` seconds apart, stamped in units of
     /// which `per_second` are a second.
     fn said(step: f64, slower: f64, per_second: f64) -> Option<String> {
-        let mut stamps = Stamps::new(&dofs(&["a", "b"]));
+        let mut stamps = stamps(&["a", "b"]);
         for k in 0..400 {
             let now = f64::from(k) * step;
             let wave = |hz: f64| 0.1 * (std::f64::consts::TAU * hz / slower * now).sin();
-            stamps.see(&[per_second * now], &[wave(0.4), wave(0.3)]);
+            stamps.see(&row(per_second * now, &[wave(0.4), wave(0.3)]));
         }
         stamps.other_unit()
     }
@@ -519,17 +453,17 @@ mod tests {
 
     #[test]
     fn postures_that_are_hours_apart_are_in_seconds() {
-        let mut stamps = Stamps::new(&dofs(&["a", "b"]));
+        let mut stamps = stamps(&["a", "b"]);
         for k in 0..400 {
             let at = |rate: f64| (f64::from(k * k) * rate).sin();
-            stamps.see(&[f64::from(k) * 3600.0], &[at(0.7), at(1.1)]);
+            stamps.see(&row(f64::from(k) * 3600.0, &[at(0.7), at(1.1)]));
         }
         assert_eq!(stamps.other_unit(), None);
         assert_eq!(stamps.all_the_same(), None);
         // One stamp for all rows.
-        let mut stamps = Stamps::new(&dofs(&["a"]));
+        let mut stamps = self::stamps(&["a"]);
         for k in 0..40 {
-            stamps.see(&[7.0], &[f64::from(k)]);
+            stamps.see(&row(7.0, &[f64::from(k)]));
         }
         assert!(stamps.all_the_same().unwrap().contains("7 in every row"));
     }

@@ -6,8 +6,6 @@
 //! counts its closing zero. Every length is checked against the bytes that
 //! are there, so that no message can claim more than it has.
 
-use std::collections::HashMap;
-
 use sesc_model::urdf::limits;
 
 use crate::logs::block::keep_some;
@@ -27,7 +25,6 @@ pub(super) struct Header {
 /// `sensor_msgs/msg/JointState`, of joints that have a position in it; effort is not looked at.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointState {
-    pub header: Header,
     pub name: Vec<String>,
     /// rad or m
     pub position: Vec<f64>,
@@ -38,10 +35,10 @@ pub(super) struct JointState {
 }
 
 impl JointState {
-    pub fn decode(bytes: &[u8]) -> Result<JointState, String> {
+    pub fn decode(bytes: &[u8]) -> Result<(Header, JointState), String> {
         let mut cdr = Cdr::new(bytes)?;
+        let header = cdr.header()?;
         let mut state = JointState {
-            header: cdr.header()?,
             name: cdr.strings()?,
             position: cdr.doubles()?,
             velocity: cdr.doubles()?,
@@ -56,34 +53,20 @@ impl JointState {
             return Err(format!("{positions} positions for {names} joints"));
         }
         let known: Vec<bool> = state.position.iter().map(|q| q.is_finite()).collect();
-        if !known.iter().all(|known| *known) {
+        if known.contains(&false) {
             state.misses_positions = true;
             keep_some(&mut state.name, 1, &known);
             keep_some(&mut state.position, 1, &known);
             keep_some(&mut state.velocity, 1, &known);
         }
-        Ok(state)
-    }
-
-    /// Put the positions of joints that have a place there; the fastest of their velocities.
-    pub fn put(&self, places: &HashMap<String, usize>, q: &mut [f64]) -> f64 {
-        let mut fastest = 0.0_f64;
-        for (k, (name, position)) in self.name.iter().zip(&self.position).enumerate() {
-            if let Some(place) = places.get(name.trim()) {
-                q[*place] = *position;
-                // Drivers that do not measure it send nothing or NaN.
-                let velocity = self.velocity.get(k).filter(|v| v.is_finite());
-                fastest = fastest.max(velocity.map_or(0.0, |v| v.abs()));
-            }
-        }
-        fastest
+        Ok((header, state))
     }
 }
 
 /// Header, force (N) and torque (Nm) of a `geometry_msgs/msg/WrenchStamped`.
-pub(super) fn wrench(bytes: &[u8]) -> Result<(Header, [f64; 3], [f64; 3]), String> {
+pub(super) fn wrench(bytes: &[u8]) -> Result<(Header, [[f64; 3]; 2]), String> {
     let mut cdr = Cdr::new(bytes)?;
-    Ok((cdr.header()?, cdr.vector()?, cdr.vector()?))
+    Ok((cdr.header()?, [cdr.vector()?, cdr.vector()?]))
 }
 
 /// Header and place (m) of a `geometry_msgs/msg/PointStamped`.
@@ -249,9 +232,9 @@ mod tests {
             word(&mut body, 0);
             let mut bytes = vec![0, kind, 0, 0];
             bytes.extend(body);
-            let message = JointState::decode(&bytes).unwrap();
-            assert_eq!(message.header.stamp, Some(7.5));
-            assert_eq!(message.header.frame, "f");
+            let (header, message) = JointState::decode(&bytes).unwrap();
+            assert_eq!(header.stamp, Some(7.5));
+            assert_eq!(header.frame, "f");
             assert_eq!(message.name, ["ankle", "hip"]);
             assert_eq!(
                 (message.position, message.velocity),
@@ -268,7 +251,7 @@ mod tests {
             body.extend(b"sole\0");
             (1..=6).for_each(|k| double(&mut body, f64::from(k)));
             let bytes = [vec![0, kind, 0, 0], body].concat();
-            let (header, force, torque) = wrench(&bytes).unwrap();
+            let (header, [force, torque]) = wrench(&bytes).unwrap();
             assert_eq!((header.stamp, &*header.frame), (Some(7.5), "sole"));
             assert_eq!((force, torque), ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]));
         }

@@ -1,16 +1,22 @@
-//! Two contacts of one recording, a wrench each: which they are, and both at one moment.
+//! What stands on the ground: the frame of readings against the support, and two contacts of one
+//! recording, a wrench each.
+//!
+//! A wrench or a point in another frame of the support's rigid body is moved to the sole by the
+//! URDF. One in a frame that the URDF does not have is taken as one of the sole, with a word.
+//! Where two contacts are loaded, both are known at one moment:
 //!
 //! ```text
 //! F₂(t), F₂ p₂(t)        on the line between the other contact's messages before t and after it
 //! ```
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::io::Read;
+use std::sync::Arc;
 
-use super::moving::LONGEST_S;
+use super::joints::LONGEST_S;
 use super::records::Records;
-use super::{LEAST_LOAD_N, POINT, WRENCH, cdr, centre, check_encoding};
-use crate::logs::contacts::Share;
+use super::{LEAST_LOAD_N, POINT, STATE, cdr, centre};
+use crate::logs::contacts::{Frame, Share, Soles};
 use crate::logs::names::short;
 use crate::logs::options::Options;
 
@@ -46,18 +52,17 @@ impl Pair {
         let mut seen: BTreeMap<String, Seen> = BTreeMap::new();
         let (mut first, mut count) = (None, 0);
         while let Some(message) = records.next()? {
-            let channel = &message.channel;
-            match channel.schema.as_str() {
+            let topic = &message.channel.topic;
+            match message.channel.schema.as_str() {
+                STATE => continue,
                 // Which of them is the CoP, its sidecar says.
                 POINT => return Ok(None),
-                WRENCH => {}
-                _ => continue,
+                _ => {}
             }
-            check_encoding(channel)?;
-            let (header, force, _) = cdr::wrench(&records.data)?;
-            first.get_or_insert_with(|| channel.topic.clone());
-            let own = seen.entry(channel.topic.clone()).or_default();
-            own.link = header.frame.trim_start_matches('/').to_string();
+            let (_, frame, [force, _]) = message.decoded(cdr::wrench)?;
+            first.get_or_insert_with(|| topic.clone());
+            let own = seen.entry(topic.clone()).or_default();
+            own.link = frame.trim_start_matches('/').to_string();
             own.messages += 1;
             own.loaded += u64::from(force[2].abs() >= LEAST_LOAD_N);
             count += 1;
@@ -162,14 +167,14 @@ impl<R> Contacts<R> {
     }
 
     /// A wrench of the other contact. Stamps that go back begin anew.
-    pub fn other(&mut self, t: f64, force: [f64; 3], torque: [f64; 3]) {
+    pub fn other(&mut self, t: f64, [force, torque]: [[f64; 3]; 2]) {
         if !t.is_finite() {
             return;
         }
         if self.others.back().is_some_and(|last| t < last.t) {
             self.others.clear();
         }
-        let cop = centre(force, torque).filter(|cop| cop.iter().all(|x| x.is_finite()));
+        let cop = centre([force, torque]).filter(|cop| cop.iter().all(|x| x.is_finite()));
         let force = cop.map_or(0.0, |_| force[2].abs());
         let moment = cop.unwrap_or([0.0; 2]).map(|x| force * x);
         self.others.push_back(Other { t, force, moment });
@@ -236,6 +241,93 @@ impl<R> Contacts<R> {
     }
 }
 
+/// What is known of frames.
+pub(super) struct Frames {
+    soles: Option<Arc<dyn Soles>>,
+    /// What was asked for, if it was.
+    support: Option<String>,
+    links: Vec<String>,
+    known: HashMap<String, Known>,
+    /// Frames beside the support, in the order in which they came.
+    odd: Vec<String>,
+}
+
+/// A frame that came.
+#[derive(Clone)]
+enum Known {
+    /// That of the support, or of a link that stands by itself; empty where nothing says it.
+    Link(String),
+    /// Of the support's body.
+    Moved(Frame),
+}
+
+impl Frames {
+    pub fn new(soles: Option<Arc<dyn Soles>>, support: Option<String>, links: &[String]) -> Frames {
+        Frames {
+            soles,
+            support,
+            links: links.to_vec(),
+            known: HashMap::new(),
+            odd: Vec::new(),
+        }
+    }
+
+    /// The link that is the support of a reading, empty where the frame is none, and how the
+    /// reading is moved to it.
+    pub fn of(&mut self, frame: &str) -> (String, Option<Frame>) {
+        let frame = frame.trim_start_matches('/');
+        let known = match self.known.get(frame) {
+            Some(known) => known.clone(),
+            None => {
+                let known = self.judge(frame);
+                self.known.insert(frame.to_string(), known.clone());
+                known
+            }
+        };
+        match known {
+            Known::Link(link) => (link, None),
+            Known::Moved(frame) => (self.support.clone().unwrap_or_default(), Some(frame)),
+        }
+    }
+
+    fn judge(&mut self, frame: &str) -> Known {
+        let is_link = self.links.iter().any(|link| link == frame);
+        let none = Known::Link(String::new());
+        let support = match &self.support {
+            _ if frame.is_empty() || self.links.is_empty() => return none,
+            Some(support) if support == frame => return Known::Link(frame.to_string()),
+            support => support.as_deref(),
+        };
+        if !is_link {
+            let sole = support.map_or("the support".to_string(), |own| format!("`{}`", short(own)));
+            self.odd.push(format!(
+                "readings are in the frame `{}`, which the URDF does not have: they are taken as \
+                 those about the origin of {sole}",
+                short(frame)
+            ));
+            return none;
+        }
+        let moved = support.and_then(|own| self.soles.as_ref()?.fixed(own, frame));
+        match (support, moved) {
+            (Some(support), Some(moved)) => {
+                self.odd.push(format!(
+                    "readings are in the frame `{}` and are moved to `{}`, of the same body, by the \
+                     URDF",
+                    short(frame),
+                    short(support)
+                ));
+                Known::Moved(moved)
+            }
+            _ => Known::Link(frame.to_string()),
+        }
+    }
+
+    /// What there is to say of frames, once.
+    pub fn said(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.odd)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -252,7 +344,7 @@ mod tests {
         let mut contacts = Contacts::new();
         for (t, force, x) in [(1.0, 10.0, 0.02), (1.02, 30.0, 0.06)] {
             let (force, torque) = at(force, [x, -x]);
-            contacts.other(t, force, torque);
+            contacts.other(t, [force, torque]);
         }
         contacts.reading(1.01, -60.0, "own");
         let (own, other) = contacts.next(false).unwrap();
@@ -268,13 +360,13 @@ mod tests {
         contacts.reading(1.0, 50.0, 0);
         assert_eq!(contacts.next(false), None);
         let (force, torque) = at(50.0, [0.0; 2]);
-        contacts.other(1.0, force, torque);
+        contacts.other(1.0, [force, torque]);
         assert!(contacts.next(false).is_some());
         // In the air, and between messages that are half a second apart.
         contacts.reading(1.5, 50.0, 1);
-        contacts.other(1.5, [0.0; 3], [0.0; 3]);
+        contacts.other(1.5, [[0.0; 3]; 2]);
         contacts.reading(1.75, 50.0, 2);
-        contacts.other(2.0, force, torque);
+        contacts.other(2.0, [force, torque]);
         assert_eq!(contacts.next(false), None);
         contacts.reading(2.5, 50.0, 3);
         assert_eq!(contacts.next(true), None);
@@ -288,7 +380,7 @@ mod tests {
         let mut contacts = Contacts::new();
         let (force, torque) = at(50.0, [0.0; 2]);
         for k in 0..2 * MOST {
-            contacts.other(0.001 * k as f64, force, torque);
+            contacts.other(0.001 * k as f64, [force, torque]);
         }
         assert!(contacts.others.len() < 200, "{}", contacts.others.len());
         for k in 0..2 * MOST {

@@ -16,39 +16,35 @@
 //! Stretches in which the robot holds still are postures, see [`StillnessLimits`]; each
 //! reading in one is a row, with the joints' means. A log without readings has
 //! one row per posture. Of a robot that holds still nowhere, or where [`Stays::Moving`] is asked
-//! for, every reading is a row, with the joints between their messages ([`moving`]). In a recording of [`Recording`](super::recording::Recording) each joint
+//! for, every reading is a row, with the joints between their messages ([`joints`]). In a recording of [`Recording`](super::recording::Recording) each joint
 //! state is a posture, and the CoP's topic is the one that it names.
 
 mod cdr;
 mod contacts;
-mod frames;
-mod moving;
+mod joints;
 mod records;
-mod states;
 mod survey;
 #[cfg(test)]
 pub(super) mod tests;
 mod write;
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use sesc_model::tree::Dof;
 
-use self::cdr::{Header, JointState};
-use self::contacts::{Contacts, Pair};
-use self::frames::Frames;
-use self::moving::{LONGEST_S, Moving, Row};
-use self::records::{Channel, Records};
-use self::states::States;
-use self::survey::{JointTopics, Survey};
+use self::cdr::JointState;
+use self::contacts::{Contacts, Frames, Pair};
+use self::joints::{LONGEST_S, Moving, Row, State, States};
+use self::records::Records;
+use self::survey::Survey;
 use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, FZ, POSE, SUPPORT, T};
 use super::contacts::Share;
+use super::formats::{Interner, Raw, RowSource};
 use super::input::{Bytes, Meter, Metered, Place};
 use super::names::short;
 use super::options::{Options, Readings, Stays, StillnessLimits};
-use super::source::{Interner, Raw, RowSource};
 use super::stillness::{Posture, StillnessCutter};
 use crate::{Error, Message};
 
@@ -94,16 +90,12 @@ pub(super) struct McapSource {
     records: Records<Metered>,
     meter: Arc<Meter>,
     header: Vec<String>,
-    /// Place of each joint among the joints of the header.
-    place: HashMap<String, usize>,
+    survey: Survey,
     joints: States,
     /// Readings since the last joint state, which waits for the next one.
     since: Vec<Reading>,
     q: Vec<f64>,
-    joint_topics: JointTopics,
-    /// Topic of the readings, if they are wanted.
-    topic: Option<String>,
-    /// The user named the topic, or the recording does.
+    /// The user named the topic of the readings, or the recording does.
     chosen: bool,
     /// The two contacts of a recording of both feet, and readings that wait for both.
     both: Option<(Pair, Contacts<Reading>)>,
@@ -136,7 +128,6 @@ impl McapSource {
         options: &Options,
         topics: (Option<&str>, Option<&str>),
     ) -> Result<McapSource, Error> {
-        let topic = topics.0;
         let bad = |message| Error::log(file.to_string(), None, message);
         let start = || -> Result<(Records<_>, Arc<Meter>), Error> {
             let input =
@@ -148,10 +139,10 @@ impl McapSource {
         let wanted = options.readings != Readings::Ignored;
         let mut survey = Survey::of(start()?.0, dofs, topics, wanted).map_err(bad)?;
         let mut warnings = Vec::new();
-        let both = match (topic, &survey.topic, survey.said) {
-            (None, Some(_), false) => Pair::asked(start()?.0, dofs.len(), options).map_err(bad)?,
-            _ => None,
-        };
+        let mut both = None;
+        if topics.0.is_none() && survey.topic.is_some() && !survey.said {
+            both = Pair::asked(start()?.0, dofs.len(), options).map_err(bad)?;
+        }
         if let Some(pair) = &both {
             warnings.push(format!("{file}: {}", pair.sentence()).into());
             survey.topic = Some(pair.topics[0].clone());
@@ -161,47 +152,62 @@ impl McapSource {
             Stays::Moving => true,
             Stays::Alone(_) => false,
             Stays::Pooled | Stays::Apart => {
-                let holds = survey.holds_still(start()?.0, dofs, options.stillness);
-                let moves = !holds.map_err(bad)?;
-                if moves {
-                    let StillnessLimits { speed, duration } = options.stillness;
-                    let warning = format!(
-                        "{file}: the robot holds still nowhere ({duration} s with every joint \
-                         below {speed} rad/s): every reading is a row of a robot that moves"
-                    );
-                    warnings.push(warning.into());
-                }
-                moves
+                let alone = Survey {
+                    topic: None,
+                    ..survey.clone()
+                };
+                let joints = McapSource::new(file, start()?, alone, dofs, options);
+                !joints.holds_still().map_err(bad)?
             }
         };
-        let (records, meter) = start()?;
-        let skip = match (&survey.topic, survey.is_wrench) {
+        if moves && options.stays != Stays::Moving {
+            let StillnessLimits { speed, duration } = options.stillness;
+            let warning = format!(
+                "{file}: the robot holds still nowhere ({duration} s with every joint below \
+                 {speed} rad/s): every reading is a row of a robot that moves"
+            );
+            warnings.push(warning.into());
+        }
+        let source = McapSource::new(file, start()?, survey, dofs, options);
+        Ok(McapSource {
+            moving: moves.then(|| Moving::new(source.q.len())),
+            chosen: topics.0.is_some() || source.survey.said || both.is_some(),
+            both: both.map(|pair| (pair, Contacts::new())),
+            warnings,
+            ..source
+        })
+    }
+
+    /// A recording from its start on.
+    fn new(
+        file: &str,
+        (records, meter): (Records<Metered>, Arc<Meter>),
+        survey: Survey,
+        dofs: &[Dof],
+        options: &Options,
+    ) -> McapSource {
+        let first = match (&survey.topic, survey.is_wrench) {
             (None, _) => 3,
             (_, false) => FORCE_PLACE,
             (_, true) => FIRST.len(),
         };
-        let names = FIRST[..skip].iter().map(|name| name.to_string());
-        Ok(McapSource {
+        let names = FIRST[..first].iter().map(|name| name.to_string());
+        let (soles, support) = (options.soles.clone(), options.support.clone());
+        McapSource {
             file: file.to_string(),
             records,
             meter,
             header: names.chain(survey.joints.iter().cloned()).collect(),
-            q: vec![f64::NAN; survey.joints.len()],
-            moving: moves.then(|| Moving::new(survey.joints.len())),
-            joints: States::new(survey.places(), dofs),
-            place: survey.places(),
+            joints: States::new(&survey.joints, dofs),
             since: Vec::new(),
-            joint_topics: survey.joint_topics,
-            topic: survey.topic,
-            chosen: topic.is_some() || survey.said || both.is_some(),
-            both: both.map(|pair| (pair, Contacts::new())),
-            frames_of: Frames::new(
-                options.soles.clone(),
-                options.support.clone(),
-                &options.links,
-            ),
+            q: vec![f64::NAN; survey.joints.len()],
+            survey,
+            chosen: false,
+            both: None,
+            frames_of: Frames::new(soles, support, &options.links),
             stillness: options.stillness,
             cutter: StillnessCutter::new(options.stillness),
+            moving: None,
             ready: VecDeque::new(),
             frames: Interner::default(),
             states: 0,
@@ -211,21 +217,31 @@ impl McapSource {
             airborne: 0,
             postures: 0,
             ended: false,
-            warnings,
-        })
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Whether the robot holds still anywhere, or each joint state is a posture of its own; reads
+    /// up to the end of the first such stretch.
+    fn holds_still(mut self) -> Result<bool, String> {
+        while self.ready.is_empty() && self.advance()? {}
+        Ok(!self.ready.is_empty())
     }
 
     /// The next row; none at the end.
     fn next_row(&mut self) -> Result<Option<Ready>, Error> {
         while self.ready.is_empty() && !self.ended {
-            let advanced = self.advance();
+            let advanced = self.advance().and_then(|more| match more {
+                true => Ok(()),
+                false => self.conclude(),
+            });
             advanced.map_err(|message| Error::log(self.file.clone(), None, message))?;
         }
         Ok(self.ready.pop_front())
     }
 
-    /// Take one message.
-    fn advance(&mut self) -> Result<(), String> {
+    /// Take one message; false at the end.
+    fn advance(&mut self) -> Result<bool, String> {
         let Some(message) = self.records.next()? else {
             self.ended = true;
             self.take_both();
@@ -234,106 +250,91 @@ impl McapSource {
             let last = self.cutter.end();
             self.keep(last);
             self.take_moving();
-            return self.conclude();
+            return Ok(false);
         };
-        let channel = message.channel;
-        let data = &self.records.data;
-        let at = |message: String| format!("topic {}: {message}", short(&channel.topic));
-        match channel.schema.as_str() {
-            STATE if !self.joint_topics.takes(&channel.topic) => Ok(()),
-            STATE => {
-                let state = check_encoding(&channel)
-                    .and_then(|()| JointState::decode(data))
-                    .map_err(at)?;
-                self.state(state, message.log_time, channel.own_postures);
-                Ok(())
+        let topic = &message.channel.topic;
+        if message.channel.schema == STATE {
+            if self.survey.joint_topics.takes(topic) {
+                let (t, _, state) = message.decoded(JointState::decode)?;
+                let apart = message.channel.own_postures;
+                self.state(t, &state, apart);
             }
-            schema @ (WRENCH | POINT) => {
-                if let Some((pair, contacts)) = &mut self.both
-                    && pair.topics[1] == channel.topic
-                {
-                    check_encoding(&channel).map_err(at)?;
-                    let (header, force, torque) = cdr::wrench(data).map_err(at)?;
-                    contacts.other(header.stamp.unwrap_or(message.log_time), force, torque);
-                    self.take_both();
-                    return Ok(());
-                }
-                match &self.topic {
-                    Some(topic) if *topic == channel.topic => {}
-                    Some(topic) if !self.chosen => {
-                        return Err(format!(
-                            "the CoP is on `{}` and on `{}`; choose one by `topic = \"…\"` in the \
-                             sidecar",
-                            short(topic),
-                            short(&channel.topic)
-                        ));
-                    }
-                    _ => return Ok(()),
-                }
-                check_encoding(&channel).map_err(at)?;
-                let (header, force, cop) = if schema == POINT {
-                    let (header, at) = cdr::point(data).map_err(at)?;
-                    let (link, moved) = self.frames_of.of(&header.frame);
-                    let at = moved.map_or(at, |frame| {
-                        let turned = frame.turned(at);
-                        [0, 1, 2].map(|k| frame.origin[k] + turned[k])
-                    });
-                    (
-                        Header {
-                            frame: link,
-                            ..header
-                        },
-                        0.0,
-                        Some([at[0], at[1]]),
-                    )
-                } else {
-                    let (header, force, torque) = cdr::wrench(data).map_err(at)?;
-                    let (link, moved) = self.frames_of.of(&header.frame);
-                    let both = moved.map(|frame| frame.moved(force, torque));
-                    let (force, torque) = both.unwrap_or((force, torque));
-                    (
-                        Header {
-                            frame: link,
-                            ..header
-                        },
-                        force[2],
-                        centre(force, torque),
-                    )
-                };
-                self.reading(&header, message.log_time, force, cop);
-                Ok(())
-            }
-            _ => Ok(()),
+            return Ok(true);
         }
+        if let Some((pair, contacts)) = &mut self.both
+            && pair.topics[1] == *topic
+        {
+            let (t, _, wrench) = message.decoded(cdr::wrench)?;
+            contacts.other(t, wrench);
+            self.take_both();
+            return Ok(true);
+        }
+        match &self.survey.topic {
+            Some(own) if own == topic => {}
+            Some(own) if !self.chosen => {
+                return Err(format!(
+                    "the CoP is on `{}` and on `{}`; choose one by `topic = \"…\"` in the sidecar",
+                    short(own),
+                    short(topic)
+                ));
+            }
+            _ => return Ok(true),
+        }
+        let (t, link, force, cop) = if message.channel.schema == POINT {
+            let (t, frame, at) = message.decoded(cdr::point)?;
+            let (link, moved) = self.frames_of.of(&frame);
+            let [x, y, _] = moved.map_or(at, |frame| frame.placed(at));
+            (t, link, 0.0, Some([x, y]))
+        } else {
+            let (t, frame, wrench) = message.decoded(cdr::wrench)?;
+            let (link, moved) = self.frames_of.of(&frame);
+            let wrench = moved.map_or(wrench, |frame| frame.moved(wrench));
+            (t, link, wrench[0][2], centre(wrench))
+        };
+        self.readings += 1;
+        match cop {
+            _ if force.is_nan() => self.no_numbers += 1,
+            None => self.airborne += 1,
+            Some(cop) if cop.iter().any(|x| !x.is_finite()) => self.no_numbers += 1,
+            Some(cop) => {
+                let reading = Reading {
+                    number: self.readings,
+                    t,
+                    frame: self.frames.get(&link),
+                    cop,
+                    force,
+                    other: None,
+                };
+                self.reading(reading);
+            }
+        }
+        Ok(true)
     }
 
     /// Joint positions, as a posture of its own where it is `apart`.
-    fn state(&mut self, state: JointState, log_time: f64, apart: bool) {
+    fn state(&mut self, t: f64, state: &JointState, apart: bool) {
         self.states += 1;
         self.without_positions += u64::from(state.misses_positions);
-        let t = state.header.stamp.unwrap_or(log_time);
+        let state = self.joints.placed(t, state);
         if apart {
-            state.put(&self.place, &mut self.q);
+            state.q.iter().for_each(|(place, q)| self.q[*place] = *q);
             let ended = self.cutter.posture(t, &self.q);
             self.keep(ended);
             return;
         }
-        let before = self.joints.push(t, state);
+        let before = self.joints.push(state);
         self.joints_are(before);
     }
 
     /// Joint positions that are the robot's, and the readings after them.
-    fn joints_are(&mut self, state: Option<(f64, JointState)>) {
-        if let Some((t, state)) = state {
+    fn joints_are(&mut self, state: Option<State>) {
+        if let Some(State { t, q, speed }) = state {
             if let Some(moving) = &mut self.moving {
-                for (name, position) in state.name.iter().zip(&state.position) {
-                    if let Some(place) = self.place.get(name.trim()) {
-                        moving.position(*place, t, *position);
-                    }
-                }
+                q.iter()
+                    .for_each(|(place, q)| moving.position(*place, t, *q));
                 self.take_moving();
             } else {
-                let speed = state.put(&self.place, &mut self.q);
+                q.iter().for_each(|(place, q)| self.q[*place] = *q);
                 let ended = self.cutter.state(t, &self.q, speed);
                 self.keep(ended);
             }
@@ -343,28 +344,11 @@ impl McapSource {
         }
     }
 
-    /// A CoP, under a force (N) where a wrench says it.
-    fn reading(&mut self, header: &Header, log_time: f64, force: f64, cop: Option<[f64; 2]>) {
-        self.readings += 1;
-        if force.is_nan() || cop.is_some_and(|cop| cop.iter().any(|x| !x.is_finite())) {
-            self.no_numbers += 1;
-            return;
-        }
-        let Some(cop) = cop else {
-            self.airborne += 1;
-            return;
-        };
-        let reading = Reading {
-            number: self.readings,
-            t: header.stamp.unwrap_or(log_time),
-            frame: self.frames.get(&header.frame),
-            cop,
-            force,
-            other: None,
-        };
+    /// A CoP, once the other contact is known where there are two.
+    fn reading(&mut self, reading: Reading) {
         match &mut self.both {
             Some((_, contacts)) => {
-                contacts.reading(reading.t, force, reading);
+                contacts.reading(reading.t, reading.force, reading);
                 self.take_both();
             }
             None => self.place(reading),
@@ -427,7 +411,7 @@ impl McapSource {
             q,
             mut readings,
         } = posture;
-        if self.topic.is_none() {
+        if self.survey.topic.is_none() {
             readings = vec![Reading {
                 number: self.postures,
                 t,
@@ -448,13 +432,8 @@ impl McapSource {
 
     /// What to say at the end of the recording.
     fn conclude(&mut self) -> Result<(), String> {
-        let foreign = self
-            .frames_of
-            .said()
-            .into_iter()
-            .chain(self.joints.conclude()?);
-        let foreign = foreign.map(|said| format!("{}: {said}", self.file).into());
-        self.warnings.extend(foreign);
+        let mut said = self.frames_of.said();
+        said.extend(self.joints.conclude()?);
         if self.postures == 0 {
             return Err(match self.moving {
                 Some(_) => format!(
@@ -464,43 +443,34 @@ impl McapSource {
                 None => self.stillness.nothing(),
             });
         }
-        let left_out = self.moving.as_ref().map_or(0, |moving| moving.left_out);
-        if left_out > 0 {
-            let warning = format!(
-                "{}: {left_out} of {} readings lie between no joint states that are at most \
-                 {LONGEST_S} s apart, and are left out",
-                self.file, self.readings
-            );
-            self.warnings.push(warning.into());
-        }
-        for (count, all, said) in [
-            (
-                self.without_positions,
-                self.states,
-                "joint states name a joint without its position; the joint is where the next one says",
-            ),
-            (
-                self.no_numbers,
-                self.readings,
-                "readings are no numbers and are left out",
-            ),
-        ] {
+        let readings = self.readings;
+        let mut count = |count: u64, of: u64, what: &str| {
             if count > 0 {
-                let warning = format!("{}: {count} of {all} {said}", self.file);
-                self.warnings.push(warning.into());
+                said.push(format!("{count} of {of} {what}"));
             }
-        }
-        let both = self.both.as_ref();
-        if let Some(said) = both.and_then(|(_, all)| all.left_out(self.readings)) {
-            self.warnings.push(format!("{}: {said}", self.file).into());
-        }
-        if self.airborne > 0 {
-            let warning = format!(
-                "{}: {} of {} readings had less than {LEAST_LOAD_N} N on the sole and are left out",
-                self.file, self.airborne, self.readings
-            );
-            self.warnings.push(warning.into());
-        }
+        };
+        let apart = format!(
+            "readings lie between no joint states that are at most {LONGEST_S} s apart, and are \
+             left out"
+        );
+        let left_out = self.moving.as_ref().map_or(0, |moving| moving.left_out);
+        count(left_out, readings, &apart);
+        let missing = "joint states name a joint without its position; the joint is where the next \
+                       one says";
+        count(self.without_positions, self.states, missing);
+        let none = "readings are no numbers and are left out";
+        count(self.no_numbers, readings, none);
+        let light = format!("readings had less than {LEAST_LOAD_N} N on the sole and are left out");
+        count(self.airborne, readings, &light);
+        said.extend(
+            self.both
+                .as_ref()
+                .and_then(|(_, all)| all.left_out(readings)),
+        );
+        let named = said
+            .into_iter()
+            .map(|said| format!("{}: {said}", self.file).into());
+        self.warnings.extend(named);
         Ok(())
     }
 }
@@ -567,19 +537,8 @@ impl RowSource for McapSource {
     }
 }
 
-/// Messages must be written as ROS 2 does.
-fn check_encoding(channel: &Channel) -> Result<(), String> {
-    match channel.encoding.as_str() {
-        "cdr" => Ok(()),
-        other => Err(format!(
-            "messages written as `{}`; record with ROS 2, which writes `cdr`",
-            short(other)
-        )),
-    }
-}
-
 /// CoP of a wrench in the support frame; nothing if nothing stands on it.
-fn centre(force: [f64; 3], torque: [f64; 3]) -> Option<[f64; 2]> {
+fn centre([force, torque]: [[f64; 3]; 2]) -> Option<[f64; 2]> {
     let f = force[2];
     (f.abs() >= LEAST_LOAD_N).then(|| [-torque[1] / f, torque[0] / f])
 }

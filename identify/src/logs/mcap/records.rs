@@ -17,6 +17,7 @@ use mcap::sans_io::decompressor::{DecompressResult, Decompressor};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, McapResult, parse_record};
 
+use super::cdr::Header;
 use super::{OWN_POSTURES, POINT, STATE, WRENCH};
 use crate::logs::names::short;
 
@@ -50,12 +51,36 @@ pub(super) struct Channel {
     pub own_postures: bool,
 }
 
-/// A message, whose bytes are [`Records::data`].
-#[derive(Debug)]
-pub(super) struct Message {
+/// A message.
+pub(super) struct Message<'a> {
     pub channel: Arc<Channel>,
     /// s
-    pub log_time: f64,
+    log_time: f64,
+    data: &'a [u8],
+}
+
+impl Message<'_> {
+    /// Its time, s, and what `decode` makes of its bytes.
+    ///
+    /// # Errors
+    /// What is wrong with it, and its topic.
+    pub fn decoded<T>(
+        &self,
+        decode: impl FnOnce(&[u8]) -> Result<(Header, T), String>,
+    ) -> Result<(f64, String, T), String> {
+        let channel = &self.channel;
+        let decoded = match channel.encoding.as_str() {
+            "cdr" => decode(self.data),
+            other => Err(format!(
+                "messages written as `{}`; record with ROS 2, which writes `cdr`",
+                short(other)
+            )),
+        };
+        let at = |said| format!("topic {}: {said}", short(&channel.topic));
+        let (header, content) = decoded.map_err(at)?;
+        let t = header.stamp.unwrap_or(self.log_time);
+        Ok((t, header.frame, content))
+    }
 }
 
 /// The records of a file.
@@ -67,7 +92,7 @@ pub(super) struct Records<R> {
     /// Bytes of names that were kept.
     names: usize,
     /// Bytes of the message that was read last.
-    pub data: Vec<u8>,
+    data: Vec<u8>,
 }
 
 impl<R: Read> Records<R> {
@@ -103,7 +128,7 @@ impl<R: Read> Records<R> {
     }
 
     /// The next message of joints or of a CoP; nothing at the end of the file.
-    pub fn next(&mut self) -> Result<Option<Message>, String> {
+    pub fn next(&mut self) -> Result<Option<Message<'_>>, String> {
         while let Some(event) = self.reader.next_event() {
             let (opcode, content) = match event.map_err(fault)? {
                 LinearReadEvent::Record { opcode, data } => (opcode, data),
@@ -158,6 +183,7 @@ impl<R: Read> Records<R> {
                         return Ok(Some(Message {
                             channel: Arc::clone(channel),
                             log_time: header.log_time as f64 * 1e-9,
+                            data: &self.data,
                         }));
                     }
                     0

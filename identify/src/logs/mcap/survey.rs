@@ -1,18 +1,15 @@
 //! A first look at a recording: which joints and which CoP it has.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::io::Read;
 
 use sesc_model::tree::Dof;
 use sesc_model::urdf::suggestion;
 
 use super::cdr::JointState;
-use super::records::Records;
-use super::states::States;
-use super::{FIRST, POINT, STATE, WRENCH, check_encoding};
+use super::records::{Channel, Records};
+use super::{FIRST, STATE, WRENCH};
 use crate::logs::names::{list, short};
-use crate::logs::options::StillnessLimits;
-use crate::logs::stillness::StillnessCutter;
 
 /// Names kept for messages about joints that are missing.
 const MOST_JOINTS: usize = 10_000;
@@ -22,6 +19,7 @@ const BEYOND: usize = 500;
 const JOINTS_TOPIC: &str = "/joint_states";
 
 /// What a recording has of what is wanted.
+#[derive(Clone)]
 pub(super) struct Survey {
     /// The robot's joints that were seen; all joints if one is missing.
     pub joints: Vec<String>,
@@ -36,53 +34,6 @@ pub(super) struct Survey {
 }
 
 impl Survey {
-    /// Place of each joint among the joints.
-    pub fn places(&self) -> HashMap<String, usize> {
-        self.joints.iter().cloned().zip(0..).collect()
-    }
-
-    /// Whether the robot holds still anywhere, or each joint state is a posture of its own; reads
-    /// up to the end of the first such stretch.
-    pub fn holds_still<R: Read>(
-        &self,
-        mut records: Records<R>,
-        dofs: &[Dof],
-        stillness: StillnessLimits,
-    ) -> Result<bool, String> {
-        let places = self.places();
-        let mut states = States::new(self.places(), dofs);
-        let mut q = vec![f64::NAN; self.joints.len()];
-        let mut cutter: StillnessCutter<()> = StillnessCutter::new(stillness);
-        while let Some(message) = records.next()? {
-            let channel = &message.channel;
-            if channel.schema != STATE {
-                continue;
-            }
-            if channel.own_postures {
-                return Ok(true);
-            }
-            if !self.joint_topics.takes(&channel.topic) {
-                continue;
-            }
-            check_encoding(channel)?;
-            let state = JointState::decode(&records.data)?;
-            let t = state.header.stamp.unwrap_or(message.log_time);
-            if let Some((t, state)) = states.push(t, state) {
-                let speed = state.put(&places, &mut q);
-                if cutter.state(t, &q, speed).is_some() {
-                    return Ok(true);
-                }
-            }
-        }
-        if let Some((t, state)) = states.end() {
-            let speed = state.put(&places, &mut q);
-            if cutter.state(t, &q, speed).is_some() {
-                return Ok(true);
-            }
-        }
-        Ok(cutter.end().is_some())
-    }
-
     /// Read until every joint and a reading were seen, and some messages on.
     pub fn of<R: Read>(
         mut records: Records<R>,
@@ -103,39 +54,33 @@ impl Survey {
             if missing.is_empty() && !(wanted && found.is_none()) {
                 beyond += 1;
             }
-            let channel = &message.channel;
-            match channel.schema.as_str() {
-                STATE if joints_topic.is_none_or(|topic| topic == channel.topic) => {
-                    check_encoding(channel)?;
-                    let of = joint_topics.0.entry(channel.topic.clone()).or_default();
-                    for name in JointState::decode(&records.data)?.name {
-                        let name = name.trim();
-                        missing.remove(name);
-                        if own.contains(name) {
-                            of.insert(name.to_string());
-                        }
-                        if seen.len() < MOST_JOINTS {
-                            seen.insert(name.to_string());
-                        }
+            let Channel {
+                topic: on, schema, ..
+            } = &*message.channel;
+            if schema != STATE {
+                if found.is_none() && topic.is_none_or(|topic| topic == on) {
+                    (found, said) = (Some(on.clone()), message.channel.own_postures);
+                    is_wrench = schema == WRENCH;
+                }
+            } else if joints_topic.is_none_or(|topic| topic == on) {
+                let of = joint_topics.0.entry(on.clone()).or_default();
+                let (_, _, state) = message.decoded(JointState::decode)?;
+                for name in state.name.iter().map(|name| name.trim()) {
+                    missing.remove(name);
+                    if own.contains(name) {
+                        of.insert(name.to_string());
+                    }
+                    if seen.len() < MOST_JOINTS {
+                        seen.insert(name.to_string());
                     }
                 }
-                WRENCH | POINT
-                    if found.is_none() && topic.is_none_or(|topic| topic == channel.topic) =>
-                {
-                    (found, said) = (Some(channel.topic.clone()), channel.own_postures);
-                    is_wrench = channel.schema == WRENCH;
-                }
-                _ => {}
             }
         }
         let all = || {
-            let mut topics: Vec<String> = records
-                .channels()
-                .map(|channel| format!("{} ({})", channel.topic, channel.schema))
-                .collect();
+            let named = |channel: &Channel| format!("{} ({})", channel.topic, channel.schema);
+            let mut topics: Vec<String> = records.channels().map(named).collect();
             topics.sort();
-            let topics: Vec<&str> = topics.iter().map(String::as_str).collect();
-            list(&topics)
+            list(&topics.iter().map(String::as_str).collect::<Vec<_>>())
         };
         if seen.is_empty() {
             let on = joints_topic.map_or(String::new(), |topic| format!(" on topic `{topic}`"));
@@ -150,16 +95,13 @@ impl Survey {
                 all()
             ));
         }
-        let joints = if missing.is_empty() {
-            dofs.iter()
-                .map(|dof| dof.joint.trim().to_string())
-                .collect()
-        } else {
-            let mut seen: Vec<String> = seen.into_iter().collect();
-            seen.retain(|name| !FIRST.contains(&name.as_str()));
-            seen.sort();
-            seen
-        };
+        let names = dofs.iter().map(|dof| dof.joint.trim().to_string());
+        let mut joints: Vec<String> = names.collect();
+        if !missing.is_empty() {
+            joints = seen.into_iter().collect();
+            joints.retain(|name| !FIRST.contains(&name.as_str()));
+            joints.sort();
+        }
         Ok(Survey {
             joints,
             joint_topics,

@@ -4,33 +4,27 @@
 //! Memory: one page of each wanted column, and what files claim is held against their
 //! bytes (`limits`).
 
-mod hashing;
 mod limits;
 mod sink;
-mod values;
 
-use std::panic::{self, AssertUnwindSafe};
+use std::hash::Hasher as _;
+use std::io::{self, Read as _};
 use std::sync::Arc;
 
-use parquet::basic::Type as Physical;
-use parquet::column::reader::{ColumnReader, get_column_reader};
-use parquet::data_type::ByteArray;
+use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Physical};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
+use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
-use parquet::schema::types::ColumnDescPtr;
+use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor};
+use twox_hash::XxHash64;
 
-use self::hashing::Hashing;
 use self::limits::{ENCRYPTED, Input};
 pub(super) use self::sink::ParquetSink;
-use self::values::{is_flat, is_number, read, read_numbers, spread, unit};
 use super::columns::{Columns, POSE, SUPPORT};
-use super::guard::Guard;
+use super::formats::{Interner, Raw, RowSource, catch_panic, whole};
 use super::input::{Bytes, Place};
-use super::source::{Interner, Raw, RowSource, whole};
 use crate::{Error, Setting, message};
-
-/// Who reads on beyond so many rows reads all of them: what begins a fit is known from fewer.
-const MANY: u64 = 30_000;
 
 /// A Parquet file being read.
 pub(super) struct ParquetSource {
@@ -49,8 +43,6 @@ pub(super) struct ParquetSource {
     total: u64,
     /// Hash of all bytes, once the last row was read and none was passed over.
     hash: Option<u64>,
-    /// The hash, while it is under way.
-    hashing: Option<Hashing>,
     /// Rows were passed over: nobody asks for the hash.
     passed: bool,
     links: Interner,
@@ -96,37 +88,35 @@ impl ParquetSource {
             done: 0,
             total,
             hash: None,
-            hashing: None,
             passed: false,
             links: Interner::default(),
         })
     }
 
-    /// Open the wanted columns of the next group; false after the last.
+    /// Open the wanted columns of the next group with rows, where none is left of the open one;
+    /// false after the last.
     fn next_group(&mut self, columns: &Columns) -> Result<bool, Error> {
-        let at = Some(self.done + 1);
-        let Some(group) = self.footer.row_groups().get(self.groups) else {
-            return Ok(false);
-        };
-        if group.num_rows() == 0 {
-            // Its chunks have no pages to look at.
+        while self.left == 0 {
+            let Some(group) = self.footer.row_groups().get(self.groups) else {
+                return Ok(false);
+            };
             self.groups += 1;
-            return Ok(true);
-        }
-        let open = guarded(|| {
-            let rows = usize::try_from(group.num_rows())?;
-            let wanted = columns.numbers.iter().copied();
-            let wanted = wanted.chain(columns.pose).chain(columns.support);
-            let open = wanted.map(|k| {
-                let pages = self.input.pages(group.column(k), rows)?;
-                Ok(get_column_reader(self.column(k), pages))
+            // The chunks of an empty group have no pages to look at.
+            if group.num_rows() == 0 {
+                continue;
+            }
+            let open = guarded(|| {
+                let rows = usize::try_from(group.num_rows())?;
+                let wanted = columns.numbers.iter().copied();
+                let wanted = wanted.chain(columns.pose).chain(columns.support);
+                let open = wanted.map(|k| {
+                    let pages = self.input.pages(group.column(k), rows)?;
+                    Ok(get_column_reader(self.column(k), pages))
+                });
+                Ok((rows as u64, open.collect::<Result<Vec<_>, ParquetError>>()?))
             });
-            Ok((rows as u64, open.collect::<Result<Vec<_>, ParquetError>>()?))
-        });
-        let (rows, open) = open.map_err(|error| damaged(&self.file, at, &error))?;
-        self.open = open;
-        self.left = rows;
-        self.groups += 1;
+            (self.left, self.open) = open.map_err(|error| self.broken(&error))?;
+        }
         Ok(true)
     }
 
@@ -162,47 +152,33 @@ impl ParquetSource {
 
     /// Read `n` rows that the open group still has.
     fn rows(&mut self, columns: &Columns, n: usize, raw: &mut Raw) -> Result<(), Error> {
-        let width = columns.numbers.len();
-        let start = raw.numbers.len();
+        let (width, start) = (columns.numbers.len(), raw.numbers.len());
         raw.numbers.resize(start + n * width, f64::NAN);
+        // Rows that the pages have and the group does not count would be lost.
+        let asked = n + usize::from(self.left == n as u64);
         let mut open = std::mem::take(&mut self.open);
         for (k, reader) in open.iter_mut().enumerate() {
-            if k < width {
-                let place = raw.numbers[start..].iter_mut().skip(k).step_by(width);
-                let values = self.numbers(reader, n)?;
-                let factor = unit(&self.column(columns.numbers[k])).unwrap_or(1.0);
-                place
-                    .zip(values)
-                    .for_each(|(to, value)| *to = value * factor);
-            } else if k == width && columns.pose.is_some() {
-                let values = self.numbers(reader, n)?;
-                for (at, value) in values.iter().enumerate() {
-                    raw.pose.push(whole(*value).map_err(|message| {
-                        Error::log(self.file.clone(), Some(self.done + 1 + at as u64), message)
-                    })?);
+            if let ColumnReader::ByteArrayColumnReader(reader) = reader {
+                let texts = read(reader, asked, &ByteArray::from(""), ByteArray::clone);
+                let texts = texts.map_err(|e| self.broken(&e))?;
+                self.complete(texts.len(), n)?;
+                for text in &texts {
+                    let text = text.as_utf8().map_err(|e| self.broken(&e))?;
+                    raw.support.push(self.links.get(text.trim()));
                 }
-            } else if let ColumnReader::ByteArrayColumnReader(reader) = reader {
-                let (values, levels) = read(reader, n).map_err(|e| self.broken(&e))?;
-                let all = levels.unwrap_or_else(|| vec![1; values.len()]);
-                self.complete(all.len(), n)?;
-                for value in spread(values.iter(), &all) {
-                    let text = value.map_or(Ok(""), ByteArray::as_utf8);
-                    let text = text.map_err(|e| self.broken(&e))?.trim();
-                    raw.support.push(self.links.get(text));
-                }
+                continue;
             }
-        }
-        if self.left == n as u64 {
-            // Rows that the pages have and the group does not count would be lost.
-            for reader in &mut open {
-                let more = match reader {
-                    ColumnReader::ByteArrayColumnReader(reader) => read(reader, 1)
-                        .map(|(values, levels)| levels.map_or(values.len(), |l| l.len())),
-                    numbers => read_numbers(numbers, 1).map(|v| v.len()),
-                };
-                if more.map_err(|e| self.broken(&e))? > 0 {
-                    let message = "a column has more rows than its group says; the file is damaged";
-                    return Err(self.bad(message.into()));
+            let values = read_numbers(reader, asked).map_err(|e| self.broken(&e))?;
+            self.complete(values.len(), n)?;
+            if k < width {
+                let factor = unit(&self.column(columns.numbers[k])).unwrap_or(1.0);
+                let places = raw.numbers[start..].iter_mut().skip(k).step_by(width);
+                places.zip(values).for_each(|(to, x)| *to = x * factor);
+            } else {
+                for (line, value) in (self.done + 1..).zip(values) {
+                    let pose = whole(value);
+                    let pose = pose.map_err(|said| Error::log(self.file.clone(), Some(line), said));
+                    raw.pose.push(pose?);
                 }
             }
         }
@@ -213,46 +189,30 @@ impl ParquetSource {
         Ok(())
     }
 
-    /// Pass over `n` rows of the open group, of which it has more.
-    fn pass(&mut self, n: u64) -> Result<(), Error> {
-        let mut open = std::mem::take(&mut self.open);
-        let count = usize::try_from(n).unwrap_or(usize::MAX);
-        for reader in &mut open {
-            let passed = guarded(|| match reader {
-                ColumnReader::Int32ColumnReader(reader) => reader.skip_records(count),
-                ColumnReader::Int64ColumnReader(reader) => reader.skip_records(count),
-                ColumnReader::Int96ColumnReader(reader) => reader.skip_records(count),
-                ColumnReader::FloatColumnReader(reader) => reader.skip_records(count),
-                ColumnReader::DoubleColumnReader(reader) => reader.skip_records(count),
-                ColumnReader::ByteArrayColumnReader(reader) => reader.skip_records(count),
-                // Of no column that a log has.
-                ColumnReader::BoolColumnReader(_)
-                | ColumnReader::FixedLenByteArrayColumnReader(_) => Ok(count),
-            });
-            self.complete(passed.map_err(|e| self.broken(&e))?, count)?;
-        }
-        self.open = open;
-        self.left -= n;
-        self.done += n;
-        Ok(())
-    }
-
-    /// `n` values of a column of numbers.
-    fn numbers(&self, reader: &mut ColumnReader, n: usize) -> Result<Vec<f64>, Error> {
-        let values = read_numbers(reader, n).map_err(|e| self.broken(&e))?;
-        self.complete(values.len(), n)?;
-        Ok(values)
-    }
-
     fn broken(&self, error: &ParquetError) -> Error {
         damaged(&self.file, Some(self.done + 1), error)
     }
 
     fn complete(&self, found: usize, expected: usize) -> Result<(), Error> {
-        if found == expected {
-            return Ok(());
+        let said = match found {
+            _ if found == expected => return Ok(()),
+            _ if found < expected => "the file ends within a column; copy it again",
+            _ => "a column has more rows than its group says; the file is damaged",
+        };
+        Err(self.bad(said.into()))
+    }
+
+    /// The hash of all bytes. Columns lie one behind the other, so that no reader of rows meets
+    /// the bytes in their order.
+    fn hash_bytes(&self) -> io::Result<u64> {
+        let (mut file, mut hash) = (Bytes::open(&self.place)?, XxHash64::with_seed(0));
+        let mut buffer = vec![0; 1 << 18];
+        loop {
+            match file.read(&mut buffer)? {
+                0 => return Ok(hash.finish()),
+                n => hash.write(&buffer[..n]),
+            }
         }
-        Err(self.bad("the file ends within a column; copy it again".into()))
     }
 }
 
@@ -266,45 +226,32 @@ impl RowSource for ParquetSource {
             self.check_types(columns)?;
         }
         let mut missing = count;
-        while missing > 0 {
-            if self.left == 0 {
-                if self.next_group(columns)? {
-                    continue;
-                }
-                break;
-            }
+        while missing > 0 && self.next_group(columns)? {
             let n = missing.min(usize::try_from(self.left).unwrap_or(usize::MAX));
             self.rows(columns, n, raw)?;
             missing -= n;
         }
-        if self.passed || self.hash.is_some() {
-            return Ok(());
-        }
-        if missing == 0 && self.done > MANY && self.hashing.is_none() {
-            self.hashing = Hashing::begin(&self.place);
-        }
-        if missing > 0 {
-            let hash = match self.hashing.take() {
-                Some(hashing) => hashing.end(),
-                None => hashing::of(&self.place),
-            };
+        if missing > 0 && !self.passed && self.hash.is_none() {
+            let hash = self.hash_bytes();
             self.hash = Some(hash.map_err(|source| Error::read(self.file.clone(), source))?);
         }
         Ok(())
     }
 
-    fn skip(&mut self, columns: &Columns, rows: u64) -> Result<(), Error> {
+    fn skip(&mut self, columns: &Columns, mut rows: u64) -> Result<(), Error> {
         self.passed = true;
-        let mut rows = rows;
-        while rows >= self.left {
-            rows -= self.left;
-            self.done += self.left;
-            self.left = 0;
-            if !self.next_group(columns)? {
-                return Ok(());
+        while rows > 0 && self.next_group(columns)? {
+            if rows >= self.left {
+                rows -= self.left;
+                self.done += self.left;
+                self.left = 0;
+            } else {
+                let n = rows.min(1 << 16);
+                self.rows(columns, n as usize, &mut Raw::default())?;
+                rows -= n;
             }
         }
-        self.pass(rows)
+        Ok(())
     }
 
     fn progress(&self) -> (u64, Option<u64>) {
@@ -339,7 +286,79 @@ fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
 /// Run a step of the Parquet library, which meets some damages with a panic: the file's
 /// fault, so an error here.
 fn guarded<T>(step: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
-    let _guard = Guard::new();
-    let done = panic::catch_unwind(AssertUnwindSafe(step));
-    done.unwrap_or_else(|_| Err(ParquetError::General("contradicts itself".into())))
+    let done = catch_panic(step);
+    done.unwrap_or_else(|| Err(ParquetError::General("contradicts itself".into())))
+}
+
+/// A plain column, not a list or a field of a structure.
+fn is_flat(column: &ColumnDescriptor) -> bool {
+    column.max_rep_level() == 0 && column.max_def_level() <= 1
+}
+
+/// A plain column whose bits mean the number they spell, or a time.
+fn is_number(column: &ColumnDescriptor) -> bool {
+    let plain = matches!(
+        column.logical_type_ref(),
+        // A column that is null throughout has the last of them.
+        None | Some(LogicalType::Integer { .. } | LogicalType::Unknown)
+    );
+    let physical = column.physical_type();
+    let number = [
+        Physical::INT32,
+        Physical::INT64,
+        Physical::FLOAT,
+        Physical::DOUBLE,
+    ];
+    is_flat(column) && (unit(column).is_some() || plain && number.contains(&physical))
+}
+
+/// The unit of a column of timestamps, s.
+fn unit(column: &ColumnDescriptor) -> Option<f64> {
+    match (column.physical_type(), column.logical_type_ref()) {
+        // Nanoseconds, as Spark and Hive count them.
+        (Physical::INT96, _) => Some(1e-9),
+        (Physical::INT64, Some(LogicalType::Timestamp(time))) => Some(match time.unit {
+            TimeUnit::MILLIS => 1e-3,
+            TimeUnit::MICROS => 1e-6,
+            TimeUnit::NANOS => 1e-9,
+        }),
+        (Physical::INT64, None) => match column.converted_type() {
+            ConvertedType::TIMESTAMP_MILLIS => Some(1e-3),
+            ConvertedType::TIMESTAMP_MICROS => Some(1e-6),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Up to `n` values of a flat column of numbers, fewer at its end; NaN for none.
+fn read_numbers(reader: &mut ColumnReader, n: usize) -> Result<Vec<f64>, ParquetError> {
+    const NONE: &f64 = &f64::NAN;
+    match reader {
+        ColumnReader::Int32ColumnReader(reader) => read(reader, n, NONE, |x| f64::from(*x)),
+        ColumnReader::Int64ColumnReader(reader) => read(reader, n, NONE, |x| *x as f64),
+        ColumnReader::Int96ColumnReader(reader) => read(reader, n, NONE, |x| x.to_nanos() as f64),
+        ColumnReader::FloatColumnReader(reader) => read(reader, n, NONE, |x| f64::from(*x)),
+        ColumnReader::DoubleColumnReader(reader) => read(reader, n, NONE, |x| *x),
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// Up to `n` values of a flat column, `none` where one is missing.
+fn read<T: DataType, V: Clone>(
+    reader: &mut ColumnReaderImpl<T>,
+    n: usize,
+    none: &V,
+    value: impl Fn(&T::T) -> V,
+) -> Result<Vec<V>, ParquetError> {
+    let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(n.min(1 << 16)));
+    let (records, found, _) =
+        guarded(|| reader.read_records(n, Some(&mut levels), None, &mut values))?;
+    let mut values = values.iter().map(value);
+    if found == records {
+        return Ok(values.collect());
+    }
+    let of = |level: &i16| if *level > 0 { values.next() } else { None };
+    let all = levels.iter().take(records).map(of);
+    Ok(all.map(|own| own.unwrap_or_else(|| none.clone())).collect())
 }

@@ -1,11 +1,7 @@
-//! Writing Parquet logs, on a thread of its own while the next rows come. Memory: at most three
-//! groups of rows.
+//! Writing Parquet logs. Memory: two groups of rows.
 
-use std::panic;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::{Builder, JoinHandle};
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::column::writer::ColumnWriter;
@@ -22,45 +18,11 @@ use crate::logs::columns::{POSE, Row, SUPPORT, Written, numbers};
 /// Rows of a group.
 const GROUP: usize = 65_536;
 
-/// Groups that wait to be written, at most.
-const WAITING: usize = 1;
-
 /// A Parquet file being written, a group of rows at a time.
 pub(in crate::logs) struct ParquetSink {
     path: PathBuf,
     group: Group,
-    writing: Writing,
-}
-
-/// The thread that writes. Who drops it waits for it: what was begun is removed then.
-struct Writing {
-    to: Option<SyncSender<Group>>,
-    thread: Option<JoinHandle<Result<NewFile, ParquetError>>>,
-}
-
-impl Writing {
-    /// Whether it takes a group: one that has met an error does not.
-    fn takes(&self, group: Group) -> bool {
-        self.to.as_ref().is_some_and(|to| to.send(group).is_ok())
-    }
-
-    /// Wait until all is written; the file is yet to be moved to its place.
-    fn end(&mut self) -> Result<NewFile, ParquetError> {
-        self.to = None;
-        match self.thread.take().map(JoinHandle::join) {
-            Some(Ok(file)) => file,
-            Some(Err(reason)) => panic::resume_unwind(reason),
-            None => Err(ParquetError::General("it was given up before".into())),
-        }
-    }
-}
-
-impl Drop for Writing {
-    fn drop(&mut self) {
-        self.to = None;
-        // Nobody asks any more what came of it.
-        let _ = self.thread.take().map(JoinHandle::join);
-    }
+    writer: SerializedFileWriter<NewFile>,
 }
 
 /// Rows that are written together.
@@ -103,16 +65,10 @@ impl ParquetSink {
         let writer =
             SerializedFileWriter::new(NewFile::create(path)?, Arc::new(schema), properties.into())
                 .map_err(failed)?;
-        let (to, groups) = sync_channel(WAITING);
-        let thread = Builder::new().name("parquet".into());
-        let thread = thread.spawn(move || write(writer, &groups));
         Ok(ParquetSink {
             path: path.to_path_buf(),
             group: Group::default(),
-            writing: Writing {
-                to: Some(to),
-                thread: Some(thread.map_err(|error| files::failed(path, error))?),
-            },
+            writer,
         })
     }
 
@@ -132,22 +88,15 @@ impl ParquetSink {
             }
             group.numbers[k].push(x);
         }
-        match group.pose.len() == GROUP {
-            true => self.flush(),
-            false => Ok(()),
+        if group.pose.len() == GROUP {
+            self.flush()?;
         }
+        Ok(())
     }
 
     fn flush(&mut self) -> Result<(), Error> {
-        match self.writing.takes(std::mem::take(&mut self.group)) {
-            true => Ok(()),
-            false => self.end().map(drop),
-        }
-    }
-
-    fn end(&mut self) -> Result<NewFile, Error> {
-        let file = self.writing.end();
-        file.map_err(|error| unwritten(&self.path, error))
+        let written = std::mem::take(&mut self.group).write(&mut self.writer);
+        written.map_err(|error| unwritten(&self.path, error))
     }
 
     /// Write what is left; the file is yet to be moved to its place.
@@ -155,19 +104,9 @@ impl ParquetSink {
         if !self.group.pose.is_empty() {
             self.flush()?;
         }
-        self.end()
+        let file = self.writer.into_inner();
+        file.map_err(|error| unwritten(&self.path, error))
     }
-}
-
-/// Write groups as they come; the file is yet to be moved to its place.
-fn write(
-    mut writer: SerializedFileWriter<NewFile>,
-    groups: &Receiver<Group>,
-) -> Result<NewFile, ParquetError> {
-    for group in groups {
-        group.write(&mut writer)?;
-    }
-    writer.into_inner()
 }
 
 impl Group {

@@ -1,0 +1,382 @@
+//! Joint states that can be those of one robot, and the joints between them.
+//!
+//! ```text
+//! q_k ← q_k + 2π n,  |q_k − q_(k−1)| ≤ π               joints that turn without end
+//! |q_k − q_(k−1)|, |q_(k+1) − q_k| ≫ v_limit Δt,  q_(k+1) ≈ q_(k−1)      left out
+//! q_j(t) = Σ_k q_jk Π_{i≠k} (t − t_i)/(t_k − t_i)        the two messages before t, the two after
+//! ```
+//!
+//! A state in which a joint leaps faster than it can and is back in the next one is of another
+//! sender on the same topic, or a glitch of the bus. It is told by the state after it, which is
+//! why states are given out one later than they come.
+//!
+//! Of a robot that moves each reading has the joints between their messages. Each joint has the
+//! stamps of its own messages: topics of arms and legs need not agree. Where messages on either
+//! side of a reading are too far apart, the reading is left out; where there is but one beyond, the
+//! polynomial is of lower order.
+
+use std::collections::{HashMap, VecDeque};
+use std::f64::consts::TAU;
+
+use sesc_model::tree::Dof;
+
+use super::cdr::JointState;
+use crate::logs::criteria::{FASTER, FASTEST_RAD_S, LEAP, RETURNS};
+use crate::logs::names::short;
+
+/// Positions of the robot's joints in a message, rad or m.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct State {
+    /// s
+    pub t: f64,
+    /// Joint by joint: its place, and where it is.
+    pub q: Vec<(usize, f64)>,
+    /// The fastest of their velocities, rad/s or m/s.
+    pub speed: f64,
+}
+
+/// Joint states on their way.
+pub(super) struct States {
+    place: HashMap<String, usize>,
+    joints: Vec<Joint>,
+    held: Option<State>,
+    /// Positions of the last state that was left out: one sender repeats itself.
+    foreign: Vec<(usize, f64)>,
+    seen: u64,
+    left_out: u64,
+    /// The joint that leapt first, how far, in what time, s, and its limit in a second.
+    leap: Option<(String, f64, f64, f64)>,
+}
+
+/// Where a joint was last, and what it can do.
+struct Joint {
+    name: String,
+    endless: bool,
+    /// rad/s or m/s
+    fastest: f64,
+    t: f64,
+    q: f64,
+}
+
+impl States {
+    /// States of joints of these names, of a robot with these.
+    pub fn new(names: &[String], dofs: &[Dof]) -> States {
+        let joint = |name: &String| {
+            let dof = dofs.iter().find(|dof| dof.joint.trim() == name);
+            let limit = dof
+                .map(|dof| dof.speed)
+                .filter(|v| *v > 0.0 && v.is_finite());
+            Joint {
+                name: name.clone(),
+                endless: dof.is_some_and(|dof| dof.continuous),
+                fastest: FASTER * limit.unwrap_or(FASTEST_RAD_S),
+                t: f64::NAN,
+                q: f64::NAN,
+            }
+        };
+        States {
+            place: names.iter().cloned().zip(0..).collect(),
+            joints: names.iter().map(joint).collect(),
+            held: None,
+            foreign: Vec::new(),
+            seen: 0,
+            left_out: 0,
+            leap: None,
+        }
+    }
+
+    /// What a message says of the joints.
+    pub fn placed(&self, t: f64, message: &JointState) -> State {
+        let (mut q, mut speed) = (Vec::with_capacity(message.name.len()), 0.0_f64);
+        for (k, (name, position)) in message.name.iter().zip(&message.position).enumerate() {
+            if let Some(place) = self.place.get(name.trim()) {
+                q.push((*place, *position));
+                // Drivers that do not measure it send nothing or NaN.
+                let velocity = message.velocity.get(k).filter(|v| v.is_finite());
+                speed = speed.max(velocity.map_or(0.0, |v| v.abs()));
+            }
+        }
+        State { t, q, speed }
+    }
+
+    /// Take the next state; gives back the one before it, if it is the robot's.
+    pub fn push(&mut self, mut state: State) -> Option<State> {
+        self.seen += 1;
+        // The one before is where the joints are, unless it is left out.
+        let held = self.held.take();
+        let held = held.filter(|held| !self.is_foreign(held, &state));
+        if let Some(held) = &held {
+            for (place, q) in &held.q {
+                (self.joints[*place].t, self.joints[*place].q) = (held.t, *q);
+            }
+        }
+        for (place, q) in &mut state.q {
+            *q = self.joints[*place].nearest(*q);
+        }
+        self.held = Some(state);
+        held
+    }
+
+    /// Whether a state waits for the next one.
+    pub fn waits(&self) -> bool {
+        self.held.is_some()
+    }
+
+    /// The last state, at the end.
+    pub fn end(&mut self) -> Option<State> {
+        self.held.take()
+    }
+
+    /// What is said of states that were left out.
+    ///
+    /// # Errors
+    /// Where they are more than a quarter: which are the robot's cannot be told.
+    pub fn conclude(&self) -> Result<Option<String>, String> {
+        let Some((joint, step, time, limit)) = &self.leap else {
+            return Ok(None);
+        };
+        let said = format!(
+            "{} of {} joint states are of another sender or a glitch (joint `{}` leaps by {step:.2} in \
+             {:.1} ms and back, {limit} a second are its limit)",
+            self.left_out,
+            self.seen,
+            short(joint),
+            1e3 * time
+        );
+        match self.left_out as f64 > 0.25 * self.seen as f64 {
+            true => Err(format!(
+                "{said}: which are the robot's cannot be told; stop the other sender, as a \
+                 joint_state_publisher, and record again"
+            )),
+            false => Ok(Some(format!("{said} and are left out"))),
+        }
+    }
+
+    /// Whether a state is left out, by where the joints were before and are after it.
+    fn is_foreign(&mut self, held: &State, next: &State) -> bool {
+        let mut is_foreign = !self.foreign.is_empty() && held.q == self.foreign;
+        for (k, (place, q)) in held.q.iter().enumerate() {
+            // Mostly both name the same joints.
+            let same = next.q.get(k).filter(|(other, _)| other == place);
+            let after = same.or_else(|| next.q.iter().find(|(other, _)| other == place));
+            let Some((_, after)) = after else {
+                continue;
+            };
+            let joint = &self.joints[*place];
+            let (before, after) = (joint.q, joint.nearest(*after));
+            let (step, back) = ((q - before).abs(), (after - q).abs());
+            let [there, on] = [held.t - joint.t, next.t - held.t].map(|dt| dt.max(1e-4));
+            let leaps = step > LEAP && step > joint.fastest * there && back > joint.fastest * on;
+            if leaps && (after - before).abs() < RETURNS * step {
+                is_foreign = true;
+                let leap = || (joint.name.clone(), step, there, joint.fastest / FASTER);
+                self.leap.get_or_insert_with(leap);
+                break;
+            }
+        }
+        if is_foreign {
+            self.left_out += 1;
+            self.foreign.clone_from(&held.q);
+        }
+        is_foreign
+    }
+}
+
+impl Joint {
+    /// An angle on the branch that is nearest to where the joint was.
+    fn nearest(&self, q: f64) -> f64 {
+        match self.endless && self.q.is_finite() {
+            true => q - TAU * ((q - self.q) / TAU).round(),
+            false => q,
+        }
+    }
+}
+
+/// Messages of a joint between which a reading may lie are no further apart, s. Closed form: the
+/// cubic errs by `3/128 (ω Δt)⁴` of a sine of ω, 0.1 % at 0.7 Hz; at twice as much 1.4 %.
+pub(super) const LONGEST_S: f64 = 0.1;
+/// Messages of a joint that are kept, s: readings may arrive so much later than joints.
+const KEPT_S: f64 = 2.0;
+/// Messages of a joint, and readings that wait for them, at most.
+const MOST: usize = 65_536;
+/// Messages on either side of a reading.
+const SIDE: usize = 2;
+
+/// A reading at time `t` with the joints there.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Row<R> {
+    pub q: Vec<f64>,
+    pub reading: R,
+}
+
+/// Joints and readings, each in the order of their stamps.
+pub(super) struct Moving<R> {
+    /// Stamps and positions of each joint.
+    joints: Vec<VecDeque<[f64; 2]>>,
+    waiting: VecDeque<(f64, R)>,
+    /// Readings that lie between no messages that are close enough.
+    pub left_out: u64,
+}
+
+impl<R> Moving<R> {
+    pub fn new(dof: usize) -> Moving<R> {
+        Moving {
+            joints: vec![VecDeque::new(); dof],
+            waiting: VecDeque::new(),
+            left_out: 0,
+        }
+    }
+
+    /// A position of a joint at time `t`. Stamps that go back begin anew, and one that is there
+    /// already says nothing.
+    pub fn position(&mut self, joint: usize, t: f64, q: f64) {
+        let all = &mut self.joints[joint];
+        let last = all.back().map_or(f64::NEG_INFINITY, |[last, _]| *last);
+        if !(t.is_finite() && q.is_finite()) || t == last {
+            return;
+        }
+        if t < last {
+            if last - t < KEPT_S {
+                return;
+            }
+            all.clear();
+        }
+        all.push_back([t, q]);
+        let before = self.waiting.front().map_or(t, |(at, _)| at.min(t)) - KEPT_S;
+        while all.len() > 2 * SIDE && (all[SIDE][0] < before || all.len() > MOST) {
+            all.pop_front();
+        }
+    }
+
+    /// A reading at time `t`.
+    pub fn reading(&mut self, t: f64, reading: R) {
+        if !t.is_finite() || self.waiting.len() >= MOST {
+            self.left_out += 1;
+            return;
+        }
+        self.waiting.push_back((t, reading));
+    }
+
+    /// The next reading whose joints are known; of the last ones where the recording has `ended`.
+    pub fn next(&mut self, ended: bool) -> Option<Row<R>> {
+        while let Some((t, _)) = self.waiting.front() {
+            let t = *t;
+            let past = |all: &VecDeque<[f64; 2]>| all.len() > SIDE && all[all.len() - SIDE][0] >= t;
+            if !ended && !self.joints.iter().all(past) {
+                return None;
+            }
+            let q: Option<Vec<f64>> = self.joints.iter().map(|all| between(all, t)).collect();
+            let (_, reading) = self.waiting.pop_front()?;
+            match q {
+                Some(q) => return Some(Row { q, reading }),
+                None => self.left_out += 1,
+            }
+        }
+        None
+    }
+}
+
+/// The position at time `t` between messages of a joint; none where they are too far apart.
+fn between(all: &VecDeque<[f64; 2]>, t: f64) -> Option<f64> {
+    let after = all.partition_point(|[at, _]| *at < t);
+    let [next, q] = *all.get(after)?;
+    if next == t {
+        return Some(q);
+    }
+    let before = after.checked_sub(1)?;
+    let near = |a: usize, b: usize| all[b][0] - all[a][0] <= LONGEST_S;
+    if !near(before, after) {
+        return None;
+    }
+    let first = match before.checked_sub(1) {
+        Some(first) if near(first, before) => first,
+        _ => before,
+    };
+    let last = match after + 1 < all.len() && near(after, after + 1) {
+        true => after + 1,
+        false => after,
+    };
+    let weight = |k: usize| -> f64 {
+        let others = (first..=last).filter(|i| *i != k);
+        others
+            .map(|i| (t - all[i][0]) / (all[k][0] - all[i][0]))
+            .product()
+    };
+    Some((first..=last).map(|k| weight(k) * all[k][1]).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn q(t: f64) -> f64 {
+        0.3 - t + 0.5 * t * t - 2.0 * t * t * t
+    }
+
+    fn rows(moving: &mut Moving<f64>, ended: bool) -> Vec<Row<f64>> {
+        std::iter::from_fn(|| moving.next(ended)).collect()
+    }
+
+    /// A cubic comes back between messages at uneven stamps, and each joint has stamps of its own.
+    #[test]
+    fn joints_between_messages_are_those_of_a_cubic() {
+        let mut moving = Moving::new(2);
+        let mut found = Vec::new();
+        for k in 0..100 {
+            let t = 0.02 * f64::from(k) + 0.006 * f64::from(k % 3);
+            moving.position(0, t, q(t));
+            moving.position(1, t + 0.007, -q(t + 0.007));
+            moving.reading(0.0201 * f64::from(k), 0.0201 * f64::from(k));
+            found.extend(rows(&mut moving, false));
+        }
+        assert!(found.len() > 90, "{}", found.len());
+        found.extend(rows(&mut moving, true));
+        for Row { q: own, reading: t } in &found[2..found.len() - 2] {
+            assert!((own[0] - q(*t)).abs() < 1e-12, "{t}: {own:?}");
+            assert!((own[1] + q(*t)).abs() < 1e-12, "{t}: {own:?}");
+        }
+        // At the first message of the later joint there is none before it.
+        assert_eq!(found.len() as u64 + moving.left_out, 100);
+    }
+
+    #[test]
+    fn a_reading_at_the_stamp_of_its_joints_has_them_to_the_last_digit() {
+        let mut moving = Moving::new(1);
+        for k in 0..5 {
+            let t = 1.7e9 + 0.01 * f64::from(k);
+            moving.position(0, t, 0.1 + f64::from(k));
+            moving.reading(t, t);
+        }
+        let found = rows(&mut moving, true);
+        let joints: Vec<f64> = found.iter().map(|row| row.q[0]).collect();
+        assert_eq!(joints, [0.1, 1.1, 2.1, 3.1, 4.1]);
+    }
+
+    #[test]
+    fn readings_in_a_gap_and_beyond_the_ends_are_left_out() {
+        let mut moving = Moving::new(1);
+        for (t, at) in [(0.0, 0.05), (0.1, 0.5), (0.9, 0.95), (1.0, 1.2)] {
+            moving.position(0, t, t);
+            moving.reading(at, at);
+        }
+        let found = rows(&mut moving, true);
+        let kept: Vec<f64> = found.iter().map(|row| row.reading).collect();
+        assert_eq!((kept, moving.left_out), (vec![0.05, 0.95], 2));
+        assert!((found[1].q[0] - 0.95).abs() < 1e-12);
+    }
+
+    /// Readings without joints, and joints without readings, do not pile up.
+    #[test]
+    fn memory_does_not_grow_with_what_lacks_its_other_half() {
+        let mut moving = Moving::new(1);
+        for k in 0..2 * MOST {
+            moving.reading(k as f64, 0.0);
+        }
+        assert_eq!(moving.left_out, MOST as u64);
+        let mut moving: Moving<f64> = Moving::new(1);
+        for k in 0..2 * MOST {
+            moving.position(0, 0.001 * k as f64, 0.0);
+        }
+        assert!(moving.joints[0].len() < 3000, "{}", moving.joints[0].len());
+    }
+}
