@@ -33,8 +33,8 @@ use super::bounds::{Bound, LEAST_LOAD_N, check_cop, check_gravity, scale, three_
 use super::columns::{Columns, POSE};
 use super::formats::{MISSING, Raw};
 use super::names::{list, short};
-use super::options::Options;
-use super::sidecar::{Angles, Sidecar};
+use super::settings::Options;
+use super::settings::{Angles, Sidecar};
 use crate::{Error, Message, Setting, message};
 
 /// No sole is so large: a log whose typical CoP is further out is not in metres, m.

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 use sesc_model::tree::Dof;
 
 use super::columns::Columns;
-use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
+use super::settings::{Angles, IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
 /// Least force on a sole, N: with less, nothing stands on it, whoever measured it.

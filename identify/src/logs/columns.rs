@@ -7,7 +7,7 @@ use std::ops::Range;
 use sesc_model::tree::Dof;
 
 use super::names::{list, meant, suggestion};
-use super::options::Readings;
+use super::settings::Readings;
 use crate::{Message, Setting, message};
 
 pub(super) const POSE: &str = "pose";

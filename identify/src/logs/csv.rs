@@ -20,9 +20,9 @@ use memchr::memchr_iter;
 
 use super::columns::{Columns, POSE};
 use super::formats::{Interner, MISSING, Raw, RowSource};
-use super::header::{preamble, units, with_unit};
 use super::input::{Meter, Metered};
 use super::names::short;
+use super::names::{preamble, units, with_unit};
 use crate::Error;
 use crate::threads::each_long;
 

@@ -13,12 +13,12 @@ use std::sync::Arc;
 
 use sesc_model::tree::Dof;
 
+use super::block::Share;
 use super::columns::{Columns, POSE};
-use super::contacts::Share;
 use super::csv::CsvSource;
 use super::input::{Bytes, LogSource, Metered, Place};
-use super::options::{Options, Stays};
-use super::sidecar::Sidecar;
+use super::settings::Sidecar;
+use super::settings::{Options, Stays};
 use super::table::{Shared, TableSource};
 use crate::{Error, Message};
 

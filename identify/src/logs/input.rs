@@ -11,7 +11,7 @@ use sesc_model::files::Stamp;
 use twox_hash::XxHash64;
 
 use super::block::Block;
-use super::sidecar::Sidecar;
+use super::settings::Sidecar;
 use super::table::{Shared, Table};
 use crate::{Error, Message};
 

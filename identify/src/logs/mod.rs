@@ -12,27 +12,21 @@
 //! A fault is an error that names file, row, column and remedy. What is only
 //! odd is a warning, see [`PostureReader::warnings`].
 
-mod ahead;
 mod assemble;
 mod block;
 mod bounds;
 mod columns;
-mod contacts;
 pub(crate) mod criteria;
 mod csv;
 mod formats;
-mod header;
 mod input;
 #[cfg(feature = "mcap")]
 mod mcap;
 pub(crate) mod names;
-mod options;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod reader;
-mod recording;
-mod settle;
-mod sidecar;
+mod settings;
 mod stillness;
 mod suspect;
 mod table;
@@ -40,28 +34,26 @@ mod table;
 mod tests;
 mod writer;
 
-pub(crate) use ahead::Ahead;
 pub(crate) use block::keep_some;
 pub use block::{Block, Cells};
+#[doc(hidden)]
+pub use block::{Frame, Soles};
 pub(crate) use bounds::LEAST_LOAD_N;
 #[doc(hidden)]
 pub use columns::columns_text;
 pub use columns::{COLUMNS, Column, Need, Row, Written};
-#[doc(hidden)]
-pub use contacts::{Frame, Soles};
 pub(crate) use csv::delimiter;
 #[doc(hidden)]
 pub use formats::panic_becomes_error;
 pub use input::LogSource;
 #[doc(hidden)]
 pub use input::{Screen, Screening};
-pub use options::{Options, Readings, Stays, StillnessLimits};
-pub(crate) use reader::joints;
+pub(crate) use reader::{Ahead, joints};
 pub use reader::{PostureReader, Summary, column_names};
 #[doc(hidden)]
-pub use recording::{Recording, Track, TrackKind};
-#[doc(hidden)]
-pub use sidecar::KEYS as SIDECAR_KEYS;
-pub use sidecar::{Angles, Sidecar};
+pub use settings::KEYS as SIDECAR_KEYS;
+pub use settings::{Angles, Options, Readings, Sidecar, Stays, StillnessLimits};
 pub use table::{Table, Values};
 pub use writer::{PREDICTED, PostureWriter, PredictionWriter};
+#[doc(hidden)]
+pub use writer::{Recording, Track, TrackKind};

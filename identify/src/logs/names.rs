@@ -1,9 +1,22 @@
-//! Names in messages: lists that stay short, and the nearest right spelling.
+//! Names of columns: as other programs write them, and as messages say them.
+//!
+//! ```text
+//! # robot: post               lines of comments, `sep=;` of Excel: passed over
+//! # pose,ankle,cop_x          a mark before the first name, where numbers follow: names
+//! t [s],ankle [deg],cop_x_mm  units: the values are brought to s, rad, m, N
+//! time,__time,timestamp       times of other programs are `t`
+//! -,rad,m                     a row of units: read as if it stood in the names
+//! /joint_states/ankle/position, ankle_pos: told, with the line that renames them
+//! ```
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::f64::consts::PI;
 
 use sesc_model::spelling::nearest;
 use sesc_model::text::listed;
+use sesc_model::tree::Dof;
+
+use super::columns::{T, meaning};
 
 /// Letters of a piece of a file in a message.
 const LONGEST: usize = 64;
@@ -108,9 +121,264 @@ fn holds(name: &str, part: &str) -> bool {
     })
 }
 
+/// What a column measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Quantity {
+    Time,
+    Angle,
+    Length,
+    Force,
+}
+
+/// Units as programs write them, what they measure, and how many s, rad, m or N one is.
+const UNITS: [(&str, Quantity, f64); 26] = [
+    ("s", Quantity::Time, 1.0),
+    ("sec", Quantity::Time, 1.0),
+    ("seconds", Quantity::Time, 1.0),
+    ("ms", Quantity::Time, 1e-3),
+    ("us", Quantity::Time, 1e-6),
+    ("µs", Quantity::Time, 1e-6),
+    ("ns", Quantity::Time, 1e-9),
+    ("nsec", Quantity::Time, 1e-9),
+    ("min", Quantity::Time, 60.0),
+    ("days", Quantity::Time, 86_400.0),
+    ("rad", Quantity::Angle, 1.0),
+    ("radians", Quantity::Angle, 1.0),
+    ("deg", Quantity::Angle, PI / 180.0),
+    ("degrees", Quantity::Angle, PI / 180.0),
+    ("°", Quantity::Angle, PI / 180.0),
+    ("m", Quantity::Length, 1.0),
+    ("mm", Quantity::Length, 1e-3),
+    ("cm", Quantity::Length, 1e-2),
+    ("in", Quantity::Length, 0.0254),
+    ("inch", Quantity::Length, 0.0254),
+    ("N", Quantity::Force, 1.0),
+    ("kN", Quantity::Force, 1e3),
+    ("kgf", Quantity::Force, 9.80665),
+    ("kg", Quantity::Force, 9.80665),
+    ("lbf", Quantity::Force, 4.448_221_615_260_5),
+    ("lb", Quantity::Force, 4.448_221_615_260_5),
+];
+/// Names that other programs give the time of a row, in small letters: PlotJuggler, pandas,
+/// rostopic, spreadsheets.
+const TIMES: [&str; 6] = ["time", "__time", "timestamp", "%time", "stamp", "elapsed"];
+/// Marks before a line of comments, or before the first name.
+const MARKS: [char; 2] = ['#', '%'];
+/// A name that begins with one of them.
+const TIME_OF_ROSTOPIC: &str = "%time";
+/// Lines before the names of columns, at most.
+const MOST_LINES: u64 = 1000;
+
+/// Where the names of columns begin in a table in text.
+#[derive(Debug, PartialEq)]
+pub(super) struct Preamble {
+    /// Bytes before the first name.
+    pub start: usize,
+    /// The line of the names, from 1.
+    pub line: u64,
+    /// The delimiter that a line of Excel says.
+    pub delimiter: Option<u8>,
+}
+
+/// Find the names of columns in the first bytes of a text.
+pub(super) fn preamble(head: &[u8]) -> Preamble {
+    let (mut at, mut delimiter, mut marked) = (0, None, None);
+    let mut line = 0;
+    loop {
+        line += 1;
+        let (text, next) = first_line(head, at);
+        let bare = text.trim_start_matches('\u{feff}').trim();
+        let more = next > at && next < head.len() && line <= MOST_LINES;
+        match bare.strip_prefix("sep=").map(str::as_bytes) {
+            Some([own]) if line == 1 && more => delimiter = Some(*own),
+            _ if bare.starts_with(MARKS) && !bare.starts_with(TIME_OF_ROSTOPIC) && more => {
+                let names = bare.trim_start_matches(MARKS).trim_start();
+                let start = text.len() - names.len() - (text.len() - text.trim_end().len());
+                marked = Some((at + start, line));
+            }
+            _ if bare.is_empty() && more => {}
+            _ => {
+                // Above numbers the names stand in the last of the marked lines.
+                let marked = marked.filter(|_| is_row_of_numbers(bare));
+                let (start, line) = marked.unwrap_or((at, line));
+                return Preamble {
+                    start,
+                    line,
+                    delimiter,
+                };
+            }
+        }
+        at = next;
+    }
+}
+
+/// The line of a text that begins at `at`, and where the next one does; of what is no text that
+/// there is something.
+fn first_line(head: &[u8], at: usize) -> (&str, usize) {
+    let rest = &head[at..];
+    let end = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+    let end = end.unwrap_or(rest.len());
+    let both = rest[end..].starts_with(b"\r\n");
+    let next = (end + 1 + usize::from(both)).min(rest.len());
+    (str::from_utf8(&rest[..end]).unwrap_or("?"), at + next)
+}
+
+fn is_row_of_numbers(line: &str) -> bool {
+    let fields = line.split([',', ';', '\t', ' ']).map(str::trim);
+    let mut fields = fields.filter(|field| !field.is_empty()).peekable();
+    fields.peek().is_some() && fields.all(|field| field.parse::<f64>().is_ok())
+}
+
+/// What is said of a table whose names cannot be found, because its columns are divided by
+/// blanks or it has none.
+pub(super) fn no_names(header: &[String]) -> Option<String> {
+    let [one] = header else {
+        let numbers = !header.is_empty()
+            && header
+                .iter()
+                .all(|name| name.is_empty() || name.parse::<f64>().is_ok())
+            && header.iter().any(|name| !name.is_empty());
+        return numbers.then(|| {
+            "the first line has numbers, not the names of columns; write a line of names above \
+             it: `pose`, the URDF's joints, `cop_x`, `cop_y`"
+                .to_string()
+        });
+    };
+    let words = one.split_whitespace().count();
+    (words > 2).then(|| {
+        format!(
+            "the columns of {words} names are divided by blanks; write commas between names and \
+             between numbers"
+        )
+    })
+}
+
+/// The units of a row below the names, where it is one.
+pub(super) fn units<'a>(fields: impl Iterator<Item = &'a str>) -> Option<Vec<String>> {
+    let bare = |field: &str| {
+        field
+            .trim()
+            .trim_matches(['[', ']', '(', ')'])
+            .trim()
+            .to_string()
+    };
+    let fields: Vec<String> = fields.map(bare).collect();
+    let none = |field: &str| matches!(field, "" | "-" | "1");
+    let known = |field: &String| none(field) || unit(field).is_some();
+    let is_row = fields.iter().all(known) && fields.iter().any(|f| unit(f).is_some());
+    is_row.then_some(fields)
+}
+
+/// A name with the unit of a row below it.
+pub(super) fn with_unit(name: &str, unit: &str) -> String {
+    match unit {
+        "" | "-" | "1" => name.to_string(),
+        unit => format!("{name} [{unit}]"),
+    }
+}
+
+fn unit(text: &str) -> Option<(Quantity, f64)> {
+    let known = UNITS.iter().find(|(name, ..)| *name == text);
+    known.map(|(_, quantity, factor)| (*quantity, *factor))
+}
+
+/// Columns as the log names them, with what they are here.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Named {
+    /// Our names, those of the log where it has a name of its own.
+    pub names: Vec<String>,
+    /// What brings the values to s, rad, m or N.
+    pub factors: Vec<f64>,
+    /// What was read under another name than it has.
+    pub note: Option<String>,
+}
+
+/// Read times and units of other programs in the names of columns.
+pub(super) fn named(header: &[String], dofs: &[Dof]) -> Named {
+    let joints: HashMap<&str, bool> = dofs
+        .iter()
+        .map(|dof| (dof.joint.trim(), dof.prismatic))
+        .collect();
+    let is_known = |name: &str| joints.contains_key(name) || meaning(name).is_some();
+    let taken: HashSet<&str> = header.iter().map(String::as_str).collect();
+    let quantity = |name: &str| match (joints.get(name), meaning(name)) {
+        (Some(true), _) => Some(Quantity::Length),
+        (Some(false), _) => Some(Quantity::Angle),
+        (_, Some(column)) => match column.unit {
+            "s" => Some(Quantity::Time),
+            "m" => Some(Quantity::Length),
+            "N" => Some(Quantity::Force),
+            _ => None,
+        },
+        _ => None,
+    };
+    let mut named = Named::default();
+    let (mut told, mut timed) = (Vec::new(), taken.contains(T));
+    for name in header {
+        let own = || (name.clone(), 1.0);
+        let (ours, factor) = match is_known(name) || joints.contains_key(name.as_str()) {
+            true => own(),
+            false => {
+                let (bare, unit) = without_unit(name, |bare| is_known(bare) || is_a_time(bare));
+                let ours = match is_a_time(bare) {
+                    true => T,
+                    false => bare,
+                };
+                let fits = unit.is_none_or(|(of, _)| quantity(ours) == Some(of));
+                let free = ours != T || !std::mem::replace(&mut timed, true);
+                match is_known(ours) && fits && free && !taken.contains(ours) {
+                    true => (ours.to_string(), unit.map_or(1.0, |(_, factor)| factor)),
+                    false => own(),
+                }
+            }
+        };
+        if ours != *name {
+            told.push(format!("`{}` as `{ours}`", short(name)));
+        }
+        named.names.push(ours);
+        named.factors.push(factor);
+    }
+    let converted = named.factors.iter().any(|factor| *factor != 1.0);
+    named.note = (!told.is_empty()).then(|| {
+        let units = if converted {
+            ", in s, rad, m and N"
+        } else {
+            ""
+        };
+        format!(
+            "columns are read by other names{units}: {}",
+            sesc_model::text::listed(told, 4)
+        )
+    });
+    named
+}
+
+fn is_a_time(name: &str) -> bool {
+    TIMES.contains(&name.to_lowercase().as_str())
+}
+
+/// A name without the unit behind it: `ankle [deg]`, `t (ms)`, `cop_x_mm`.
+fn without_unit(name: &str, is_known: impl Fn(&str) -> bool) -> (&str, Option<(Quantity, f64)>) {
+    let bracketed = [("[", ']'), ("(", ')')]
+        .into_iter()
+        .find_map(|(open, close)| {
+            let (bare, text) = name.strip_suffix(close)?.rsplit_once(open)?;
+            match text.trim() {
+                "-" | "" | "1" => Some((bare.trim(), None)),
+                text => Some((bare.trim(), Some(unit(text)?))),
+            }
+        });
+    let suffixed = || {
+        let (bare, text) = name.rsplit_once(['_', ' '])?;
+        Some((bare, Some(unit(text)?))).filter(|_| is_known(bare))
+    };
+    bracketed.or_else(suffixed).unwrap_or((name, None))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::logs::tests::dofs;
 
     #[test]
     fn the_first_wrong_names_get_a_suggestion() {
@@ -146,5 +414,58 @@ mod tests {
             ("/joint_states/l_knee/position", "l_knee"),
         ];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn names_of_columns_are_found_below_comments_and_behind_a_mark() {
+        for (text, names, line) in [
+            ("a,b\n1,2\n", "a,b\n", 1),
+            ("# robot: post\n\n# by hand\na,b\n1,2\n", "a,b\n", 4),
+            ("# a,b \n1,2\n", "a,b \n", 1),
+            ("% note\r\n%\ta b\r\n1 2\r\n", "a b\r\n", 2),
+            ("sep=;\r\na;b\r\n1;2\r\n", "a;b\r\n", 2),
+            ("%time,a\n1,2\n", "%time,a\n", 1),
+            ("# a", "# a", 1),
+            ("", "", 1),
+        ] {
+            let found = preamble(text.as_bytes());
+            assert!(text[found.start..].starts_with(names), "{text:?}");
+            assert_eq!(found.line, line, "{text:?}");
+        }
+        assert_eq!(preamble(b"sep=;\na;b\n").delimiter, Some(b';'));
+    }
+
+    #[test]
+    fn units_and_times_of_other_programs_are_read() {
+        let read = |header: &str| {
+            let header: Vec<String> = header.split(',').map(str::to_string).collect();
+            let found = named(&header, &dofs(&["hip", "hip_mm"]));
+            (found.names.join(","), found.factors, found.note)
+        };
+        let (names, factors, note) = read("t [ms],hip (deg),cop_x_mm,cop_y [m],hip_mm,fsr_1 [kgf]");
+        assert_eq!(names, "t,hip,cop_x,cop_y,hip_mm,fsr_1");
+        let expected = [1e-3, PI / 180.0, 1e-3, 1.0, 1.0, 9.80665];
+        assert_eq!(factors, expected);
+        assert!(note.unwrap().contains("`hip (deg)` as `hip`"));
+        for time in ["time", "__time", "Timestamp", "%time", "time [s]", "time_s"] {
+            assert_eq!(read(&format!("{time},hip")).0, "t,hip", "{time}");
+        }
+        // Names that are ours stay, and one time is enough.
+        assert_eq!(
+            read("t,time,hip"),
+            ("t,time,hip".into(), vec![1.0; 3], None)
+        );
+        assert_eq!(read("time,timestamp,hip").0, "t,timestamp,hip");
+        // A unit that measures something else.
+        assert_eq!(read("hip [mm],t [rad]").0, "hip [mm],t [rad]");
+    }
+
+    #[test]
+    fn a_row_of_units_is_told_from_numbers() {
+        let row = |text: &'static str| units(text.split(','));
+        assert_eq!(row("-,[rad],m").unwrap(), ["-", "rad", "m"]);
+        assert_eq!(row("0,1,2"), None);
+        assert_eq!(row("-,1,-"), None);
+        assert_eq!(row("s,turns"), None);
     }
 }

@@ -20,7 +20,7 @@ use sesc_model::tree::Dof;
 use super::block::Block;
 use super::columns::T;
 use super::criteria::{CREEPS, FASTEST, FEW, GOES_ON, LOGGED, MOVES, SHARED, SLACK, SMOOTH, SOLE};
-use super::sidecar::{Angles, IN_DEGREES, OR_SIDECAR};
+use super::settings::{Angles, IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
 /// Statistics of a log.

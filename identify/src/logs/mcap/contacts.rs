@@ -16,9 +16,9 @@ use std::sync::Arc;
 use super::joints::LONGEST_S;
 use super::records::Records;
 use super::{LEAST_LOAD_N, POINT, STATE, cdr, centre};
-use crate::logs::contacts::{Frame, Share, Soles};
+use crate::logs::block::{Frame, Share, Soles};
 use crate::logs::names::short;
-use crate::logs::options::Options;
+use crate::logs::settings::Options;
 
 /// Messages that say whether both are loaded, at most.
 const LOOKED: u64 = 4000;

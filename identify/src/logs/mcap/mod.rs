@@ -16,7 +16,7 @@
 //! Stretches in which the robot holds still are postures, see [`StillnessLimits`]; each
 //! reading in one is a row, with the joints' means. A log without readings has
 //! one row per posture. Of a robot that holds still nowhere, or where [`Stays::Moving`] is asked
-//! for, every reading is a row, with the joints between their messages ([`joints`]). In a recording of [`Recording`](super::recording::Recording) each joint
+//! for, every reading is a row, with the joints between their messages ([`joints`]). In a recording of [`Recording`](super::writer::Recording) each joint
 //! state is a posture, and the CoP's topic is the one that it names.
 
 mod cdr;
@@ -38,13 +38,13 @@ use self::contacts::{Contacts, Frames, Pair};
 use self::joints::{LONGEST_S, Moving, Row, State, States};
 use self::records::Records;
 use self::survey::Survey;
+use super::block::Share;
 use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, FZ, POSE, SUPPORT, T};
-use super::contacts::Share;
 use super::formats::{Interner, Raw, RowSource};
 use super::input::{Bytes, Meter, Metered, Place};
 use super::names::short;
-use super::options::{Options, Readings, Stays, StillnessLimits};
+use super::settings::{Options, Readings, Stays, StillnessLimits};
 use super::stillness::{Posture, StillnessCutter};
 use crate::{Error, Message};
 

@@ -15,7 +15,7 @@ use mcap::{McapError, McapResult, WriteOptions};
 use crate::files::{self, NewFile};
 
 use super::{OWN_POSTURES, POINT, STATE};
-use crate::logs::recording::{Recording, TrackKind};
+use crate::logs::writer::{Recording, TrackKind};
 use crate::watch::tell;
 use crate::{Error, Watch};
 

@@ -21,9 +21,8 @@
 //! ```
 
 use std::fs::File;
-use std::io::{self, Cursor, Read};
+use std::io::{self, Read};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use bytes::Bytes;
 use parquet::basic::Compression;
@@ -33,46 +32,33 @@ use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, ParquetMetaD
 use parquet::file::reader::{ChunkReader, Length};
 use parquet::file::serialized_reader::SerializedPageReader;
 
-/// Columns that hold columns; columns, row groups and chunks of columns in all of them.
-const NESTED: i64 = 200;
-const CHUNKS: i64 = 500_000;
-/// Rows that need no bytes, as constant columns pack well, and rows per byte beyond these.
-const FREE_ROWS: u64 = 1_000_000;
-const ROWS_PER_BYTE: u64 = 1000;
-/// A footer is not longer, nor the header of a page.
-const FOOTER: u64 = 64 << 20;
-const HEADER: usize = 1 << 20;
-/// An unpacked page, its bytes that need no packed ones, and how many times larger it becomes
-/// beyond.
+/// An unpacked page, bytes.
 const PAGE: i64 = 64 << 20;
-const FREE_BYTES: i64 = 4 << 20;
-const EXPANSION: i64 = 200;
-/// Structures within each other; those of Parquet are a few levels deep.
-const DEPTH: usize = 32;
+/// What is said of a file that is encrypted.
+pub(super) const ENCRYPTED: &str = "encrypted";
 
 fn refused<T>(message: String) -> Result<T> {
     Err(ParquetError::General(message))
 }
 
 /// The bytes of a file.
-#[derive(Clone)]
 pub(super) enum Input {
     File(Arc<File>),
-    Memory(Bytes),
+    Memory(Arc<Bytes>),
 }
 
 impl Input {
     fn len(&self) -> u64 {
         match self {
             Input::File(file) => Length::len(&**file),
-            Input::Memory(bytes) => bytes.len() as u64,
+            Input::Memory(bytes) => Length::len(&**bytes),
         }
     }
 
     fn bytes(&self, start: u64, length: usize) -> Result<Bytes> {
         match self {
             Input::File(file) => file.get_bytes(start, length),
-            Input::Memory(bytes) => ChunkReader::get_bytes(bytes, start, length),
+            Input::Memory(bytes) => bytes.get_bytes(start, length),
         }
     }
 
@@ -88,7 +74,7 @@ impl Input {
         let tail = self.bytes(end, 8)?;
         let size = u64::from(u32::from_le_bytes([tail[0], tail[1], tail[2], tail[3]]));
         match &tail[4..] {
-            b"PAR1" if size <= FOOTER.min(end) => {}
+            b"PAR1" if size <= end.min(64 << 20) => {}
             b"PAR1" => return refused(format!("its footer claims {size} bytes")),
             b"PARE" => return refused(ENCRYPTED.into()),
             _ => return refused("it does not end like one".into()),
@@ -104,9 +90,9 @@ impl Input {
         })?;
         if is_encrypted {
             return refused(ENCRYPTED.into());
-        } else if nested > NESTED {
+        } else if nested > 200 {
             return refused(format!("{nested} nested columns; a log is a flat table"));
-        } else if chunks > CHUNKS {
+        } else if chunks > 500_000 {
             return refused(format!(
                 "{chunks} columns of row groups; write larger groups"
             ));
@@ -117,7 +103,7 @@ impl Input {
         };
         let groups = about.row_groups().iter();
         let rows = sum(&mut groups.clone().map(|group| group.num_rows()));
-        if rows > FREE_ROWS.saturating_add(ROWS_PER_BYTE.saturating_mul(length)) {
+        if rows > 1_000_000_u64.saturating_add(length.saturating_mul(1000)) {
             return refused(format!("it claims {rows} rows in {length} bytes"));
         }
         let chunks = groups.flat_map(|group| group.columns());
@@ -130,89 +116,32 @@ impl Input {
 
     /// The pages of a chunk of a column, each held against its bytes before it is unpacked.
     pub fn pages(&self, chunk: &ColumnChunkMetaData, rows: usize) -> Result<Box<dyn PageReader>> {
-        let pages = Pages {
-            input: self.clone(),
-            is_gzip: matches!(chunk.compression(), Compression::GZIP(_)),
-            sizes: Arc::default(),
-            start: 0,
-            header: None,
-        };
-        let reader = SerializedPageReader::new(Arc::new(pages), chunk, rows, None)?;
-        Ok(Box::new(reader))
-    }
-}
-
-/// What is said of a file that is encrypted.
-pub(super) const ENCRYPTED: &str = "encrypted";
-
-/// Where pages are read from; and the header of one, which is walked before its first byte is
-/// given out.
-#[derive(Clone)]
-struct Pages {
-    input: Input,
-    is_gzip: bool,
-    /// Bytes that the page whose header was read last unpacks to, and how many of them are not
-    /// packed.
-    sizes: Arc<[AtomicU64; 2]>,
-    start: u64,
-    header: Option<Cursor<Bytes>>,
-}
-
-impl Length for Pages {
-    fn len(&self) -> u64 {
-        self.input.len()
-    }
-}
-
-impl ChunkReader for Pages {
-    type T = Pages;
-
-    fn get_read(&self, start: u64) -> Result<Pages> {
-        let header = None;
-        Ok(Pages {
-            start,
-            header,
-            ..self.clone()
+        let (mut at, length) = chunk.byte_range();
+        let end = at.saturating_add(length);
+        let is_gzip = matches!(chunk.compression(), Compression::GZIP(_));
+        while at < end {
+            at = self.check_page(at, is_gzip)?;
+        }
+        Ok(match self {
+            Input::File(file) => {
+                Box::new(SerializedPageReader::new(file.clone(), chunk, rows, None)?)
+            }
+            Input::Memory(bytes) => {
+                Box::new(SerializedPageReader::new(bytes.clone(), chunk, rows, None)?)
+            }
         })
     }
 
-    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
-        let bytes = self.input.bytes(start, length)?;
-        let [unpacked, levels] = [0, 1].map(|k| self.sizes[k].load(Ordering::Relaxed));
-        // The other ways of packing keep to what the header says.
-        if let Some(page) = bytes.get(levels as usize..).filter(|_| self.is_gzip) {
-            let mut page = flate2::read::MultiGzDecoder::new(page).take(unpacked + 1);
-            if io::copy(&mut page, &mut io::sink()).is_ok_and(|size| size > unpacked) {
-                return refused(format!(
-                    "a page unpacks to more than the {unpacked} it claims"
-                ));
-            }
-        }
-        Ok(bytes)
-    }
-}
-
-impl Read for Pages {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let header = match self.header.take() {
-            Some(header) => header,
-            None => Cursor::new(self.walked().map_err(io::Error::other)?),
-        };
-        self.header.insert(header).read(buffer)
-    }
-}
-
-impl Pages {
-    /// The bytes from the header of a page on, as far as it goes and a little further.
-    fn walked(&self) -> Result<Bytes> {
-        let left = self.len().saturating_sub(self.start);
-        let left = usize::try_from(left).unwrap_or(usize::MAX);
+    /// Check the page whose header begins at `at`; where the next one begins.
+    fn check_page(&self, at: u64, is_gzip: bool) -> Result<u64> {
+        let left = usize::try_from(self.len().saturating_sub(at)).unwrap_or(usize::MAX);
         let [mut unpacked, mut packed, mut entries, mut levels] = [0i64; 4];
         // Mostly a header is short; statistics with long texts are rare.
         let mut window = 256;
-        let bytes = loop {
-            let bytes = self.input.bytes(self.start, left.min(window))?;
-            let walked = Walk::new(&bytes, kinds_of_page).structure(&mut |path, n| match path {
+        let header = loop {
+            let bytes = self.bytes(at, left.min(window))?;
+            let mut walk = Walk::new(&bytes, kinds_of_page);
+            let walked = walk.structure(&mut |path, n| match path {
                 [2] => unpacked = n,
                 [3] => packed = n,
                 [7, 1] => entries = n,
@@ -220,13 +149,13 @@ impl Pages {
                 _ => {}
             });
             match walked {
-                Ok(()) => break bytes,
-                Err(error) if left <= window || window >= HEADER => return Err(error),
-                Err(_) => window *= 16,
+                Ok(()) => break bytes.len() - walk.left.len(),
+                Err(error) if left <= window || window >= 1 << 20 => return Err(error),
+                Err(_) => (window, levels) = (window * 16, 0),
             }
         };
-        let most = FREE_BYTES.saturating_add(EXPANSION.saturating_mul(packed.max(0)));
-        if unpacked > PAGE.min(most) || unpacked < levels {
+        let most = packed.max(0).saturating_mul(200).saturating_add(4 << 20);
+        if unpacked > PAGE.min(most) || unpacked < levels || packed < 0 {
             return refused(format!(
                 "a page of {packed} bytes claims to unpack to {unpacked}; write pages of a few MiB"
             ));
@@ -236,10 +165,18 @@ impl Pages {
                 "a dictionary of {unpacked} bytes claims {entries} entries"
             ));
         }
-        for (own, size) in self.sizes.iter().zip([unpacked, levels]) {
-            own.store(size as u64, Ordering::Relaxed);
+        let at = at + header as u64;
+        // The other ways of packing keep to what the header says.
+        if is_gzip && packed > levels {
+            let page = self.bytes(at + levels as u64, (packed - levels) as usize)?;
+            let mut page = flate2::read::MultiGzDecoder::new(&*page).take(unpacked as u64 + 1);
+            if io::copy(&mut page, &mut io::sink()).is_ok_and(|size| size > unpacked as u64) {
+                return refused(format!(
+                    "a page unpacks to more than the {unpacked} it claims"
+                ));
+            }
         }
-        Ok(bytes)
+        Ok(at + packed as u64)
     }
 }
 
@@ -311,8 +248,8 @@ impl<'a> Walk<'a> {
     }
 
     fn structure(&mut self, see: See) -> Result<()> {
-        if self.path.len() > DEPTH {
-            return refused(format!("structures nested more than {DEPTH} deep"));
+        if self.path.len() > 32 {
+            return refused("structures nested more than 32 deep".into());
         }
         let kinds = (self.kinds)(&self.path);
         let mut id = 0i16;

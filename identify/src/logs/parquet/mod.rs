@@ -54,7 +54,9 @@ impl ParquetSource {
         let input = Bytes::open(place).map_err(|source| Error::read(file.to_string(), source))?;
         let input = match input {
             Bytes::File(file) => Input::File(Arc::new(file)),
-            Bytes::Memory(bytes) => Input::Memory(bytes::Bytes::from_owner(bytes.into_inner())),
+            Bytes::Memory(bytes) => {
+                Input::Memory(Arc::new(bytes::Bytes::from_owner(bytes.into_inner())))
+            }
             Bytes::Stream(_) => return Err(Error::log(file.to_string(), None, "a stream")),
         };
         let footer = guarded(|| input.footer()).map_err(|error| damaged(file, None, &error))?;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::super::write::{VECTOR, written};
 use super::super::{POINT, STATE};
 use super::*;
-use crate::logs::recording::{Recording, Track, TrackKind};
+use crate::logs::writer::{Recording, Track, TrackKind};
 
 /// Postures, some of which are alike and too short to hold still, and one out of order.
 fn recording(n: usize) -> (Recording, Vec<u64>) {
