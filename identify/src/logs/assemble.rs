@@ -172,15 +172,9 @@ impl Assembler {
     }
 
     /// Optional columns without a value.
-    fn find_unused(&mut self, raw: &Raw) {
+    fn find_unused(&mut self, raw: &mut Raw) {
         let width = self.columns.numbers.len();
-        let empty = |k: usize| {
-            raw.numbers
-                .iter()
-                .skip(k)
-                .step_by(width)
-                .all(|x| x.is_nan())
-        };
+        let mut empty = |k: usize| raw.column(k, width).all(|x| x.is_nan());
         let columns = &mut self.columns;
         let cells = columns.cells.len();
         for (column, count) in [
@@ -190,7 +184,7 @@ impl Assembler {
             (&mut columns.gravity, 3),
             (&mut columns.load, 1),
         ] {
-            if let Some(first) = column.filter(|first| (*first..first + count).any(empty)) {
+            if let Some(first) = column.filter(|first| (*first..first + count).any(&mut empty)) {
                 self.missing.unused.extend(first..first + count);
                 *column = None;
             }
@@ -201,8 +195,7 @@ impl Assembler {
     pub fn fill_unused(&self, raw: &mut Raw) {
         let width = self.columns.numbers.len();
         for k in &self.missing.unused {
-            let values = raw.numbers.iter_mut().skip(*k).step_by(width);
-            values.for_each(|x| *x = 0.0);
+            raw.column(*k, width).for_each(|x| *x = 0.0);
         }
     }
 
@@ -259,22 +252,19 @@ impl Assembler {
         missing.rows += 1;
         let without = numbers.iter().map(|x| x.is_nan());
         let without = without.chain([pose == Some(MISSING)]);
-        missing
-            .of
-            .iter_mut()
-            .zip(without)
-            .for_each(|(n, is)| *n += u64::from(is));
+        for (count, is) in missing.of.iter_mut().zip(without) {
+            *count += u64::from(is);
+        }
     }
 
     /// The typical length of columns `k` and `k + 1`, as they stand in the log.
     fn typical(&self, raw: &Raw, k: usize) -> Option<f64> {
         let width = self.columns.numbers.len();
-        let mut far: Vec<f64> = raw
+        let far = raw
             .numbers
             .chunks_exact(width)
-            .map(|row| row[k].hypot(row[k + 1]))
-            .filter(|far| far.is_finite())
-            .collect();
+            .map(|row| row[k].hypot(row[k + 1]));
+        let mut far: Vec<f64> = far.filter(|far| far.is_finite()).collect();
         far.sort_by(f64::total_cmp);
         far.get(far.len() / 2).copied()
     }

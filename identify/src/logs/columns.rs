@@ -52,68 +52,36 @@ pub enum Need {
 }
 
 /// All columns that mean something; others are ignored with a warning.
+#[rustfmt::skip]
 pub const COLUMNS: [Column; 10] = [
-    Column {
-        names: &[POSE],
-        unit: "",
-        meaning: "whole number; rows that share it are repeated readings",
-        need: Need::Never,
-    },
-    Column {
-        names: &[T],
-        unit: "s",
-        meaning: "time",
-        need: Need::Never,
-    },
-    Column {
-        names: &[SUPPORT],
-        unit: "",
-        meaning: "link on the ground",
-        need: Need::Never,
-    },
-    Column {
-        names: &["JOINT"],
-        unit: "rad, m",
-        meaning: "position of the URDF's joint of that name, for each independent joint",
-        need: Need::Always,
-    },
-    Column {
-        names: &COP,
-        unit: "m",
-        meaning: "CoP in the support frame",
-        need: Need::Reading,
-    },
-    Column {
-        names: &COP_STD,
-        unit: "m",
-        meaning: "standard deviation of a single reading of the CoP",
-        need: Need::OfReading,
-    },
-    Column {
-        names: &["fsr_k"],
-        unit: "N",
-        meaning: "force on foot cell k; its place stands in the sidecar",
-        need: Need::Reading,
-    },
-    Column {
-        names: &["fsr_k_std"],
-        unit: "N",
-        meaning: "standard deviation of a single reading of that force",
-        need: Need::OfReading,
-    },
-    Column {
-        names: &[FZ],
-        unit: "N",
-        meaning: "total force on the support, compared with the weight of the robot",
-        need: Need::OfReading,
-    },
-    Column {
-        names: &GRAVITY,
-        unit: "m/s²",
-        meaning: "gravity in the support frame",
-        need: Need::Never,
-    },
+    column(&[POSE], "", Need::Never, "whole number; rows that share it are repeated readings"),
+    column(&[T], "s", Need::Never, "time"),
+    column(&[SUPPORT], "", Need::Never, "link on the ground"),
+    column(&["JOINT"], "rad, m", Need::Always,
+        "position of the URDF's joint of that name, for each independent joint"),
+    column(&COP, "m", Need::Reading, "CoP in the support frame"),
+    column(&COP_STD, "m", Need::OfReading, "standard deviation of a single reading of the CoP"),
+    column(&["fsr_k"], "N", Need::Reading, "force on foot cell k; its place stands in the sidecar"),
+    column(&["fsr_k_std"], "N", Need::OfReading,
+        "standard deviation of a single reading of that force"),
+    column(&[FZ], "N", Need::OfReading,
+        "total force on the support, compared with the weight of the robot"),
+    column(&GRAVITY, "m/s²", Need::Never, "gravity in the support frame"),
 ];
+
+const fn column(
+    names: &'static [&'static str],
+    unit: &'static str,
+    need: Need,
+    meaning: &'static str,
+) -> Column {
+    Column {
+        names,
+        unit,
+        meaning,
+        need,
+    }
+}
 
 /// [`COLUMNS`] as a text for help, a line for each.
 ///
@@ -428,11 +396,23 @@ pub struct Row<'a> {
     pub cop_std: [f64; 2],
 }
 
-/// Joint values and readings of a row, in the order of their columns.
-pub(super) fn numbers<'a>(row: &'a Row, columns: Written) -> impl Iterator<Item = f64> + 'a {
+/// A value of a row.
+pub(super) enum Field<'a> {
+    Whole(i64),
+    Text(&'a str),
+    Number(f64),
+}
+
+/// Values of a row, in the order of their columns.
+pub(super) fn fields<'a>(row: &'a Row, columns: Written) -> impl Iterator<Item = Field<'a>> {
+    let t = columns.t.then_some(row.t).into_iter();
+    let support = columns.support.then_some(Field::Text(row.support));
     let cop = columns.cop.then_some(row.cop).into_iter().flatten();
     let std = columns.cop_std.then_some(row.cop_std).into_iter().flatten();
-    row.q.iter().copied().chain(cop).chain(std)
+    let numbers = row.q.iter().copied().chain(cop).chain(std);
+    let pose = [Field::Whole(row.pose)].into_iter();
+    let first = pose.chain(t.map(Field::Number)).chain(support);
+    first.chain(numbers.map(Field::Number))
 }
 
 #[cfg(test)]

@@ -13,14 +13,13 @@
 //! those of reading row by row: the first faulty row is the one that is told.
 
 use std::io::{self, BufRead, BufReader, Cursor, Read};
-use std::sync::Arc;
 
 use csv::ByteRecord;
 use memchr::memchr_iter;
 
 use super::columns::{Columns, POSE};
 use super::formats::{Interner, MISSING, Raw, RowSource};
-use super::input::{Meter, Metered};
+use super::input::Metered;
 use super::names::short;
 use super::names::{preamble, units, with_unit};
 use crate::Error;
@@ -40,7 +39,7 @@ pub(super) struct CsvSource {
     names_line: u64,
     /// The first row, which was looked at for units.
     first: Option<Result<bool, Error>>,
-    meter: Arc<Meter>,
+    meter: Metered,
     links: Interner,
     /// Line of the last row.
     line: u64,
@@ -52,7 +51,7 @@ impl CsvSource {
     /// Start reading; `file` names it in messages, `head` are the bytes that
     /// were taken from `input` already.
     pub fn open(file: &str, head: Vec<u8>, input: Metered) -> Result<CsvSource, Error> {
-        let meter = input.meter();
+        let meter = input.clone();
         let packed = head.starts_with(&[0x1f, 0x8b]);
         let mut input: Box<dyn Read + Send> = Box::new(Cursor::new(head).chain(input));
         if packed {
@@ -233,19 +232,15 @@ pub(crate) fn delimiter(head: &[u8], start: usize) -> Result<u8, String> {
     if head.contains(&0) {
         return Err("not text; is this a CSV file?".into());
     }
-    let mut quoted = false;
-    let mut counts = [0usize; 3];
     let known = *b",;\t";
-    for byte in &head[start..] {
-        match byte {
-            b'"' => quoted = !quoted,
-            b'\n' | b'\r' if !quoted => break,
-            _ if quoted => {}
-            _ => {
-                if let Some(k) = known.iter().position(|d| d == byte) {
-                    counts[k] += 1;
-                }
-            }
+    let mut counts = [0usize; 3];
+    let unquoted = head[start..]
+        .split(|byte| *byte == b'"')
+        .step_by(2)
+        .flatten();
+    for byte in unquoted.take_while(|byte| !matches!(byte, b'\n' | b'\r')) {
+        if let Some(k) = known.iter().position(|delimiter| delimiter == byte) {
+            counts[k] += 1;
         }
     }
     // The comma among equals.

@@ -16,7 +16,7 @@ use sesc_model::tree::Dof;
 use super::block::Share;
 use super::columns::{Columns, POSE};
 use super::csv::CsvSource;
-use super::input::{Bytes, LogSource, Metered, Place};
+use super::input::{LogSource, Metered, Place};
 use super::settings::Sidecar;
 use super::settings::{Options, Stays};
 use super::table::{Shared, TableSource};
@@ -38,6 +38,11 @@ pub(super) struct Raw {
 }
 
 impl Raw {
+    /// Number `k` of each row, of `width` a row.
+    pub fn column(&mut self, k: usize, width: usize) -> impl Iterator<Item = &mut f64> {
+        self.numbers.iter_mut().skip(k).step_by(width)
+    }
+
     /// Forget all rows, keeping the room for them.
     pub fn clear(&mut self) {
         self.line.clear();
@@ -146,12 +151,10 @@ pub(super) fn open(
     {
         return Err(wrong(folder(path)));
     }
-    let mut input = Metered::new(Bytes::open(place).map_err(failed)?);
+    let mut input = Metered::open(place, file)?;
     let mut head = Vec::new();
-    (&mut input)
-        .take(8)
-        .read_to_end(&mut head)
-        .map_err(failed)?;
+    let begun = (&mut input).take(8).read_to_end(&mut head);
+    begun.map_err(failed)?;
     if head.starts_with(b"PAR1") || head.starts_with(b"PARE") {
         return match place {
             // What its columns are stands at the end.
@@ -254,53 +257,24 @@ fn open_mcap(
 
 /// First bytes of files that are not read, what they are, and what makes a log of them; `@` stands
 /// for the path, `$` for the path without its ending.
+#[rustfmt::skip]
 const FOREIGN: [(&[u8], &str); 15] = [
-    (
-        b"SQLite f",
-        "a recording of ROS 2 in SQLite; convert it by `mcap convert @ $.mcap`",
-    ),
-    (
-        b"#ROSBAG ",
-        "a recording of ROS 1; convert it by `mcap convert @ $.mcap`",
-    ),
-    (
-        b"\x28\xb5\x2f\xfd",
-        "compressed by zstd; unpack it by `zstd -d @`",
-    ),
+    (b"SQLite f", "a recording of ROS 2 in SQLite; convert it by `mcap convert @ $.mcap`"),
+    (b"#ROSBAG ", "a recording of ROS 1; convert it by `mcap convert @ $.mcap`"),
+    (b"\x28\xb5\x2f\xfd", "compressed by zstd; unpack it by `zstd -d @`"),
     (b"BZh", "compressed by bzip2; unpack it by `bunzip2 @`"),
     (b"\xfd7zXZ", "compressed by xz; unpack it by `unxz @`"),
-    (
-        b"\x04\x22\x4d\x18",
-        "compressed by lz4; unpack it by `unlz4 @`",
-    ),
-    (
-        b"PK\x03\x04",
-        "a packed folder or a spreadsheet; unpack it, or save the sheet as CSV",
-    ),
+    (b"\x04\x22\x4d\x18", "compressed by lz4; unpack it by `unlz4 @`"),
+    (b"PK\x03\x04", "a packed folder or a spreadsheet; unpack it, or save the sheet as CSV"),
     (b"7z\xbc\xaf", "a packed folder; unpack it by `7z x @`"),
-    (
-        b"\xd0\xcf\x11\xe0",
-        "a spreadsheet of Excel; save it as CSV",
-    ),
-    (
-        b"\x89HDF",
-        "an HDF5 file, as MATLAB and h5py write them; write a table: `writetable(T, '$.csv')`, or \
-         `DataFrame.to_parquet`",
-    ),
-    (
-        b"MATLAB 5",
-        "a MAT-file; write a table in MATLAB: `writetable(T, '$.csv')`",
-    ),
-    (
-        b"\x93NUMPY",
-        "an array of NumPy, without names of columns; write it by `numpy.savetxt('$.csv', a, \
-         delimiter=',', header='pose,…', comments='')`",
-    ),
-    (
-        b"ARROW1",
-        "an Arrow or Feather file; write it as Parquet: \
-         `pandas.read_feather('@').to_parquet('$.parquet')`",
-    ),
+    (b"\xd0\xcf\x11\xe0", "a spreadsheet of Excel; save it as CSV"),
+    (b"\x89HDF", "an HDF5 file, as MATLAB and h5py write them; \
+        write a table: `writetable(T, '$.csv')`, or `DataFrame.to_parquet`"),
+    (b"MATLAB 5", "a MAT-file; write a table in MATLAB: `writetable(T, '$.csv')`"),
+    (b"\x93NUMPY", "an array of NumPy, without names of columns; write it by \
+        `numpy.savetxt('$.csv', a, delimiter=',', header='pose,…', comments='')`"),
+    (b"ARROW1", "an Arrow or Feather file; \
+        write it as Parquet: `pandas.read_feather('@').to_parquet('$.parquet')`"),
     (b"\x80\x04\x95", PICKLE),
     (b"\x80\x05\x95", PICKLE),
 ];

@@ -36,7 +36,7 @@ use crate::{Error, Message};
 /// assert_eq!(in_memory.name(), "run");
 /// assert_eq!(on_disk.path(), Some("run.csv".as_ref()));
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct LogSource {
     name: String,
     pub(super) place: Place,
@@ -47,11 +47,12 @@ pub struct LogSource {
 }
 
 /// Where the rows are.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(super) enum Place {
     File(PathBuf),
     Bytes(Shared<u8>),
-    Stream(Opener),
+    /// Starts a stream from its first byte, as often as asked.
+    Stream(Arc<dyn Fn() -> io::Result<Stream> + Send + Sync>),
     Table(Arc<Table>),
 }
 
@@ -107,8 +108,8 @@ impl LogSource {
         name: impl Into<String>,
         open: impl Fn() -> io::Result<R> + Send + Sync + 'static,
     ) -> LogSource {
-        let open = move || -> io::Result<Box<dyn Read + Send>> { Ok(Box::new(open()?)) };
-        LogSource::at(name.into(), Place::Stream(Opener(Arc::new(open))))
+        let open = move || -> io::Result<Stream> { Ok(Box::new(open()?)) };
+        LogSource::at(name.into(), Place::Stream(Arc::new(open)))
     }
 
     fn at(name: String, place: Place) -> LogSource {
@@ -198,7 +199,7 @@ impl LogSource {
     pub fn path(&self) -> Option<&Path> {
         match &self.place {
             Place::File(path) => Some(path),
-            Place::Bytes(_) | Place::Stream(_) | Place::Table(_) => None,
+            _ => None,
         }
     }
 
@@ -206,7 +207,7 @@ impl LogSource {
     pub fn table(&self) -> Option<&Table> {
         match &self.place {
             Place::Table(table) => Some(table),
-            Place::File(_) | Place::Bytes(_) | Place::Stream(_) => None,
+            _ => None,
         }
     }
 
@@ -215,7 +216,7 @@ impl LogSource {
     pub fn content(&self) -> Option<&[u8]> {
         match &self.place {
             Place::Bytes(bytes) => Some(bytes.as_ref()),
-            Place::File(_) | Place::Stream(_) | Place::Table(_) => None,
+            _ => None,
         }
     }
 
@@ -256,98 +257,71 @@ impl From<&LogSource> for LogSource {
     }
 }
 
-/// Bytes of a log file, on disk, in memory or on their way.
-pub(super) enum Bytes {
-    File(File),
-    Memory(Cursor<Shared<u8>>),
-    Stream(Box<dyn Read + Send>),
+impl fmt::Debug for LogSource {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_tuple("LogSource").field(&self.name).finish()
+    }
 }
 
-impl Bytes {
-    /// Start at the first byte; nothing to read of a table.
-    pub fn open(place: &Place) -> io::Result<Bytes> {
-        match place {
-            Place::File(path) => Ok(Bytes::File(File::open(path)?)),
-            Place::Bytes(bytes) => Ok(Bytes::Memory(Cursor::new(bytes.clone()))),
-            Place::Stream(Opener(open)) => Ok(Bytes::Stream(open()?)),
+/// Bytes of a log file, on disk, in memory or on their way.
+pub(super) type Stream = Box<dyn Read + Send>;
+
+impl Place {
+    /// Start at the first byte, and how many there are, which is not known of a pipe or a stream;
+    /// nothing to read of a table.
+    fn open(&self) -> io::Result<(Stream, Option<u64>)> {
+        match self {
+            Place::File(path) => {
+                let file = File::open(path)?;
+                let about = file.metadata().ok().filter(|about| about.is_file());
+                Ok((Box::new(file), about.map(|about| about.len())))
+            }
+            Place::Bytes(bytes) => {
+                let count = bytes.as_ref().len() as u64;
+                Ok((Box::new(Cursor::new(bytes.clone())), Some(count)))
+            }
+            Place::Stream(open) => Ok((open()?, None)),
             Place::Table(_) => Err(io::ErrorKind::Unsupported.into()),
         }
     }
-
-    /// How many there are; not known of a pipe or a stream.
-    pub fn count(&self) -> Option<u64> {
-        match self {
-            Bytes::File(file) => {
-                let about = file.metadata().ok();
-                about.filter(|a| a.is_file()).map(|a| a.len())
-            }
-            Bytes::Memory(bytes) => u64::try_from(bytes.get_ref().as_ref().len()).ok(),
-            Bytes::Stream(_) => None,
-        }
-    }
 }
 
-impl Read for Bytes {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        match self {
-            Bytes::File(file) => file.read(buffer),
-            Bytes::Memory(bytes) => bytes.read(buffer),
-            Bytes::Stream(stream) => stream.read(buffer),
-        }
-    }
-}
-
-/// What passed through a [`Metered`] file, to be looked at from outside.
-#[derive(Debug)]
-pub(super) struct Meter {
-    /// Bytes, and their hash.
-    read: Mutex<(u64, XxHash64)>,
+/// A file that counts and hashes what is read from it; its clones see that from outside.
+#[derive(Clone)]
+pub(super) struct Metered {
+    /// The file, and bytes that were read of it, with their hash.
+    read: Arc<Mutex<(Stream, u64, XxHash64)>>,
     total: Option<u64>,
 }
 
-impl Meter {
-    fn read(&self) -> MutexGuard<'_, (u64, XxHash64)> {
+impl Metered {
+    /// Start at the first byte of the log called `file`.
+    pub fn open(place: &Place, file: &str) -> Result<Metered, Error> {
+        let opened = place.open();
+        let (stream, total) = opened.map_err(|source| Error::read(file.to_string(), source))?;
+        let read = Arc::new(Mutex::new((stream, 0, XxHash64::with_seed(0))));
+        Ok(Metered { read, total })
+    }
+
+    fn state(&self) -> MutexGuard<'_, (Stream, u64, XxHash64)> {
         self.read.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub fn progress(&self) -> (u64, Option<u64>) {
-        (self.read().0, self.total)
+        (self.state().1, self.total)
     }
 
     pub fn hash(&self) -> u64 {
-        self.read().1.finish()
-    }
-}
-
-/// A file that counts and hashes what is read from it.
-pub(super) struct Metered {
-    file: Bytes,
-    meter: Arc<Meter>,
-}
-
-impl Metered {
-    pub fn new(file: Bytes) -> Metered {
-        let meter = Meter {
-            read: Mutex::new((0, XxHash64::with_seed(0))),
-            total: file.count(),
-        };
-        Metered {
-            file,
-            meter: Arc::new(meter),
-        }
-    }
-
-    pub fn meter(&self) -> Arc<Meter> {
-        self.meter.clone()
+        self.state().2.finish()
     }
 }
 
 impl Read for Metered {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let n = self.file.read(buffer)?;
-        let mut read = self.meter.read();
-        read.0 += n as u64;
-        read.1.write(&buffer[..n]);
+        let (file, done, hash) = &mut *self.state();
+        let n = file.read(buffer)?;
+        *done += n as u64;
+        hash.write(&buffer[..n]);
         Ok(n)
     }
 }
@@ -362,16 +336,4 @@ pub type Screening = Box<dyn FnMut(&mut Block) + Send>;
 pub trait Screen: fmt::Debug + Send + Sync {
     /// Begin a reading of the log.
     fn start(&self) -> Screening;
-}
-
-type Open = dyn Fn() -> io::Result<Box<dyn Read + Send>> + Send + Sync;
-
-/// Starts a stream from its first byte, as often as asked.
-#[derive(Clone)]
-pub(super) struct Opener(Arc<Open>);
-
-impl fmt::Debug for Opener {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a stream")
-    }
 }

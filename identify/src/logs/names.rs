@@ -26,25 +26,9 @@ const COMPARED: usize = 2_000;
 const SUGGESTED: usize = 3;
 
 /// What joints' columns are called beside the joint, best first: positions, then what is none.
-const POSITIONS: [&str; 6] = ["position", "pos", "angle", "q", "actual", "measured"];
-const NO_POSITIONS: [&str; 16] = [
-    "velocity",
-    "vel",
-    "speed",
-    "qd",
-    "qdd",
-    "dq",
-    "effort",
-    "torque",
-    "tau",
-    "current",
-    "cmd",
-    "command",
-    "target",
-    "desired",
-    "reference",
-    "error",
-];
+const POSITIONS: &str = "position pos angle q actual measured";
+const NO_POSITIONS: &str = "velocity vel speed qd qdd dq effort torque tau current cmd command \
+                            target desired reference error";
 /// Columns that a message proposes to rename, at most.
 const RENAMED: usize = 100;
 
@@ -94,14 +78,14 @@ pub(super) fn meant<'a>(
     let pairs = missing.iter().filter_map(|joint| {
         let mut own = found.remove(joint)?;
         let rest = |column: &str| column.replacen(joint, " ", 1).to_lowercase();
-        let says = |column: &str, words: &[&str]| {
+        let says = |column: &str, words: &str| {
             let rest = rest(column);
             let mut parts = rest.split(|c: char| !c.is_alphanumeric());
-            parts.any(|part| words.contains(&part))
+            parts.any(|part| words.split(' ').any(|word| word == part))
         };
-        own.retain(|column| !says(column, &NO_POSITIONS));
+        own.retain(|column| !says(column, NO_POSITIONS));
         if own.len() > 1 {
-            own.retain(|column| says(column, &POSITIONS));
+            own.retain(|column| says(column, POSITIONS));
         }
         match own[..] {
             [one] => Some((one, *joint)),
@@ -131,33 +115,23 @@ enum Quantity {
 }
 
 /// Units as programs write them, what they measure, and how many s, rad, m or N one is.
-const UNITS: [(&str, Quantity, f64); 26] = [
-    ("s", Quantity::Time, 1.0),
-    ("sec", Quantity::Time, 1.0),
-    ("seconds", Quantity::Time, 1.0),
+const UNITS: [(&str, Quantity, f64); 16] = [
+    ("s sec seconds", Quantity::Time, 1.0),
     ("ms", Quantity::Time, 1e-3),
-    ("us", Quantity::Time, 1e-6),
-    ("µs", Quantity::Time, 1e-6),
-    ("ns", Quantity::Time, 1e-9),
-    ("nsec", Quantity::Time, 1e-9),
+    ("us µs", Quantity::Time, 1e-6),
+    ("ns nsec", Quantity::Time, 1e-9),
     ("min", Quantity::Time, 60.0),
     ("days", Quantity::Time, 86_400.0),
-    ("rad", Quantity::Angle, 1.0),
-    ("radians", Quantity::Angle, 1.0),
-    ("deg", Quantity::Angle, PI / 180.0),
-    ("degrees", Quantity::Angle, PI / 180.0),
-    ("°", Quantity::Angle, PI / 180.0),
+    ("rad radians", Quantity::Angle, 1.0),
+    ("deg degrees °", Quantity::Angle, PI / 180.0),
     ("m", Quantity::Length, 1.0),
     ("mm", Quantity::Length, 1e-3),
     ("cm", Quantity::Length, 1e-2),
-    ("in", Quantity::Length, 0.0254),
-    ("inch", Quantity::Length, 0.0254),
+    ("in inch", Quantity::Length, 0.0254),
     ("N", Quantity::Force, 1.0),
     ("kN", Quantity::Force, 1e3),
-    ("kgf", Quantity::Force, 9.80665),
-    ("kg", Quantity::Force, 9.80665),
-    ("lbf", Quantity::Force, 4.448_221_615_260_5),
-    ("lb", Quantity::Force, 4.448_221_615_260_5),
+    ("kgf kg", Quantity::Force, 9.80665),
+    ("lbf lb", Quantity::Force, 4.448_221_615_260_5),
 ];
 /// Names that other programs give the time of a row, in small letters: PlotJuggler, pandas,
 /// rostopic, spreadsheets.
@@ -232,25 +206,20 @@ fn is_row_of_numbers(line: &str) -> bool {
 /// What is said of a table whose names cannot be found, because its columns are divided by
 /// blanks or it has none.
 pub(super) fn no_names(header: &[String]) -> Option<String> {
-    let [one] = header else {
-        let numbers = !header.is_empty()
-            && header
-                .iter()
-                .all(|name| name.is_empty() || name.parse::<f64>().is_ok())
-            && header.iter().any(|name| !name.is_empty());
-        return numbers.then(|| {
-            "the first line has numbers, not the names of columns; write a line of names above \
-             it: `pose`, the URDF's joints, `cop_x`, `cop_y`"
-                .to_string()
+    if let [one] = header {
+        let words = one.split_whitespace().count();
+        return (words > 2).then(|| {
+            format!(
+                "the columns of {words} names are divided by blanks; write commas between names and \
+                 between numbers"
+            )
         });
-    };
-    let words = one.split_whitespace().count();
-    (words > 2).then(|| {
-        format!(
-            "the columns of {words} names are divided by blanks; write commas between names and \
-             between numbers"
-        )
-    })
+    }
+    let mut names = header.iter().filter(|name| !name.is_empty()).peekable();
+    let numbers = names.peek().is_some() && names.all(|name| name.parse::<f64>().is_ok());
+    let said = "the first line has numbers, not the names of columns; write a line of names above it: \
+                `pose`, the URDF's joints, `cop_x`, `cop_y`";
+    numbers.then(|| said.to_string())
 }
 
 /// The units of a row below the names, where it is one.
@@ -278,7 +247,8 @@ pub(super) fn with_unit(name: &str, unit: &str) -> String {
 }
 
 fn unit(text: &str) -> Option<(Quantity, f64)> {
-    let known = UNITS.iter().find(|(name, ..)| *name == text);
+    let is = |names: &str| names.split(' ').any(|name| name == text);
+    let known = UNITS.iter().find(|(names, ..)| is(names));
     known.map(|(_, quantity, factor)| (*quantity, *factor))
 }
 
@@ -301,42 +271,30 @@ pub(super) fn named(header: &[String], dofs: &[Dof]) -> Named {
         .collect();
     let is_known = |name: &str| joints.contains_key(name) || meaning(name).is_some();
     let taken: HashSet<&str> = header.iter().map(String::as_str).collect();
-    let quantity = |name: &str| match (joints.get(name), meaning(name)) {
-        (Some(true), _) => Some(Quantity::Length),
+    let unit_of = |name: &str| meaning(name).map(|column| column.unit);
+    let quantity = |name: &str| match (joints.get(name), unit_of(name)) {
+        (Some(true), _) | (None, Some("m")) => Some(Quantity::Length),
         (Some(false), _) => Some(Quantity::Angle),
-        (_, Some(column)) => match column.unit {
-            "s" => Some(Quantity::Time),
-            "m" => Some(Quantity::Length),
-            "N" => Some(Quantity::Force),
-            _ => None,
-        },
+        (None, Some("s")) => Some(Quantity::Time),
+        (None, Some("N")) => Some(Quantity::Force),
         _ => None,
     };
     let mut named = Named::default();
     let (mut told, mut timed) = (Vec::new(), taken.contains(T));
     for name in header {
-        let own = || (name.clone(), 1.0);
-        let (ours, factor) = match is_known(name) || joints.contains_key(name.as_str()) {
-            true => own(),
-            false => {
-                let (bare, unit) = without_unit(name, |bare| is_known(bare) || is_a_time(bare));
-                let ours = match is_a_time(bare) {
-                    true => T,
-                    false => bare,
-                };
-                let fits = unit.is_none_or(|(of, _)| quantity(ours) == Some(of));
-                let free = ours != T || !std::mem::replace(&mut timed, true);
-                match is_known(ours) && fits && free && !taken.contains(ours) {
-                    true => (ours.to_string(), unit.map_or(1.0, |(_, factor)| factor)),
-                    false => own(),
-                }
+        let mut read = (name.as_str(), 1.0);
+        if !is_known(name) {
+            let (bare, unit) = without_unit(name, |bare| is_known(bare) || is_a_time(bare));
+            let ours = if is_a_time(bare) { T } else { bare };
+            let fits = unit.is_none_or(|(of, _)| quantity(ours) == Some(of));
+            let free = ours != T || !std::mem::replace(&mut timed, true);
+            if is_known(ours) && fits && free && !taken.contains(ours) {
+                told.push(format!("`{}` as `{ours}`", short(name)));
+                read = (ours, unit.map_or(1.0, |(_, factor)| factor));
             }
-        };
-        if ours != *name {
-            told.push(format!("`{}` as `{ours}`", short(name)));
         }
-        named.names.push(ours);
-        named.factors.push(factor);
+        named.names.push(read.0.to_string());
+        named.factors.push(read.1);
     }
     let converted = named.factors.iter().any(|factor| *factor != 1.0);
     named.note = (!told.is_empty()).then(|| {

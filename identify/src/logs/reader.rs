@@ -18,14 +18,12 @@ use sesc_model::tree::Dof;
 use sesc_model::urdf::Description;
 
 use super::assemble::Assembler;
-use super::block::Block;
-use super::block::Standing;
+use super::block::{Block, Standing};
 use super::columns::Columns;
 use super::formats::{self, Raw, RowSource, misnamed};
 use super::input::{LogSource, Screening};
-use super::names::{self};
-use super::settings::{Angles, Sidecar};
-use super::settings::{Options, Stays, StillnessLimits};
+use super::names;
+use super::settings::{Angles, Options, Sidecar, Stays, StillnessLimits};
 use super::stillness::Settling;
 use super::suspect::Suspicions;
 use crate::{Error, Message};
@@ -382,10 +380,8 @@ impl PostureReader {
     fn scale(&mut self) {
         let scaled = self.factors.iter().enumerate();
         for (k, factor) in scaled.filter(|(_, factor)| **factor != 1.0) {
-            let values = self.raw.numbers.iter_mut().skip(k);
-            values
-                .step_by(self.factors.len())
-                .for_each(|x| *x *= factor);
+            let values = self.raw.column(k, self.factors.len());
+            values.for_each(|x| *x *= factor);
         }
     }
 

@@ -5,6 +5,7 @@
 //! it may be a note of the user's or a misspelling.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind::{NotADirectory, NotFound};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -167,47 +168,21 @@ impl StillnessLimits {
 /// The keys that a sidecar may have, each with what it says: for readers, messages and
 /// documentation.
 #[doc(hidden)]
+#[rustfmt::skip]
 pub const KEYS: [(&str, &str); 12] = [
     ("robot", "a name, for reports"),
-    (
-        "support",
-        "link on the ground; `foot@40mm` is the sole 40 mm below the frame of `foot`",
-    ),
-    (
-        "angles",
-        "unit of revolute joints, `rad` or `deg`; `rad` unless given",
-    ),
-    (
-        "readings_per_pose",
-        "readings of each posture: a row is the mean of so many",
-    ),
-    (
-        "cells",
-        "places of the foot cells `fsr_1`, `fsr_2`, …: x and y of each in the support frame, m",
-    ),
-    (
-        "gravity",
-        "gravity in the support frame, m/s²; straight down unless given",
-    ),
-    (
-        "both_feet",
-        "whether both soles are flat on one floor in every row",
-    ),
-    (
-        "other_foot",
-        "link of the other sole, or `foot@40mm`, where its name does not tell; it means `both_feet`, \
-         too",
-    ),
+    ("support", "link on the ground; `foot@40mm` is the sole 40 mm below the frame of `foot`"),
+    ("angles", "unit of revolute joints, `rad` or `deg`; `rad` unless given"),
+    ("readings_per_pose", "readings of each posture: a row is the mean of so many"),
+    ("cells", "places of the foot cells `fsr_1`, `fsr_2`, …: x and y of each in the support frame, m"),
+    ("gravity", "gravity in the support frame, m/s²; straight down unless given"),
+    ("both_feet", "whether both soles are flat on one floor in every row"),
+    ("other_foot", "link of the other sole, or `foot@40mm`, where its name does not tell; it means \
+        `both_feet`, too"),
     ("topic", "topic of the CoP in a recording that has several"),
-    (
-        "joints_topic",
-        "topic of the joints in a recording that has several with the same joints",
-    ),
+    ("joints_topic", "topic of the joints in a recording that has several with the same joints"),
     ("experiment", "the experiment that a diagnosis asked for"),
-    (
-        "columns",
-        "columns of other names: the name in the log, then ours",
-    ),
+    ("columns", "columns of other names: the name in the log, then ours"),
 ];
 
 /// What the sidecar of a log that this library writes may say.
@@ -224,41 +199,29 @@ const FOOT: f64 = 2.0;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sidecar {
     /// A name, for reports.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
     /// The link that stands on the ground.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub support: Option<String>,
     /// `rad` (default) or `deg`, of the revolute joints.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub angles: Option<Angles>,
     /// Readings taken at each pose: averaged into its one row, or its rows.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub readings_per_pose: Option<u64>,
     /// Places of the foot cells, m, support frame.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cells: Option<Vec<[f64; 2]>>,
     /// Gravity in the support frame, m/s².
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<[f64; 3]>,
     /// Whether the soles of both feet are flat on one floor in every row. The CoP is then that
     /// of both together, in the support frame.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub both_feet: Option<bool>,
     /// The link that is the other sole; it says that both feet are on the floor, too.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub other_foot: Option<String>,
     /// Topic of the CoP in a recording that has several.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
     /// Topic of the joints in a recording that has several with the same joints.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub joints_topic: Option<String>,
     /// What `sesc diagnose --next` asked for, where the log is of such an experiment.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub experiment: Option<String>,
     /// What columns of the log mean that have other names: name in the log, our name.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub columns: Option<BTreeMap<String, String>>,
 }
 
@@ -289,20 +252,21 @@ impl Sidecar {
     /// `log.csv.gz` and `log.parquet` alike.
     pub fn paths(log: &Path) -> [PathBuf; 2] {
         let packed = log.extension().is_some_and(|end| end == "gz");
-        let older = match log.file_stem() {
-            Some(stem) if packed => log.with_file_name(stem).with_extension("toml"),
-            _ => log.with_extension("toml"),
+        let bare = if packed {
+            log.with_extension("")
+        } else {
+            log.into()
         };
-        [Sidecar::path(log), older]
+        [Sidecar::path(log), bare.with_extension("toml")]
     }
 
     /// The sidecar that `log` has, and where it would be if it has none.
     pub fn of_log(log: &Path) -> PathBuf {
         let [path, older] = Sidecar::paths(log);
-        match !path.exists() && older.exists() {
-            true => older,
-            false => path,
+        if !path.exists() && older.exists() {
+            return older;
         }
+        path
     }
 
     /// Read the sidecar of `log`, and what is odd about it; a log without one
@@ -320,12 +284,7 @@ impl Sidecar {
             Ok(text) => Sidecar::parse(&text, &file)
                 .map_err(|fault| Error::log(file, fault.line, fault.reason)),
             // `/dev/stdin` has no neighbours either.
-            Err(error)
-                if matches!(
-                    error.kind(),
-                    std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory
-                ) =>
-            {
+            Err(error) if matches!(error.kind(), NotFound | NotADirectory) => {
                 Ok(Default::default())
             }
             Err(source) => Err(Error::read(file, source)),
@@ -343,10 +302,8 @@ impl Sidecar {
     pub(crate) fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), TomlFault> {
         let keys: BTreeMap<String, IgnoredAny> = files::parse_toml(text, FORMAT)?;
         let named = || KEYS.iter().map(|(key, _)| *key);
-        let unknown: Vec<&String> = keys
-            .keys()
-            .filter(|key| !named().any(|own| own == *key))
-            .collect();
+        let unknown = keys.keys().filter(|key| !named().any(|own| own == *key));
+        let unknown: Vec<&String> = unknown.collect();
         let mut warnings = Vec::new();
         for key in unknown.iter().take(WARNED) {
             let meant = match nearest(key, "", named()) {
@@ -387,9 +344,8 @@ impl Sidecar {
             check_gravity(gravity)?;
         }
         if self.both_feet == Some(false) && self.other_foot.is_some() {
-            return Err(
-                "both_feet is false and other_foot names a second sole; leave one out".into(),
-            );
+            let said = "both_feet is false and other_foot names a second sole; leave one out";
+            return Err(said.into());
         }
         if self.readings_per_pose == Some(0) {
             return Err("readings_per_pose is 0; give how many were taken, 1 or more".into());
@@ -403,13 +359,12 @@ impl Sidecar {
                 ));
             }
         }
-        match self.cells.as_deref() {
-            Some(cells) if is_line(cells) => Err(
-                "the cells lie on one line, which cannot tell the CoP; give each its own place"
-                    .into(),
-            ),
-            _ => Ok(()),
+        if self.cells.as_deref().is_some_and(is_line) {
+            let said =
+                "the cells lie on one line, which cannot tell the CoP; give each its own place";
+            return Err(said.into());
         }
+        Ok(())
     }
 }
 

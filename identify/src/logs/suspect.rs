@@ -43,8 +43,13 @@ pub(super) struct Suspicions {
 }
 
 /// What the column of a joint shows, rad or m.
+#[derive(Default)]
 struct Joint {
-    dof: Dof,
+    name: String,
+    prismatic: bool,
+    continuous: bool,
+    /// Speed that it is allowed, rad/s or m/s.
+    speed: f64,
     /// Limits with their slack; infinite where none mean something.
     lower: f64,
     upper: f64,
@@ -75,21 +80,15 @@ impl Joint {
             _ => SLACK,
         };
         Joint {
-            dof: dof.clone(),
+            name: dof.joint.clone(),
+            prismatic: dof.prismatic,
+            continuous: dof.continuous,
+            speed: dof.speed,
             lower: dof.lower - slack,
             upper: dof.upper + slack,
             least: f64::INFINITY,
             most: f64::NEG_INFINITY,
-            outside: 0,
-            nonzero: 0,
-            whole: 0,
-            last: 0.0,
-            fastest: 0.0,
-            last_step: 0.0,
-            stepped: 0.0,
-            bent: 0.0,
-            mean: 0.0,
-            about: 0.0,
+            ..Joint::default()
         }
     }
 
@@ -114,7 +113,7 @@ impl Joint {
 
     /// Whether the column of `other` respects the limits of this joint.
     fn fits(&self, other: &Joint) -> bool {
-        let alike = other.dof.prismatic == self.dof.prismatic && !self.dof.continuous;
+        let alike = other.prismatic == self.prismatic && !self.continuous;
         alike && other.least >= self.lower && other.most <= self.upper
     }
 }
@@ -186,7 +185,7 @@ impl Suspicions {
     }
 
     fn revolute(&self) -> impl Iterator<Item = &Joint> {
-        self.joints.iter().filter(|joint| !joint.dof.prismatic)
+        self.joints.iter().filter(|joint| !joint.prismatic)
     }
 
     /// Largest angle of a revolute joint, rad.
@@ -240,11 +239,11 @@ impl Suspicions {
             };
             let mut partners = self.joints.iter().filter(exchanged);
             let first = partners.next()?;
-            let own = &stray.dof.joint;
+            let own = &stray.name;
             let mut said = format!("column `{own}` is beyond its joint's limits");
             // One candidate is a finding, several are a guess.
             if partners.next().is_none() {
-                let fits = &first.dof.joint;
+                let fits = &first.name;
                 said += &format!(", but fits `{fits}`, and the other way round");
             }
             Some(said)
@@ -319,8 +318,8 @@ impl Suspicions {
         let step = (self.ends[1] - self.ends[0]) / (rows - 1.0);
         let (moving, smooth) = self.moving();
         // Parts of their limits that joints reach.
-        let reached = moving.iter().filter(|joint| joint.dof.speed > 0.0);
-        let reached = reached.map(|joint| joint.fastest / joint.dof.speed);
+        let reached = moving.iter().filter(|joint| joint.speed > 0.0);
+        let reached = reached.map(|joint| joint.fastest / joint.speed);
         let reached = reached.fold(0.0, f64::max);
         // In minutes, rows come by the thousand a second, and joints move faster than they can.
         let rushes = step < LOGGED.0 && reached > FASTEST;

@@ -142,20 +142,18 @@ impl Column {
 
     fn hash(&self, hash: &mut XxHash64) {
         match self {
-            Column::Numbers(values) => {
-                let values = values.as_ref().iter();
-                values.for_each(|x| hash.write(&x.to_le_bytes()));
-            }
-            Column::Integers(values) => {
-                let values = values.as_ref().iter();
-                values.for_each(|x| hash.write(&x.to_le_bytes()));
-            }
-            Column::Texts(values) => {
-                for text in values.as_ref() {
-                    hash.write(text.as_bytes());
-                    hash.write(&[0]);
-                }
-            }
+            Column::Numbers(all) => all
+                .as_ref()
+                .iter()
+                .for_each(|x| hash.write(&x.to_le_bytes())),
+            Column::Integers(all) => all
+                .as_ref()
+                .iter()
+                .for_each(|x| hash.write(&x.to_le_bytes())),
+            Column::Texts(all) => all.as_ref().iter().for_each(|text| {
+                hash.write(text.as_bytes());
+                hash.write(&[0]);
+            }),
             Column::Unusable(_, what) => hash.write(what.as_bytes()),
         }
     }
@@ -171,18 +169,15 @@ pub(super) struct TableSource {
 impl TableSource {
     pub fn open(table: &Arc<Table>) -> Result<TableSource, Error> {
         let rows = table.columns.first().map_or(0, Column::len);
-        let uneven = table.columns.iter().position(|c| c.len() != rows);
-        if let Some(k) = uneven {
-            return Err(fault(
-                table,
-                format!(
-                    "column `{}` has {} rows, `{}` has {rows}; a log has a value of each in \
-                     every row",
-                    table.header[k],
-                    table.columns[k].len(),
-                    table.header[0]
-                ),
-            ));
+        let mut named = table.header.iter().zip(&table.columns);
+        if let Some((name, column)) = named.find(|(_, column)| column.len() != rows) {
+            let said = format!(
+                "column `{name}` has {} rows, `{}` has {rows}; a log has a value of each in every \
+                 row",
+                column.len(),
+                table.header[0]
+            );
+            return Err(fault(table, said));
         }
         Ok(TableSource {
             table: table.clone(),
@@ -196,17 +191,13 @@ impl TableSource {
         let table = &self.table;
         let numbers = columns.numbers.iter().copied().chain(columns.pose);
         for k in numbers {
-            let name = &table.header[k];
-            match &table.columns[k] {
-                Column::Numbers(_) | Column::Integers(_) => {}
-                Column::Texts(_) => {
-                    return Err(fault(table, format!("column `{name}` holds no numbers")));
-                }
-                Column::Unusable(_, what) => {
-                    let message = format!("column `{name}` holds {what}; cast them to numbers");
-                    return Err(fault(table, message));
-                }
-            }
+            let what = match &table.columns[k] {
+                Column::Numbers(_) | Column::Integers(_) => continue,
+                Column::Texts(_) => "no numbers".to_string(),
+                Column::Unusable(_, what) => format!("{what}; cast them to numbers"),
+            };
+            let said = format!("column `{}` holds {what}", table.header[k]);
+            return Err(fault(table, said));
         }
         match columns.support.map(|k| &table.columns[k]) {
             None | Some(Column::Texts(_)) => Ok(()),
@@ -230,8 +221,7 @@ impl RowSource for TableSource {
         let start = raw.numbers.len();
         raw.numbers.resize(start + rows.len() * width, f64::NAN);
         for (k, column) in columns.numbers.iter().enumerate() {
-            let place = raw.numbers[start..].iter_mut().skip(k).step_by(width);
-            for (to, row) in place.zip(rows.clone()) {
+            for (to, row) in raw.column(start + k, width).zip(rows.clone()) {
                 *to = table.columns[*column].number(row);
             }
         }

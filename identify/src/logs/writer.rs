@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use sesc_model::tree::Dof;
 
-use super::columns::{COP, COP_STD, POSE, Row, SUPPORT, T, Written, check_joints, numbers};
+use super::columns::{COP, COP_STD, Field, POSE, Row, SUPPORT, T, Written, check_joints, fields};
 use super::settings::Sidecar;
 use crate::files::{self, NewFile};
 use crate::{Error, Watch};
@@ -114,19 +114,11 @@ impl Sink {
     /// Ends of names that stand for something else, folders that cannot be written to.
     fn create(path: &Path, header: &[String]) -> Result<Sink, Error> {
         let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
+        let name = path.display();
+        let wrong = |said: &str| Err(Error::request(format!("{name}{said}")));
         let mut sink = match end.to_ascii_lowercase().as_str() {
-            "toml" => {
-                return Err(Error::request(format!(
-                    "{} ends in .toml, which is the sidecar's; use .csv",
-                    path.display()
-                )));
-            }
-            "mcap" => {
-                return Err(Error::request(format!(
-                    "{}: MCAP is only read; write .csv, .csv.gz or .parquet",
-                    path.display()
-                )));
-            }
+            "toml" => return wrong(" ends in .toml, which is the sidecar's; use .csv"),
+            "mcap" => return wrong(": MCAP is only read; write .csv, .csv.gz or .parquet"),
             "gz" => Sink::Packed(flate2::write::GzEncoder::new(
                 NewFile::create(path)?,
                 // Digits hardly pack better for ten times the time.
@@ -137,21 +129,14 @@ impl Sink {
                 return super::parquet::ParquetSink::create(path, header).map(Sink::Parquet);
             }
             #[cfg(not(feature = "parquet"))]
-            "parquet" => {
-                return Err(Error::without(
-                    "parquet",
-                    "Parquet",
-                    &path.display().to_string(),
-                ));
-            }
+            "parquet" => return Err(Error::without("parquet", "Parquet", &name.to_string())),
             "csv" | "" => Sink::Plain(NewFile::create(path)?),
             // A device or a pipe has no format in its name.
             _ if path.starts_with("/dev") => Sink::Plain(NewFile::create(path)?),
             other => {
-                return Err(Error::request(format!(
-                    "{}: posture logs are written as .csv, .csv.gz or .parquet, not as .{other}",
-                    path.display()
-                )));
+                return wrong(&format!(
+                    ": posture logs are written as .csv, .csv.gz or .parquet, not as .{other}"
+                ));
             }
         };
         sink.begin(path, header)?;
@@ -204,15 +189,15 @@ fn header(dofs: &[Dof], columns: Written) -> Vec<String> {
 }
 
 fn line(text: &mut Vec<u8>, row: &Row, columns: Written) -> std::io::Result<()> {
-    write!(text, "{}", row.pose)?;
-    if columns.t {
-        write!(text, ",{}", row.t)?;
-    }
-    if columns.support {
-        write!(text, ",{}", quoted(row.support))?;
-    }
-    for x in numbers(row, columns) {
-        write!(text, ",{x}")?;
+    for (k, field) in fields(row, columns).enumerate() {
+        if k > 0 {
+            text.push(b',');
+        }
+        match field {
+            Field::Whole(x) => write!(text, "{x}")?,
+            Field::Text(name) => text.extend(quoted(name).bytes()),
+            Field::Number(x) => write!(text, "{x}")?,
+        }
     }
     text.push(b'\n');
     Ok(())

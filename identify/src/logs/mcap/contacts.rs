@@ -9,7 +9,7 @@
 //! F₂(t), F₂ p₂(t)        on the line between the other contact's messages before t and after it
 //! ```
 
-use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::collections::{HashMap, VecDeque};
 use std::io::Read;
 use std::sync::Arc;
 
@@ -20,10 +20,6 @@ use crate::logs::block::{Frame, Share, Soles};
 use crate::logs::names::short;
 use crate::logs::settings::Options;
 
-/// Messages that say whether both are loaded, at most.
-const LOOKED: u64 = 4000;
-/// Part of its messages in which a contact is loaded, at least.
-const LOADED: f64 = 0.5;
 /// Readings that wait, and messages of the other contact that are kept, at most.
 const MOST: usize = 65_536;
 
@@ -33,24 +29,31 @@ pub(super) struct Pair {
     pub links: [String; 2],
 }
 
-#[derive(Default)]
+/// Messages of a contact.
 struct Seen {
+    topic: String,
     link: String,
     messages: u64,
     loaded: u64,
 }
 
 impl Pair {
-    /// The contacts of a recording in which two wrenches, in frames of two of the robot's `links`,
-    /// are both loaded in half of their messages or more; none of any other recording. The
-    /// `support` is one of them, where it is said.
-    pub fn of<R: Read>(
+    /// The contacts of a recording in which two wrenches, in frames of two of the robot's links,
+    /// are both loaded in half of their messages or more; none of any other recording, and where
+    /// `options` do not ask for it or do not say how the two stand to each other. The support is
+    /// one of them, where it is said.
+    pub fn asked<R: Read>(
         mut records: Records<R>,
-        links: &[String],
-        support: Option<&str>,
+        dofs: usize,
+        options: &Options,
     ) -> Result<Option<Pair>, String> {
-        let mut seen: BTreeMap<String, Seen> = BTreeMap::new();
-        let (mut first, mut count) = (None, 0);
+        let soles = options.soles.as_ref();
+        let Some(soles) = soles.filter(|_| options.both_feet != Some(false)) else {
+            return Ok(None);
+        };
+        let mut seen: Vec<Seen> = Vec::new();
+        // Messages that say whether both are loaded, at most.
+        let mut left = 4000;
         while let Some(message) = records.next()? {
             let topic = &message.channel.topic;
             match message.channel.schema.as_str() {
@@ -60,61 +63,44 @@ impl Pair {
                 _ => {}
             }
             let (_, frame, [force, _]) = message.decoded(cdr::wrench)?;
-            first.get_or_insert_with(|| topic.clone());
-            let own = seen.entry(topic.clone()).or_default();
+            let at = seen.iter().position(|own| own.topic == *topic);
+            let at = at.unwrap_or_else(|| {
+                seen.push(Seen {
+                    topic: topic.clone(),
+                    link: String::new(),
+                    messages: 0,
+                    loaded: 0,
+                });
+                seen.len() - 1
+            });
+            let own = &mut seen[at];
             own.link = frame.trim_start_matches('/').to_string();
             own.messages += 1;
             own.loaded += u64::from(force[2].abs() >= LEAST_LOAD_N);
-            count += 1;
-            if seen.len() > 2 || count >= LOOKED {
+            left -= 1;
+            if seen.len() > 2 || left == 0 {
                 break;
             }
         }
-        let stands = |seen: &Seen| {
-            let loaded = seen.loaded as f64 >= LOADED * seen.messages as f64;
-            loaded && links.contains(&seen.link)
-        };
-        let mut two: Vec<(String, Seen)> = seen.into_iter().collect();
-        if two.len() != 2 || !two.iter().all(|(_, seen)| stands(seen)) {
-            return Ok(None);
-        }
-        let is_support = |(topic, seen): &(String, Seen)| match support {
-            Some(support) => seen.link == support,
-            None => first.as_ref() == Some(topic),
-        };
-        if is_support(&two[1]) {
-            two.reverse();
-        }
-        let ([(topic, own), (other_topic, other)], true) = (
-            &two[..],
-            is_support(&two[0]) && two[0].1.link != two[1].1.link,
-        ) else {
+        // That of the support is first, else the one that came first.
+        let support = options.support.as_ref();
+        seen.sort_by_key(|own| support.is_some_and(|support| own.link != *support));
+        let [one, other] = &seen[..] else {
             return Ok(None);
         };
-        Ok(Some(Pair {
-            topics: [topic.clone(), other_topic.clone()],
-            links: [own.link.clone(), other.link.clone()],
-        }))
-    }
-
-    /// The same where `options` ask for it and say how the two stand to each other.
-    pub fn asked<R: Read>(
-        records: Records<R>,
-        dofs: usize,
-        options: &Options,
-    ) -> Result<Option<Pair>, String> {
-        let Some(soles) = options
-            .soles
-            .as_ref()
-            .filter(|_| options.both_feet != Some(false))
-        else {
-            return Ok(None);
-        };
-        let pair = Pair::of(records, &options.links, options.support.as_deref())?;
+        let stands =
+            |own: &Seen| 2 * own.loaded >= own.messages && options.links.contains(&own.link);
         let rest = vec![0.0; dofs];
-        Ok(pair.filter(|pair| {
-            let [from, of] = &pair.links;
-            soles.seen(&rest, from, of, [0.0; 2]).is_some()
+        let is_pair = stands(one)
+            && stands(other)
+            && one.link != other.link
+            && support.is_none_or(|support| one.link == *support)
+            && soles
+                .seen(&rest, &one.link, &other.link, [0.0; 2])
+                .is_some();
+        Ok(is_pair.then(|| Pair {
+            topics: [one.topic.clone(), other.topic.clone()],
+            links: [one.link.clone(), other.link.clone()],
         }))
     }
 

@@ -42,7 +42,7 @@ use super::block::Share;
 use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, FZ, POSE, SUPPORT, T};
 use super::formats::{Interner, Raw, RowSource};
-use super::input::{Bytes, Meter, Metered, Place};
+use super::input::{Metered, Place};
 use super::names::short;
 use super::settings::{Options, Readings, Stays, StillnessLimits};
 use super::stillness::{Posture, StillnessCutter};
@@ -88,7 +88,7 @@ struct Ready {
 pub(super) struct McapSource {
     file: String,
     records: Records<Metered>,
-    meter: Arc<Meter>,
+    meter: Metered,
     header: Vec<String>,
     survey: Survey,
     joints: States,
@@ -129,12 +129,9 @@ impl McapSource {
         topics: (Option<&str>, Option<&str>),
     ) -> Result<McapSource, Error> {
         let bad = |message| Error::log(file.to_string(), None, message);
-        let start = || -> Result<(Records<_>, Arc<Meter>), Error> {
-            let input =
-                Bytes::open(place).map_err(|source| Error::read(file.to_string(), source))?;
-            let input = Metered::new(input);
-            let meter = input.meter();
-            Ok((Records::new(input).map_err(bad)?, meter))
+        let start = || -> Result<(Records<_>, Metered), Error> {
+            let input = Metered::open(place, file)?;
+            Ok((Records::new(input.clone()).map_err(bad)?, input))
         };
         let wanted = options.readings != Readings::Ignored;
         let mut survey = Survey::of(start()?.0, dofs, topics, wanted).map_err(bad)?;
@@ -181,7 +178,7 @@ impl McapSource {
     /// A recording from its start on.
     fn new(
         file: &str,
-        (records, meter): (Records<Metered>, Arc<Meter>),
+        (records, meter): (Records<Metered>, Metered),
         survey: Survey,
         dofs: &[Dof],
         options: &Options,

@@ -3,14 +3,13 @@
 //! The crate `mcap` reads the records; chunks that are packed are unpacked here. A file that ends
 //! before its closing magic was cut off, which is an error; its summary, which may be missing, is
 //! walked over. Memory: a chunk, of [`LARGEST`] bytes at most, packed and unpacked, and the names
-//! of topics and types, [`NAMES`] bytes at most. A chunk becomes at most [`EXPANSION`] times
-//! larger than it is, and all of a file [`FREE`] bytes more, so that time is in proportion to the
+//! of topics and types, [`NAMES`] bytes at most. A chunk becomes at most 200 times
+//! larger than it is, and all of one packing a MiB more, so that time is in proportion to the
 //! file, too.
 
 use std::collections::HashMap;
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use mcap::records::{Record, op};
 use mcap::sans_io::decompressor::{DecompressResult, Decompressor};
@@ -24,20 +23,10 @@ use crate::logs::names::short;
 /// Larger records are refused, bytes. Recorders write chunks of about 1 MiB,
 /// images included.
 const LARGEST: usize = 64 << 20;
-/// So are larger descriptions of a topic: what publishers promise has some KiB.
-const LARGEST_CHANNEL: usize = 1 << 20;
-
-/// Unpacked bytes of a file that need no packed ones, and how many times larger its chunks become
-/// beyond: joint states pack ten to one.
-const FREE: u64 = 1 << 20;
-const EXPANSION: u64 = 200;
 
 /// Bytes of one name of a topic, type or encoding, and of all that are kept.
 const NAME: usize = 1024;
 const NAMES: usize = 16 << 20;
-
-/// Bytes that are read at once.
-const PIECE: usize = 64 << 10;
 
 /// What a channel carries.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -108,11 +97,10 @@ impl<R: Read> Records<R> {
             .with_prevalidate_chunk_crcs(true)
             .with_record_length_limit(LARGEST);
         let mut reader = LinearReader::new_with_options(options);
-        let free = Arc::new(AtomicU64::new(FREE));
         for name in ["lz4", "zstd"] {
             let unpacker = Unpacker {
                 name,
-                free: Arc::clone(&free),
+                free: 1 << 20,
                 records: Cursor::default(),
             };
             reader.add_decompressor(unpacker).map_err(fault)?;
@@ -134,7 +122,7 @@ impl<R: Read> Records<R> {
                 LinearReadEvent::Record { opcode, data } => (opcode, data),
                 LinearReadEvent::ReadRequest(_) => {
                     // A piece at a time: a false length does not reserve memory.
-                    match self.input.read(self.reader.insert(PIECE)) {
+                    match self.input.read(self.reader.insert(64 << 10)) {
                         Ok(n) => self.reader.notify_read(n),
                         Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                         Err(error) => return Err(unread(&error)),
@@ -145,7 +133,8 @@ impl<R: Read> Records<R> {
             if opcode == op::CHUNK {
                 return Err("a chunk within a chunk; the file is damaged".into());
             }
-            if opcode == op::CHANNEL && content.len() > LARGEST_CHANNEL {
+            // What publishers promise of a topic has some KiB.
+            if opcode == op::CHANNEL && content.len() > 1 << 20 {
                 return Err("a topic of more than 1 MiB; the file is damaged".into());
             }
             if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
@@ -220,8 +209,8 @@ fn name(text: &str) -> Result<usize, String> {
 /// Unpacks chunks, each at once.
 struct Unpacker {
     name: &'static str,
-    /// What is left of [`FREE`].
-    free: Arc<AtomicU64>,
+    /// Unpacked bytes of all chunks that need no packed ones: what is left of them.
+    free: u64,
     /// The records of the chunk, and how many bytes of them were given out.
     records: Cursor<Vec<u8>>,
 }
@@ -234,9 +223,8 @@ impl Unpacker {
             let message = format!("a chunk of {packed} bytes that claims to unpack to {claimed}");
             McapError::DecompressionError(message)
         };
-        let allowed = EXPANSION.saturating_mul(packed.len() as u64);
-        let free = self.free.load(Ordering::Relaxed);
-        let most = allowed.saturating_add(free);
+        let allowed = 200_u64.saturating_mul(packed.len() as u64);
+        let most = allowed.saturating_add(self.free);
         if claimed > most {
             return Err(refused(claimed));
         }
@@ -256,8 +244,7 @@ impl Unpacker {
         if size > most {
             return Err(refused(size));
         }
-        self.free
-            .store(free - size.saturating_sub(allowed), Ordering::Relaxed);
+        self.free -= size.saturating_sub(allowed);
         self.records = Cursor::new(records);
         Ok(())
     }

@@ -7,8 +7,8 @@
 mod limits;
 mod sink;
 
-use std::hash::Hasher as _;
-use std::io::{self, Read as _};
+use std::fs::File;
+use std::io;
 use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Physical};
@@ -17,13 +17,12 @@ use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor};
-use twox_hash::XxHash64;
 
 use self::limits::{ENCRYPTED, Input};
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::formats::{Interner, Raw, RowSource, catch_panic, whole};
-use super::input::{Bytes, Place};
+use super::input::{Metered, Place};
 use crate::{Error, Setting, message};
 
 /// A Parquet file being read.
@@ -51,14 +50,15 @@ pub(super) struct ParquetSource {
 impl ParquetSource {
     /// Read the columns' names; `file` names the log in messages.
     pub fn open(place: &Place, file: &str) -> Result<ParquetSource, Error> {
-        let input = Bytes::open(place).map_err(|source| Error::read(file.to_string(), source))?;
-        let input = match input {
-            Bytes::File(file) => Input::File(Arc::new(file)),
-            Bytes::Memory(bytes) => {
-                Input::Memory(Arc::new(bytes::Bytes::from_owner(bytes.into_inner())))
+        let input = match place {
+            Place::File(path) => File::open(path).map(|file| Input::File(Arc::new(file))),
+            Place::Bytes(bytes) => {
+                let bytes = bytes::Bytes::from_owner(bytes.clone());
+                Ok(Input::Memory(Arc::new(bytes)))
             }
-            Bytes::Stream(_) => return Err(Error::log(file.to_string(), None, "a stream")),
+            Place::Stream(_) | Place::Table(_) => Err(io::ErrorKind::Unsupported.into()),
         };
+        let input = input.map_err(|source| Error::read(file.to_string(), source))?;
         let footer = guarded(|| input.footer()).map_err(|error| damaged(file, None, &error))?;
         let about = footer.file_metadata();
         let header: Vec<String> = about
@@ -174,7 +174,7 @@ impl ParquetSource {
             self.complete(values.len(), n)?;
             if k < width {
                 let factor = unit(&self.column(columns.numbers[k])).unwrap_or(1.0);
-                let places = raw.numbers[start..].iter_mut().skip(k).step_by(width);
+                let places = raw.column(start + k, width);
                 places.zip(values).for_each(|(to, x)| *to = x * factor);
             } else {
                 for (line, value) in (self.done + 1..).zip(values) {
@@ -203,19 +203,6 @@ impl ParquetSource {
         };
         Err(self.bad(said.into()))
     }
-
-    /// The hash of all bytes. Columns lie one behind the other, so that no reader of rows meets
-    /// the bytes in their order.
-    fn hash_bytes(&self) -> io::Result<u64> {
-        let (mut file, mut hash) = (Bytes::open(&self.place)?, XxHash64::with_seed(0));
-        let mut buffer = vec![0; 1 << 18];
-        loop {
-            match file.read(&mut buffer)? {
-                0 => return Ok(hash.finish()),
-                n => hash.write(&buffer[..n]),
-            }
-        }
-    }
 }
 
 impl RowSource for ParquetSource {
@@ -234,8 +221,12 @@ impl RowSource for ParquetSource {
             missing -= n;
         }
         if missing > 0 && !self.passed && self.hash.is_none() {
-            let hash = self.hash_bytes();
-            self.hash = Some(hash.map_err(|source| Error::read(self.file.clone(), source))?);
+            // Columns lie one behind the other, so that no reader of rows meets the bytes in
+            // their order.
+            let mut all = Metered::open(&self.place, &self.file)?;
+            let read = io::copy(&mut all, &mut io::sink());
+            read.map_err(|source| Error::read(self.file.clone(), source))?;
+            self.hash = Some(all.hash());
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ use parquet::schema::types::Type;
 
 use crate::Error;
 use crate::files::{self, NewFile};
-use crate::logs::columns::{POSE, Row, SUPPORT, Written, numbers};
+use crate::logs::columns::{Field, POSE, Row, SUPPORT, Written, fields};
 
 /// Rows of a group.
 const GROUP: usize = 65_536;
@@ -21,18 +21,16 @@ const GROUP: usize = 65_536;
 /// A Parquet file being written, a group of rows at a time.
 pub(in crate::logs) struct ParquetSink {
     path: PathBuf,
-    group: Group,
+    rows: usize,
+    /// Those of the group, column by column.
+    group: Vec<Values>,
     writer: SerializedFileWriter<NewFile>,
 }
 
-/// Rows that are written together.
-#[derive(Default)]
-struct Group {
-    pose: Vec<i64>,
-    support: Vec<ByteArray>,
-    /// Column by column.
-    numbers: Vec<Vec<f64>>,
-    t: Vec<f64>,
+enum Values {
+    Whole(Vec<i64>),
+    Text(Vec<ByteArray>),
+    Number(Vec<f64>),
 }
 
 impl ParquetSink {
@@ -40,92 +38,78 @@ impl ParquetSink {
     /// others numbers.
     pub fn create(path: &Path, names: &[String]) -> Result<ParquetSink, Error> {
         let failed = |error| unwritten(path, error);
-        let kind = |name: &str| match name {
-            POSE => Physical::INT64,
-            SUPPORT => Physical::BYTE_ARRAY,
-            _ => Physical::DOUBLE,
-        };
-        let field = |name: &String| {
+        let (mut group, mut schema) = (Vec::new(), Vec::new());
+        for name in names {
+            let (values, physical) = match name.as_str() {
+                POSE => (Values::Whole(Vec::new()), Physical::INT64),
+                SUPPORT => (Values::Text(Vec::new()), Physical::BYTE_ARRAY),
+                _ => (Values::Number(Vec::new()), Physical::DOUBLE),
+            };
             let text = (name == SUPPORT).then_some(LogicalType::String);
-            Type::primitive_type_builder(name, kind(name))
+            let field = Type::primitive_type_builder(name, physical)
                 .with_repetition(Repetition::REQUIRED)
                 .with_logical_type(text)
-                .build()
-                .map(Arc::new)
-        };
-        let fields: Result<Vec<_>, _> = names.iter().map(field).collect();
+                .build();
+            schema.push(Arc::new(field.map_err(failed)?));
+            group.push(values);
+        }
         let schema = Type::group_type_builder("postures")
-            .with_fields(fields.map_err(failed)?)
+            .with_fields(schema)
             .build()
             .map_err(failed)?;
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .set_dictionary_enabled(false)
             .build();
-        let writer =
-            SerializedFileWriter::new(NewFile::create(path)?, Arc::new(schema), properties.into())
-                .map_err(failed)?;
+        let file = NewFile::create(path)?;
+        let writer = SerializedFileWriter::new(file, Arc::new(schema), properties.into());
         Ok(ParquetSink {
             path: path.to_path_buf(),
-            group: Group::default(),
-            writer,
+            rows: 0,
+            group,
+            writer: writer.map_err(failed)?,
         })
     }
 
     /// Append a row.
     pub fn row(&mut self, row: &Row, columns: Written) -> Result<(), Error> {
-        let group = &mut self.group;
-        group.pose.push(row.pose);
-        if columns.t {
-            group.t.push(row.t);
-        }
-        if columns.support {
-            group.support.push(row.support.into());
-        }
-        for (k, x) in numbers(row, columns).enumerate() {
-            if k == group.numbers.len() {
-                group.numbers.push(Vec::new());
+        for (field, values) in fields(row, columns).zip(&mut self.group) {
+            match (field, values) {
+                (Field::Whole(x), Values::Whole(all)) => all.push(x),
+                (Field::Text(text), Values::Text(all)) => all.push(text.into()),
+                (Field::Number(x), Values::Number(all)) => all.push(x),
+                // Names and fields are in one order.
+                _ => {}
             }
-            group.numbers[k].push(x);
         }
-        if group.pose.len() == GROUP {
+        self.rows += 1;
+        if self.rows == GROUP {
             self.flush()?;
         }
         Ok(())
     }
 
     fn flush(&mut self) -> Result<(), Error> {
-        let written = std::mem::take(&mut self.group).write(&mut self.writer);
+        self.rows = 0;
+        let written = self.write_group();
         written.map_err(|error| unwritten(&self.path, error))
     }
 
-    /// Write what is left; the file is yet to be moved to its place.
-    pub fn finish(mut self) -> Result<NewFile, Error> {
-        if !self.group.pose.is_empty() {
-            self.flush()?;
-        }
-        let file = self.writer.into_inner();
-        file.map_err(|error| unwritten(&self.path, error))
-    }
-}
-
-impl Group {
-    fn write(&self, writer: &mut SerializedFileWriter<NewFile>) -> Result<(), ParquetError> {
-        let mut group = writer.next_row_group()?;
-        // In the order of the header: pose, t, support, numbers.
-        let t = (!self.t.is_empty()).then_some(&self.t);
-        let mut numbers = t.into_iter().chain(&self.numbers);
-        while let Some(mut column) = group.next_column()? {
-            match column.untyped() {
-                ColumnWriter::Int64ColumnWriter(to) => {
-                    to.write_batch(&self.pose, None, None)?;
+    fn write_group(&mut self) -> Result<(), ParquetError> {
+        let mut group = self.writer.next_row_group()?;
+        for values in &mut self.group {
+            let Some(mut column) = group.next_column()? else {
+                break;
+            };
+            match (column.untyped(), values) {
+                (ColumnWriter::Int64ColumnWriter(to), Values::Whole(all)) => {
+                    to.write_batch(&std::mem::take(all), None, None)?;
                 }
-                ColumnWriter::DoubleColumnWriter(to) => {
-                    let values = numbers.next().map_or(&[][..], Vec::as_slice);
-                    to.write_batch(values, None, None)?;
+                (ColumnWriter::ByteArrayColumnWriter(to), Values::Text(all)) => {
+                    to.write_batch(&std::mem::take(all), None, None)?;
                 }
-                ColumnWriter::ByteArrayColumnWriter(to) => {
-                    to.write_batch(&self.support, None, None)?;
+                (ColumnWriter::DoubleColumnWriter(to), Values::Number(all)) => {
+                    to.write_batch(&std::mem::take(all), None, None)?;
                 }
                 _ => {}
             }
@@ -133,6 +117,15 @@ impl Group {
         }
         group.close()?;
         Ok(())
+    }
+
+    /// Write what is left; the file is yet to be moved to its place.
+    pub fn finish(mut self) -> Result<NewFile, Error> {
+        if self.rows > 0 {
+            self.flush()?;
+        }
+        let file = self.writer.into_inner();
+        file.map_err(|error| unwritten(&self.path, error))
     }
 }
 

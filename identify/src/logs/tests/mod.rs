@@ -274,6 +274,10 @@ fn written_logs_are_read_back() {
         writer.finish(&sidecar).unwrap();
         let (block, warnings) = read_file(&path, &joints, &Options::default()).unwrap();
         let (sidecar, _) = Sidecar::of(&path).unwrap();
+        let mut reader = PostureReader::open(&path, &joints, &Options::default()).unwrap();
+        while !reader.block(2).unwrap().is_empty() {}
+        let hash = XxHash64::oneshot(0, &fs::read(&path).unwrap());
+        assert_eq!(reader.summary().unwrap().hash, format!("{hash:016x}"));
         let from = path.clone();
         let forms = [
             LogSource::bytes(*name, fs::read(&path).unwrap()),
