@@ -48,7 +48,7 @@ pub use formats::panic_becomes_error;
 pub use input::LogSource;
 #[doc(hidden)]
 pub use input::{Screen, Screening};
-pub(crate) use reader::{Ahead, joints};
+pub(crate) use reader::joints;
 pub use reader::{PostureReader, Summary, column_names};
 #[doc(hidden)]
 pub use settings::KEYS as SIDECAR_KEYS;

@@ -4,19 +4,18 @@
 //! before │ block │ ahead      what is known of a row reaches into the blocks beside its own
 //! ```
 //!
-//! One block more is taken and the end of the last one is kept, and the log is read
-//! ahead on a thread: memory does not grow with the log.
+//! One block more is taken and the end of the last one is kept: memory does not grow with the log.
 
 use std::ops::{Deref, DerefMut};
 
 use super::correlation;
 use super::motion::{Motion, Plan, Wanted};
 use crate::Error;
-use crate::logs::{Ahead, Block, PostureReader};
+use crate::logs::{Block, PostureReader};
 
-/// A reader of postures, on a thread of its own, that knows their motion where it has a plan for it.
+/// A reader of postures that knows their motion where it has a plan for it.
 pub struct Moving {
-    reader: Ahead,
+    reader: PostureReader,
     dof: usize,
     plan: Option<Plan>,
     wanted: Wanted,
@@ -29,15 +28,15 @@ pub struct Moving {
 }
 
 impl Deref for Moving {
-    type Target = Ahead;
+    type Target = PostureReader;
 
-    fn deref(&self) -> &Ahead {
+    fn deref(&self) -> &PostureReader {
         &self.reader
     }
 }
 
 impl DerefMut for Moving {
-    fn deref_mut(&mut self) -> &mut Ahead {
+    fn deref_mut(&mut self) -> &mut PostureReader {
         &mut self.reader
     }
 }
@@ -46,7 +45,7 @@ impl Moving {
     /// Read postures of a robot with `dof` joints; plain rows without a plan.
     pub fn new(reader: PostureReader, dof: usize, plan: Option<Plan>, wanted: Wanted) -> Moving {
         Moving {
-            reader: Ahead::new(reader),
+            reader,
             dof,
             step_s: plan.as_ref().map(|plan| plan.step_s),
             plan,
