@@ -37,9 +37,6 @@ use super::settings::Options;
 use super::settings::{Angles, Sidecar};
 use crate::{Error, Message, Setting, message};
 
-/// No sole is so large: a log whose typical CoP is further out is not in metres, m.
-const FAR: f64 = 2.0;
-
 /// Makes blocks of raw rows.
 pub(super) struct Assembler {
     file: String,
@@ -147,7 +144,7 @@ impl Assembler {
         let line = raw.line.first().copied();
         let far = self.typical(raw, k);
         // In no unit is that the CoP of a robot: one that is wrong by a thousand is an effect.
-        let most = if self.any_unit { 1e4 } else { FAR };
+        let most = if self.any_unit { 1e4 } else { 2.0 };
         if let Some(typical) = far.filter(|far| *far > most) {
             let message = format!(
                 "columns `cop_x`, `cop_y`: the CoP is typically {} m from the origin of the \
@@ -157,7 +154,7 @@ impl Assembler {
             return Err(self.fault(line, message));
         }
         // In a log in millimetres deviations are, too: the unit is found from its readings.
-        if far.is_some_and(|far| far <= FAR)
+        if far.is_some_and(|far| far <= 2.0)
             && let Some(k) = self.columns.cop_std
             && let Some(std) = self.typical(raw, k).filter(|std| *std > 0.1)
         {

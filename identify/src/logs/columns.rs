@@ -189,11 +189,8 @@ impl Columns {
             )
             .into());
         }
-        columns.ignored = header
-            .iter()
-            .filter(|name| at.contains_key(name.as_str()))
-            .cloned()
-            .collect();
+        let ignored = header.iter().filter(|name| at.contains_key(name.as_str()));
+        columns.ignored = ignored.cloned().collect();
         Ok(columns)
     }
 
@@ -215,18 +212,16 @@ impl Columns {
         others.sort_unstable();
         let meant = meant(&missing, others.iter().copied());
         if !meant.is_empty() {
-            let pairs = meant
-                .iter()
-                .map(|(column, joint)| format!("{column:?} = {joint:?}"));
-            let pairs = pairs.collect::<Vec<_>>().join(", ");
+            let pair = |(column, joint): &(&str, &str)| format!("{column:?} = {joint:?}");
+            let pairs = meant.iter().map(pair).collect::<Vec<_>>().join(", ");
             let said = format!("{said}; if these columns are positions of joints, ");
             return Err(message![said, Setting::Columns, format!(" {{ {pairs} }}")]);
         }
         let near = suggestion(&missing, others.iter().copied());
-        let has = match others.is_empty() || !near.is_empty() {
-            true => String::new(),
-            false => format!("; the log has {}", list(&others)),
-        };
+        let mut has = String::new();
+        if !others.is_empty() && near.is_empty() {
+            has = format!("; the log has {}", list(&others));
+        }
         Err(format!("{said}; columns carry the URDF's joint names{near}{has}").into())
     }
 
@@ -265,11 +260,8 @@ impl Columns {
         what: &str,
     ) -> Result<Option<usize>, String> {
         let start = self.numbers.len();
-        let missing: Vec<&str> = names
-            .iter()
-            .copied()
-            .filter(|name| !at.contains_key(*name))
-            .collect();
+        let missing = names.iter().copied().filter(|name| !at.contains_key(name));
+        let missing: Vec<&str> = missing.collect();
         if missing.len() == names.len() {
             return Ok(None);
         }
@@ -313,10 +305,8 @@ pub(super) fn check_joints(dofs: &[Dof]) -> Result<(), String> {
             ));
         }
         // Readers take off marks and quotes that programs put around names.
-        let bare = name
-            .strip_prefix('"')
-            .and_then(|name| name.strip_suffix('"'));
-        let wrapped = bare.is_some() || name.starts_with('\u{feff}');
+        let quoted = name.len() > 1 && name.starts_with('"') && name.ends_with('"');
+        let wrapped = quoted || name.starts_with('\u{feff}');
         if name.is_empty() || wrapped || name.contains(['\n', '\r', '\0']) {
             return Err(format!(
                 "joint {:?} cannot name a column; rename it in the URDF",

@@ -25,9 +25,6 @@ use super::names::{preamble, units, with_unit};
 use crate::Error;
 use crate::threads::each_long;
 
-/// What is looked at to tell the kind of a file, bytes.
-const HEAD: u64 = 64 << 10;
-
 /// A CSV file being read.
 pub(super) struct CsvSource {
     file: String,
@@ -59,7 +56,7 @@ impl CsvSource {
         }
         let bad = |line, message| Error::log(file.to_string(), line, message);
         let mut head = Vec::new();
-        let begun = (&mut input).take(HEAD).read_to_end(&mut head);
+        let begun = (&mut input).take(64 << 10).read_to_end(&mut head);
         begun.map_err(|error| bad(None, unreadable(&error)))?;
         let above = preamble(&head);
         let told = delimiter(&head, above.start).map_err(|message| bad(None, message))?;

@@ -101,15 +101,13 @@ pub(super) trait RowSource: Send {
 pub(super) struct Interner(HashSet<Arc<str>>);
 
 impl Interner {
-    /// A log that names more links than this names no links: no longer kept.
-    const MOST: usize = 10_000;
-
     pub fn get(&mut self, text: &str) -> Arc<str> {
         if let Some(known) = self.0.get(text) {
             return known.clone();
         }
         let new: Arc<str> = text.into();
-        if self.0.len() < Interner::MOST {
+        // A log that names more than this names no links.
+        if self.0.len() < 10_000 {
             self.0.insert(new.clone());
         }
         new

@@ -123,20 +123,16 @@ impl LogSource {
     }
 
     /// The same log with this sidecar, instead of the one beside its file.
-    pub fn with_sidecar(self, sidecar: Sidecar) -> LogSource {
-        LogSource {
-            sidecar: Some(Arc::new(sidecar)),
-            ..self
-        }
+    pub fn with_sidecar(mut self, sidecar: Sidecar) -> LogSource {
+        self.sidecar = Some(Arc::new(sidecar));
+        self
     }
 
     /// The same log without what the screen leaves out.
     #[doc(hidden)]
-    pub fn screened(self, screen: Arc<dyn Screen>) -> LogSource {
-        LogSource {
-            screen: Some(screen),
-            ..self
-        }
+    pub fn screened(mut self, screen: Arc<dyn Screen>) -> LogSource {
+        self.screen = Some(screen);
+        self
     }
 
     /// The same log, which is refused from now on if its file is not what it is now: what

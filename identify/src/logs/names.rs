@@ -20,17 +20,11 @@ use super::columns::{T, meaning};
 
 /// Letters of a piece of a file in a message.
 const LONGEST: usize = 64;
-/// Names that a wrong one is compared with, at most: it takes time.
-const COMPARED: usize = 2_000;
-/// Wrong names that a message says more of.
-const SUGGESTED: usize = 3;
 
 /// What joints' columns are called beside the joint, best first: positions, then what is none.
 const POSITIONS: &str = "position pos angle q actual measured";
 const NO_POSITIONS: &str = "velocity vel speed qd qdd dq effort torque tau current cmd command \
                             target desired reference error";
-/// Columns that a message proposes to rename, at most.
-const RENAMED: usize = 100;
 
 /// Names for a message, a dozen at most.
 pub(crate) fn list(names: &[&str]) -> String {
@@ -47,10 +41,11 @@ pub(crate) fn short(text: &str) -> String {
 
 /// `; did you mean `a` for `b`?` for the first few wrong names that have a near one.
 pub(super) fn suggestion<'a>(wrong: &[&str], right: impl Iterator<Item = &'a str>) -> String {
-    let right: Vec<&str> = right.take(COMPARED).collect();
+    // Comparing takes time.
+    let right: Vec<&str> = right.take(2_000).collect();
     let found: Vec<String> = wrong
         .iter()
-        .take(SUGGESTED)
+        .take(3)
         .filter_map(|wrong| {
             nearest(wrong, "", right.iter().copied()).map(|near| format!("`{near}` for `{wrong}`"))
         })
@@ -92,7 +87,7 @@ pub(super) fn meant<'a>(
             _ => None,
         }
     });
-    pairs.take(RENAMED).collect()
+    pairs.take(100).collect()
 }
 
 /// Whether `name` has `part` in it, as a word or words of its own.
@@ -140,8 +135,6 @@ const TIMES: [&str; 6] = ["time", "__time", "timestamp", "%time", "stamp", "elap
 const MARKS: [char; 2] = ['#', '%'];
 /// A name that begins with one of them.
 const TIME_OF_ROSTOPIC: &str = "%time";
-/// Lines before the names of columns, at most.
-const MOST_LINES: u64 = 1000;
 
 /// Where the names of columns begin in a table in text.
 #[derive(Debug, PartialEq)]
@@ -162,7 +155,7 @@ pub(super) fn preamble(head: &[u8]) -> Preamble {
         line += 1;
         let (text, next) = first_line(head, at);
         let bare = text.trim_start_matches('\u{feff}').trim();
-        let more = next > at && next < head.len() && line <= MOST_LINES;
+        let more = next > at && next < head.len() && line <= 1000;
         match bare.strip_prefix("sep=").map(str::as_bytes) {
             Some([own]) if line == 1 && more => delimiter = Some(*own),
             _ if bare.starts_with(MARKS) && !bare.starts_with(TIME_OF_ROSTOPIC) && more => {

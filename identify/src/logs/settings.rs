@@ -89,9 +89,6 @@ pub enum Stays {
     Alone(f64),
 }
 
-/// No robot settles sooner, and nobody waits longer, s.
-const STAYS_S: [f64; 2] = [0.01, 3600.0];
-
 impl Stays {
     /// What `--settle` asks for: stays of at least so many seconds alone, all rows by 0.
     ///
@@ -123,7 +120,8 @@ impl Stays {
     /// assert!(Stays::alone(-1.0).unwrap_err().starts_with("give 0.01 to 3600 seconds"));
     /// ```
     pub fn alone(seconds: f64) -> Result<Stays, String> {
-        let [least, longest] = STAYS_S;
+        // No robot settles sooner, and nobody waits longer, s.
+        let [least, longest] = [0.01, 3600.0];
         match (least..=longest).contains(&seconds) {
             true => Ok(Stays::Alone(seconds)),
             false => Err(format!(
@@ -187,8 +185,6 @@ pub const KEYS: [(&str, &str); 12] = [
 
 /// What the sidecar of a log that this library writes may say.
 const WRITTEN: [&str; 5] = ["robot", "support", "both_feet", "other_foot", "experiment"];
-/// The newest format of sidecars that is read.
-const FORMAT: u32 = 1;
 /// Unknown keys that are named, at most.
 const WARNED: usize = 12;
 
@@ -300,7 +296,7 @@ impl Sidecar {
     }
 
     pub(crate) fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), TomlFault> {
-        let keys: BTreeMap<String, IgnoredAny> = files::parse_toml(text, FORMAT)?;
+        let keys: BTreeMap<String, IgnoredAny> = files::parse_toml(text, 1)?;
         let named = || KEYS.iter().map(|(key, _)| *key);
         let unknown = keys.keys().filter(|key| !named().any(|own| own == *key));
         let unknown: Vec<&String> = unknown.collect();
@@ -316,7 +312,7 @@ impl Sidecar {
             let more = unknown.len() - WARNED;
             warnings.push(format!("{file}: {more} more unknown keys").into());
         }
-        let sidecar: Sidecar = files::parse_toml(text, FORMAT)?;
+        let sidecar: Sidecar = files::parse_toml(text, 1)?;
         sidecar.check()?;
         Ok((sidecar, warnings))
     }

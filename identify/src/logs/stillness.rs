@@ -68,10 +68,7 @@ impl<R> StillnessCutter<R> {
     /// All joints at time `t`, and the fastest velocity that was measured;
     /// gives back the posture that ended.
     pub fn state(&mut self, t: f64, q: &[f64], speed: f64) -> Option<Posture<R>> {
-        let StillnessLimits {
-            speed: limit,
-            duration,
-        } = self.stillness;
+        let (limit, duration) = (self.stillness.speed, self.stillness.duration);
         let slow = speed <= limit && q.iter().all(|q| q.is_finite());
         if let Some(now) = self.now.as_mut().filter(|_| slow) {
             let near = |(q, r): (&f64, &f64)| (q - r).abs() <= limit * duration;

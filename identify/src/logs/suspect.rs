@@ -152,10 +152,8 @@ impl Suspicions {
             if t < self.last_t {
                 self.backwards.get_or_insert(*line);
             }
-            let per_second = match t > self.last_t {
-                true => 1.0 / (t - self.last_t),
-                false => 0.0,
-            };
+            let apart = t > self.last_t;
+            let per_second = if apart { 1.0 / (t - self.last_t) } else { 0.0 };
             self.last_t = t;
             let weight = 1.0 / self.rows as f64;
             for (joint, &q) in self.joints.iter_mut().zip(&block.q[k * n..]) {

@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 use sesc_model::tree::Dof;
 
 use super::columns::{COP, COP_STD, Field, POSE, Row, SUPPORT, T, Written, check_joints, fields};
+#[cfg(feature = "mcap")]
+use super::mcap::begun;
 use super::settings::Sidecar;
 use crate::files::{self, NewFile};
 use crate::{Error, Watch};
@@ -261,26 +263,23 @@ impl PredictionWriter {
     }
 }
 
-/// What begins a file with a recording, whose postures have these stamps, ns.
-type Begin = fn(&Recording, &[u64], &Path, &mut dyn Watch) -> Result<NewFile, Error>;
-
-#[cfg(feature = "mcap")]
-fn writer(_: &Path) -> Result<Begin, Error> {
-    Ok(super::mcap::begun)
-}
-
-#[cfg(not(feature = "mcap"))]
-fn writer(path: &Path) -> Result<Begin, Error> {
-    Err(Error::without("mcap", "MCAP", &path.display().to_string()))
-}
-
 impl Recording {
     /// Whether this build can write one.
     ///
     /// # Errors
     /// Where the format is left out, naming the file that was asked for.
+    #[cfg(feature = "mcap")]
+    pub fn check_format(_: &Path) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Whether this build can write one.
+    ///
+    /// # Errors
+    /// Always, naming the file that was asked for: the format is left out.
+    #[cfg(not(feature = "mcap"))]
     pub fn check_format(path: &Path) -> Result<(), Error> {
-        writer(path).map(drop)
+        Err(Error::without("mcap", "MCAP", &path.display().to_string()))
     }
 
     /// The recording as a file, not yet in its place.
@@ -289,8 +288,15 @@ impl Recording {
     /// Times that stamps do not hold, a file that cannot be written,
     /// [`check_format`](Self::check_format), and the kind `Interrupted` where `watch` stops it.
     pub fn begun(&self, path: &Path, watch: &mut dyn Watch) -> Result<NewFile, Error> {
-        writer(path)?(self, &self.stamps()?, path, watch)
+        Recording::check_format(path)?;
+        begun(self, &self.stamps()?, path, watch)
     }
+}
+
+#[cfg(not(feature = "mcap"))]
+fn begun(_: &Recording, _: &[u64], path: &Path, _: &mut dyn Watch) -> Result<NewFile, Error> {
+    Recording::check_format(path)?;
+    Ok(NewFile::create(path)?)
 }
 
 /// Stamps of ROS 2 count seconds in a signed number of 32 bits.

@@ -10,8 +10,6 @@ use sesc_model::urdf::limits;
 
 use crate::logs::block::keep_some;
 
-/// Joints of a message, at most, and bytes of a name: as of a robot.
-const JOINTS: usize = limits::LINKS;
 const NAME: usize = limits::NAME_BYTES + 1;
 
 /// `std_msgs/msg/Header`
@@ -164,7 +162,7 @@ impl<'a> Cdr<'a> {
 
     fn strings(&mut self) -> Result<Vec<String>, String> {
         let count = self.length(4)?;
-        if count > JOINTS {
+        if count > limits::LINKS {
             return Err(format!("a message with {count} names"));
         }
         (0..count).map(|_| self.string()).collect()

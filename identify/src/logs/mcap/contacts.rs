@@ -13,15 +13,12 @@ use std::collections::{HashMap, VecDeque};
 use std::io::Read;
 use std::sync::Arc;
 
-use super::joints::LONGEST_S;
+use super::joints::{LONGEST_S, MOST};
 use super::records::Records;
 use super::{LEAST_LOAD_N, POINT, STATE, cdr, centre};
 use crate::logs::block::{Frame, Share, Soles};
 use crate::logs::names::short;
 use crate::logs::settings::Options;
-
-/// Readings that wait, and messages of the other contact that are kept, at most.
-const MOST: usize = 65_536;
 
 /// Two contacts, that of the support first.
 pub(super) struct Pair {
@@ -233,18 +230,11 @@ pub(super) struct Frames {
     /// What was asked for, if it was.
     support: Option<String>,
     links: Vec<String>,
-    known: HashMap<String, Known>,
+    /// Frames that came: the link that stands, empty where nothing says it, and how readings are
+    /// moved to it.
+    known: HashMap<String, (String, Option<Frame>)>,
     /// Frames beside the support, in the order in which they came.
     odd: Vec<String>,
-}
-
-/// A frame that came.
-#[derive(Clone)]
-enum Known {
-    /// That of the support, or of a link that stands by itself; empty where nothing says it.
-    Link(String),
-    /// Of the support's body.
-    Moved(Frame),
 }
 
 impl Frames {
@@ -262,29 +252,21 @@ impl Frames {
     /// reading is moved to it.
     pub fn of(&mut self, frame: &str) -> (String, Option<Frame>) {
         let frame = frame.trim_start_matches('/');
-        let known = match self.known.get(frame) {
-            Some(known) => known.clone(),
-            None => {
-                let known = self.judge(frame);
-                self.known.insert(frame.to_string(), known.clone());
-                known
-            }
-        };
-        match known {
-            Known::Link(link) => (link, None),
-            Known::Moved(frame) => (self.support.clone().unwrap_or_default(), Some(frame)),
+        if let Some(known) = self.known.get(frame) {
+            return known.clone();
         }
+        let judged = self.judge(frame);
+        self.known.insert(frame.to_string(), judged.clone());
+        judged
     }
 
-    fn judge(&mut self, frame: &str) -> Known {
-        let is_link = self.links.iter().any(|link| link == frame);
-        let none = Known::Link(String::new());
-        let support = match &self.support {
-            _ if frame.is_empty() || self.links.is_empty() => return none,
-            Some(support) if support == frame => return Known::Link(frame.to_string()),
-            support => support.as_deref(),
-        };
-        if !is_link {
+    fn judge(&mut self, frame: &str) -> (String, Option<Frame>) {
+        let none = (String::new(), None);
+        let support = self.support.as_deref();
+        if frame.is_empty() || self.links.is_empty() {
+            return none;
+        }
+        if support != Some(frame) && !self.links.iter().any(|link| link == frame) {
             let sole = support.map_or("the support".to_string(), |own| format!("`{}`", short(own)));
             self.odd.push(format!(
                 "readings are in the frame `{}`, which the URDF does not have: they are taken as \
@@ -293,19 +275,18 @@ impl Frames {
             ));
             return none;
         }
-        let moved = support.and_then(|own| self.soles.as_ref()?.fixed(own, frame));
-        match (support, moved) {
-            (Some(support), Some(moved)) => {
-                self.odd.push(format!(
-                    "readings are in the frame `{}` and are moved to `{}`, of the same body, by the \
-                     URDF",
-                    short(frame),
-                    short(support)
-                ));
-                Known::Moved(moved)
-            }
-            _ => Known::Link(frame.to_string()),
+        if let (Some(support), Some(soles)) = (support, &self.soles)
+            && support != frame
+            && let Some(moved) = soles.fixed(support, frame)
+        {
+            self.odd.push(format!(
+                "readings are in the frame `{}` and are moved to `{}`, of the same body, by the URDF",
+                short(frame),
+                short(support)
+            ));
+            return (support.to_string(), Some(moved));
         }
+        (frame.to_string(), None)
     }
 
     /// What there is to say of frames, once.

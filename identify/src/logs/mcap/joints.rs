@@ -197,8 +197,8 @@ impl Joint {
 pub(super) const LONGEST_S: f64 = 0.1;
 /// Messages of a joint that are kept, s: readings may arrive so much later than joints.
 const KEPT_S: f64 = 2.0;
-/// Messages of a joint, and readings that wait for them, at most.
-const MOST: usize = 65_536;
+/// Messages of a joint or a contact, and readings that wait for them, at most.
+pub(super) const MOST: usize = 65_536;
 /// Messages on either side of a reading.
 const SIDE: usize = 2;
 

@@ -228,10 +228,8 @@ impl McapSource {
     /// The next row; none at the end.
     fn next_row(&mut self) -> Result<Option<Ready>, Error> {
         while self.ready.is_empty() && !self.ended {
-            let advanced = self.advance().and_then(|more| match more {
-                true => Ok(()),
-                false => self.conclude(),
-            });
+            let advanced = self.advance();
+            let advanced = advanced.and_then(|more| if more { Ok(()) } else { self.conclude() });
             advanced.map_err(|message| Error::log(self.file.clone(), None, message))?;
         }
         Ok(self.ready.pop_front())

@@ -140,18 +140,17 @@ impl<R: Read> Records<R> {
             if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
                 continue;
             }
-            let kept = match parse_record(opcode, content).map_err(fault)? {
+            match parse_record(opcode, content).map_err(fault)? {
                 Record::Schema { header, .. } => {
-                    let kept = name(&header.name)?;
+                    keep(&mut self.names, &header.name)?;
                     self.schemas.insert(header.id, header.name);
-                    kept
                 }
                 Record::Channel(channel) => {
                     let schema = self.schemas.get(&channel.schema_id);
                     let schema = schema.cloned().unwrap_or_default();
-                    let names = [&channel.topic, &channel.message_encoding, &schema];
-                    let lengths = names.map(|text| name(text));
-                    let kept = lengths.into_iter().sum::<Result<usize, String>>()?;
+                    for name in [&channel.topic, &channel.message_encoding, &schema] {
+                        keep(&mut self.names, name)?;
+                    }
                     let [key, value] = OWN_POSTURES;
                     let own_postures = channel.metadata.get(key).is_some_and(|own| own == value);
                     let own = Channel {
@@ -161,7 +160,6 @@ impl<R: Read> Records<R> {
                         own_postures,
                     };
                     self.channels.insert(channel.id, Arc::new(own));
-                    kept
                 }
                 Record::Message { header, data } => {
                     let channel = self.channels.get(&header.channel_id);
@@ -175,16 +173,8 @@ impl<R: Read> Records<R> {
                             data: &self.data,
                         }));
                     }
-                    0
                 }
-                _ => 0,
-            };
-            self.names += kept;
-            if self.names > NAMES {
-                return Err(format!(
-                    "topics and types of more than {} MiB; the file is damaged",
-                    NAMES >> 20
-                ));
+                _ => {}
             }
         }
         // Whatever follows the closing magic: the hash is of the whole file.
@@ -198,11 +188,16 @@ impl<R: Read> Records<R> {
     }
 }
 
-/// How long a name is.
-fn name(text: &str) -> Result<usize, String> {
+/// Add the length of a name to that of all `names`.
+fn keep(names: &mut usize, text: &str) -> Result<(), String> {
+    *names += text.len();
     match text.len() {
         length if length > NAME => Err(format!("a name of {length} bytes; the file is damaged")),
-        length => Ok(length),
+        _ if *names > NAMES => Err(format!(
+            "topics and types of more than {} MiB; the file is damaged",
+            NAMES >> 20
+        )),
+        _ => Ok(()),
     }
 }
 

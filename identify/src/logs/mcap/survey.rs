@@ -11,10 +11,6 @@ use super::records::{Channel, Records};
 use super::{FIRST, STATE, WRENCH};
 use crate::logs::names::{list, short};
 
-/// Names kept for messages about joints that are missing.
-const MOST_JOINTS: usize = 10_000;
-/// Messages after which no further topic of joints is expected, once all joints were seen.
-const BEYOND: usize = 500;
 /// The topic of a robot's joints by convention, which goes before others.
 const JOINTS_TOPIC: &str = "/joint_states";
 
@@ -47,7 +43,7 @@ impl Survey {
         let (mut seen, mut found, mut said) = (HashSet::new(), None, false);
         let mut is_wrench = false;
         let mut beyond = 0;
-        while beyond < BEYOND {
+        while beyond < 500 {
             let Some(message) = records.next()? else {
                 break;
             };
@@ -70,7 +66,8 @@ impl Survey {
                     if own.contains(name) {
                         of.insert(name.to_string());
                     }
-                    if seen.len() < MOST_JOINTS {
+                    // For messages about joints that are missing.
+                    if seen.len() < 10_000 {
                         seen.insert(name.to_string());
                     }
                 }

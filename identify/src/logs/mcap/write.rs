@@ -19,8 +19,6 @@ use crate::logs::writer::{Recording, TrackKind};
 use crate::watch::tell;
 use crate::{Error, Watch};
 
-/// Postures that are written between looks whether to go on: a millisecond's worth.
-const BETWEEN_LOOKS: usize = 256;
 /// The topic of joint states.
 const JOINT_STATES: &str = "/joint_states";
 
@@ -34,20 +32,12 @@ float64[] position
 float64[] velocity
 float64[] effort
 ";
-const POINT_TEXT: &str = "\
+/// Of a point and a vector, whose words these are.
+const TRIPLE_TEXT: &str = "\
 std_msgs/Header header
-geometry_msgs/Point point
+geometry_msgs/@ $
 ================================================================================
-MSG: geometry_msgs/Point
-float64 x
-float64 y
-float64 z
-";
-const VECTOR_TEXT: &str = "\
-std_msgs/Header header
-geometry_msgs/Vector3 vector
-================================================================================
-MSG: geometry_msgs/Vector3
+MSG: geometry_msgs/@
 float64 x
 float64 y
 float64 z
@@ -103,27 +93,29 @@ pub(super) fn written<W: Write>(
         .profile("ros2")
         .library(concat!("sesc ", env!("CARGO_PKG_VERSION")))
         .create(NoSeek::new(out))?;
-    let states = (JOINT_STATES, STATE, STATE_TEXT, true);
+    let triple = |kind, field| TRIPLE_TEXT.replace('@', kind).replace('$', field);
+    let states = (JOINT_STATES, STATE, STATE_TEXT.to_string(), true);
     let tracks = recording.tracks.iter().map(|track| {
         let (name, text) = match track.kind {
-            TrackKind::Reading | TrackKind::Point => (POINT, POINT_TEXT),
-            TrackKind::Difference => (VECTOR, VECTOR_TEXT),
+            TrackKind::Reading | TrackKind::Point => (POINT, triple("Point", "point")),
+            TrackKind::Difference => (VECTOR, triple("Vector3", "vector")),
         };
         (track.topic, name, text, track.kind == TrackKind::Reading)
     });
     let mut channels = Vec::new();
     for (topic, name, text, own_postures) in [states].into_iter().chain(tracks) {
-        let schema =
-            writer.add_schema(name, "ros2msg", (text.to_string() + HEADER_TEXT).as_bytes())?;
-        let about = own_postures.then(|| OWN_POSTURES.map(str::to_string));
-        let about: BTreeMap<_, _> = about.map(|[key, value]| (key, value)).into_iter().collect();
+        let schema = writer.add_schema(name, "ros2msg", (text + HEADER_TEXT).as_bytes())?;
+        let about = own_postures.then_some(OWN_POSTURES);
+        let about = about.map(|[key, value]| (key.to_string(), value.to_string()));
+        let about: BTreeMap<_, _> = about.into_iter().collect();
         channels.push(writer.add_channel(schema, topic, "cdr", &about)?);
     }
     let dof = recording.joints.len();
     let mut order: Vec<usize> = (0..stamps.len()).collect();
     order.sort_by_key(|&k| stamps[k]);
     for (done, k) in order.into_iter().enumerate() {
-        if done % BETWEEN_LOOKS == 0 && !go_on(done) {
+        // A millisecond's worth.
+        if done % 256 == 0 && !go_on(done) {
             return Err(io::Error::other("stopped").into());
         }
         let (stamp, q) = (stamps[k], &recording.q[k * dof..(k + 1) * dof]);

@@ -15,9 +15,6 @@ use crate::Error;
 use crate::files::{self, NewFile};
 use crate::logs::columns::{Field, POSE, Row, SUPPORT, Written, fields};
 
-/// Rows of a group.
-const GROUP: usize = 65_536;
-
 /// A Parquet file being written, a group of rows at a time.
 pub(in crate::logs) struct ParquetSink {
     path: PathBuf,
@@ -83,7 +80,7 @@ impl ParquetSink {
             }
         }
         self.rows += 1;
-        if self.rows == GROUP {
+        if self.rows == 65_536 {
             self.flush()?;
         }
         Ok(())
