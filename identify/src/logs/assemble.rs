@@ -206,26 +206,28 @@ impl Assembler {
     /// # Errors
     /// A log of which no row is left.
     pub fn conclude(&self, rows: u64, warnings: &mut Vec<Message>) -> Result<(), Error> {
-        let Missing {
-            rows: lost,
-            first,
-            of,
-            unused,
-        } = &self.missing;
+        let (lost, first) = (self.missing.rows, self.missing.first);
+        let unused = &self.missing.unused;
         let named = |k: usize| self.columns.names.get(k).map_or(POSE, String::as_str);
         if !unused.is_empty() {
             let names: Vec<&str> = unused.iter().map(|k| named(*k)).collect();
-            let (file, names, noun) = match names[..] {
-                [_] => (&self.file, list(&names), "a column"),
-                _ => (&self.file, list(&names), "columns"),
+            let noun = if names.len() == 1 {
+                "a column"
+            } else {
+                "columns"
             };
-            let said = format!("{file}: {noun} without a value, and not used: {names}");
-            warnings.push(said.into());
+            let said = format!("{noun} without a value, and not used: {}", list(&names));
+            warnings.push(format!("{}: {said}", self.file).into());
         }
-        if *lost == 0 {
+        if lost == 0 {
             return Ok(());
         }
-        let of = of.iter().enumerate().filter(|(_, count)| **count > 0);
+        let of = self
+            .missing
+            .of
+            .iter()
+            .enumerate()
+            .filter(|(_, count)| **count > 0);
         let of = of.map(|(k, count)| format!("`{}` in {count}", short(named(k))));
         let said = format!(
             "{lost} of {} rows have no value of a column and are left out: {} (the first is row \
@@ -234,7 +236,7 @@ impl Assembler {
             listed(of, 8)
         );
         if rows == 0 {
-            return Err(self.fault(Some(*first), said));
+            return Err(self.fault(Some(first), said));
         }
         warnings.push(format!("{}: {said}", self.file).into());
         Ok(())

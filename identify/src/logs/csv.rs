@@ -359,8 +359,9 @@ struct Batch {
 type Fault = (u64, String);
 
 impl Batch {
-    /// Forget all rows.
+    /// Forget all rows, and keep the room of those that are as long as a posture is.
     fn clear(&mut self) {
+        self.rows.retain(|(_, row)| row.as_slice().len() < 16 << 10);
         (self.count, self.bytes) = (0, 0);
     }
 

@@ -250,11 +250,8 @@ impl PostureReader {
                     // Of a log of which stays alone were asked for, and which has none.
                     return match (settling.stays, self.stays) {
                         (0, Stays::Alone(duration)) => {
-                            let stillness = StillnessLimits {
-                                duration,
-                                ..StillnessLimits::default()
-                            };
-                            Err(Error::log(&self.file, None, stillness.nothing()))
+                            let said = StillnessLimits::lasting(duration).nothing();
+                            Err(Error::log(&self.file, None, said))
                         }
                         _ => Ok(block),
                     };

@@ -122,12 +122,11 @@ impl Stays {
     pub fn alone(seconds: f64) -> Result<Stays, String> {
         // No robot settles sooner, and nobody waits longer, s.
         let [least, longest] = [0.01, 3600.0];
-        match (least..=longest).contains(&seconds) {
-            true => Ok(Stays::Alone(seconds)),
-            false => Err(format!(
-                "give {least} to {longest} seconds of holding still"
-            )),
+        if (least..=longest).contains(&seconds) {
+            return Ok(Stays::Alone(seconds));
         }
+        let said = format!("give {least} to {longest} seconds of holding still");
+        Err(said)
     }
 }
 
@@ -153,12 +152,19 @@ impl Default for StillnessLimits {
 }
 
 impl StillnessLimits {
+    /// Stretches of at least so many seconds.
+    pub(super) fn lasting(duration: f64) -> StillnessLimits {
+        StillnessLimits {
+            duration,
+            ..StillnessLimits::default()
+        }
+    }
+
     /// What is said of a log in which nothing is held.
     pub(super) fn nothing(self) -> String {
-        let StillnessLimits { speed, duration } = self;
         format!(
-            "no posture is held: no stretch of {duration} s in which every joint stays below \
-             {speed} rad/s"
+            "no posture is held: no stretch of {} s in which every joint stays below {} rad/s",
+            self.duration, self.speed
         )
     }
 }

@@ -221,23 +221,10 @@ pub(super) struct Settling {
 impl Settling {
     /// Stays where nobody says what one is, in a log of `dof` joints.
     pub fn new(dof: usize) -> Settling {
-        Settling::by(STAYED, false, dof)
-    }
-
-    /// The same of stays of at least `duration` seconds, without the rows between them.
-    pub fn alone(duration: f64, dof: usize) -> Settling {
-        let stillness = StillnessLimits {
-            duration,
-            ..StillnessLimits::default()
-        };
-        Settling::by(stillness, true, dof)
-    }
-
-    fn by(stillness: StillnessLimits, alone: bool, dof: usize) -> Settling {
         Settling {
             dof,
-            cutter: StillnessCutter::new(stillness),
-            alone,
+            cutter: StillnessCutter::new(STAYED),
+            alone: false,
             waiting: Block::default(),
             held: Vec::new(),
             first: 0,
@@ -245,6 +232,15 @@ impl Settling {
             last: None,
             stays: 0,
             ended: false,
+        }
+    }
+
+    /// Stays of at least `duration` seconds, without the rows between them.
+    pub fn alone(duration: f64, dof: usize) -> Settling {
+        Settling {
+            cutter: StillnessCutter::new(StillnessLimits::lasting(duration)),
+            alone: true,
+            ..Settling::new(dof)
         }
     }
 

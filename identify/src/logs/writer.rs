@@ -295,8 +295,7 @@ impl Recording {
 
 #[cfg(not(feature = "mcap"))]
 fn begun(_: &Recording, _: &[u64], path: &Path, _: &mut dyn Watch) -> Result<NewFile, Error> {
-    Recording::check_format(path)?;
-    Ok(NewFile::create(path)?)
+    Err(Error::without("mcap", "MCAP", &path.display().to_string()))
 }
 
 /// Stamps of ROS 2 count seconds in a signed number of 32 bits.
