@@ -29,12 +29,11 @@ use sesc_model::text::listed;
 use sesc_model::tree::{Dof, is_support};
 
 use super::block::{Block, Cells};
-use super::bounds::{Bound, LEAST_LOAD_N, check_cop, check_gravity, scale, three_digits};
+use super::bounds::{Bound, LEAST_LOAD_N, check_cop, scale, three_digits};
 use super::columns::{Columns, POSE};
-use super::formats::{MISSING, Raw};
 use super::names::{list, short};
-use super::settings::Options;
-use super::settings::{Angles, Sidecar};
+use super::settings::{Angles, Options, Sidecar, check_gravity};
+use super::source::{MISSING, Raw};
 use crate::{Error, Message, Setting, message};
 
 /// Makes blocks of raw rows.

@@ -175,21 +175,6 @@ pub(super) fn check_cop([x, y]: [f64; 2]) -> Result<(), Message> {
     check(x).and_then(|()| check(y))
 }
 
-/// Gravity must pull onto the sole, or nothing stands on it.
-pub(super) fn check_gravity([x, y, z]: [f64; 3]) -> Result<(), String> {
-    // By the largest entry, so that no square overflows.
-    let largest = [x, y, z].iter().fold(0.0, |most: f64, g| most.max(g.abs()));
-    let [a, b, c] = [x, y, z].map(|g| (g / largest).powi(2));
-    let pulls = z < 0.0 && -z / largest >= 0.017 * (a + b + c).sqrt();
-    if pulls && (0.01..=1e6).contains(&largest) && [x, y, z].iter().all(|g| g.is_finite()) {
-        return Ok(());
-    }
-    Err(format!(
-        "gravity [{x:?}, {y:?}, {z:?}] does not pull onto the sole; its z must be negative, m/s², \
-         and not small beside the others"
-    ))
-}
-
 /// A number with three digits that count, as people write it.
 pub(super) fn three_digits(x: f64) -> String {
     match x.abs() {
@@ -204,26 +189,6 @@ pub(super) fn three_digits(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn gravity_pulls_onto_the_sole() {
-        for [x, y, z] in [[0.0, 0.0, -9.80665], [0.0, 0.0, -1.0], [1.0, 1.0, -9.7]] {
-            assert_eq!(check_gravity([x, y, z]), Ok(()));
-        }
-        let least = f64::MIN_POSITIVE;
-        for z in [
-            9.8,
-            0.0,
-            -least,
-            -1e-300,
-            -1e-3,
-            -1e7,
-            f64::NEG_INFINITY,
-            f64::NAN,
-        ] {
-            assert!(check_gravity([0.0, 0.0, z]).is_err(), "{z:?}");
-        }
-    }
 
     #[test]
     fn numbers_have_three_digits_that_count() {

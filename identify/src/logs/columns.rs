@@ -1,12 +1,20 @@
 //! The columns of a posture log: one table of what their names mean, for readers,
-//! writers, messages and help.
+//! writers, messages and help; and their names as other programs write them.
+//!
+//! ```text
+//! t [s],ankle [deg],cop_x_mm  units: the values are brought to s, rad, m, N
+//! time,__time,timestamp       times of other programs are `t`
+//! -,rad,m                     a row of units: read as if it stood in the names
+//! /joint_states/ankle/position, ankle_pos: told, with the line that renames them
+//! ```
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use sesc_model::tree::Dof;
 
-use super::names::{list, meant, suggestion};
+use super::names::{list, meant, short, suggestion};
 use super::settings::Readings;
 use crate::{Message, Setting, message};
 
@@ -292,6 +300,167 @@ impl Columns {
     }
 }
 
+/// What a column measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Quantity {
+    Time,
+    Angle,
+    Length,
+    Force,
+}
+
+/// Units as programs write them, what they measure, and how many s, rad, m or N one is.
+const UNITS: [(&str, Quantity, f64); 16] = [
+    ("s sec seconds", Quantity::Time, 1.0),
+    ("ms", Quantity::Time, 1e-3),
+    ("us µs", Quantity::Time, 1e-6),
+    ("ns nsec", Quantity::Time, 1e-9),
+    ("min", Quantity::Time, 60.0),
+    ("days", Quantity::Time, 86_400.0),
+    ("rad radians", Quantity::Angle, 1.0),
+    ("deg degrees °", Quantity::Angle, PI / 180.0),
+    ("m", Quantity::Length, 1.0),
+    ("mm", Quantity::Length, 1e-3),
+    ("cm", Quantity::Length, 1e-2),
+    ("in inch", Quantity::Length, 0.0254),
+    ("N", Quantity::Force, 1.0),
+    ("kN", Quantity::Force, 1e3),
+    ("kgf kg", Quantity::Force, 9.80665),
+    ("lbf lb", Quantity::Force, 4.448_221_615_260_5),
+];
+/// Names that other programs give the time of a row, in small letters: PlotJuggler, pandas,
+/// rostopic, spreadsheets.
+const TIMES: [&str; 6] = ["time", "__time", "timestamp", "%time", "stamp", "elapsed"];
+/// What is said of a table whose names cannot be found, because its columns are divided by
+/// blanks or it has none.
+pub(super) fn no_names(header: &[String]) -> Option<String> {
+    if let [one] = header {
+        let words = one.split_whitespace().count();
+        return (words > 2).then(|| {
+            format!(
+                "the columns of {words} names are divided by blanks; write commas between names and \
+                 between numbers"
+            )
+        });
+    }
+    let mut names = header.iter().filter(|name| !name.is_empty()).peekable();
+    let numbers = names.peek().is_some() && names.all(|name| name.parse::<f64>().is_ok());
+    let said = "the first line has numbers, not the names of columns; write a line of names above it: \
+                `pose`, the URDF's joints, `cop_x`, `cop_y`";
+    numbers.then(|| said.to_string())
+}
+
+/// The units of a row below the names, where it is one.
+pub(super) fn units<'a>(fields: impl Iterator<Item = &'a str>) -> Option<Vec<String>> {
+    let bare = |field: &str| {
+        field
+            .trim()
+            .trim_matches(['[', ']', '(', ')'])
+            .trim()
+            .to_string()
+    };
+    let fields: Vec<String> = fields.map(bare).collect();
+    let none = |field: &str| matches!(field, "" | "-" | "1");
+    let known = |field: &String| none(field) || unit(field).is_some();
+    let is_row = fields.iter().all(known) && fields.iter().any(|f| unit(f).is_some());
+    is_row.then_some(fields)
+}
+
+/// A name with the unit of a row below it.
+pub(super) fn with_unit(name: &str, unit: &str) -> String {
+    match unit {
+        "" | "-" | "1" => name.to_string(),
+        unit => format!("{name} [{unit}]"),
+    }
+}
+
+fn unit(text: &str) -> Option<(Quantity, f64)> {
+    let is = |names: &str| names.split(' ').any(|name| name == text);
+    let known = UNITS.iter().find(|(names, ..)| is(names));
+    known.map(|(_, quantity, factor)| (*quantity, *factor))
+}
+
+/// Columns as the log names them, with what they are here.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Named {
+    /// Our names, those of the log where it has a name of its own.
+    pub names: Vec<String>,
+    /// What brings the values to s, rad, m or N.
+    pub factors: Vec<f64>,
+    /// What was read under another name than it has.
+    pub note: Option<String>,
+}
+
+/// Read times and units of other programs in the names of columns.
+pub(super) fn named(header: &[String], dofs: &[Dof]) -> Named {
+    let joints: HashMap<&str, bool> = dofs
+        .iter()
+        .map(|dof| (dof.joint.trim(), dof.prismatic))
+        .collect();
+    let is_known = |name: &str| joints.contains_key(name) || meaning(name).is_some();
+    let taken: HashSet<&str> = header.iter().map(String::as_str).collect();
+    let unit_of = |name: &str| meaning(name).map(|column| column.unit);
+    let quantity = |name: &str| match (joints.get(name), unit_of(name)) {
+        (Some(true), _) | (None, Some("m")) => Some(Quantity::Length),
+        (Some(false), _) => Some(Quantity::Angle),
+        (None, Some("s")) => Some(Quantity::Time),
+        (None, Some("N")) => Some(Quantity::Force),
+        _ => None,
+    };
+    let mut named = Named::default();
+    let (mut told, mut timed) = (Vec::new(), taken.contains(T));
+    for name in header {
+        let mut read = (name.as_str(), 1.0);
+        if !is_known(name) {
+            let (bare, unit) = without_unit(name, |bare| is_known(bare) || is_a_time(bare));
+            let ours = if is_a_time(bare) { T } else { bare };
+            let fits = unit.is_none_or(|(of, _)| quantity(ours) == Some(of));
+            let free = ours != T || !std::mem::replace(&mut timed, true);
+            if is_known(ours) && fits && free && !taken.contains(ours) {
+                told.push(format!("`{}` as `{ours}`", short(name)));
+                read = (ours, unit.map_or(1.0, |(_, factor)| factor));
+            }
+        }
+        named.names.push(read.0.to_string());
+        named.factors.push(read.1);
+    }
+    let converted = named.factors.iter().any(|factor| *factor != 1.0);
+    named.note = (!told.is_empty()).then(|| {
+        let units = if converted {
+            ", in s, rad, m and N"
+        } else {
+            ""
+        };
+        format!(
+            "columns are read by other names{units}: {}",
+            sesc_model::text::listed(told, 4)
+        )
+    });
+    named
+}
+
+fn is_a_time(name: &str) -> bool {
+    TIMES.contains(&name.to_lowercase().as_str())
+}
+
+/// A name without the unit behind it: `ankle [deg]`, `t (ms)`, `cop_x_mm`.
+fn without_unit(name: &str, is_known: impl Fn(&str) -> bool) -> (&str, Option<(Quantity, f64)>) {
+    let bracketed = [("[", ']'), ("(", ')')]
+        .into_iter()
+        .find_map(|(open, close)| {
+            let (bare, text) = name.strip_suffix(close)?.rsplit_once(open)?;
+            match text.trim() {
+                "-" | "" | "1" => Some((bare.trim(), None)),
+                text => Some((bare.trim(), Some(unit(text)?))),
+            }
+        });
+    let suffixed = || {
+        let (bare, text) = name.rsplit_once(['_', ' '])?;
+        Some((bare, Some(unit(text)?))).filter(|_| is_known(bare))
+    };
+    bracketed.or_else(suffixed).unwrap_or((name, None))
+}
+
 /// Joints that can have a column of their own. A joint must not be called like
 /// a column that has another meaning, nor like another joint.
 pub(super) fn check_joints(dofs: &[Dof]) -> Result<(), String> {
@@ -485,5 +654,39 @@ mod tests {
         }
         assert!(check_joints(&dofs(&["a", " a"])).is_err());
         assert!(check_joints(&dofs(&["a", "fsr_x", "fsr_k", "pose_2", "fsr_01"])).is_ok());
+    }
+
+    #[test]
+    fn units_and_times_of_other_programs_are_read() {
+        let read = |header: &str| {
+            let header: Vec<String> = header.split(',').map(str::to_string).collect();
+            let found = named(&header, &dofs(&["hip", "hip_mm"]));
+            (found.names.join(","), found.factors, found.note)
+        };
+        let (names, factors, note) = read("t [ms],hip (deg),cop_x_mm,cop_y [m],hip_mm,fsr_1 [kgf]");
+        assert_eq!(names, "t,hip,cop_x,cop_y,hip_mm,fsr_1");
+        let expected = [1e-3, PI / 180.0, 1e-3, 1.0, 1.0, 9.80665];
+        assert_eq!(factors, expected);
+        assert!(note.unwrap().contains("`hip (deg)` as `hip`"));
+        for time in ["time", "__time", "Timestamp", "%time", "time [s]", "time_s"] {
+            assert_eq!(read(&format!("{time},hip")).0, "t,hip", "{time}");
+        }
+        // Names that are ours stay, and one time is enough.
+        assert_eq!(
+            read("t,time,hip"),
+            ("t,time,hip".into(), vec![1.0; 3], None)
+        );
+        assert_eq!(read("time,timestamp,hip").0, "t,timestamp,hip");
+        // A unit that measures something else.
+        assert_eq!(read("hip [mm],t [rad]").0, "hip [mm],t [rad]");
+    }
+
+    #[test]
+    fn a_row_of_units_is_told_from_numbers() {
+        let row = |text: &'static str| units(text.split(','));
+        assert_eq!(row("-,[rad],m").unwrap(), ["-", "rad", "m"]);
+        assert_eq!(row("0,1,2"), None);
+        assert_eq!(row("-,1,-"), None);
+        assert_eq!(row("s,turns"), None);
     }
 }

@@ -1,9 +1,14 @@
 //! CSV logs, plain or packed with gzip.
 //!
-//! The line with the names of columns tells the delimiter (`,`, `;` or a
-//! tab); what other programs write above and below it is known to [`header`](super::header). A
-//! byte order mark, Windows line ends, blanks around fields and quoted names are all fine. Memory: a MiB of rows and one row more, which must not be endless, see
-//! [`RowInput`].
+//! The line with the names of columns tells the delimiter (`,`, `;` or a tab). Above it:
+//!
+//! ```text
+//! # robot: post               lines of comments, `sep=;` of Excel: passed over
+//! # pose,ankle,cop_x          a mark before the first name, where numbers follow: names
+//! ```
+//!
+//! A byte order mark, Windows line ends, blanks around fields and quoted names are all fine.
+//! Memory: a MiB of rows and one row more, which must not be endless, see [`RowInput`].
 //!
 //! ```text
 //! RowInput ─▶ parser ─▶ rows of fields, a MiB of them ─▶ parts, on the processors ─▶ Raw
@@ -17,11 +22,10 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 use csv::ByteRecord;
 use memchr::memchr_iter;
 
-use super::columns::{Columns, POSE};
-use super::formats::{Interner, MISSING, Raw, RowSource};
+use super::columns::{Columns, POSE, units, with_unit};
 use super::input::Metered;
 use super::names::short;
-use super::names::{preamble, units, with_unit};
+use super::source::{Interner, MISSING, Raw, RowSource};
 use crate::Error;
 use crate::threads::each_long;
 
@@ -208,6 +212,71 @@ impl RowSource for CsvSource {
     fn hash(&self) -> u64 {
         self.meter.hash()
     }
+}
+
+/// Marks before a line of comments, or before the first name.
+const MARKS: [char; 2] = ['#', '%'];
+/// A name that begins with one of them.
+const TIME_OF_ROSTOPIC: &str = "%time";
+
+/// Where the names of columns begin in a table in text.
+#[derive(Debug, PartialEq)]
+pub(super) struct Preamble {
+    /// Bytes before the first name.
+    pub start: usize,
+    /// The line of the names, from 1.
+    pub line: u64,
+    /// The delimiter that a line of Excel says.
+    pub delimiter: Option<u8>,
+}
+
+/// Find the names of columns in the first bytes of a text.
+pub(super) fn preamble(head: &[u8]) -> Preamble {
+    let (mut at, mut delimiter, mut marked) = (0, None, None);
+    let mut line = 0;
+    loop {
+        line += 1;
+        let (text, next) = first_line(head, at);
+        let bare = text.trim_start_matches('\u{feff}').trim();
+        let more = next > at && next < head.len() && line <= 1000;
+        match bare.strip_prefix("sep=").map(str::as_bytes) {
+            Some([own]) if line == 1 && more => delimiter = Some(*own),
+            _ if bare.starts_with(MARKS) && !bare.starts_with(TIME_OF_ROSTOPIC) && more => {
+                let names = bare.trim_start_matches(MARKS).trim_start();
+                let start = text.len() - names.len() - (text.len() - text.trim_end().len());
+                marked = Some((at + start, line));
+            }
+            _ if bare.is_empty() && more => {}
+            _ => {
+                // Above numbers the names stand in the last of the marked lines.
+                let marked = marked.filter(|_| is_row_of_numbers(bare));
+                let (start, line) = marked.unwrap_or((at, line));
+                return Preamble {
+                    start,
+                    line,
+                    delimiter,
+                };
+            }
+        }
+        at = next;
+    }
+}
+
+/// The line of a text that begins at `at`, and where the next one does; of what is no text that
+/// there is something.
+fn first_line(head: &[u8], at: usize) -> (&str, usize) {
+    let rest = &head[at..];
+    let end = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+    let end = end.unwrap_or(rest.len());
+    let both = rest[end..].starts_with(b"\r\n");
+    let next = (end + 1 + usize::from(both)).min(rest.len());
+    (str::from_utf8(&rest[..end]).unwrap_or("?"), at + next)
+}
+
+fn is_row_of_numbers(line: &str) -> bool {
+    let fields = line.split([',', ';', '\t', ' ']).map(str::trim);
+    let mut fields = fields.filter(|field| !field.is_empty()).peekable();
+    fields.peek().is_some() && fields.all(|field| field.parse::<f64>().is_ok())
 }
 
 /// A column's name, without the marks and quotes that programs put around it.
@@ -443,7 +512,7 @@ fn whole(text: &str) -> Result<i64, String> {
     // Programs write whole numbers as 3.0 or 3e0, too.
     match text.parse() {
         _ if is_missing(text) => Ok(MISSING),
-        Ok(number) => super::formats::whole(number),
+        Ok(number) => super::source::whole(number),
         Err(_) => Err(format!(
             "column `{POSE}`: `{}` is no whole number",
             short(text)
@@ -488,5 +557,24 @@ mod tests {
             assert!(batch.count < 10);
             batch.push(&mut empty.clone(), 2);
         }
+    }
+
+    #[test]
+    fn names_of_columns_are_found_below_comments_and_behind_a_mark() {
+        for (text, names, line) in [
+            ("a,b\n1,2\n", "a,b\n", 1),
+            ("# robot: post\n\n# by hand\na,b\n1,2\n", "a,b\n", 4),
+            ("# a,b \n1,2\n", "a,b \n", 1),
+            ("% note\r\n%\ta b\r\n1 2\r\n", "a b\r\n", 2),
+            ("sep=;\r\na;b\r\n1;2\r\n", "a;b\r\n", 2),
+            ("%time,a\n1,2\n", "%time,a\n", 1),
+            ("# a", "# a", 1),
+            ("", "", 1),
+        ] {
+            let found = preamble(text.as_bytes());
+            assert!(text[found.start..].starts_with(names), "{text:?}");
+            assert_eq!(found.line, line, "{text:?}");
+        }
+        assert_eq!(preamble(b"sep=;\na;b\n").delimiter, Some(b';'));
     }
 }

@@ -1,8 +1,12 @@
 //! Posture logs: joint angles of many postures and what the foot measured.
 //!
 //! ```text
-//! CSV, gzip, Parquet, MCAP, table ──▶ rows ──▶ blocks      rows checked, units SI
-//!                         sidecar ──┘
+//! input ─▶ csv, parquet, mcap, table ─▶ assemble ─▶ stillness ─▶ reader ─▶ blocks
+//!          rows as they stand in it     checked, SI  stays
+//!
+//! settings, columns, names   what options, a sidecar and names of columns say of a log
+//! bounds, suspect            what a value can be; what a whole log looks like it got wrong
+//! writer                     logs, predictions and recordings
 //! ```
 //!
 //! [`PostureReader`] gives a log of any [`LogSource`] in blocks of columns, so that a
@@ -18,7 +22,6 @@ mod bounds;
 mod columns;
 pub(crate) mod criteria;
 mod csv;
-mod formats;
 mod input;
 #[cfg(feature = "mcap")]
 mod mcap;
@@ -27,6 +30,7 @@ pub(crate) mod names;
 mod parquet;
 mod reader;
 mod settings;
+mod source;
 mod stillness;
 mod suspect;
 mod table;
@@ -43,8 +47,6 @@ pub(crate) use bounds::LEAST_LOAD_N;
 pub use columns::columns_text;
 pub use columns::{COLUMNS, Column, Need, Row, Written};
 pub(crate) use csv::delimiter;
-#[doc(hidden)]
-pub use formats::panic_becomes_error;
 pub use input::LogSource;
 #[doc(hidden)]
 pub use input::{Screen, Screening};
@@ -53,6 +55,8 @@ pub use reader::{PostureReader, Summary, column_names};
 #[doc(hidden)]
 pub use settings::KEYS as SIDECAR_KEYS;
 pub use settings::{Angles, Options, Readings, Sidecar, Stays, StillnessLimits};
+#[doc(hidden)]
+pub use source::panic_becomes_error;
 pub use table::{Table, Values};
 pub use writer::{PREDICTED, PostureWriter, PredictionWriter};
 #[doc(hidden)]

@@ -4,6 +4,8 @@
 //! source ─▶ chunk of rows ─▶ assembler ─▶ stays ─▶ screen ─▶ block
 //! ```
 
+use std::io::Read as _;
+use std::path::Path;
 use std::sync::Arc;
 
 use sesc_model::files::Stamp;
@@ -12,13 +14,15 @@ use sesc_model::urdf::Description;
 
 use super::assemble::Assembler;
 use super::block::{Block, Standing};
-use super::columns::Columns;
-use super::formats::{self, Raw, RowSource, misnamed};
-use super::input::{LogSource, Screening};
+use super::columns::{Columns, named, no_names};
+use super::csv::CsvSource;
+use super::input::{LogSource, Metered, Place, Screening};
 use super::names;
 use super::settings::{Angles, Options, Sidecar, Stays, StillnessLimits};
+use super::source::{Raw, RowSource};
 use super::stillness::Settling;
 use super::suspect::Suspicions;
+use super::table::{Shared, TableSource};
 use crate::{Error, Message};
 
 /// Rows taken from the file at once, and looked at before the first is given out.
@@ -111,17 +115,16 @@ impl PostureReader {
         let (mut sidecar, mut warnings) = log.sidecar()?;
         let file = log.name().to_string();
         let watched = log.watched()?;
-        let mut source = formats::open(&log, dofs, options, &sidecar)?;
+        let mut source = open_source(&log, dofs, options, &sidecar)?;
         let misnamed = misnamed(&log, &*source);
         let at = Some(source.names_line());
         let bad = |message: Message| Error::log(&file, at, message.after(misnamed));
         let header = sidecar
             .renamed(source.header())
             .map_err(|said| bad(said.into()))?;
-        let named = names::named(&header, dofs);
+        let named = named(&header, dofs);
         let columns = Columns::of(&named.names, dofs, options.readings);
-        let columns =
-            columns.map_err(|said| bad(names::no_names(&header).map_or(said, Message::from)))?;
+        let columns = columns.map_err(|said| bad(no_names(&header).map_or(said, Message::from)))?;
         warnings.extend(source.warnings());
         warnings.extend(named.note.map(|note| format!("{file}: {note}").into()));
         if let (Some(given), Some(own)) = (&options.support, &sidecar.support)
@@ -408,7 +411,7 @@ impl PostureReader {
 /// # Errors
 /// Files that cannot be read or are no table.
 pub fn column_names(log: &LogSource) -> Result<Vec<String>, Error> {
-    let source = formats::open(log, &[], &Options::default(), &Sidecar::default())?;
+    let source = open_source(log, &[], &Options::default(), &Sidecar::default())?;
     Ok(source.header().to_vec())
 }
 
@@ -427,4 +430,207 @@ pub(crate) fn joints(
     let first = PostureReader::open(log, &dofs, options)?.first_support()?;
     let first = first.filter(|link| !link.is_empty());
     Ok(robot.dofs_on(first.as_deref()))
+}
+
+/// The right source for what `log` holds.
+fn open_source(
+    log: &LogSource,
+    dofs: &[Dof],
+    options: &Options,
+    sidecar: &Sidecar,
+) -> Result<Box<dyn RowSource>, Error> {
+    let file = log.name();
+    let failed = |source| Error::read(file.to_string(), source);
+    let place = &log.place;
+    if let Place::Table(table) = place {
+        return Ok(Box::new(TableSource::open(table)?));
+    }
+    let wrong = |message: String| Error::log(file.to_string(), None, message);
+    if let Place::File(path) = place
+        && path.is_dir()
+    {
+        return Err(wrong(folder(path)));
+    }
+    let mut input = Metered::open(place, file)?;
+    let mut head = Vec::new();
+    let begun = (&mut input).take(8).read_to_end(&mut head);
+    begun.map_err(failed)?;
+    if head.starts_with(b"PAR1") || head.starts_with(b"PARE") {
+        return match place {
+            // What its columns are stands at the end.
+            Place::Stream(_) => {
+                let mut bytes = head;
+                input.read_to_end(&mut bytes).map_err(failed)?;
+                open_parquet(&Place::Bytes(Shared::new(bytes)), file)
+            }
+            _ => open_parquet(place, file),
+        };
+    }
+    if head.starts_with(b"\x89MCAP") {
+        return open_mcap(place, file, dofs, options, sidecar);
+    }
+    if let Some(message) = foreign(file, &head).or_else(|| damaged_from_the_start(file, &head)) {
+        return Err(wrong(message));
+    }
+    Ok(Box::new(CsvSource::open(file, head, input)?))
+}
+
+/// What is said before a complaint about columns of a file that its name promises to be of
+/// another format than text.
+fn misnamed(log: &LogSource, source: &dyn RowSource) -> &'static str {
+    match ending(log.name()).as_deref().filter(|_| source.is_text()) {
+        Some("parquet") => "not a Parquet file but text, which is read as CSV: ",
+        Some("mcap") => "not an MCAP recording but text, which is read as CSV: ",
+        _ => "",
+    }
+}
+
+/// What the name of a file ends in, in small letters.
+fn ending(file: &str) -> Option<String> {
+    let end = Path::new(file).extension()?.to_str()?;
+    Some(end.to_ascii_lowercase())
+}
+
+/// What is wrong with a file that by its name is no CSV, and by its first bytes no text.
+fn damaged_from_the_start(file: &str, head: &[u8]) -> Option<String> {
+    let format = match ending(file)?.as_str() {
+        "parquet" => "a Parquet file",
+        "mcap" => "an MCAP recording",
+        "gz" if !head.starts_with(b"\x1f\x8b") => "packed with gzip",
+        _ => return None,
+    };
+    // Text of any name is read as CSV.
+    let text = head.utf8_chunks().next().is_some_and(|chunk| {
+        // The last character may be cut by the eight bytes looked at.
+        !chunk.valid().is_empty() && !chunk.valid().contains('\0') && chunk.invalid().is_empty()
+    });
+    (!text).then(|| match head.is_empty() {
+        true => "empty; copy it again".to_string(),
+        false => format!(
+            "by its name {format}, but it does not start like one: damaged, or of another format; \
+             copy it again, or rename it"
+        ),
+    })
+}
+
+#[cfg(feature = "parquet")]
+fn open_parquet(place: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
+    Ok(Box::new(super::parquet::ParquetSource::open(place, file)?))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn open_parquet(_: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
+    Err(Error::without("parquet", "Parquet", file))
+}
+
+#[cfg(feature = "mcap")]
+fn open_mcap(
+    place: &Place,
+    file: &str,
+    dofs: &[Dof],
+    options: &Options,
+    sidecar: &Sidecar,
+) -> Result<Box<dyn RowSource>, Error> {
+    let topic = options.topic.as_deref().or(sidecar.topic.as_deref());
+    let topics = (topic, sidecar.joints_topic.as_deref());
+    let mut options = options.clone();
+    options.support = options.support.or_else(|| sidecar.support.clone());
+    options.both_feet = options.both_feet.or(sidecar.both_feet);
+    if let Stays::Alone(duration) = options.stays {
+        options.stillness.duration = duration;
+    }
+    let options = &options;
+    let source = super::mcap::McapSource::open(place, file, dofs, options, topics)?;
+    Ok(Box::new(source))
+}
+
+#[cfg(not(feature = "mcap"))]
+fn open_mcap(
+    _: &Place,
+    file: &str,
+    _: &[Dof],
+    _: &Options,
+    _: &Sidecar,
+) -> Result<Box<dyn RowSource>, Error> {
+    Err(Error::without("mcap", "MCAP", file))
+}
+
+/// First bytes of files that are not read, what they are, and what makes a log of them; `@` stands
+/// for the path, `$` for the path without its ending.
+#[rustfmt::skip]
+const FOREIGN: [(&[u8], &str); 15] = [
+    (b"SQLite f", "a recording of ROS 2 in SQLite; convert it by `mcap convert @ $.mcap`"),
+    (b"#ROSBAG ", "a recording of ROS 1; convert it by `mcap convert @ $.mcap`"),
+    (b"\x28\xb5\x2f\xfd", "compressed by zstd; unpack it by `zstd -d @`"),
+    (b"BZh", "compressed by bzip2; unpack it by `bunzip2 @`"),
+    (b"\xfd7zXZ", "compressed by xz; unpack it by `unxz @`"),
+    (b"\x04\x22\x4d\x18", "compressed by lz4; unpack it by `unlz4 @`"),
+    (b"PK\x03\x04", "a packed folder or a spreadsheet; unpack it, or save the sheet as CSV"),
+    (b"7z\xbc\xaf", "a packed folder; unpack it by `7z x @`"),
+    (b"\xd0\xcf\x11\xe0", "a spreadsheet of Excel; save it as CSV"),
+    (b"\x89HDF", "an HDF5 file, as MATLAB and h5py write them; \
+        write a table: `writetable(T, '$.csv')`, or `DataFrame.to_parquet`"),
+    (b"MATLAB 5", "a MAT-file; write a table in MATLAB: `writetable(T, '$.csv')`"),
+    (b"\x93NUMPY", "an array of NumPy, without names of columns; write it by \
+        `numpy.savetxt('$.csv', a, delimiter=',', header='pose,…', comments='')`"),
+    (b"ARROW1", "an Arrow or Feather file; \
+        write it as Parquet: `pandas.read_feather('@').to_parquet('$.parquet')`"),
+    (b"\x80\x04\x95", PICKLE),
+    (b"\x80\x05\x95", PICKLE),
+];
+const PICKLE: &str = "a pickle of Python; write the data frame by `to_parquet` or `to_csv`";
+
+/// What is said of a file that begins as one of another format does.
+fn foreign(name: &str, head: &[u8]) -> Option<String> {
+    let (_, said) = FOREIGN.iter().find(|(first, _)| head.starts_with(first))?;
+    let stem = Path::new(name).with_extension("");
+    let said = said.replace('$', &stem.display().to_string());
+    Some(said.replace('@', name))
+}
+
+/// What is said of a folder, which may be a recording of ROS 2.
+fn folder(path: &Path) -> String {
+    let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
+    let files = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut files: Vec<String> = files.collect();
+    files.sort();
+    let first = |end: &str| files.iter().find(|name| name.ends_with(end));
+    if let Some(own) = first(".mcap") {
+        format!("a folder; give the recording in it, `{own}`")
+    } else if let Some(own) = first(".db3") {
+        let stem = own.trim_end_matches(".db3");
+        format!(
+            "a folder with a recording of ROS 2 in SQLite, `{own}`; convert it by `mcap convert {} \
+             {stem}.mcap`",
+            path.join(own).display()
+        )
+    } else {
+        "a folder; give a log, or the folder to `fleet`".to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_converts_what_is_not_read() {
+        let said = foreign("run/a.bag", b"#ROSBAG V2.0\n").unwrap();
+        assert!(
+            said.ends_with("`mcap convert run/a.bag run/a.mcap`"),
+            "{said}"
+        );
+        assert_eq!(foreign("a.csv", b"pose,hip"), None);
+        assert_eq!(foreign("a.csv", b"# pose,h"), None);
+    }
+
+    #[test]
+    fn a_folder_of_ros_2_names_its_recording() {
+        let at = tempfile::tempdir().unwrap();
+        assert!(folder(at.path()).contains("`fleet`"));
+        std::fs::write(at.path().join("r_0.db3"), "").unwrap();
+        assert!(folder(at.path()).contains("r_0.db3 r_0.mcap`"));
+        std::fs::write(at.path().join("r_0.mcap"), "").unwrap();
+        assert!(folder(at.path()).ends_with("`r_0.mcap`"));
+    }
 }

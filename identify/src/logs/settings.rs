@@ -15,7 +15,6 @@ use sesc_model::files::{self, TomlFault};
 use sesc_model::spelling::nearest;
 
 use super::block::Soles;
-use super::bounds::check_gravity;
 use super::names::short;
 use crate::{Error, Message};
 
@@ -370,6 +369,21 @@ impl Sidecar {
     }
 }
 
+/// Gravity must pull onto the sole, or nothing stands on it.
+pub(super) fn check_gravity([x, y, z]: [f64; 3]) -> Result<(), String> {
+    // By the largest entry, so that no square overflows.
+    let largest = [x, y, z].iter().fold(0.0, |most: f64, g| most.max(g.abs()));
+    let [a, b, c] = [x, y, z].map(|g| (g / largest).powi(2));
+    let pulls = z < 0.0 && -z / largest >= 0.017 * (a + b + c).sqrt();
+    if pulls && (0.01..=1e6).contains(&largest) && [x, y, z].iter().all(|g| g.is_finite()) {
+        return Ok(());
+    }
+    Err(format!(
+        "gravity [{x:?}, {y:?}, {z:?}] does not pull onto the sole; its z must be negative, m/s², \
+         and not small beside the others"
+    ))
+}
+
 /// Whether all places are on one line: no area is spanned by any three.
 fn is_line(cells: &[[f64; 2]]) -> bool {
     let Some([ax, ay]) = cells.first() else {
@@ -455,5 +469,25 @@ mod tests {
         assert_eq!(warnings.len(), WARNED + 1);
         let last = warnings[WARNED].to_string();
         assert!(last.contains("9988 more unknown keys"), "{last}");
+    }
+
+    #[test]
+    fn gravity_pulls_onto_the_sole() {
+        for [x, y, z] in [[0.0, 0.0, -9.80665], [0.0, 0.0, -1.0], [1.0, 1.0, -9.7]] {
+            assert_eq!(check_gravity([x, y, z]), Ok(()));
+        }
+        let least = f64::MIN_POSITIVE;
+        for z in [
+            9.8,
+            0.0,
+            -least,
+            -1e-300,
+            -1e-3,
+            -1e7,
+            f64::NEG_INFINITY,
+            f64::NAN,
+        ] {
+            assert!(check_gravity([0.0, 0.0, z]).is_err(), "{z:?}");
+        }
     }
 }

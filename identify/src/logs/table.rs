@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use twox_hash::XxHash64;
 
 use super::columns::{Columns, SUPPORT};
-use super::formats::{Raw, RowSource, whole};
+use super::source::{Raw, RowSource, whole};
 use crate::Error;
 
 /// A posture log as columns in memory, named as those of a log file.

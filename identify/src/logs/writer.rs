@@ -17,11 +17,9 @@ use std::path::{Path, PathBuf};
 use sesc_model::tree::Dof;
 
 use super::columns::{COP, COP_STD, Field, POSE, Row, SUPPORT, T, Written, check_joints, fields};
-#[cfg(feature = "mcap")]
-use super::mcap::begun;
 use super::settings::Sidecar;
+use crate::Error;
 use crate::files::{self, NewFile};
-use crate::{Error, Watch};
 
 /// A log being written.
 pub struct PostureWriter {
@@ -263,39 +261,21 @@ impl PredictionWriter {
     }
 }
 
+#[cfg(not(feature = "mcap"))]
 impl Recording {
     /// Whether this build can write one.
     ///
     /// # Errors
-    /// Where the format is left out, naming the file that was asked for.
-    #[cfg(feature = "mcap")]
-    pub fn check_format(_: &Path) -> Result<(), Error> {
-        Ok(())
-    }
-
-    /// Whether this build can write one.
-    ///
-    /// # Errors
     /// Always, naming the file that was asked for: the format is left out.
-    #[cfg(not(feature = "mcap"))]
     pub fn check_format(path: &Path) -> Result<(), Error> {
         Err(Error::without("mcap", "MCAP", &path.display().to_string()))
     }
 
-    /// The recording as a file, not yet in its place.
-    ///
-    /// # Errors
-    /// Times that stamps do not hold, a file that cannot be written,
-    /// [`check_format`](Self::check_format), and the kind `Interrupted` where `watch` stops it.
-    pub fn begun(&self, path: &Path, watch: &mut dyn Watch) -> Result<NewFile, Error> {
+    /// As [`check_format`](Self::check_format).
+    pub fn begun(&self, path: &Path, _: &mut dyn crate::Watch) -> Result<NewFile, Error> {
         Recording::check_format(path)?;
-        begun(self, &self.stamps()?, path, watch)
+        Ok(NewFile::create(path)?)
     }
-}
-
-#[cfg(not(feature = "mcap"))]
-fn begun(_: &Recording, _: &[u64], path: &Path, _: &mut dyn Watch) -> Result<NewFile, Error> {
-    Err(Error::without("mcap", "MCAP", &path.display().to_string()))
 }
 
 /// Stamps of ROS 2 count seconds in a signed number of 32 bits.

@@ -41,14 +41,12 @@ use self::survey::Survey;
 use super::block::Share;
 use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, FZ, POSE, SUPPORT, T};
-use super::formats::{Interner, Raw, RowSource};
 use super::input::{Metered, Place};
 use super::names::short;
 use super::settings::{Options, Readings, Stays, StillnessLimits};
+use super::source::{Interner, Raw, RowSource};
 use super::stillness::{Posture, StillnessCutter};
 use crate::{Error, Message};
-
-pub(super) use self::write::begun;
 
 const STATE: &str = "sensor_msgs/msg/JointState";
 const WRENCH: &str = "geometry_msgs/msg/WrenchStamped";

@@ -53,11 +53,30 @@ int32 sec
 uint32 nanosec
 ";
 
+impl Recording {
+    /// Whether this build can write one.
+    ///
+    /// # Errors
+    /// Where the format is left out, naming the file that was asked for.
+    pub fn check_format(_: &Path) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// The recording as a file, not yet in its place.
+    ///
+    /// # Errors
+    /// Times that stamps do not hold, a file that cannot be written,
+    /// [`check_format`](Self::check_format), and the kind `Interrupted` where `watch` stops it.
+    pub fn begun(&self, path: &Path, watch: &mut dyn Watch) -> Result<NewFile, Error> {
+        begun(self, &self.stamps()?, path, watch)
+    }
+}
+
 /// A recording whose postures have these stamps (ns), as a file that is not yet in its place.
 ///
 /// # Errors
 /// When it cannot be written, or `watch` stops it.
-pub(in crate::logs) fn begun(
+pub(super) fn begun(
     recording: &Recording,
     stamps: &[u64],
     path: &Path,

@@ -21,8 +21,8 @@ use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor};
 use self::limits::{ENCRYPTED, Input};
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
-use super::formats::{Interner, Raw, RowSource, catch_panic, whole};
 use super::input::{Metered, Place};
+use super::source::{Interner, Raw, RowSource, catch_panic, whole};
 use crate::{Error, Setting, message};
 
 /// A Parquet file being read.

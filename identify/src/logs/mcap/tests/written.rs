@@ -126,7 +126,7 @@ fn a_stopped_recording_leaves_no_file() {
         true => std::ops::ControlFlow::Continue(()),
         false => std::ops::ControlFlow::Break(()),
     };
-    let error = super::super::begun(&recording, &stamps, &path, &mut stop).err();
+    let error = super::super::write::begun(&recording, &stamps, &path, &mut stop).err();
     assert_eq!(error.unwrap().kind(), crate::ErrorKind::Interrupted);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

@@ -1,0 +1,162 @@
+//! What every format delivers: rows of numbers as they stand in the file.
+
+use std::cell::Cell;
+use std::collections::HashSet;
+#[cfg(feature = "parquet")]
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Arc;
+
+use super::block::Share;
+use super::columns::{Columns, POSE};
+use crate::{Error, Message};
+
+/// Rows of a file before anything is made of them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Raw {
+    pub line: Vec<u64>,
+    /// Empty where the log has no such column; [`MISSING`] where a row has no value.
+    pub pose: Vec<i64>,
+    /// Empty where the log has no such column.
+    pub support: Vec<Arc<str>>,
+    /// Row by row, in the order of [`Columns::numbers`]. Not yet known to be
+    /// finite; a missing value is NaN.
+    pub numbers: Vec<f64>,
+    /// The other contact of rows of both feet; empty of other logs.
+    pub other: Vec<Share>,
+}
+
+impl Raw {
+    /// Number `k` of each row, of `width` a row.
+    pub fn column(&mut self, k: usize, width: usize) -> impl Iterator<Item = &mut f64> {
+        self.numbers.iter_mut().skip(k).step_by(width)
+    }
+
+    /// Forget all rows, keeping the room for them.
+    pub fn clear(&mut self) {
+        self.line.clear();
+        self.pose.clear();
+        self.support.clear();
+        self.numbers.clear();
+        self.other.clear();
+    }
+}
+
+/// A file of some format, read row by row.
+pub(super) trait RowSource: Send {
+    /// Names of the columns, without blanks around them.
+    fn header(&self) -> &[String];
+
+    /// The line or row of these names.
+    fn names_line(&self) -> u64 {
+        1
+    }
+
+    /// Append up to `count` rows to `raw`; fewer only at the end of the file.
+    fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error>;
+
+    /// Pass over about `rows` rows without a look at them.
+    fn skip(&mut self, columns: &Columns, rows: u64) -> Result<(), Error>;
+
+    /// Whether rows are of stretches in which the robot held still already.
+    fn knows_stays(&self) -> bool {
+        false
+    }
+
+    /// The support and the other link that stands, where each row has a contact of both.
+    fn both(&self) -> Option<[String; 2]> {
+        None
+    }
+
+    /// Whether it is text, whatever its name says.
+    fn is_text(&self) -> bool {
+        false
+    }
+
+    /// How much was read, and of how much if that is known: bytes or rows.
+    fn progress(&self) -> (u64, Option<u64>);
+
+    /// What is odd so far; drained by the call.
+    fn warnings(&mut self) -> Vec<Message> {
+        Vec::new()
+    }
+
+    /// 64-bit hash of the file's bytes, once all of them were read and none passed over.
+    fn hash(&self) -> u64;
+}
+
+/// Repeated texts, each kept once.
+#[derive(Debug, Default)]
+pub(super) struct Interner(HashSet<Arc<str>>);
+
+impl Interner {
+    pub fn get(&mut self, text: &str) -> Arc<str> {
+        if let Some(known) = self.0.get(text) {
+            return known.clone();
+        }
+        let new: Arc<str> = text.into();
+        // A log that names more than this names no links.
+        if self.0.len() < 10_000 {
+            self.0.insert(new.clone());
+        }
+        new
+    }
+}
+
+/// The pose of a row that has no value there.
+pub(super) const MISSING: i64 = i64::MIN;
+
+/// A pose as a number; integers up to 2^53 come through floats unchanged.
+pub(super) fn whole(value: f64) -> Result<i64, String> {
+    if value.is_nan() {
+        Ok(MISSING)
+    } else if value.fract() == 0.0 && value.abs() <= 9_007_199_254_740_992.0 {
+        Ok(value as i64)
+    } else {
+        Err(format!(
+            "column `{POSE}`: {value} is no whole number below 2^53"
+        ))
+    }
+}
+
+thread_local! {
+    static GUARDED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether a panic on this thread becomes an error of the log that is being read.
+///
+/// The Parquet library meets some damaged files with a panic, which is caught. The panic
+/// hook runs before that and by default prints a message; it belongs to the application, so
+/// this library leaves it alone. An application may set one that is silent where this
+/// is true, as the command line does:
+///
+/// ```
+/// let usual = std::panic::take_hook();
+/// std::panic::set_hook(Box::new(move |about| {
+///     if !sesc_identify::logs::panic_becomes_error() {
+///         usual(about);
+///     }
+/// }));
+/// ```
+pub fn panic_becomes_error() -> bool {
+    GUARDED.get()
+}
+
+/// What `step` gives; none where it panics.
+#[cfg(feature = "parquet")]
+pub(super) fn catch_panic<T>(step: impl FnOnce() -> T) -> Option<T> {
+    GUARDED.set(true);
+    let done = panic::catch_unwind(AssertUnwindSafe(step));
+    GUARDED.set(false);
+    done.ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_texts_are_kept_once() {
+        let mut interner = Interner::default();
+        assert!(Arc::ptr_eq(&interner.get("a"), &interner.get("a")));
+    }
+}
