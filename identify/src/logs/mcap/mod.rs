@@ -16,8 +16,9 @@
 //! Stretches in which the robot holds still are postures, see [`StillnessLimits`]; each
 //! reading in one is a row, with the joints' means. A log without readings has
 //! one row per posture. Of a robot that holds still nowhere, or where [`Stays::Moving`] is asked
-//! for, every reading is a row, with the joints between their messages ([`joints`]). In a recording of [`Recording`](super::writer::Recording) each joint
-//! state is a posture, and the CoP's topic is the one that it names.
+//! for, every reading is a row, with the joints between their messages ([`joints`]). In a
+//! recording of [`Recording`](super::writer::Recording) each joint state is a posture, and the
+//! CoP's topic is the one that it names.
 
 mod cdr;
 mod contacts;
