@@ -38,7 +38,9 @@ pub const LEAP: f64 = 0.05;
 /// third faster than their data sheet says, and stamps jitter.
 pub const FASTER: f64 = 1.5;
 /// The limit of joints that have none, rad/s or m/s. Chosen: twice that of fast servos.
+#[cfg(feature = "mcap")]
 pub const FASTEST_RAD_S: f64 = 20.0;
 /// A leap returns where what remains of it is a smaller part than this. Chosen: a step of a
 /// controller overshoots by less.
+#[cfg(feature = "mcap")]
 pub const RETURNS: f64 = 0.2;

@@ -273,6 +273,7 @@ impl Recording {
 
     /// As [`check_format`](Self::check_format).
     pub fn begun(&self, path: &Path, _: &mut dyn crate::Watch) -> Result<NewFile, Error> {
+        self.stamps()?;
         Recording::check_format(path)?;
         Ok(NewFile::create(path)?)
     }
