@@ -51,6 +51,11 @@ impl Bench {
 
     /// A log of `world` in so many balanced postures.
     fn log(&mut self, world: &World, postures: usize, name: &str) -> LogSource {
+        self.log_on(self.stage.support, world, postures, name)
+    }
+
+    /// The same where `world` stands on `support`.
+    fn log_on(&mut self, support: &str, world: &World, postures: usize, name: &str) -> LogSource {
         let q = self.stage.balanced(postures, &mut self.random);
         let mut table = Table::new(name);
         for (j, joint) in self.stage.joint_names().iter().enumerate() {
@@ -62,7 +67,7 @@ impl Bench {
             table = table.numbers(name, column.collect::<Vec<f64>>());
         }
         LogSource::from(table).with_sidecar(Sidecar {
-            support: Some(self.stage.support.into()),
+            support: Some(support.into()),
             ..Sidecar::default()
         })
     }
@@ -168,6 +173,43 @@ fn a_healthy_log_tells_a_fault_from_masses() {
         "{alone}, {told} of {all}\n{lines}"
     );
     assert!(ratios[ratios.len() / 2] < 0.1, "{ratios:?}");
+}
+
+/// The healthy log on the other foot, by its sidecar, with and without a support that is given for
+/// the log at hand; and a further log beside it.
+#[test]
+fn healthy_logs_go_with_further_logs_and_with_another_foot() {
+    let mut bench = Bench::new(5);
+    let healthy = bench.world.clone();
+    let before = bench.log(&healthy, HEALTHY, "before.csv");
+    let other = World::new(healthy.robot(), "l_sole").unwrap();
+    let on_other = bench.log_on("l_sole", &other, HEALTHY, "before.csv");
+    let faulty = healthy.joint_offset("r_hip_roll", 0.026).unwrap();
+    let log = bench.log(&faulty, FAULTY / 2, "log.csv");
+    let after = bench.log(&faulty, FAULTY / 2, "after.csv");
+    let mut alone = None;
+    for (before, support) in [
+        (before, None),
+        (on_other.clone(), None),
+        (on_other, Some("r_sole")),
+    ] {
+        for then in [vec![], vec![after.clone()]] {
+            let mut request = bench.request(log.clone());
+            request.support = support.map(String::from);
+            request.healthy = vec![before.clone()];
+            request.then = then.clone();
+            let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
+            let (_, is_told) = is_told(&found, "joint_offset", "r_hip_roll");
+            assert!(is_told, "{support:?} {}: {}", then.len(), found.sentence);
+            assert_eq!(found.warnings, [""; 0]);
+            // A further log makes the offset known better.
+            let std = found.steps[0].parameters["offset_rad"].std;
+            match then.is_empty() {
+                true => alone = Some(std),
+                false => assert!(std < alone.unwrap(), "{std} {alone:?}"),
+            }
+        }
+    }
 }
 
 #[test]

@@ -28,7 +28,7 @@ use super::{closure, experiment, model_check, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
 use crate::fit::fitted::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
-use crate::fit::{Request as FitRequest, check_result, fit};
+use crate::fit::{Request as FitRequest, check_result, fit, gather_as};
 use crate::health::{self, Finding, Health};
 use crate::logs::{Angles, LogSource, Options, PostureReader, Readings, Sidecar, Stays};
 use crate::observations::motion_use::{MotionModel, MotionUse};
@@ -324,25 +324,47 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
     if request.healthy.is_empty() {
         return request.prior.of(model);
     }
-    let healthy = fit(
-        &FitRequest {
-            robot: Some(Arc::clone(&request.robot)),
-            logs: request.healthy.clone(),
-            support: Some(model.support().to_string()),
-            snapping: request.snapping,
+    let common = FitRequest {
+        robot: Some(Arc::clone(&request.robot)),
+        snapping: request.snapping,
+        noise: request.noise,
+        motion: request.motion,
+        stays: request.stays,
+        prior: prior_of_healthy(request),
+        ..FitRequest::default()
+    };
+    let mut parts = Vec::new();
+    for log in &request.healthy {
+        let own = FitRequest {
+            logs: vec![log.clone()],
+            support: Some(support_of_healthy(request, log, model.support())),
             angles: request.angles,
-            noise: request.noise,
-            motion: request.motion,
-            stays: request.stays,
-            prior: prior_of_healthy(request),
-            ..FitRequest::default()
-        },
-        watch,
-    )?;
+            ..common.clone()
+        };
+        let alone = request.healthy.len() == 1;
+        parts.push((log.name().to_string(), gather_as(&own, alone, watch)?));
+    }
+    let of_parts = FitRequest {
+        parts,
+        support: Some(model.support().to_string()),
+        ..common
+    };
+    let healthy = fit(&of_parts, watch)?;
     let names = request.healthy.iter().map(LogSource::file_name);
     let names = names.collect::<Vec<_>>().join(" + ");
     let fitted = Fitted::new(&healthy.model_file, model, &names)?;
     Ok(Prior::Fitted(Box::new(fitted)))
+}
+
+/// The link on the ground in a log of the healthy robot: as it says itself, else that of the log at
+/// hand.
+fn support_of_healthy(request: &Request, log: &LogSource, support: &str) -> String {
+    let own = Request {
+        log: log.clone(),
+        support: None,
+        ..request.clone()
+    };
+    support_of(&own).unwrap_or_else(|_| support.to_string())
 }
 
 /// How far the masses of a healthy robot may be off: held tight, they would leave nothing to learn.
@@ -357,8 +379,10 @@ fn prior_of_healthy(request: &Request) -> PriorChoice {
 /// log is not found by comparing the two.
 fn check_healthy(request: &Request, watch: &mut dyn Watch) -> Result<(), Error> {
     for log in &request.healthy {
+        let support = support_of_healthy(request, log, &support_of(request)?);
         let own = Request {
             log: log.clone(),
+            support: Some(support),
             then: Vec::new(),
             healthy: Vec::new(),
             prior: prior_of_healthy(request),
