@@ -665,6 +665,70 @@ fn a_total_force_that_is_not_the_weight_is_a_finding() {
     }
 }
 
+/// The same of foot cells and of a recording: here a robot of other masses takes the place of
+/// another force.
+#[test]
+fn cells_and_recordings_that_do_not_carry_the_weight_are_a_finding() {
+    let folder = case("frame_id_is_support");
+    let urdf = folder.read("post.urdf");
+    let masses = ["0.8", "1", "2", "3"];
+    let weighs = |factor: f64| {
+        masses.iter().fold(urdf.clone(), |text, mass| {
+            let heavy = factor * mass.parse::<f64>().unwrap();
+            let [own, other] = [mass.to_string(), format!("{heavy:?}")];
+            let attribute = |mass: &str| format!("mass value=\"{mass}\"");
+            text.replace(&attribute(&own), &attribute(&other))
+        })
+    };
+    let simulate = "simulate post.urdf --support sole --poses 60 --range 8 --noise 0.0005";
+    said(&folder, &format!("{simulate} --out s.csv"));
+    let weight = 7.8 * 9.80665;
+    // Cells at the corners of a sheet of 0.4 m in place of the last two columns, the CoP.
+    let corners = [[0.2, 0.2], [0.2, -0.2], [-0.2, -0.2], [-0.2, 0.2]];
+    let table = without_columns(&folder.read("s.csv"), "_std");
+    let mut cells = String::new();
+    for row in table.lines() {
+        let (rest, y) = row.rsplit_once(',').unwrap();
+        let (rest, x) = rest.rsplit_once(',').unwrap();
+        cells += rest;
+        match (x.parse::<f64>(), y.parse::<f64>()) {
+            (Ok(x), Ok(y)) => {
+                for [a, b] in corners {
+                    cells += &format!(",{}", 0.25 * weight * (1.0 + x / a) * (1.0 + y / b));
+                }
+            }
+            _ => {
+                assert_eq!((x, y), ("cop_x", "cop_y"));
+                cells += ",fsr_1,fsr_2,fsr_3,fsr_4";
+            }
+        }
+        cells += "\n";
+    }
+    folder.write("cells.csv", cells);
+    let side = format!("support = \"sole\"\ncells = {corners:?}\n");
+    folder.write("cells.csv.toml", side);
+    for (factor, words) in [
+        (1.0, None),
+        (9.80665, Some("it is in kgf")),
+        (2.0, Some("the other foot carries as much")),
+    ] {
+        folder.write("post.urdf", weighs(factor));
+        for log in ["cells.csv", "log.mcap"] {
+            for command in ["fit", "diagnose"] {
+                let found = folder.json(&format!("{command} post.urdf --data {log}"));
+                let found = findings(&found);
+                match words {
+                    None => assert_eq!(found, [], "{log}"),
+                    Some(words) => {
+                        assert_eq!(found[0].0, "force_unlike_weight", "{log}: {found:?}");
+                        says(&found[0].1, &[words]);
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// A CoP that no sole can carry, in all rows of a log.
 #[test]
 fn a_log_beyond_the_sole_is_a_finding() {

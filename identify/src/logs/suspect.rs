@@ -437,12 +437,10 @@ mod tests {
         }
         assert!(said(0.01, 1.0, 1e6).unwrap().contains("in µs?"));
         assert!(said(0.01, 1.0, 1e9).unwrap().contains("in ns?"));
-        assert!(said(0.01, 1.0, 1.0 / 60.0).unwrap().contains("in minutes?"));
-        assert!(
-            said(0.01, 1.0, 1.0 / 86_400.0)
-                .unwrap()
-                .contains("in days?")
-        );
+        for (unit, seconds) in [("minutes", 60.0), ("hours", 3600.0), ("days", 86_400.0)] {
+            let said = said(0.01, 1.0, 1.0 / seconds).unwrap();
+            assert!(said.contains(&format!("in {unit}?")), "{said}");
+        }
         // A swing of a minute, and one of ten, logged every second.
         assert_eq!(said(1.0, 24.0, 1.0), None);
         assert_eq!(said(1.0, 240.0, 1.0), None);
