@@ -3,11 +3,13 @@
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::logs::{LogSource, Stays};
 use sesc_identify::next_steps::NextStep;
+use sesc_reference::World;
 use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
 use sesc_test_support::stage::{Platform, Stage};
 
@@ -151,4 +153,98 @@ fn postures_that_are_visited_once_are_asked_for_again() {
         identification(&stage, untimed(&same), Stays::default()).again,
         None
     );
+}
+
+/// Forty postures, each reached four times in turn, with fifty readings; every visit has a number
+/// of its own, or rows have times and no number, joints come back to `joint_std` (rad), and
+/// visits differ by 2 mm. The CoP drifts along x by `drift` (m) in all.
+fn renumbered(
+    stage: &Stage,
+    world: &World,
+    (joint_std, drift): (f64, f64),
+    timed: bool,
+    seed: u64,
+) -> LogSource {
+    const OWN: usize = 40;
+    const VISITS: usize = 4;
+    const ROWS: usize = 50;
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    let postures = stage.balanced(OWN, random);
+    let mut normal = |std: f64| -> f64 {
+        let unit: f64 = StandardNormal.sample(random);
+        std * unit
+    };
+    let names = stage.joint_names();
+    let mut columns: Vec<(String, Vec<f64>)> = [if timed { "t" } else { "pose" }, "cop_x", "cop_y"]
+        .into_iter()
+        .map(String::from)
+        .chain(names)
+        .map(|name| (name, Vec::new()))
+        .collect();
+    for visit in 0..OWN * VISITS {
+        let came_back = postures[visit % OWN].iter().map(|q| q + normal(joint_std));
+        let q: Vec<f64> = came_back.collect();
+        let [x, y] = world.cop(&q).map(|cop| cop + normal(STD_M));
+        let cop = [x + drift * visit as f64 / (OWN * VISITS) as f64, y];
+        for k in 0..ROWS {
+            let t = 5.0 * visit as f64 + 0.05 * k as f64;
+            let row = [if timed { t } else { visit as f64 }]
+                .into_iter()
+                .chain(cop.map(|cop| cop + normal(STD_M)));
+            let row = row.chain(q.iter().copied());
+            columns
+                .iter_mut()
+                .zip(row)
+                .for_each(|((_, all), x)| all.push(x));
+        }
+    }
+    table(columns).into()
+}
+
+/// Joints that come back exactly and to half a degree: visits are known to be of one posture by
+/// their joints, and what they differ by is no fault. A knee that is off by 3° still is, and so is
+/// a drift.
+#[test]
+fn postures_reached_again_under_new_numbers_are_visits() {
+    let stage = Stage::new(Platform::Op2);
+    let world = stage.world();
+    for seed in 0..8 {
+        let joint_std = [0.0, 0.2, 0.35, 0.5][seed as usize % 4];
+        let off = (f64::to_radians(joint_std), 0.0);
+        let log = renumbered(&stage, &world, off, seed >= 4, seed);
+        let found = diagnosis(&stage, log.clone(), None, Stays::default());
+        let visits = found.visits.expect("visits are known");
+        println!("{joint_std}°: {} {:?}", found.sentence, visits);
+        assert_eq!(found.verdict, Verdict::None, "{seed}: {}", found.sentence);
+        assert_eq!((found.postures, visits.again), (40, 120));
+        // 240 degrees of freedom know it to 5 %.
+        assert!((visits.std / STD_M - 1.0).abs() < 0.2, "{}", visits.std);
+        assert_eq!(found.again, None);
+        let fitted = identification(&stage, log, Stays::default());
+        assert_eq!((fitted.postures, fitted.again), (40, None));
+        let of_fit = fitted.visits.expect("visits are known");
+        assert!((of_fit.std - visits.std).abs() < 1e-9 && of_fit.again == 120);
+    }
+    let knee = world.joint_offset("r_knee", 3_f64.to_radians()).unwrap();
+    let log = renumbered(&stage, &knee, (f64::to_radians(0.35), 0.0), false, 8);
+    let found = diagnosis(&stage, log, None, Stays::default());
+    let steps: Vec<_> = found
+        .steps
+        .iter()
+        .map(|step| (step.effect, &*step.target))
+        .collect();
+    assert_eq!(steps, [("joint_offset", "r_knee")], "{}", found.sentence);
+    assert_ne!(found.verdict, Verdict::Unexplained);
+    assert_eq!(found.visits.unwrap().again, 120);
+    // A drift lets visits differ, and is named all the same.
+    let log = renumbered(
+        &stage,
+        &stage.world(),
+        (f64::to_radians(0.35), 8e-3),
+        false,
+        9,
+    );
+    let found = diagnosis(&stage, log, None, Stays::default());
+    let effects: Vec<_> = found.steps.iter().map(|step| step.effect).collect();
+    assert_eq!(effects, ["sensor_drift"], "{}", found.sentence);
 }

@@ -22,7 +22,8 @@ pub struct HeldOut {
 }
 
 /// Part that each posture is held out with: stretches of a log in time, several times as
-/// long as noise lasts; of a log without times every 20th posture.
+/// long as noise lasts; of a log without times every 20th posture. Visits of a posture are held
+/// out together.
 pub(super) fn parts(problem: &Problem) -> Vec<usize> {
     let n = problem.first.data.len();
     let most = criteria::FOLDS.min(n);
@@ -36,9 +37,15 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
     let lasts = 0.5 * problem.rows_per_sample();
     let stretches = (n as f64 / (criteria::HELD_OUT_TIMES * lasts)) as usize;
     let folds = stretches.clamp(2.min(n), most);
-    (0..n)
-        .map(|k| if timed { k * folds / n } else { k % most })
-        .collect()
+    let part = |k: usize, n: usize| if timed { k * folds / n } else { k % most };
+    let first = &problem.data.first_visits;
+    if first.is_empty() {
+        return (0..n).map(|k| part(k, n)).collect();
+    }
+    let firsts: Vec<usize> = (0..n).filter(|k| first[*k] == *k).collect();
+    let posture = |k: &usize| firsts.partition_point(|at| at < k);
+    let parts = first.iter().map(|k| part(posture(k), firsts.len()));
+    parts.collect()
 }
 
 /// Cross-validation of a hypothesis: each posture predicted without itself. Postures

@@ -259,7 +259,9 @@ impl Gathered {
             let q = &block.q[k * dof..(k + 1) * dof];
             let name = (block.pose[k], support);
             let (posture, visit) = self.postures.of_row(name, q, gravity);
-            keys.push(by_time.as_ref().map_or(posture.key, |keys| keys[k]));
+            let first = self.stream.timing.first_visits.get(&posture.key);
+            let key = *first.unwrap_or(&posture.key);
+            keys.push(by_time.as_ref().map_or(key, |keys| keys[k]));
             // A reading that a robust fit rejects is no repeat.
             if trust[k] >= 0.5 {
                 let visit = posture.visits;
@@ -360,6 +362,21 @@ impl Gathered {
             *std = [std[0].hypot(own[0]), std[1].hypot(own[1])];
         }
         all
+    }
+
+    /// Postures of the log at hand that were reached again under another number are visits of one;
+    /// not where the robot moves.
+    ///
+    /// # Errors
+    /// As [`Measurement::rows`].
+    pub(super) fn join_reached_again(
+        &mut self,
+        measurement: &mut Measurement,
+    ) -> Result<(), Error> {
+        if self.stream.timing.plan.is_none() || self.postures.is_of_stays() {
+            measurement.join_reached_again(&mut self.repeats, &self.postures)?;
+        }
+        Ok(())
     }
 
     /// The log that was read, `left_out` of whose rows do not know their motion, has ended:

@@ -279,6 +279,7 @@ impl<'r> Logs<'r> {
                 });
                 gathered.averaged += reader.averaged() * summary.rows as f64;
             }
+            gathered.join_reached_again(measurement)?;
             gathered.end_log_without(reader.left_out, folding);
         }
         Ok(gathered)

@@ -5,6 +5,7 @@
 //! free masses to the first `ROWS` rows tells, at the cost of reading those twice.
 
 use super::criteria::{HELD_OUT_TIMES, MOST_APART, ROWS_OF_STAY, TO_KNOW_NOISE};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -45,6 +46,9 @@ pub struct Timing {
     pub blocks: Option<(f64, f64)>,
     /// There are more rows than were looked at.
     pub long: bool,
+    /// Keys of postures that were reached again under a number of their own, each with that of
+    /// the first visit.
+    pub first_visits: BTreeMap<i64, i64>,
     /// How motion is known; none where readings are taken as static.
     pub plan: Option<Plan>,
     /// What is said of it.
@@ -60,6 +64,7 @@ impl Timing {
         timed: false,
         blocks: None,
         long: false,
+        first_visits: BTreeMap::new(),
         plan: None,
         motion: MotionUse::NONE,
     };
@@ -172,6 +177,8 @@ struct Head {
     shift: Vec<[f64; 2]>,
     /// Whether joints move.
     moves: bool,
+    /// See [`Timing`].
+    first_visits: BTreeMap<i64, i64>,
 }
 
 impl Head {
@@ -201,6 +208,15 @@ impl Head {
                     head.push(&block, dof, rows);
                 }
             }
+        }
+        if plan.is_none() || head.postures.is_of_stays() {
+            let known = head.postures.postures();
+            let joined = measurement.join_reached_again(&mut head.repeats, &head.postures)?;
+            let pairs = joined.iter().flatten().enumerate();
+            head.first_visits = pairs
+                .filter(|(k, first)| *first < k)
+                .map(|(k, first)| (known[k].key, known[*first].key))
+                .collect();
         }
         Ok(head)
     }
@@ -317,6 +333,7 @@ impl Head {
             timed: step.is_some(),
             blocks,
             long,
+            first_visits: self.first_visits.clone(),
             plan: None,
             motion: MotionUse::NONE,
         }

@@ -10,7 +10,18 @@
 //! their own. A posture needs about 80 bytes and 4 per joint here, and [`MOST`] of
 //! them are known at a time; those of longer logs are one posture only as long as
 //! their rows follow each other.
+//!
+//! A posture that is reached again under another number is known by its joint positions, where
+//! the log itself shows how well they come back: by edges of the shortest tree that joins all
+//! postures, d(a, b) = max_j |q̄_aj − q̄_bj|.
+//!
+//! ```text
+//! within postures    d ≤ D        between them    d > A D        nothing between D and A D
+//! ```
+//!
+//! Postures along a trajectory, on a grid or drawn at random have no such gap.
 
+use super::criteria::repeats::{APART, FEWEST, REACHED};
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
@@ -22,6 +33,10 @@ const JITTER: f32 = 0.02;
 
 /// Gravity where a log does not give it.
 pub const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
+
+/// Postures among which those are looked for that are reached again, at most: longer logs are
+/// recordings.
+const LOOKED: usize = 4000;
 
 /// `pose` and the number of the support.
 type Name = (i64, u32);
@@ -37,6 +52,20 @@ pub struct Posture<T> {
     pub visits: u32,
     /// Number of its last row.
     last_row: u64,
+    /// Its rows, and the number of their support.
+    rows: u32,
+    support: u32,
+}
+
+/// Where a robot stands in a posture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stance<'g> {
+    /// Link on the ground; empty where the log does not say.
+    pub support: &'g str,
+    /// Mean of its joint positions, rad or m.
+    pub q: Vec<f64>,
+    /// Direction of gravity.
+    pub gravity: [f64; 3],
 }
 
 /// Postures that rows may come back to.
@@ -52,6 +81,8 @@ pub struct Grouping<T> {
     postures: Vec<Posture<T>>,
     /// Joints and the direction of gravity in the first row of each posture, rad or m.
     at: Vec<f32>,
+    /// Their means over the rows of each of the first [`LOOKED`] postures.
+    mean: Vec<f32>,
     /// The last posture for which there was no room: its number is one beyond the others'.
     last: Option<Name>,
     supports: Vec<String>,
@@ -86,6 +117,7 @@ impl<T: Default> Grouping<T> {
             largest: i64::MIN,
             postures: Vec::new(),
             at: Vec::new(),
+            mean: Vec::new(),
             last: None,
             supports: Vec::new(),
             moved: 0,
@@ -143,6 +175,8 @@ impl<T: Default> Grouping<T> {
             own: T::default(),
             visits: 1,
             last_row: row,
+            rows: 1,
+            support: name.1,
         };
         let most = self.most;
         let known = match pose > self.largest {
@@ -151,39 +185,43 @@ impl<T: Default> Grouping<T> {
         };
         let number = known.or_else(|| self.last.filter(|last| *last == name).map(|_| most));
         let Some(number) = number else {
-            let number = match self.known.len() < most {
-                true => {
-                    let number = self.postures.len();
-                    self.known.insert(name, number as u32);
-                    self.largest = self.largest.max(pose);
-                    number
-                }
-                false => {
-                    self.last = Some(name);
-                    self.postures.truncate(most);
-                    self.at.truncate(most * width);
-                    most
-                }
-            };
-            self.postures.push(new(key(0)));
+            if self.postures.len() < most {
+                self.known.insert(name, self.postures.len() as u32);
+                self.largest = self.largest.max(pose);
+            } else {
+                self.last = Some(name);
+                self.postures.truncate(most);
+                self.at.truncate(most * width);
+            }
             self.at.extend(values());
-            return (&mut self.postures[number], Visit::Same);
+            return (self.begin(new(key(0)), width), Visit::Same);
         };
         let at = &mut self.at[number * width..(number + 1) * width];
         let degrees = self.any_unit && at.iter().any(|a| a.abs() > TAU);
         let jitter = if degrees { JITTER.to_degrees() } else { JITTER };
         let is_near = !at.iter().zip(values()).any(|(a, b)| (a - b).abs() > jitter);
-        let posture = &mut self.postures[number];
         if is_near {
+            let posture = &mut self.postures[number];
             posture.visits += u32::from(posture.last_row + 1 < row);
             posture.last_row = row;
+            posture.rows = posture.rows.saturating_add(1);
+            let rows = posture.rows as f32;
+            let mean = self.mean.iter_mut().skip(number * width).take(width);
+            mean.zip(values()).for_each(|(m, x)| *m += (x - *m) / rows);
             return (posture, Visit::Same);
         }
         self.moved += 1;
+        let moved = new(key(self.moved));
+        if self.postures.len() < most {
+            self.known.insert(name, self.postures.len() as u32);
+            self.at.extend(values());
+            return (self.begin(moved, width), Visit::Moved);
+        }
         at.iter_mut()
             .zip(values())
             .for_each(|(to, from)| *to = from);
-        *posture = new(key(self.moved));
+        let posture = &mut self.postures[number];
+        *posture = moved;
         (posture, Visit::Moved)
     }
 
@@ -196,6 +234,133 @@ impl<T: Default> Grouping<T> {
         });
         at as u32
     }
+}
+
+impl<T> Grouping<T> {
+    /// The next posture begins, whose first row is in `at`.
+    fn begin(&mut self, posture: Posture<T>, width: usize) -> &mut Posture<T> {
+        let number = self.postures.len();
+        if number < LOOKED.min(self.most) {
+            self.mean.extend(&self.at[number * width..]);
+        }
+        self.postures.push(posture);
+        &mut self.postures[number]
+    }
+
+    /// Postures in the order of their first rows.
+    pub fn postures(&self) -> &[Posture<T>] {
+        &self.postures
+    }
+
+    /// Whether each posture has several rows, so that a log that is dense in time is one of stays
+    /// alone.
+    pub fn is_of_stays(&self) -> bool {
+        self.postures.iter().all(|posture| posture.rows > 1)
+    }
+
+    /// Where the robot stands in each posture, of at most [`LOOKED`].
+    pub fn stances(&self) -> Vec<Stance<'_>> {
+        let each = self.mean.chunks_exact(self.width()).zip(&self.postures);
+        each.map(|(mean, posture)| {
+            let mean: Vec<f64> = mean.iter().map(|x| f64::from(*x)).collect();
+            let (q, [x, y]) = mean.split_last_chunk().expect("gravity is there");
+            Stance {
+                support: &self.supports[posture.support as usize],
+                q: q.to_vec(),
+                gravity: [*x, *y, -(1.0 - x * x - y * y).max(0.0).sqrt()],
+            }
+        })
+        .collect()
+    }
+
+    /// Of each posture the first one that it is a visit of, itself where it was not reached
+    /// before; none where none was, as far as their joint positions show. A posture that follows
+    /// its like is not reached again.
+    pub fn reached_again(&self) -> Option<Vec<usize>> {
+        let n = self.postures.len();
+        let in_degrees = self.any_unit && self.at.iter().any(|x| x.abs() > TAU);
+        if n >= LOOKED.min(self.most) || in_degrees {
+            return None;
+        }
+        let edges = self.shortest_tree();
+        let fewest = FEWEST as usize / 2;
+        // From the widest distance within postures to the least.
+        (fewest..edges.len()).rev().find_map(|count| {
+            let (within, between) = (edges[count - 1].0, edges[count].0);
+            if within > REACHED || between <= APART * within {
+                return None;
+            }
+            let mut first = joined(n, &edges[..count]);
+            let mut visits = vec![Vec::new(); n];
+            for (k, first) in first.iter().enumerate() {
+                visits[*first].push(k);
+            }
+            let apart = |k: &usize, visits: &[usize]| {
+                visits.iter().any(|other| {
+                    let distance = self.distance(*k, *other, f32::INFINITY);
+                    distance > REACHED || between <= APART * distance
+                })
+            };
+            if visits.iter().any(|own| own.iter().any(|k| apart(k, own))) {
+                return None;
+            }
+            for pair in (1..n).rev().map(|k| [k - 1, k]) {
+                if first[pair[0]] == first[pair[1]] {
+                    first[pair[1]] = pair[1];
+                }
+            }
+            let again = (0..n).filter(|k| first[*k] < *k).count();
+            (again >= fewest).then_some(first)
+        })
+    }
+
+    fn width(&self) -> usize {
+        self.at.len() / self.postures.len().max(1)
+    }
+
+    /// Largest difference of joint positions or of gravity, where it is below `most`; infinite
+    /// elsewhere, and on different supports.
+    fn distance(&self, a: usize, b: usize, most: f32) -> f32 {
+        if self.postures[a].support != self.postures[b].support {
+            return f32::INFINITY;
+        }
+        let width = self.width();
+        let of = |k: usize| &self.mean[k * width..(k + 1) * width];
+        let mut sizes = of(a).iter().zip(of(b)).map(|(a, b)| (a - b).abs());
+        let below = |largest: f32, size: f32| (size < most).then_some(largest.max(size));
+        sizes.try_fold(0.0, below).unwrap_or(f32::INFINITY)
+    }
+
+    /// Edges of the shortest tree that joins all postures, the shortest first (Prim 1957).
+    fn shortest_tree(&self) -> Vec<(f32, usize, usize)> {
+        let mut open: Vec<(f32, usize, usize)> = (1..self.postures.len())
+            .map(|k| (self.distance(0, k, f32::INFINITY), 0, k))
+            .collect();
+        let mut edges = Vec::with_capacity(open.len());
+        while let Some(next) = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)) {
+            let edge = open.swap_remove(next);
+            edges.push(edge);
+            for other in &mut open {
+                let distance = self.distance(edge.2, other.2, other.0);
+                if distance < other.0 {
+                    *other = (distance, edge.2, other.2);
+                }
+            }
+        }
+        edges.sort_by(|a, b| a.0.total_cmp(&b.0));
+        edges
+    }
+}
+
+/// The first of those that `edges` join, of each of `n`.
+fn joined(n: usize, edges: &[(f32, usize, usize)]) -> Vec<usize> {
+    let mut first: Vec<usize> = (0..n).collect();
+    for (_, a, b) in edges {
+        let (a, b) = (first[*a], first[*b]);
+        let own = first.iter_mut().filter(|own| **own == a.max(b));
+        own.for_each(|own| *own = a.min(b));
+    }
+    first
 }
 
 /// x and y of gravity's direction.
@@ -272,5 +437,63 @@ mod tests {
         assert_eq!(visits, [same, same, moved]);
         let mut turns = Grouping::default();
         assert_eq!([5.0, 5.1].map(|q| row(&mut turns, q)), [same, moved]);
+    }
+
+    /// The first visits of postures that are all under numbers of their own.
+    fn first_visits(postures: &[Vec<f64>]) -> Option<Vec<usize>> {
+        let mut grouping = Grouping::<()>::default();
+        for (pose, q) in postures.iter().enumerate() {
+            grouping.of_row((pose as i64, ""), q, DOWN);
+        }
+        grouping.reached_again()
+    }
+
+    /// As good as drawn, over ±1.
+    fn drawn(k: usize, joint: usize) -> f64 {
+        ((1 + k) as f64 * [0.618_034, 0.754_878, 0.569_840][joint]).fract() * 2.0 - 1.0
+    }
+
+    #[test]
+    fn postures_reached_again_are_known_by_their_joints() {
+        // Three joints that come back to 0.01, three visits in turn, or each posture twice on end.
+        let posture = |k: usize, visit: usize| -> Vec<f64> {
+            let off = |joint: usize| 0.005 * drawn(3 * k + visit + 7, joint);
+            (0..3).map(|joint| drawn(k, joint) + off(joint)).collect()
+        };
+        let in_turn = (0..30).map(|k| posture(k % 10, k / 10)).collect::<Vec<_>>();
+        let first = first_visits(&in_turn).unwrap();
+        assert_eq!(first, (0..30).map(|k| k % 10).collect::<Vec<_>>());
+        let on_end = (0..20).map(|k| posture(k / 2, k % 2)).collect::<Vec<_>>();
+        assert_eq!(first_visits(&on_end), None);
+        // Four postures again are too few to say how well joints come back.
+        assert_eq!(first_visits(&in_turn[..14]), None);
+        assert!(first_visits(&in_turn[..15]).is_some());
+        // Elsewhere on another foot.
+        let mut feet = Grouping::<()>::default();
+        for (pose, q) in in_turn.iter().enumerate() {
+            let support = ["l", "r", "l"][pose / 10];
+            feet.of_row((pose as i64, support), q, DOWN);
+        }
+        let first = feet.reached_again().unwrap();
+        assert_eq!((first[10], first[20]), (10, 0));
+        assert_eq!(feet.stances()[10].support, "r");
+        assert!((feet.stances()[29].q[0] - in_turn[29][0]).abs() < 1e-6);
+    }
+
+    /// A swing sampled so densely that it passes by itself, a grid, sweeps apart, and postures as
+    /// good as drawn, at random distances from each other.
+    #[test]
+    fn trajectories_and_dense_plans_are_not_reached_again() {
+        let swing = |k: usize| vec![(0.013 * k as f64).sin(), (0.029 * k as f64).sin()];
+        assert_eq!(first_visits(&(0..900).map(swing).collect::<Vec<_>>()), None);
+        let grid = |k: usize| vec![0.01 * (k % 20) as f64, 0.01 * (k / 20) as f64];
+        assert_eq!(first_visits(&(0..400).map(grid).collect::<Vec<_>>()), None);
+        let sweep = |k: usize| vec![0.002 * (k % 20) as f64 + 0.5 * (k / 20) as f64];
+        assert_eq!(first_visits(&(0..60).map(sweep).collect::<Vec<_>>()), None);
+        for joints in 1..=3 {
+            let posture = |k| (0..joints).map(|joint| drawn(k, joint)).collect();
+            let all: Vec<_> = (0..500).map(posture).collect();
+            assert_eq!(first_visits(&all), None, "{joints}");
+        }
     }
 }

@@ -6,6 +6,7 @@
 //! ```
 
 use super::criteria::noise::LEAST_PART;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use sesc_model::Model;
@@ -70,6 +71,9 @@ pub struct Postures {
     pub noise_source: NoiseSource,
     /// What postures that were visited again differ by.
     pub visits: Option<Visits>,
+    /// The first of the postures here that each is a visit of, under a number of its own; empty
+    /// where visits share a number.
+    pub first_visits: Vec<usize>,
     /// Foot cells, m.
     pub cells: Vec<[f64; 2]>,
     /// Raw loads were logged.
@@ -201,6 +205,9 @@ impl Postures {
         if gathering.kept.is_empty() {
             return Ok(None);
         }
+        if reader.plan().is_none() || gathering.known.is_of_stays() {
+            gathering.join_reached_again(model);
+        }
         let single = (1.0 - reader.averaged()).sqrt();
         let own = Taking {
             noise: taking.noise.map(|noise| noise * single),
@@ -299,11 +306,12 @@ impl Postures {
             within_stays: noise.within,
             noise_source: noise.source,
             visits: gathering.repeats.visits(),
+            first_visits: gathering.first_visits.clone(),
             cells: Vec::new(),
             raw_cells: false,
             other_foot: None,
             other_contact: Vec::new(),
-            postures: gathering.seen,
+            postures: gathering.repeats.postures as usize,
             rows: count as u64,
             rows_per_posture: all.iter().map(|p| p.rows).sum::<f64>() / count.max(1) as f64,
             summary: None,
@@ -415,6 +423,11 @@ impl Postures {
         keep_some(&mut self.spent, 2, &keep);
         keep_some(&mut self.other_contact, 1, &keep);
         self.t.iter_mut().for_each(|t| keep_some(t, 1, &keep));
+        let mut firsts = HashMap::new();
+        keep_some(&mut self.first_visits, 1, &keep);
+        for (k, first) in self.first_visits.iter_mut().enumerate() {
+            *first = *firsts.entry(*first).or_insert(k);
+        }
         for all in motion.columns() {
             keep_some(all, width, &keep);
         }

@@ -10,9 +10,11 @@
 //! ```
 //!
 //! A posture that is reached again differs by σ_v, for which SS_v takes the place of SS_pe:
-//! readings of one visit do not show it.
+//! readings of one visit do not show it. Visits whose joints did not come back exactly are
+//! compared by y − CoP_CAD(q).
 
 use super::criteria::repeats::{FEWEST, LEAST_OF_AN_AXIS, SAID, UNALIKE, UNLIKELY};
+use super::grouping::{Grouping, Stance};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
 
@@ -158,6 +160,25 @@ impl Mean {
             squares.weighted[axis] += weight * away * (reading[axis] - self.weighted_mean[axis]);
         }
     }
+
+    /// The same with the readings of `other` at once, whose predicted reading is larger by `less`
+    /// (m).
+    fn join(&mut self, squares: &mut Squares, other: &Mean, less: [f64; 2]) {
+        squares.df += 1;
+        let count = self.count + other.count;
+        for axis in 0..2 {
+            let share = other.count / count;
+            let away = other.mean[axis] - less[axis] - self.mean[axis];
+            squares.sum[axis] += self.count * share * away * away;
+            self.mean[axis] += share * away;
+            let share = other.weight[axis] / (self.weight[axis] + other.weight[axis]);
+            let away = other.weighted_mean[axis] - less[axis] - self.weighted_mean[axis];
+            squares.weighted[axis] += self.weight[axis] * share * away * away;
+            self.weighted_mean[axis] += share * away;
+            self.weight[axis] += other.weight[axis];
+        }
+        self.count = count;
+    }
 }
 
 /// Readings of one posture so far.
@@ -191,6 +212,35 @@ impl Repeats {
         self.rows += 1;
         group.all.push(&mut self.about_postures, reading, std);
         group.visit.push(&mut self.about_visits, reading, std);
+    }
+
+    /// Take postures of `known` that were reached again under another number for visits of one;
+    /// `group` finds the readings of each, and `predicted` says what CAD predicts in postures, x, y,
+    /// x, y, … (m). The first posture that each is a visit of; none where nothing was joined.
+    ///
+    /// # Errors
+    /// Those of `predicted`.
+    pub fn join_reached_again<T, E>(
+        &mut self,
+        known: &Grouping<T>,
+        group: impl Fn(&T) -> &Group,
+        predicted: impl FnOnce(&[Stance<'_>]) -> Result<Vec<f64>, E>,
+    ) -> Result<Option<Vec<usize>>, E> {
+        let Some(first) = known.reached_again() else {
+            return Ok(None);
+        };
+        let predicted = predicted(&known.stances())?;
+        let own = |k: usize| &group(&known.postures()[k].own).all;
+        let mut joined: Vec<Mean> = (0..first.len()).map(|k| own(k).clone()).collect();
+        for (k, to) in first.iter().map(|to| *to).enumerate() {
+            // Rows that a robust fit rejects are none.
+            if to < k && joined[to].count > 0.0 && own(k).count > 0.0 {
+                let less = [0, 1].map(|axis| predicted[2 * k + axis] - predicted[2 * to + axis]);
+                joined[to].join(&mut self.about_postures, own(k), less);
+                self.postures -= 1;
+            }
+        }
+        Ok(Some(first))
     }
 
     /// Add what another part of the data gathered.

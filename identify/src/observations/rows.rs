@@ -14,7 +14,9 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::standard::Shift;
 use sesc_model::{Function, Model, Snapping};
 
+use super::grouping::{Grouping, Stance};
 use super::motion::Motion;
+use super::repeats::{Group, Repeats};
 use super::row_matrix::RowMatrix;
 use super::zmp::Zmp;
 use crate::Error;
@@ -202,6 +204,34 @@ impl<'r> Measurement<'r> {
             start += count;
         }
         Ok(rows)
+    }
+
+    /// Join the visits of postures that were reached again under another number, see
+    /// [`Repeats::join_reached_again`].
+    ///
+    /// # Errors
+    /// As [`Measurement::rows`].
+    pub fn join_reached_again(
+        &mut self,
+        repeats: &mut Repeats,
+        known: &Grouping<Group>,
+    ) -> Result<Option<Vec<usize>>, Error> {
+        let cad = DVector::from_vec(self.model().cad_params());
+        repeats.join_reached_again(
+            known,
+            |own| own,
+            |stances: &[Stance<'_>]| {
+                let block = Block {
+                    line: vec![0; stances.len()],
+                    q: stances.iter().flat_map(|at| at.q.clone()).collect(),
+                    support: Some(stances.iter().map(|at| at.support.into()).collect()),
+                    gravity: Some(stances.iter().map(|at| at.gravity).collect()),
+                    ..Block::default()
+                };
+                let left = self.rows(&block)?.residual(&cad);
+                Ok(left.iter().map(|left| -left).collect())
+            },
+        )
     }
 
     /// Index of the standing on `link` (the first where none is named).

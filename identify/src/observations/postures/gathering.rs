@@ -1,9 +1,14 @@
 //! Rows of a log gathered into postures: sums per posture, in bounded memory.
 
-use super::super::grouping::Grouping;
+use super::super::grouping::{Grouping, Stance};
 use super::super::motion::Motion;
 use super::super::repeats::{Group, Repeats};
+use super::super::rows::{CopRows, tilt};
 use super::super::stays::Stays;
+use nalgebra::DVector;
+use sesc_model::Model;
+
+use std::convert::Infallible;
 
 /// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
 pub const MOST: usize = 2000;
@@ -98,6 +103,8 @@ pub(super) struct Gathering {
     pub(super) known: Grouping<(Option<usize>, Group)>,
     pub(super) repeats: Repeats,
     pub(super) stays: Stays,
+    /// The first posture that each is a visit of; empty where all were reached under one number.
+    pub(super) first_visits: Vec<usize>,
     /// Postures that are whole, and the one that rows belong to now.
     pub(super) seen: usize,
     pub(super) current: Option<Posture>,
@@ -182,6 +189,25 @@ fn join(posture: &mut Posture, row: &Posture) {
 }
 
 impl Gathering {
+    /// Take postures that were reached again under another number for visits of one.
+    pub(super) fn join_reached_again(&mut self, model: &Model) {
+        fn readings((_, group): &(Option<usize>, Group)) -> &Group {
+            group
+        }
+        let predicted = |stances: &[Stance<'_>]| {
+            let q: Vec<f64> = stances.iter().flat_map(|at| at.q.clone()).collect();
+            let tilts: Vec<[f64; 2]> = stances.iter().map(|at| tilt(at.gravity)).collect();
+            let rows = CopRows::new(model).of(&q, stances.len(), Some(&tilts));
+            let cad = DVector::from_vec(model.cad_params());
+            Ok::<_, Infallible>((rows * cad).as_slice().to_vec())
+        };
+        let joined = self
+            .repeats
+            .join_reached_again(&self.known, readings, predicted);
+        let Ok(joined) = joined;
+        self.first_visits = joined.unwrap_or_default();
+    }
+
     /// How the joints move in the postures that were kept.
     pub(super) fn motion(&self, dof: usize) -> Motion {
         let mut motion = Motion::default();
