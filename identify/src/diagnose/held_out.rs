@@ -38,7 +38,7 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
     let stretches = (n as f64 / (criteria::HELD_OUT_TIMES * lasts)) as usize;
     let folds = stretches.clamp(2.min(n), most);
     let part = |k: usize, n: usize| if timed { k * folds / n } else { k % most };
-    let first = &problem.data.first_visits;
+    let first = &problem.first.data.first_visits;
     if first.is_empty() {
         return (0..n).map(|k| part(k, n)).collect();
     }
