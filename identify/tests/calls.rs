@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use sesc_identify::logs::{LogSource, Options, PostureReader, Table};
-use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::Region;
 use sesc_identify::plan::{self, COP_BOX, plan};
 use sesc_identify::predict::{self, predict};
 use sesc_identify::robot::Robot;

@@ -18,7 +18,7 @@ use parry3d_f64::query::intersection_test;
 use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder, Shape};
 use sesc_model::Model;
 
-use super::geometry::{Geometry, Solid};
+use super::shapes::{Geometry, Solid};
 use crate::poses::{self, Pose};
 
 /// Shapes that are compared one by one; more are in boxes, so many for all bodies together.

@@ -10,7 +10,7 @@ use sesc_model::Model;
 use sesc_model::urdf::{Description, Inertial};
 
 use super::{Capsule, Part, Segment};
-use crate::plan::geometry::{Geometry, Solid};
+use crate::plan::shapes::{Geometry, Solid};
 use crate::poses::{self, Pose};
 
 /// Density of bodies for which the URDF gives no inertia, kg/m³.

@@ -20,8 +20,8 @@ use sesc_model::Model;
 use sesc_model::tree::{Dof, Motion};
 use sesc_model::urdf::Description;
 
-use crate::plan::geometry::Geometry;
-use crate::plan::sole::outline;
+use crate::plan::region::outline;
+use crate::plan::shapes::Geometry;
 use crate::poses::{self, Pose};
 
 /// A group of links that moves as one.

@@ -9,7 +9,7 @@ use crate::report::table::mm;
 use crate::report::tests::{says, still};
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::next_steps::NextStep;
-use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::Region;
 use sesc_identify::plan::{Plan, Request, plan};
 use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
