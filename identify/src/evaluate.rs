@@ -23,8 +23,7 @@ const LONG_OPERATION: usize = 20;
 ///
 /// ```
 /// use sesc_identify::evaluate::Evaluator;
-/// use sesc_identify::robot::Robot;
-/// use sesc_identify::stance::Stance;
+/// use sesc_identify::robot::{Robot, Stance};
 /// use sesc_model::Function;
 ///
 /// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
@@ -428,8 +427,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::robot::Robot;
-    use crate::stance::Stance;
+    use crate::robot::{Robot, Stance};
 
     #[test]
     fn a_posture_alone_has_the_bits_of_its_batch() {

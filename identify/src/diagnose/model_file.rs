@@ -7,7 +7,7 @@ use sesc_model::{EffectRecord, ModelFile, Quantity};
 
 use super::problem::{Fit, Problem};
 use super::{exact, words};
-use crate::lsq::information::{Beyond, information};
+use crate::lsq::solve::{Beyond, information};
 
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation `best` that a model can hold; the logs are added by the caller.

@@ -1,7 +1,7 @@
 //! What a diagnosis leaves to be done, by its verdict.
 
 use super::findings::{Diagnosis, Suspect, Verdict};
-use crate::next_steps::NextStep;
+use crate::NextStep;
 use crate::observations::revisits::Again;
 
 impl Diagnosis {

@@ -21,7 +21,7 @@ use crate::evaluate::Evaluator;
 use crate::feet::{Closure, ROWS};
 use crate::fit::prior::{Prior, Tolerances};
 use crate::lsq::factor_normal;
-use crate::lsq::information::Beyond;
+use crate::lsq::solve::Beyond;
 use crate::observations::correlation::{Correlation, Process};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::Postures;

@@ -8,8 +8,8 @@
 use std::sync::Arc;
 
 use super::log::{Log, each_once, name_of_log, without_path};
-use super::options::{Only, Options};
 use super::row::Row;
+use super::{Only, Options};
 use crate::diagnose::diagnose;
 use crate::fit::part::Part;
 use crate::fit::prior::{Prior, PriorChoice};

@@ -18,8 +18,8 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::Options;
 use super::inputs::Group;
-use super::options::Options;
 use super::row::{Row, by_number};
 use super::summary::criteria::ROBOTS;
 use crate::Error;

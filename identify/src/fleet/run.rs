@@ -18,13 +18,13 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use sesc_model::Snapping;
 
-use super::cache::{Store, key};
+use super::Options;
 use super::evaluate::row;
 use super::inputs::Group;
 use super::log::{Failed, Log, each_once, name_of_log, name_of_urdf, read_urdf};
-use super::options::Options;
+use super::log::{Store, key};
 use super::row::Row;
-use super::table::assembled;
+use super::row::assembled;
 use crate::Error;
 use crate::robot::Robot;
 use crate::watch::{Progress, Watch, tell};

@@ -7,20 +7,42 @@
 //! A joint that really stands still is no finding: the readings must be explained by its
 //! motion, within its limits, and by no wiring, offset or scale, nor by masses within the usual
 //! tolerances of CAD.
+//!
+//! What masses explain of the readings within the usual tolerances of CAD.
+//!
+//! ```text
+//! min over r   ‖(y − X r) / σ‖² + ‖S⁻¹ (r − r_CAD)‖²        S Sᵀ: covariance of `tolerances`
+//! ```
+//!
+//! Encoders that stop in the middle of a log though their joint moves on.
+//!
+//! ```text
+//! q_j = const over a run of rows in which other joints move, and moves elsewhere
+//! ‖y − p(q)‖ of the run ≫ ‖y − p(q)‖ of the other rows, and motion of j explains it (`encoders`)
+//! ```
+//!
+//! Over the log as a whole such an encoder moves. A joint that is really held for a while leaves
+//! no more in that time than in the rest, whatever effects are hidden; rows of a run in which it
+//! is not held are left out.
 
-use sesc_model::Function;
+use nalgebra::{DMatrix, DVector};
 use sesc_model::tree::Dof;
+use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{
-    ANYWHERE, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, ONE_AS_WELL, QUIETEST, SIMPLE_SHARE, STILL,
-    STUCK_CHI2, STUCK_LEFT, STUCK_LESS, STUCK_LOOKS, STUCK_NOISE, STUCK_SHARE, WIRED_BESIDE,
-    WIRED_NOISE,
+    ANYWHERE, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, ONE_AS_WELL, PARKED_ROWS, PARKED_SHARE,
+    PARKED_WORSE, QUIETEST, SIMPLE_SHARE, STILL, STUCK_CHI2, STUCK_LEFT, STUCK_LESS, STUCK_LOOKS,
+    STUCK_NOISE, STUCK_SHARE, WIRED_BESIDE, WIRED_NOISE,
 };
-use super::statistics::scatter;
+use super::rows::{LeftOut, LogRows, Parked, as_read_and_still};
 use super::wirings::Wirings;
-use super::{Finding, Kind, Look, Picture, Row, masses};
+use super::wirings::scatter;
+use super::{Finding, Kind, Look, Picture, Row, Views};
 use crate::evaluate::Evaluator;
 use crate::observations::postures::{range, rms};
+use crate::observations::rows::CopRows;
+use crate::robot::Robot;
+use crate::tolerances::Tolerances;
 
 /// Units in which people read joints, and how many of them are a rad or m.
 pub(super) const UNITS: ((&str, f64), (&str, f64)) =
@@ -66,7 +88,7 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<(Finding
     let least = best.left.max(noise);
     if is_wired_otherwise(look, wirings, noise, best.left)
         || one_number_explains(look, &best, least)
-        || masses::left(look, noise).is_some_and(|left| left < BY_MASSES * least)
+        || left_by_tolerances(look, noise).is_some_and(|left| left < BY_MASSES * least)
     {
         return None;
     }
@@ -272,4 +294,135 @@ fn steps(look: &Look, joint: usize, at: &[f64], slopes: &[f64]) -> Vec<Step> {
         size: pair(&|row| slope(row).powi(2), k),
     };
     (0..look.data.len()).map(step).collect()
+}
+
+/// Postures that masses are fitted to, at most.
+const FITTED_BY_TOLERANCES: usize = 500;
+
+/// What such masses leave of a reading, squared, in units of the look's deviations, the penalty
+/// of the tolerances included; `noise`: variance of the noise in the same units.
+pub(super) fn left_by_tolerances(look: &Look, noise: f64) -> Option<f64> {
+    let (model, data) = (look.model, look.data);
+    let dof = model.dof();
+    let chosen: Vec<usize> = (0..data.len())
+        .step_by(data.len().div_ceil(FITTED_BY_TOLERANCES).max(1))
+        .collect();
+    let q = chosen.iter().flat_map(|&k| &data.q[k * dof..(k + 1) * dof]);
+    let q: Vec<f64> = q.copied().collect();
+    let rows = CopRows::new(model).fastest().of(&q, chosen.len(), None);
+    let tolerances = Tolerances::usual().factor(model);
+    let reading = |row: usize| 2 * chosen[row / 2] + row % 2;
+    let weight = |row: usize| 1.0 / (noise.sqrt() * look.std[reading(row)]);
+    let gap = DVector::from_fn(rows.nrows(), |row, _| {
+        (data.reading[reading(row)] - look.predicted[reading(row)]) * weight(row)
+    });
+    let mut free = rows * tolerances;
+    for (row, mut columns) in free.row_iter_mut().enumerate() {
+        columns *= weight(row);
+    }
+    let inner = free.tr_mul(&free) + DMatrix::identity(free.ncols(), free.ncols());
+    let along = free.tr_mul(&gap);
+    let explained = along.dot(&inner.cholesky()?.solve(&along));
+    Some(noise * (gap.norm_squared() - explained) / gap.len() as f64)
+}
+
+/// Rows of a run, and of the others, that are compared, at most.
+const LOOKED: usize = 500;
+
+/// The encoder that stops, if there is one; its rows are left out.
+pub(super) fn stretch(
+    rows: &LogRows,
+    (robot, model): (&Robot, &Model),
+    left_out: &mut LeftOut,
+) -> Option<Finding> {
+    let kept = rows.kept(left_out);
+    let least = PARKED_ROWS.max((PARKED_SHARE * kept.len() as f64).ceil() as usize);
+    let moves = |joint: usize, among: &mut dyn Iterator<Item = usize>| {
+        let (low, high) = range(among.map(|k| rows.q(k)[joint]));
+        high - low > of_joint(&model.tree.dofs[joint], LEAST_MOTION)
+    };
+    for joint in 0..rows.dof {
+        let (from, to) = longest(rows, &kept, joint);
+        let run = &kept[from..to];
+        let others = || kept[..from].iter().chain(&kept[to..]).copied();
+        let other_moves = || {
+            let mut others = (0..rows.dof).filter(|other| *other != joint);
+            others.any(|other| moves(other, &mut run.iter().copied()))
+        };
+        if run.len() < least || !moves(joint, &mut others()) || !other_moves() {
+            continue;
+        }
+        let others: Vec<usize> = others().collect();
+        let (read, still) = as_read_and_still(rows, &some(&others), model);
+        let gap_of_others = Views::of(robot, model, &read, still.as_ref()).gap;
+        let (read, still) = as_read_and_still(rows, &some(run), model);
+        let views = Views::of(robot, model, &read, still.as_ref());
+        let gap = views.gap;
+        if gap < PARKED_WORSE * gap_of_others {
+            continue;
+        }
+        let found = super::stuck(robot, model, Snapping::default(), &views);
+        if found.is_none_or(|(_, found)| found.joint != joint) {
+            continue;
+        }
+        let at = rows.q(run[0])[joint];
+        left_out.parked.push(Parked { joint, at });
+        return Some(parked_finding(
+            rows,
+            model,
+            (joint, at),
+            run,
+            [gap, gap_of_others],
+        ));
+    }
+    None
+}
+
+/// The longest run among `kept` rows, by their places there, in which a joint does not move.
+fn longest(rows: &LogRows, kept: &[usize], joint: usize) -> (usize, usize) {
+    let (mut longest, mut from) = ((0, 0), 0);
+    for k in 0..kept.len() {
+        if (rows.q(kept[k])[joint] - rows.q(kept[from])[joint]).abs() > STILL {
+            from = k;
+        }
+        if k + 1 - from > longest.1 - longest.0 {
+            longest = (from, k + 1);
+        }
+    }
+    longest
+}
+
+/// Some of the rows, evenly chosen.
+fn some(rows: &[usize]) -> Vec<usize> {
+    let stride = rows.len().div_ceil(LOOKED).max(1);
+    rows.iter().copied().step_by(stride).collect()
+}
+
+fn parked_finding(
+    rows: &LogRows,
+    model: &Model,
+    (joint, at): (usize, f64),
+    run: &[usize],
+    [gap, of_others]: [f64; 2],
+) -> Finding {
+    let dof = &model.tree.dofs[joint];
+    let parked = |k: usize| (rows.q(k)[joint] - at).abs() <= STILL;
+    let count = (0..rows.len()).filter(|&k| parked(k)).count();
+    let sentence = format!(
+        "The encoder of {} stops in {} (the longest stretch is rows {} to {}) while other joints \
+         and the CoP move as if the joint did: there CAD is {:.1} mm off, elsewhere {:.1} mm. \
+         Rows with this position are left out; check its cable.",
+        dof.joint,
+        rows.some(count),
+        rows.number[run[0]],
+        rows.number[run[run.len() - 1]],
+        1e3 * gap,
+        1e3 * of_others
+    );
+    let (unit, per_unit) = of_joint(dof, UNITS);
+    let title = format!("{} by its encoder, {unit}", dof.joint);
+    let position = |k: usize| per_unit * rows.q(k)[joint];
+    let row = |k: usize| rows.row(k);
+    let picture = Picture::of(&title, rows.len(), row, position, parked);
+    Finding::new(Kind::EncoderStuck, &dof.joint, sentence).showing(picture)
 }

@@ -3,17 +3,39 @@
 //! ```text
 //! p_link(q) ≈ y        or        (R CoM(q))_xy ≈ y,  R e_z ≠ ± e_z by right angles
 //! ```
+//!
+//! A sensor whose axes are exchanged, mirrored, or turned about the normal of the sole.
+//!
+//! ```text
+//! y = c + T p(q)        T = R(ψ)  or  T = R(ψ) diag(1, −1) with ψ a multiple of 90°
+//! ```
+//!
+//! A diagnosis fits such a `T` beside all else that may be missing. A fit of masses does not,
+//! and takes it for masses: it asks here first, and goes on unless `T` is far likelier than
+//! CAD, every wiring, and free masses of CAD's axes.
+//!
+//! Columns of the CoP that show nothing, or readings of other postures than those they stand
+//! beside.
 
-use nalgebra::Matrix3;
+use std::f64::consts::FRAC_PI_2;
 
-use super::criteria::{BETTER, FAR_M, FEET, FITS};
-use super::statistics::gap;
-use super::wirings::Wirings;
-use super::{Finding, Kind, Look};
-use crate::evaluate::Evaluator;
-use crate::robot::Robot;
+use nalgebra::{DMatrix, DVector, Matrix3};
 use sesc_model::tree::{like_sole, sole_parts};
 use sesc_model::{Function, Model};
+
+use super::criteria::{
+    ALIKE, BETTER, CONSTANT_M, ENOUGH, EXCHANGED, FAR_M, FEET, FITS, LEAST_YAW, MASSES_LEAVE,
+    MOVES_M, MUST_MOVE, RIGHT_ANGLE, SHUFFLED_MOVES, SILENT_ROWS, TURNED_LEAVES, TURNED_SHOWS,
+};
+use super::wirings::Wirings;
+use super::wirings::{axis, correlation, gap, mean, rms_of, scatter};
+use super::{Finding, Kind, Look};
+use crate::evaluate::Evaluator;
+use crate::observations::correlation;
+use crate::observations::noise::NoiseSource;
+use crate::observations::postures::{Postures, rms};
+use crate::observations::rows::CopRows;
+use crate::robot::Robot;
 
 /// Another link, or other axes of this one, that the readings fit.
 pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
@@ -22,7 +44,7 @@ pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
         return None;
     }
     let foot = other_foot(look);
-    let frame = turned(look);
+    let frame = another_up(look);
     let (turned, axes) = (frame.left, frame.flat);
     let tree = &look.model.tree;
     let support = &tree.links[tree.support].name;
@@ -121,7 +143,7 @@ fn leaf_links(robot: &Robot) -> Vec<String> {
 }
 
 /// The frame, turned by right angles, that the readings fit best.
-fn turned(look: &Look) -> Frame {
+fn another_up(look: &Look) -> Frame {
     // The sole of a link is moved along the link's z: another axis points up from the link itself.
     let height = match sole_parts(look.model.support()) {
         Some(Ok((_, height))) if look.model.tree.by_height => height,
@@ -173,4 +195,321 @@ fn axes_with_another_up() -> Vec<(Matrix3<f64>, [usize; 2])> {
         }
     }
     found
+}
+
+/// Postures that free masses are fitted to, at most.
+const FITTED: usize = 400;
+
+/// How a sensor's axes lie in the sole.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    /// About the normal, rad.
+    yaw: f64,
+    /// The y axis points the other way before that.
+    mirrored: bool,
+    /// Quarters of a turn, where it is so many exactly.
+    quarters: Option<u8>,
+}
+
+/// Axes of the sensor with which CAD predicts the readings, and as they stand does not.
+pub(super) fn turned(look: &Look, wirings: &Wirings) -> Option<Finding> {
+    let data = look.data;
+    if data.len() < ENOUGH {
+        return None;
+    }
+    let [x, y] = [0, 1].map(|k| centred(&data.reading, k));
+    let [px, py] = [0, 1].map(|k| centred(&look.predicted, k));
+    let noise = rms([0, 1].map(|k| rms_of(&look.std, k)).into_iter());
+    let left = |turn: &Turn| {
+        let gap = |k: usize| {
+            let [u, v] = turn.reading([px[k], py[k]]);
+            [x[k] - u, y[k] - v]
+        };
+        rms((0..data.len()).flat_map(gap))
+    };
+    let turns = [false, true].into_iter().filter_map(|mirrored| {
+        let py: Vec<f64> = match mirrored {
+            true => py.iter().map(|y| -y).collect(),
+            false => py.clone(),
+        };
+        Turn::of(
+            along(&x, &px) + along(&y, &py),
+            along(&y, &px) - along(&x, &py),
+            mirrored,
+        )
+    });
+    let all = turns.map(|turn| (left(&turn), turn));
+    let (turned, turn) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    // What noise leaves is no part of the comparison.
+    let beyond = |left: f64| (left * left - noise * noise).max(0.0).sqrt();
+    let as_well = |straight: f64| {
+        beyond(turned) > TURNED_LEAVES * beyond(straight) || straight < TURNED_SHOWS * noise
+    };
+    if wirings.upright(as_well) {
+        return None;
+    }
+    // Masses that are all negative explain half a turn; no robot has them.
+    if !turn.is_half() {
+        let [as_read, back] = left_by_masses(look, &turn)?;
+        if as_read < MASSES_LEAVE * back {
+            return None;
+        }
+    }
+    let tree = &look.model.tree;
+    let support = &tree.links[tree.support].name;
+    let here = rms(x
+        .iter()
+        .zip(&px)
+        .chain(y.iter().zip(&py))
+        .map(|(y, p)| y - p));
+    let (what, remedy) = turn.words();
+    let sentence = format!(
+        "The readings are {:.1} mm off in the axes of `{support}` and {:.1} mm where {what}, \
+         wherever the sensor's zero is, and masses do not explain it: {remedy}.",
+        1e3 * here,
+        1e3 * turned
+    );
+    let zero = [0, 1].map(|k| mean(&axis(&data.reading, k)));
+    let cop = |k: usize| {
+        let [u, v] = turn.reading([px[k], py[k]]);
+        [zero[0] + u, zero[1] + v]
+    };
+    let cop: Vec<f64> = (0..data.len()).flat_map(cop).collect();
+    let picture = look.distances(&cop, [turn.mark(), "axes of the support"]);
+    Some(Finding::new(Kind::FrameTurned, support, sentence).showing(picture))
+}
+
+/// What free masses and any zero of the sensor leave of the readings as they stand, and turned
+/// back, m; none where too few postures tell.
+fn left_by_masses(look: &Look, turn: &Turn) -> Option<[f64; 2]> {
+    let (data, model) = (look.data, look.model);
+    let dof = model.dof();
+    let stride = data.len().div_ceil(FITTED).max(1);
+    let chosen: Vec<usize> = (0..data.len()).step_by(stride).collect();
+    let q = chosen.iter().flat_map(|k| &data.q[k * dof..(k + 1) * dof]);
+    let q: Vec<f64> = q.copied().collect();
+    let of_masses = CopRows::new(model).fastest().of(&q, chosen.len(), None);
+    let columns = of_masses.ncols();
+    let x = DMatrix::from_fn(2 * chosen.len(), columns + 2, |row, column| {
+        match column.checked_sub(columns) {
+            None => of_masses[(row, column)],
+            Some(axis) => f64::from(u8::from(row % 2 == axis)),
+        }
+    });
+    let reading = |k: usize| [data.reading[2 * k], data.reading[2 * k + 1]];
+    let left = |of: &dyn Fn([f64; 2]) -> [f64; 2]| {
+        let y = chosen.iter().flat_map(|k| of(reading(*k)));
+        let y = DVector::from_iterator(2 * chosen.len(), y);
+        let (square, df) = correlation::left(&x, &y);
+        (df >= ENOUGH as f64).then(|| square.sqrt())
+    };
+    Some([left(&|y| y)?, left(&|y| turn.back(y))?])
+}
+
+fn centred(values: &[f64], k: usize) -> Vec<f64> {
+    let own = axis(values, k);
+    let middle = mean(&own);
+    own.iter().map(|x| x - middle).collect()
+}
+
+fn along(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+impl Turn {
+    /// The turn whose cosine and sine are as these are; none that is as good as none, and no
+    /// mirror but one along the axes or the diagonals.
+    fn of(cosine: f64, sine: f64, mirrored: bool) -> Option<Turn> {
+        let yaw = sine.atan2(cosine);
+        let whole = (yaw / FRAC_PI_2).round();
+        let right = (yaw - whole * FRAC_PI_2).abs() < RIGHT_ANGLE;
+        // −2 and 2 quarters are the same.
+        let quarters = right.then(|| whole.rem_euclid(4.0) as u8);
+        let yaw = quarters.map_or(yaw, |n| f64::from(n) * FRAC_PI_2);
+        let turn = Turn {
+            yaw,
+            mirrored,
+            quarters,
+        };
+        match (mirrored, quarters) {
+            (false, Some(0)) | (true, None) => None,
+            (false, None) if yaw.abs() < LEAST_YAW => None,
+            _ => Some(turn),
+        }
+    }
+
+    /// Whether both axes point the other way.
+    fn is_half(&self) -> bool {
+        !self.mirrored && self.quarters == Some(2)
+    }
+
+    /// What the sensor reads of a CoP.
+    fn reading(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let y = if self.mirrored { -y } else { y };
+        let (sine, cosine) = self.yaw.sin_cos();
+        [cosine * x - sine * y, sine * x + cosine * y]
+    }
+
+    /// The CoP of a reading.
+    fn back(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let (sine, cosine) = self.yaw.sin_cos();
+        let (x, y) = (cosine * x + sine * y, cosine * y - sine * x);
+        [x, if self.mirrored { -y } else { y }]
+    }
+
+    /// What CAD's CoP is drawn as.
+    fn mark(&self) -> &'static str {
+        match (self.mirrored, self.quarters) {
+            (true, Some(1 | 3)) => "axes exchanged",
+            (true, _) => "an axis the other way",
+            (false, _) => "turned",
+        }
+    }
+
+    /// Where CAD predicts the readings, and what to do.
+    fn words(&self) -> (String, String) {
+        let cop = |x: &str, y: &str| {
+            format!("the CoP is x = {x}, y = {y}; write the log so, or place the cells so")
+        };
+        let (what, remedy) = match (self.mirrored, self.quarters) {
+            (false, Some(1)) => ("the sensor is turned by 90°", cop("cop_y", "−cop_x")),
+            (false, Some(2)) => ("the sensor is turned by 180°", cop("−cop_x", "−cop_y")),
+            (false, Some(3)) => ("the sensor is turned by −90°", cop("−cop_y", "cop_x")),
+            (true, Some(0)) => ("its y axis points the other way", cop("cop_x", "−cop_y")),
+            (true, Some(1)) => ("x and y are exchanged", cop("cop_y", "cop_x")),
+            (true, Some(2)) => ("its x axis points the other way", cop("−cop_x", "cop_y")),
+            (true, _) => ("x is −y and y is −x", cop("−cop_y", "−cop_x")),
+            (false, _) => {
+                let degrees = self.yaw.to_degrees();
+                return (
+                    format!("the sensor is turned by {degrees:.0}° about the normal of the sole"),
+                    format!(
+                        "turn the CoP of the log, or the places of the cells, by {:.0}°, or run a \
+                         diagnosis, which finds the angle",
+                        -degrees
+                    ),
+                );
+            }
+        };
+        (what.to_string(), remedy)
+    }
+}
+
+/// Axes of the sensor that do not move where CAD moves them, whatever the wiring.
+pub(super) fn dead_axes(look: &Look, wirings: &Wirings) -> Option<Finding> {
+    let dead: Vec<usize> = (0..2).filter(|&k| is_dead(look, wirings, k)).collect();
+    let millimetres = |k: usize| 1e3 * scatter(&axis(&look.predicted, k));
+    let name = |k: usize| ["x", "y"][k];
+    match dead[..] {
+        [] => None,
+        [k] => {
+            let sentence = format!(
+                "cop_{} does not move with the robot, where CAD moves it by {:.1} mm RMS: check \
+                 the sensor's wiring and the column.",
+                name(k),
+                millimetres(k)
+            );
+            let finding = Finding::new(Kind::CopAxisDead, name(k), sentence);
+            Some(finding.showing(look.beside_cad(k)))
+        }
+        _ => {
+            let sentence = format!(
+                "The CoP does not move with the robot, where CAD moves it by {:.1} mm RMS: check \
+                 that the sensor is on and that its topic is the right one.",
+                rms([millimetres(0), millimetres(1)].into_iter())
+            );
+            // The axis that should move more shows it best.
+            let axis = usize::from(millimetres(1) > millimetres(0));
+            let finding = Finding::new(Kind::CopConstant, "-", sentence);
+            Some(finding.showing(look.beside_cad(axis)))
+        }
+    }
+}
+
+/// Whether an axis does not move at all.
+pub(super) fn is_constant(data: &Postures) -> bool {
+    (0..2).any(|k| scatter(&axis(&data.reading, k)) < CONSTANT_M)
+}
+
+fn is_dead(look: &Look, wirings: &Wirings, k: usize) -> bool {
+    let data = look.data;
+    if data.len() < 3 {
+        return false;
+    }
+    let [read, other] = [k, 1 - k].map(|k| axis(&data.reading, k));
+    let [cad, across] = [k, 1 - k].map(|k| axis(&look.predicted, k));
+    let moves = scatter(&read);
+    let constant = moves < CONSTANT_M;
+    let least = match constant {
+        true => MOVES_M,
+        false => MUST_MOVE * moves,
+    };
+    if scatter(&cad) <= least || !constant && data.len() < SILENT_ROWS {
+        return false;
+    }
+    // Where the axes are exchanged, this one shows what CAD says of the other.
+    let [own, exchanged] = [&across, &cad].map(|cad| correlation(&other, cad).abs());
+    let exchanged = exchanged > EXCHANGED && exchanged > own;
+    !exchanged && wirings.least_scatter(k) > least && (constant || !wirings.relates(k))
+}
+
+/// Readings that scatter as CAD says and go with no posture, whatever the wiring.
+pub(super) fn shuffled(look: &Look, wirings: &Wirings) -> Option<Finding> {
+    let data = look.data;
+    let as_cad = (0..2).all(|k| {
+        let (read, cad) = (axis(&data.reading, k), axis(&look.predicted, k));
+        let ratio = scatter_of_rows(look, k, scatter(&read)) / scatter(&cad);
+        let near = (mean(&read) - mean(&cad)).abs() < scatter(&cad);
+        let moves = scatter(&cad) > SHUFFLED_MOVES * rms_of(&look.std, k);
+        (ALIKE.0..ALIKE.1).contains(&ratio) && near && moves
+    });
+    let broken = data.len() >= ENOUGH && as_cad && !wirings.relate();
+    broken.then(|| {
+        Finding::new(
+            Kind::RowsShuffled,
+            "-",
+            "Readings scatter as CAD says and go with no posture: rows of the CoP and of the \
+             joints do not belong together; check how they were joined."
+                .to_string(),
+        )
+        .showing(look.beside_cad(0))
+    })
+}
+
+/// Scatter of single readings: where postures were repeated, shuffled rows scatter within a
+/// posture, and their means hardly.
+fn scatter_of_rows(look: &Look, k: usize, of_means: f64) -> f64 {
+    let data = look.data;
+    let within = match data.noise_source {
+        NoiseSource::Repeats => data.rows_per_posture.sqrt() * rms_of(&look.std, k),
+        _ => 0.0,
+    };
+    of_means.hypot(within)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each of the eight ways that axes can lie along each other.
+    #[test]
+    fn what_is_turned_is_turned_back() {
+        for mirrored in [false, true] {
+            for quarters in 0..4_u8 {
+                let yaw = f64::from(quarters) * FRAC_PI_2;
+                let Some(turn) = Turn::of(yaw.cos(), yaw.sin(), mirrored) else {
+                    assert!(!mirrored && quarters == 0);
+                    continue;
+                };
+                assert_eq!(turn.quarters, Some(quarters));
+                let [x, y] = turn.back(turn.reading([0.3, -0.7]));
+                assert!((x - 0.3).abs() < 1e-12 && (y + 0.7).abs() < 1e-12);
+            }
+        }
+        assert!(Turn::of(1.0, 0.2, false).is_none());
+        assert!(Turn::of(1.0, 0.5, true).is_none());
+        assert!(Turn::of(1.0, 0.5, false).is_some());
+        let [x, y] = Turn::of(0.0, -1.0, true).unwrap().reading([0.3, -0.7]);
+        assert!((x - 0.7).abs() < 1e-12 && (y + 0.3).abs() < 1e-12);
+    }
 }

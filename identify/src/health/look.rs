@@ -14,8 +14,8 @@ use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
 use super::encoders::{Stuck, of_joint};
-use super::rows::{self, LeftOut, LogRows, standing};
-use super::{Axes, Finding, Health, Views, examine_views, parked};
+use super::rows::{self, LeftOut, LogRows};
+use super::{Axes, Finding, Health, Views, encoders, examine_views};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, Screen, Screening};
@@ -63,7 +63,7 @@ pub fn look(
         return Ok((log.clone(), findings));
     }
     let noise = rows.noise.unwrap_or(UNKNOWN_NOISE_M);
-    let (read, still) = standing::postures(&rows, &chosen, model);
+    let (read, still) = rows::as_read_and_still(&rows, &chosen, model);
     let views = Views::of(robot, model, &read, still.as_ref());
     let found = examine_views(robot, model, reading.snapping, &views, Axes::AreOfSupport);
     let Health { findings, stuck } = found.after(findings);
@@ -112,7 +112,7 @@ pub fn screen(
 /// What is wrong with rows, by themselves and beside what CAD says, and what to leave out.
 fn judge(rows: &LogRows, on: (&Robot, &Model)) -> (LeftOut, Vec<Finding>) {
     let (mut left_out, mut findings) = rows::judge(rows, on.1);
-    findings.extend(parked::stretch(rows, on, &mut left_out));
+    findings.extend(encoders::stretch(rows, on, &mut left_out));
     (left_out, findings)
 }
 

@@ -14,19 +14,12 @@
 //! hold under every wiring that the effects know (`wirings`) and any offset, gain, rotation
 //! or exchange of the sensor's axes.
 
-mod axes;
-mod columns;
 mod criteria;
 mod encoders;
 mod finding;
 mod frames;
-mod leftover;
 mod look;
-mod masses;
-mod parked;
-mod picture;
 mod rows;
-mod statistics;
 mod wirings;
 
 use sesc_model::{Function, Model, Snapping};
@@ -41,11 +34,11 @@ use crate::watch::Watch;
 pub use encoders::Stuck;
 pub use finding::{Finding, KINDS, Kind};
 #[doc(hidden)]
-pub use leftover::FitResiduals;
+pub use finding::{Picture, Row};
 #[doc(hidden)]
 pub use look::{Reading, look, screen};
 #[doc(hidden)]
-pub use picture::{Picture, Row};
+pub use rows::noise::FitResiduals;
 use wirings::Wirings;
 
 /// What is found.
@@ -215,17 +208,17 @@ fn examine_views(
 ) -> Health {
     let (read, standing) = (views.read, views.nearer);
     let of = |data| Look::of(robot, model, snapping, data);
-    let dead = || columns::dead_axes(&of(read), &Wirings::new(model, read));
+    let dead = || frames::dead_axes(&of(read), &Wirings::new(model, read));
     let (look, wirings) = (of(standing), Wirings::new(model, standing));
     let elsewhere = || frames::wrong(&look, &wirings);
     // On another foot an axis may hardly move; one that is constant is dead on any.
-    let broken = match columns::is_constant(read) {
+    let broken = match frames::is_constant(read) {
         true => dead(),
         false => elsewhere().or_else(dead),
     };
-    let broken = broken.or_else(|| columns::shuffled(&look, &wirings));
+    let broken = broken.or_else(|| frames::shuffled(&look, &wirings));
     // What motion adds by CAD has CAD's axes: readings are looked at as they are.
-    let turned = || axes::turned(&of(read), &Wirings::new(model, read));
+    let turned = || frames::turned(&of(read), &Wirings::new(model, read));
     let broken = match axes {
         Axes::AreOfSupport => broken.or_else(turned),
         Axes::MayBeTurned => broken,
@@ -257,7 +250,7 @@ fn stuck(
 impl<'a> Look<'a> {
     /// Between readings and CAD, m RMS.
     fn gap(&self) -> f64 {
-        statistics::gap(self.data, self.predicted.iter().copied())
+        wirings::gap(self.data, self.predicted.iter().copied())
     }
 
     /// The same, variances of the noise a reading.

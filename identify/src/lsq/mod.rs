@@ -10,8 +10,6 @@
 pub(crate) mod damped;
 pub(crate) mod factor;
 pub(crate) mod inequality;
-pub(crate) mod information;
-mod non_negative;
 pub(crate) mod solve;
 
 pub use factor::Factor;

@@ -88,8 +88,7 @@ use scene::BothFeet;
 /// use std::sync::Arc;
 ///
 /// use sesc_identify::plan::{COP_BOX, Region, Request, plan};
-/// use sesc_identify::robot::Robot;
-/// use sesc_identify::stance::Stance;
+/// use sesc_identify::robot::{Robot, Stance};
 ///
 /// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
 /// #   <origin xyz='0 0 0.02'/><mass value='2'/></inertial></link>\

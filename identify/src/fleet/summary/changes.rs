@@ -1,6 +1,6 @@
 //! What changed in a robot between its days, and is more than chance.
 //!
-//! Two kinds of numbers are followed over its [days](super::course), each with half of the chance
+//! Two kinds of numbers are followed over its [days](super::history), each with half of the chance
 //! of a false alarm: base parameters as fitted without effects, and sizes of effects. On days on
 //! which an effect is in no explanation it is 0 ± [`UNSEEN`] of its deviations, since a smaller
 //! one would hardly be seen.
@@ -29,8 +29,8 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::FisherSnedecor;
 
-use super::course::{Course, Step, freedom, steps, tail};
 use super::criteria::changes::{BORNE_OUT, DIFFERENCES, HYPOTHESES, PAIRS, UNSEEN};
+use super::history::{Course, Step, freedom, steps, tail};
 use super::history::{History, Key, Said, absent, found, label, principal, said};
 use super::shared::one_in;
 use crate::diagnose::{subject, words::capital};

@@ -15,20 +15,28 @@
 //! [`ROWS`] rows are looked at; of longer logs, whatever their format, a first stretch and short
 //! ones over the rest ([`sample`]). What is found wrong in them is left out of the whole log by a
 //! [`Screen`](crate::logs::Screen), and the rest is used.
+//!
+//! Which rows of a log are looked at: all of a short one, stretches over the whole of a long one.
+//!
+//! ```text
+//! │ FIRST rows │   │ PIECE │   │ PIECE │  …  │ PIECE │        ROWS in all, the last at the end
+//! ```
+//!
+//! Between the pieces the file is passed over without being parsed; messages of a recording (MCAP)
+//! are read, and their rows not kept. A log whose length is not known (a pipe) is looked at from
+//! its first row on.
+//!
+//! Rows of a log as postures of a robot that stands.
+//!
+//! ```text
+//! y − (ZMP − CoP)        by CAD
+//! ```
 
 mod channels;
 mod contact;
-mod copies;
-mod digits;
-mod frozen;
-mod leaps;
-mod load;
-mod noise;
-mod outside;
-mod sample;
+pub(super) mod noise;
 mod screen;
-mod stamps;
-pub(super) mod standing;
+mod times;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -37,19 +45,22 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
-use super::criteria::FEW_ROWS;
+use super::criteria::{FEW_ROWS, MOVED, MOVED_M};
+use super::wirings::rms_of_gaps;
 use super::{Finding, Row};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader};
 use crate::observations::correlation;
+use crate::observations::motion::{Motion, Plan, Wanted};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
 use crate::observations::rows::CopRows;
+use crate::observations::zmp::Zmp;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
-use sample::Sample;
 use screen::Everything;
+
 pub(super) use screen::{LeftOut, Parked};
 
 /// Rows that are looked at, at most.
@@ -176,8 +187,8 @@ impl LogRows {
             rows.noise_source = Some(NoiseSource::Given);
             rows.std = Vec::new();
         }
-        copies::check_distinct(&rows, log.name())?;
-        rows.sole = outside::corners(robot, model);
+        channels::check_distinct(&rows, log.name())?;
+        rows.sole = contact::corners(robot, model);
         rows.predict(model);
         Ok(rows)
     }
@@ -323,8 +334,8 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
     }
     findings.extend(contact::unplugged(&rows));
     findings.extend(channels::saturated(&rows, None, &mut left_out));
-    findings.extend(copies::of(&rows, &mut left_out));
-    findings.extend(stamps::shuffled(&rows));
+    findings.extend(channels::copied(&rows, &mut left_out));
+    findings.extend(times::stamps_of_other_rows(&rows));
     Ok(findings)
 }
 
@@ -335,16 +346,141 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     if rows.len() < FEW_ROWS {
         return (left_out, findings);
     }
-    findings.extend(stamps::shuffled(rows));
-    findings.extend(leaps::of(rows, &model.tree.dofs));
+    findings.extend(times::stamps_of_other_rows(rows));
+    findings.extend(times::leaps(rows, &model.tree.dofs));
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
-    findings.extend(load::unlike_weight(rows, model, &left_out));
-    findings.extend(load::both_flat(rows, model));
-    findings.extend(outside::sole(rows, model, &mut left_out));
-    findings.extend(frozen::stretches(rows, &mut left_out));
+    findings.extend(contact::unlike_weight(rows, model, &left_out));
+    findings.extend(contact::both_flat(rows, model));
+    findings.extend(contact::sole(rows, model, &mut left_out));
+    findings.extend(channels::frozen(rows, &mut left_out));
     findings.extend(channels::saturated(rows, Some(model), &mut left_out));
-    findings.extend(copies::of(rows, &mut left_out));
+    findings.extend(channels::copied(rows, &mut left_out));
     findings.extend(noise::beside_cad(rows, model, &left_out));
     (left_out, findings)
+}
+
+/// Rows before the first gap: a chunk of the reader, which tells how long rows are.
+const FIRST: usize = 4096;
+/// Rows between gaps: 10 s at 100 Hz.
+const PIECE: usize = 1024;
+const PIECES: u64 = ((ROWS - FIRST) / PIECE) as u64;
+
+/// How far a log was looked at.
+#[derive(Debug, Default)]
+pub(super) struct Sample {
+    /// Rows that were taken.
+    taken: usize,
+    /// Rows that were passed over, about.
+    passed: u64,
+    /// Pieces that are to come; none where rows follow each other.
+    to_come: Option<u64>,
+    /// Whether rows may be left that were not looked at.
+    pub is_part: bool,
+}
+
+impl Sample {
+    /// The next rows that are looked at; none after the last.
+    ///
+    /// # Errors
+    /// What is wrong with the log.
+    pub fn next(&mut self, reader: &mut PostureReader) -> Result<Option<Block>, Error> {
+        let block = match self.to_come {
+            _ if self.taken >= ROWS => return Ok(None),
+            // Rows of the end may still wait for the end of their stay.
+            Some(0) => reader.block(PIECE).unwrap_or_default(),
+            Some(pieces) => {
+                let Some(rows) = self.rows_left(reader) else {
+                    return Ok(None);
+                };
+                let between = (rows / pieces).saturating_sub(PIECE as u64);
+                // Behind a gap a quoted line end may look like a row; who reads all of the log
+                // says what is wrong with it.
+                let piece = reader
+                    .skip(between, PIECE)
+                    .and_then(|_| reader.block(PIECE));
+                let Ok(block) = piece else {
+                    return Ok(None);
+                };
+                self.passed += between;
+                self.to_come = Some(pieces - 1);
+                block
+            }
+            None => {
+                let block = reader.block(FIRST)?;
+                if self.taken == 0 {
+                    let left = self.rows_left(reader).unwrap_or(0);
+                    if left > (ROWS - FIRST) as u64 && reader.skip(0, PIECE)? {
+                        (self.to_come, self.is_part) = (Some(PIECES), true);
+                    }
+                }
+                block
+            }
+        };
+        self.taken += block.len();
+        if self.taken >= ROWS {
+            self.is_part = true;
+        }
+        Ok((!block.is_empty()).then_some(block))
+    }
+
+    /// About so many rows are behind the last one, if they are as long as those before; none
+    /// where that is not known.
+    fn rows_left(&self, reader: &PostureReader) -> Option<u64> {
+        let (done, total) = reader.progress();
+        // More than were given out where rows wait for the end of their stay.
+        let rows = (reader.taken() + self.passed).max(1);
+        let per_row = done as f64 / rows as f64;
+        Some((total?.saturating_sub(done) as f64 / per_row.max(1e-9)) as u64)
+    }
+}
+
+/// The `chosen` rows as postures: as they were read, and without what motion adds to their
+/// readings.
+pub fn as_read_and_still(
+    rows: &LogRows,
+    chosen: &[usize],
+    model: &Model,
+) -> (Postures, Option<Postures>) {
+    let gap = |k: usize, y: [f64; 2]| [0, 1].map(|axis| y[axis] - rows.cad[k][axis]);
+    let as_read = rms_of_gaps(chosen.iter().map(|&k| gap(k, rows.reading[k])));
+    let least = rows.noise.map_or(MOVED_M, |noise| MOVED * noise);
+    let still = match as_read < least {
+        // Near enough to CAD.
+        true => None,
+        false => still(rows, chosen, model),
+    };
+    let still = still.map(|still| rows.postures_of(&still));
+    (rows.postures(chosen), still)
+}
+
+/// Those of the `chosen` rows whose motion is known, and their readings without it; none where the
+/// robot stands, or the log is not dense enough in time.
+pub fn still(rows: &LogRows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
+    if rows.t.is_empty() || rows.t.len() != rows.len() {
+        return None;
+    }
+    let plan = Plan::of(&rows.t, &rows.q, rows.dof)?;
+    let motion = plan.motion((&rows.t, &rows.q, rows.dof), 0..rows.len(), Wanted::Alone)?;
+    let known: Vec<usize> = (chosen.iter().copied())
+        .filter(|&k| motion.known[k])
+        .collect();
+    let of = |all: &[f64]| -> Vec<f64> {
+        let row = |&k: &usize| all[k * rows.dof..(k + 1) * rows.dof].iter().copied();
+        known.iter().flat_map(row).collect()
+    };
+    let own = Motion {
+        rates: of(&motion.rates),
+        gains: of(&motion.gains),
+        ..Motion::default()
+    };
+    let level = vec![[0.0; 2]; known.len()];
+    let rates = (&own.rates[..], &own.gains[..]);
+    let shifts = Zmp::new(model).shifts(&model.cad_params(), &of(&rows.q), rates, &level);
+    let without = |(&k, shift): (&usize, [f64; 2])| {
+        let y = rows.reading[k];
+        (k, [0, 1].map(|axis| y[axis] - shift[axis]))
+    };
+    let still: Vec<(usize, [f64; 2])> = known.iter().zip(shifts).map(without).collect();
+    (!still.is_empty()).then_some(still)
 }
