@@ -8,8 +8,6 @@
 //! motion, within its limits, and by no wiring, offset or scale, nor by masses within the usual
 //! tolerances of CAD.
 //!
-//! What masses explain of the readings within the usual tolerances of CAD.
-//!
 //! ```text
 //! min over r   ‖(y − X r) / σ‖² + ‖S⁻¹ (r − r_CAD)‖²        S Sᵀ: covariance of `tolerances`
 //! ```
@@ -18,38 +16,34 @@
 //!
 //! ```text
 //! q_j = const over a run of rows in which other joints move, and moves elsewhere
-//! ‖y − p(q)‖ of the run ≫ ‖y − p(q)‖ of the other rows, and motion of j explains it (`encoders`)
+//! ‖y − p(q)‖ of the run ≫ ‖y − p(q)‖ of the other rows, and motion of j explains it
 //! ```
 //!
 //! Over the log as a whole such an encoder moves. A joint that is really held for a while leaves
 //! no more in that time than in the rest, whatever effects are hidden; rows of a run in which it
 //! is not held are left out.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
+use sesc_model::Function;
 use sesc_model::tree::Dof;
-use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{
-    ANYWHERE, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, ONE_AS_WELL, PARKED_ROWS, PARKED_SHARE,
-    PARKED_WORSE, QUIETEST, SIMPLE_SHARE, STILL, STUCK_CHI2, STUCK_LEFT, STUCK_LESS, STUCK_LOOKS,
-    STUCK_NOISE, STUCK_SHARE, WIRED_BESIDE, WIRED_NOISE,
+    ANYWHERE, BEYOND_LIMITS, BY_MASSES, LEAST_MOTION, NEARLY_ALL, ONE_AS_WELL, PARKED_ROWS,
+    PARKED_WORSE, QUIETEST, SOME_ROWS, STILL, STUCK_CHI2, STUCK_LEFT, STUCK_LESS, STUCK_NOISE,
+    WIRED_BESIDE, WIRED_NOISE,
 };
-use super::rows::{LeftOut, LogRows, Parked, as_read_and_still};
-use super::wirings::Wirings;
-use super::wirings::scatter;
-use super::{Finding, Kind, Look, Picture, Row, Views};
+use super::rows::{LeftOut, LogRows, Parked};
+use super::wirings::{Wirings, evenly, scatter};
+use super::{Finding, Kind, Look, On, Picture, Row, Views};
 use crate::evaluate::Evaluator;
 use crate::observations::postures::{range, rms};
-use crate::observations::rows::CopRows;
-use crate::robot::Robot;
 use crate::tolerances::Tolerances;
 
 /// Units in which people read joints, and how many of them are a rad or m.
 pub(super) const UNITS: ((&str, f64), (&str, f64)) =
     (("°", 180.0 / std::f64::consts::PI), ("mm", 1e3));
-/// Rounds of the search for where the joint is, and its largest step, rad or m.
-const ROUNDS: usize = 8;
-const LARGEST_STEP: f64 = 0.3;
 
 /// Where readings have a joint whose encoder does not follow it.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,7 +61,8 @@ pub struct Stuck {
 pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<(Finding, Stuck)> {
     let n = look.data.len();
     let gap = gap.min(look.chi2());
-    if gap < STUCK_LOOKS || n < 3 {
+    // In logs that fit it is not looked for, which costs time.
+    if gap < 1.5 || n < 3 {
         return None;
     }
     let joints = (0..look.model.dof()).filter(|&joint| is_still(look, joint));
@@ -76,10 +71,10 @@ pub(super) fn stuck(look: &Look, wirings: &Wirings, gap: f64) -> Option<(Finding
         .filter(|moved| moved.is_believable(look))
         .min_by(|a, b| a.left.total_cmp(&b.left))?;
     // One unknown a posture leaves one of two readings to the noise, which is no larger.
-    let noise = match look.noise_is_known {
-        true => 1.0,
-        false => best.left.clamp(QUIETEST, 1.0),
-    };
+    let mut noise = 1.0;
+    if !look.noise_is_known {
+        noise = best.left.clamp(QUIETEST, 1.0);
+    }
     let total = 2.0 * look.chi2();
     let shows = (STUCK_CHI2 * noise).max(STUCK_LESS * best.left);
     if gap < shows || best.left > (STUCK_LEFT * total).max(STUCK_NOISE * noise) {
@@ -171,7 +166,7 @@ fn one_number_explains(look: &Look, best: &Moved, least: f64) -> bool {
     let mut near = simple.filter(|(joint, how)| {
         let steps = steps(look, *joint, &look.predicted, &slopes);
         let (along, size) = how.sums(look, *joint, &steps);
-        along * along / size.max(1e-30) > SIMPLE_SHARE * 2.0 * look.chi2() * n as f64
+        along * along / size.max(1e-30) > 0.9 * 2.0 * look.chi2() * n as f64
     });
     near.any(|(joint, how)| enough(&Moved::together(look, joint, how)))
 }
@@ -220,13 +215,19 @@ struct Step {
     size: f64,
 }
 
+impl Step {
+    /// How far Gauss and Newton go, rad or m.
+    fn length(&self) -> f64 {
+        (self.along / self.size.max(1e-30)).clamp(-0.3, 0.3)
+    }
+}
+
 impl Moved {
     /// One unknown a posture, by Gauss and Newton.
     fn of(look: &Look, joint: usize) -> Moved {
         Moved::by(look, joint, |steps, far| {
             for (step, far) in steps.iter().zip(far) {
-                let by = step.along / step.size.max(1e-30);
-                *far += by.clamp(-LARGEST_STEP, LARGEST_STEP);
+                *far += step.length();
             }
         })
     }
@@ -235,7 +236,7 @@ impl Moved {
     fn together(look: &Look, joint: usize, how: Together) -> Moved {
         Moved::by(look, joint, |steps, far| {
             let (along, size) = how.sums(look, joint, steps);
-            let by = (along / size.max(1e-30)).clamp(-LARGEST_STEP, LARGEST_STEP);
+            let by = Step { along, size }.length();
             for (k, far) in far.iter_mut().enumerate() {
                 *far += how.weight(look, joint, k) * by;
             }
@@ -253,7 +254,7 @@ impl Moved {
         );
         let mut q = data.q.clone();
         let mut far = vec![0.0; n];
-        for _ in 0..ROUNDS {
+        for _ in 0..8 {
             let steps = steps(look, joint, &cop.run(&q, n), &slopes.run(&q, n));
             step(&steps, &mut far);
             for k in 0..n {
@@ -279,7 +280,7 @@ impl Moved {
         let far = self.far.iter().enumerate();
         let inside = far.filter(|own| within(*own)).count();
         scatter(&self.far) > of_joint(dof_of, LEAST_MOTION)
-            && inside as f64 >= STUCK_SHARE * self.far.len() as f64
+            && inside as f64 >= NEARLY_ALL * self.far.len() as f64
     }
 }
 
@@ -296,20 +297,11 @@ fn steps(look: &Look, joint: usize, at: &[f64], slopes: &[f64]) -> Vec<Step> {
     (0..look.data.len()).map(step).collect()
 }
 
-/// Postures that masses are fitted to, at most.
-const FITTED_BY_TOLERANCES: usize = 500;
-
 /// What such masses leave of a reading, squared, in units of the look's deviations, the penalty
 /// of the tolerances included; `noise`: variance of the noise in the same units.
 pub(super) fn left_by_tolerances(look: &Look, noise: f64) -> Option<f64> {
     let (model, data) = (look.model, look.data);
-    let dof = model.dof();
-    let chosen: Vec<usize> = (0..data.len())
-        .step_by(data.len().div_ceil(FITTED_BY_TOLERANCES).max(1))
-        .collect();
-    let q = chosen.iter().flat_map(|&k| &data.q[k * dof..(k + 1) * dof]);
-    let q: Vec<f64> = q.copied().collect();
-    let rows = CopRows::new(model).fastest().of(&q, chosen.len(), None);
+    let (chosen, rows) = look.rows_of_masses(500);
     let tolerances = Tolerances::usual().factor(model);
     let reading = |row: usize| 2 * chosen[row / 2] + row % 2;
     let weight = |row: usize| 1.0 / (noise.sqrt() * look.std[reading(row)]);
@@ -326,103 +318,72 @@ pub(super) fn left_by_tolerances(look: &Look, noise: f64) -> Option<f64> {
     Some(noise * (gap.norm_squared() - explained) / gap.len() as f64)
 }
 
-/// Rows of a run, and of the others, that are compared, at most.
-const LOOKED: usize = 500;
-
 /// The encoder that stops, if there is one; its rows are left out.
-pub(super) fn stretch(
-    rows: &LogRows,
-    (robot, model): (&Robot, &Model),
-    left_out: &mut LeftOut,
-) -> Option<Finding> {
+pub(super) fn parked(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<Finding> {
     let kept = rows.kept(left_out);
-    let least = PARKED_ROWS.max((PARKED_SHARE * kept.len() as f64).ceil() as usize);
-    let moves = |joint: usize, among: &mut dyn Iterator<Item = usize>| {
-        let (low, high) = range(among.map(|k| rows.q(k)[joint]));
-        high - low > of_joint(&model.tree.dofs[joint], LEAST_MOTION)
+    let dofs = &on.model.tree.dofs;
+    let least = PARKED_ROWS.max((SOME_ROWS * kept.len() as f64).ceil() as usize);
+    let moves = |joint: usize, among: &[usize]| {
+        let (low, high) = range(among.iter().map(|k| rows.q(*k)[joint]));
+        high - low > of_joint(&dofs[joint], LEAST_MOTION)
     };
     for joint in 0..rows.dof {
-        let (from, to) = longest(rows, &kept, joint);
-        let run = &kept[from..to];
-        let others = || kept[..from].iter().chain(&kept[to..]).copied();
-        let other_moves = || {
-            let mut others = (0..rows.dof).filter(|other| *other != joint);
-            others.any(|other| moves(other, &mut run.iter().copied()))
-        };
-        if run.len() < least || !moves(joint, &mut others()) || !other_moves() {
+        let run = longest(rows, &kept, joint);
+        let others = [&kept[..run.start], &kept[run.end..]].concat();
+        let run = &kept[run];
+        let other_moves = |other: usize| other != joint && moves(other, run);
+        if run.len() < least || !moves(joint, &others) || !(0..rows.dof).any(other_moves) {
             continue;
         }
-        let others: Vec<usize> = others().collect();
-        let (read, still) = as_read_and_still(rows, &some(&others), model);
-        let gap_of_others = Views::of(robot, model, &read, still.as_ref()).gap;
-        let (read, still) = as_read_and_still(rows, &some(run), model);
-        let views = Views::of(robot, model, &read, still.as_ref());
-        let gap = views.gap;
-        if gap < PARKED_WORSE * gap_of_others {
+        // Of the run and of the others, at most 500 rows are compared.
+        let [run_views, other_views] = [run, &others[..]].map(|among| {
+            let some = evenly(among.iter().copied(), 500);
+            rows.views(&some, on.model)
+        });
+        let (read, still) = other_views;
+        let gap_of_others = Views::of(on, &read, still.as_ref()).gap;
+        let (read, still) = run_views;
+        let views = Views::of(on, &read, still.as_ref());
+        if views.gap < PARKED_WORSE * gap_of_others {
             continue;
         }
-        let found = super::stuck(robot, model, Snapping::default(), &views);
-        if found.is_none_or(|(_, found)| found.joint != joint) {
+        if views.stuck().is_none_or(|(_, found)| found.joint != joint) {
             continue;
         }
-        let at = rows.q(run[0])[joint];
+        let (dof, at) = (&dofs[joint], rows.q(run[0])[joint]);
         left_out.parked.push(Parked { joint, at });
-        return Some(parked_finding(
-            rows,
-            model,
-            (joint, at),
-            run,
-            [gap, gap_of_others],
-        ));
+        let parked = |k: usize| (rows.q(k)[joint] - at).abs() <= STILL;
+        let count = (0..rows.len()).filter(|&k| parked(k)).count();
+        let sentence = format!(
+            "The encoder of {} stops in {} (the longest stretch is rows {} to {}) while other \
+             joints and the CoP move as if the joint did: there CAD is {:.1} mm off, elsewhere \
+             {:.1} mm. Rows with this position are left out; check its cable.",
+            dof.joint,
+            rows.some(count),
+            rows.number[run[0]],
+            rows.number[run[run.len() - 1]],
+            1e3 * views.gap,
+            1e3 * gap_of_others
+        );
+        let (unit, per_unit) = of_joint(dof, UNITS);
+        let title = format!("{} by its encoder, {unit}", dof.joint);
+        let about = (Kind::EncoderStuck, dof.joint.as_str(), sentence);
+        let position = |k: usize| per_unit * rows.q(k)[joint];
+        return Some(rows.finding(about, &title, position, parked));
     }
     None
 }
 
 /// The longest run among `kept` rows, by their places there, in which a joint does not move.
-fn longest(rows: &LogRows, kept: &[usize], joint: usize) -> (usize, usize) {
-    let (mut longest, mut from) = ((0, 0), 0);
+fn longest(rows: &LogRows, kept: &[usize], joint: usize) -> Range<usize> {
+    let (mut longest, mut from) = (0..0, 0);
     for k in 0..kept.len() {
         if (rows.q(kept[k])[joint] - rows.q(kept[from])[joint]).abs() > STILL {
             from = k;
         }
-        if k + 1 - from > longest.1 - longest.0 {
-            longest = (from, k + 1);
+        if k + 1 - from > longest.len() {
+            longest = from..k + 1;
         }
     }
     longest
-}
-
-/// Some of the rows, evenly chosen.
-fn some(rows: &[usize]) -> Vec<usize> {
-    let stride = rows.len().div_ceil(LOOKED).max(1);
-    rows.iter().copied().step_by(stride).collect()
-}
-
-fn parked_finding(
-    rows: &LogRows,
-    model: &Model,
-    (joint, at): (usize, f64),
-    run: &[usize],
-    [gap, of_others]: [f64; 2],
-) -> Finding {
-    let dof = &model.tree.dofs[joint];
-    let parked = |k: usize| (rows.q(k)[joint] - at).abs() <= STILL;
-    let count = (0..rows.len()).filter(|&k| parked(k)).count();
-    let sentence = format!(
-        "The encoder of {} stops in {} (the longest stretch is rows {} to {}) while other joints \
-         and the CoP move as if the joint did: there CAD is {:.1} mm off, elsewhere {:.1} mm. \
-         Rows with this position are left out; check its cable.",
-        dof.joint,
-        rows.some(count),
-        rows.number[run[0]],
-        rows.number[run[run.len() - 1]],
-        1e3 * gap,
-        1e3 * of_others
-    );
-    let (unit, per_unit) = of_joint(dof, UNITS);
-    let title = format!("{} by its encoder, {unit}", dof.joint);
-    let position = |k: usize| per_unit * rows.q(k)[joint];
-    let row = |k: usize| rows.row(k);
-    let picture = Picture::of(&title, rows.len(), row, position, parked);
-    Finding::new(Kind::EncoderStuck, &dof.joint, sentence).showing(picture)
 }

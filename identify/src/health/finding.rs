@@ -1,20 +1,14 @@
-//! What is said of data: kinds, targets, sentences.
-//!
-//! What a figure of a finding shows: one number of each row, which rows are meant, and how the
-//! robot stood in them.
+//! What is said of data: kinds, targets, sentences; and what a figure shows of them: one number of
+//! each row, which rows are meant, and how the robot stood in them.
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::observations::postures::Postures;
 
-/// What is wrong with data.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename_all = "snake_case")
-)]
+/// What is wrong with data; those kinds first that make data unusable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Kind {
     /// The CoP does not move on either axis.
@@ -73,43 +67,7 @@ impl Kind {
 
     /// Whether nothing can be done with such data.
     pub fn makes_unusable(self) -> bool {
-        KINDS[..UNUSABLE].contains(&self)
-    }
-}
-
-/// Kinds that make data unusable.
-const UNUSABLE: usize = 5;
-
-/// Every kind, those first that make data unusable.
-pub const KINDS: [Kind; 15] = [
-    Kind::CopConstant,
-    Kind::CopAxisDead,
-    Kind::OtherFoot,
-    Kind::FrameTurned,
-    Kind::RowsShuffled,
-    Kind::EncoderStuck,
-    Kind::JointLeaps,
-    Kind::CopFrozen,
-    Kind::CopOutsideSole,
-    Kind::ForceUnlikeWeight,
-    Kind::BothFeetFlat,
-    Kind::RowsCopied,
-    Kind::ChannelSaturated,
-    Kind::NoiseOverstated,
-    Kind::ContactLost,
-];
-
-impl<'de> Deserialize<'de> for Kind {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Kind, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        let known = KINDS.into_iter().find(|kind| kind.name() == name);
-        known.ok_or_else(|| D::Error::custom(format!("`{name}` is no kind of finding")))
-    }
-}
-
-impl Serialize for Kind {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
+        self <= Kind::RowsShuffled
     }
 }
 
@@ -146,12 +104,6 @@ impl Finding {
         }
     }
 }
-
-/// Points that a figure shows, at most; evenly chosen of more.
-const MOST: usize = 500;
-
-/// What two marks of a figure mean where nothing else is said of them.
-const MARKS: [&str; 2] = ["row", "what the finding is about"];
 
 /// One number over the rows of a log.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -202,7 +154,7 @@ impl Picture {
     }
 
     /// N values of each of so many rows, and whether the finding is about them; of at most
-    /// [`MOST`] / N rows, evenly chosen.
+    /// 500 / N rows, evenly chosen.
     pub(crate) fn chosen<const N: usize>(
         title: &str,
         rows: usize,
@@ -213,7 +165,7 @@ impl Picture {
             title: title.to_string(),
             ..Picture::default()
         };
-        for k in (0..rows).step_by((N * rows).div_ceil(MOST).max(1)) {
+        for k in (0..rows).step_by((N * rows).div_ceil(500).max(1)) {
             let own = row(k);
             let point = |(value, meant)| (own.number, value, meant);
             picture.points.extend(values(k).map(point));
@@ -224,9 +176,9 @@ impl Picture {
 
     /// What other points and those of the finding are.
     pub fn marks(&self) -> [&str; 2] {
-        match &self.marks {
-            Some([other, meant]) => [other, meant],
-            None => MARKS,
-        }
+        let marks = self.marks.as_ref();
+        marks.map_or(["row", "what the finding is about"], |marks| {
+            marks.each_ref().map(String::as_str)
+        })
     }
 }

@@ -24,22 +24,20 @@ use sesc_model::tree::{like_sole, sole_parts};
 use sesc_model::{Function, Model};
 
 use super::criteria::{
-    ALIKE, BETTER, CONSTANT_M, ENOUGH, EXCHANGED, FAR_M, FEET, FITS, LEAST_YAW, MASSES_LEAVE,
-    MOVES_M, MUST_MOVE, RIGHT_ANGLE, SHUFFLED_MOVES, SILENT_ROWS, TURNED_LEAVES, TURNED_SHOWS,
+    ALIKE, BETTER, BY_MASSES, ENOUGH, EXCHANGED, FAR_M, FITS, LEAST_YAW, MOVES_M, MUST_MOVE,
+    RIGHT_ANGLE, SHOWS, SILENT_ROWS, STILL, TURNED_SHOWS,
 };
-use super::wirings::Wirings;
-use super::wirings::{axis, correlation, gap, mean, rms_of, scatter};
+use super::wirings::{Wirings, axis, centred, correlation, dot, gap, mean, rms_of, scatter};
 use super::{Finding, Kind, Look};
 use crate::evaluate::Evaluator;
 use crate::observations::correlation;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
-use crate::observations::rows::CopRows;
 use crate::robot::Robot;
 
 /// Another link, or other axes of this one, that the readings fit.
 pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
-    let here = gap(look.data, look.predicted.iter().copied());
+    let here = look.gap();
     if here < FAR_M {
         return None;
     }
@@ -112,7 +110,7 @@ struct Frame {
 fn other_foot(look: &Look) -> Option<Foot> {
     let tree = &look.model.tree;
     let support = &tree.links[tree.support].name;
-    let leaves = leaf_links(look.robot)
+    let leaves = leaf_links(look.on.robot)
         .into_iter()
         .map(|link| match tree.by_height {
             true => like_sole(support, &link),
@@ -120,9 +118,9 @@ fn other_foot(look: &Look) -> Option<Foot> {
         })
         .filter(|link| link != support);
     let on = |link: String| {
-        let model = look.robot.model(&link, look.snapping, None).ok()?;
+        let model = look.on.robot.model(&link, look.on.snapping, None).ok()?;
         let cop = Evaluator::new(&model, Function::Cop).run(&look.data.q, look.data.len());
-        let left = gap(look.data, cop.iter().copied());
+        let left = gap(look.data, &cop);
         Some(Foot {
             left,
             link,
@@ -130,7 +128,7 @@ fn other_foot(look: &Look) -> Option<Foot> {
             cop,
         })
     };
-    let feet = leaves.take(FEET).filter_map(on);
+    let feet = leaves.take(64).filter_map(on);
     feet.min_by(|a, b| a.left.total_cmp(&b.left))
 }
 
@@ -158,7 +156,7 @@ fn another_up(look: &Look) -> Frame {
         let up = (["x", "y", "z"][up], axes[(2, up)] < 0.0);
         let com = look.com.chunks_exact(3);
         let cop: Vec<f64> = com.flat_map(|c| [row(c, 0), row(c, 1)]).collect();
-        let left = gap(look.data, cop.iter().copied());
+        let left = gap(look.data, &cop);
         Frame {
             left,
             flat,
@@ -197,9 +195,6 @@ fn axes_with_another_up() -> Vec<(Matrix3<f64>, [usize; 2])> {
     found
 }
 
-/// Postures that free masses are fitted to, at most.
-const FITTED: usize = 400;
-
 /// How a sensor's axes lie in the sole.
 #[derive(Debug, Clone, Copy)]
 struct Turn {
@@ -217,8 +212,8 @@ pub(super) fn turned(look: &Look, wirings: &Wirings) -> Option<Finding> {
     if data.len() < ENOUGH {
         return None;
     }
-    let [x, y] = [0, 1].map(|k| centred(&data.reading, k));
-    let [px, py] = [0, 1].map(|k| centred(&look.predicted, k));
+    let [x, y] = [0, 1].map(|k| centred(&axis(&data.reading, k)));
+    let [px, py] = [0, 1].map(|k| centred(&axis(&look.predicted, k)));
     let noise = rms([0, 1].map(|k| rms_of(&look.std, k)).into_iter());
     let left = |turn: &Turn| {
         let gap = |k: usize| {
@@ -228,13 +223,11 @@ pub(super) fn turned(look: &Look, wirings: &Wirings) -> Option<Finding> {
         rms((0..data.len()).flat_map(gap))
     };
     let turns = [false, true].into_iter().filter_map(|mirrored| {
-        let py: Vec<f64> = match mirrored {
-            true => py.iter().map(|y| -y).collect(),
-            false => py.clone(),
-        };
+        let sign = if mirrored { -1.0 } else { 1.0 };
+        let py: Vec<f64> = py.iter().map(|y| sign * y).collect();
         Turn::of(
-            along(&x, &px) + along(&y, &py),
-            along(&y, &px) - along(&x, &py),
+            dot(&x, &px) + dot(&y, &py),
+            dot(&y, &px) - dot(&x, &py),
             mirrored,
         )
     });
@@ -243,7 +236,7 @@ pub(super) fn turned(look: &Look, wirings: &Wirings) -> Option<Finding> {
     // What noise leaves is no part of the comparison.
     let beyond = |left: f64| (left * left - noise * noise).max(0.0).sqrt();
     let as_well = |straight: f64| {
-        beyond(turned) > TURNED_LEAVES * beyond(straight) || straight < TURNED_SHOWS * noise
+        beyond(turned) > BETTER * beyond(straight) || straight < TURNED_SHOWS * noise
     };
     if wirings.upright(as_well) {
         return None;
@@ -251,7 +244,7 @@ pub(super) fn turned(look: &Look, wirings: &Wirings) -> Option<Finding> {
     // Masses that are all negative explain half a turn; no robot has them.
     if !turn.is_half() {
         let [as_read, back] = left_by_masses(look, &turn)?;
-        if as_read < MASSES_LEAVE * back {
+        if as_read < BY_MASSES * back {
             return None;
         }
     }
@@ -282,13 +275,8 @@ pub(super) fn turned(look: &Look, wirings: &Wirings) -> Option<Finding> {
 /// What free masses and any zero of the sensor leave of the readings as they stand, and turned
 /// back, m; none where too few postures tell.
 fn left_by_masses(look: &Look, turn: &Turn) -> Option<[f64; 2]> {
-    let (data, model) = (look.data, look.model);
-    let dof = model.dof();
-    let stride = data.len().div_ceil(FITTED).max(1);
-    let chosen: Vec<usize> = (0..data.len()).step_by(stride).collect();
-    let q = chosen.iter().flat_map(|k| &data.q[k * dof..(k + 1) * dof]);
-    let q: Vec<f64> = q.copied().collect();
-    let of_masses = CopRows::new(model).fastest().of(&q, chosen.len(), None);
+    let data = look.data;
+    let (chosen, of_masses) = look.rows_of_masses(400);
     let columns = of_masses.ncols();
     let x = DMatrix::from_fn(2 * chosen.len(), columns + 2, |row, column| {
         match column.checked_sub(columns) {
@@ -304,16 +292,6 @@ fn left_by_masses(look: &Look, turn: &Turn) -> Option<[f64; 2]> {
         (df >= ENOUGH as f64).then(|| square.sqrt())
     };
     Some([left(&|y| y)?, left(&|y| turn.back(y))?])
-}
-
-fn centred(values: &[f64], k: usize) -> Vec<f64> {
-    let own = axis(values, k);
-    let middle = mean(&own);
-    own.iter().map(|x| x - middle).collect()
-}
-
-fn along(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Turn {
@@ -428,7 +406,7 @@ pub(super) fn dead_axes(look: &Look, wirings: &Wirings) -> Option<Finding> {
 
 /// Whether an axis does not move at all.
 pub(super) fn is_constant(data: &Postures) -> bool {
-    (0..2).any(|k| scatter(&axis(&data.reading, k)) < CONSTANT_M)
+    (0..2).any(|k| scatter(&axis(&data.reading, k)) < STILL)
 }
 
 fn is_dead(look: &Look, wirings: &Wirings, k: usize) -> bool {
@@ -439,7 +417,7 @@ fn is_dead(look: &Look, wirings: &Wirings, k: usize) -> bool {
     let [read, other] = [k, 1 - k].map(|k| axis(&data.reading, k));
     let [cad, across] = [k, 1 - k].map(|k| axis(&look.predicted, k));
     let moves = scatter(&read);
-    let constant = moves < CONSTANT_M;
+    let constant = moves < STILL;
     let least = match constant {
         true => MOVES_M,
         false => MUST_MOVE * moves,
@@ -460,7 +438,7 @@ pub(super) fn shuffled(look: &Look, wirings: &Wirings) -> Option<Finding> {
         let (read, cad) = (axis(&data.reading, k), axis(&look.predicted, k));
         let ratio = scatter_of_rows(look, k, scatter(&read)) / scatter(&cad);
         let near = (mean(&read) - mean(&cad)).abs() < scatter(&cad);
-        let moves = scatter(&cad) > SHUFFLED_MOVES * rms_of(&look.std, k);
+        let moves = scatter(&cad) > SHOWS * rms_of(&look.std, k);
         (ALIKE.0..ALIKE.1).contains(&ratio) && near && moves
     });
     let broken = data.len() >= ENOUGH && as_cad && !wirings.relate();

@@ -13,17 +13,14 @@ use std::sync::Arc;
 use sesc_model::{Function, Model, Snapping};
 
 use super::criteria::{ANYWHERE, UNKNOWN_NOISE_M};
-use super::encoders::{Stuck, of_joint};
+use super::encoders::{Stuck, of_joint, parked};
 use super::rows::{self, LeftOut, LogRows};
-use super::{Axes, Finding, Health, Views, encoders, examine_views};
+use super::{Finding, Health, On, Views};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, Screen, Screening};
 use crate::robot::Robot;
 use crate::watch::Watch;
-
-/// Postures that are looked at, at most.
-const POSTURES: usize = 2000;
 
 /// How a log of a fit is read.
 #[derive(Debug, Clone, Copy)]
@@ -49,39 +46,42 @@ pub fn look(
     reading: Reading,
     watch: &mut dyn Watch,
 ) -> Result<(LogSource, Vec<Finding>), Error> {
+    let log = log.clone();
     if !log.can_be_read_again() {
-        return Ok((log.clone(), Vec::new()));
+        return Ok((log, Vec::new()));
     }
-    let rows = LogRows::read(log, (robot, model), reading.options, reading.noise, watch)?;
-    let (left_out, findings) = judge(&rows, (robot, model));
-    let stride = rows.len().div_ceil(POSTURES).max(1);
+    let on = On {
+        robot,
+        model,
+        snapping: reading.snapping,
+    };
+    let rows = LogRows::read(&log, (robot, model), reading.options, reading.noise, watch)?;
+    let (left_out, findings) = judge(&rows, on);
+    // At most 2000 postures.
+    let stride = rows.len().div_ceil(2000).max(1);
     let kept = |k: &usize| {
         left_out.keeps(rows.reading[*k], rows.force(*k)) && left_out.follows(rows.q(*k))
     };
     let chosen: Vec<usize> = (0..rows.len()).filter(kept).step_by(stride).collect();
     if chosen.is_empty() {
-        return Ok((log.clone(), findings));
+        return Ok((log, findings));
     }
     let noise = rows.noise.unwrap_or(UNKNOWN_NOISE_M);
-    let (read, still) = rows::as_read_and_still(&rows, &chosen, model);
-    let views = Views::of(robot, model, &read, still.as_ref());
-    let found = examine_views(robot, model, reading.snapping, &views, Axes::AreOfSupport);
+    let (read, still) = rows.views(&chosen, model);
+    let found = Views::of(on, &read, still.as_ref()).examine(true);
     let Health { findings, stuck } = found.after(findings);
-    let inner = (!left_out.is_nothing()).then(|| Arc::new(left_out) as Arc<dyn Screen>);
-    let screen: Option<Arc<dyn Screen>> = match stuck {
-        Some(Stuck { joint, .. }) => Some(Arc::new(LessKnown {
-            inner,
-            slopes: Arc::new(Evaluator::new(model, Function::ComJacobian).fastest()),
-            joint,
-            dof: rows.dof,
-            anywhere: of_joint(&model.tree.dofs[joint], ANYWHERE),
-            noise: reading.alone.then_some(noise),
-        })),
-        None => inner,
+    let Some(Stuck { joint, .. }) = stuck else {
+        return Ok((screened(log, left_out), findings));
     };
-    let log = log.clone();
-    let log = screen.map_or(log.clone(), |screen| log.screened(screen));
-    Ok((log, findings))
+    let screen = LessKnown {
+        left_out,
+        slopes: Arc::new(Evaluator::new(model, Function::ComJacobian).fastest()),
+        joint,
+        dof: rows.dof,
+        anywhere: of_joint(&model.tree.dofs[joint], ANYWHERE),
+        noise: reading.alone.then_some(noise),
+    };
+    Ok((log.screened(Arc::new(screen)), findings))
 }
 
 /// Look at the rows of a log on the model's support: what is wrong with them, and the log
@@ -96,29 +96,40 @@ pub fn screen(
     noise: Option<f64>,
     watch: &mut dyn Watch,
 ) -> Result<(LogSource, Vec<Finding>), Error> {
+    let log = log.clone();
     if !log.can_be_read_again() {
-        return Ok((log.clone(), Vec::new()));
+        return Ok((log, Vec::new()));
     }
-    let log = &log.clone().unchanged()?;
-    let rows = LogRows::read(log, (robot, model), options, noise, watch)?;
-    let (left_out, findings) = judge(&rows, (robot, model));
-    let log = match left_out.is_nothing() {
-        true => log.clone(),
-        false => log.clone().screened(Arc::new(left_out) as Arc<dyn Screen>),
+    let log = log.unchanged()?;
+    let rows = LogRows::read(&log, (robot, model), options, noise, watch)?;
+    let snapping = Snapping::default();
+    let on = On {
+        robot,
+        model,
+        snapping,
     };
-    Ok((log, findings))
+    let (left_out, findings) = judge(&rows, on);
+    Ok((screened(log, left_out), findings))
 }
 
 /// What is wrong with rows, by themselves and beside what CAD says, and what to leave out.
-fn judge(rows: &LogRows, on: (&Robot, &Model)) -> (LeftOut, Vec<Finding>) {
-    let (mut left_out, mut findings) = rows::judge(rows, on.1);
-    findings.extend(encoders::stretch(rows, on, &mut left_out));
+fn judge(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>) {
+    let (mut left_out, mut findings) = rows::judge(rows, on.model);
+    findings.extend(parked(rows, on, &mut left_out));
     (left_out, findings)
 }
 
-/// Rows count for less along the motion of one joint.
+/// A log without the rows that are to be left out.
+fn screened(log: LogSource, left_out: LeftOut) -> LogSource {
+    if left_out == LeftOut::default() {
+        return log;
+    }
+    log.screened(Arc::new(left_out))
+}
+
+/// Rows that are left out, and the others count for less along the motion of one joint.
 struct LessKnown {
-    inner: Option<Arc<dyn Screen>>,
+    left_out: LeftOut,
     slopes: Arc<Evaluator>,
     joint: usize,
     dof: usize,
@@ -129,19 +140,17 @@ struct LessKnown {
 
 impl fmt::Debug for LessKnown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "LessKnown({}, {:?})", self.joint, self.inner)
+        write!(f, "LessKnown({}, {:?})", self.joint, self.left_out)
     }
 }
 
 impl Screen for LessKnown {
     fn start(&self) -> Screening {
-        let mut inner = self.inner.as_ref().map(|inner| inner.start());
+        let mut left_out = self.left_out.start();
         let (slopes, noise) = (Arc::clone(&self.slopes), self.noise);
         let (joint, dof, anywhere) = (self.joint, self.dof, self.anywhere);
         Box::new(move |block: &mut Block| {
-            if let Some(inner) = &mut inner {
-                inner(block);
-            }
+            left_out(block);
             let n = block.len();
             if let (None, Some(noise)) = (&block.std, noise) {
                 block.std = Some(vec![[noise; 2]; n]);

@@ -22,17 +22,20 @@ mod look;
 mod rows;
 mod wirings;
 
+use nalgebra::DMatrix;
 use sesc_model::{Function, Model, Snapping};
 
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{LogSource, Options};
 use crate::observations::postures::Postures;
+use crate::observations::rows::CopRows;
 use crate::robot::Robot;
 use crate::watch::Watch;
+use criteria::UNKNOWN_NOISE_M;
 #[doc(hidden)]
 pub use encoders::Stuck;
-pub use finding::{Finding, KINDS, Kind};
+pub use finding::{Finding, Kind};
 #[doc(hidden)]
 pub use finding::{Picture, Row};
 #[doc(hidden)]
@@ -57,13 +60,6 @@ impl Health {
         !self.findings.iter().any(|f| f.kind.makes_unusable())
     }
 
-    fn only(finding: Finding) -> Health {
-        Health {
-            findings: vec![finding],
-            ..Health::default()
-        }
-    }
-
     /// With what was found of the rows before; a finding that makes data unusable stands alone.
     pub fn after(mut self, rows: Vec<Finding>) -> Health {
         if self.is_usable() {
@@ -71,21 +67,6 @@ impl Health {
         }
         self
     }
-}
-
-/// A log beside what CAD says of it.
-struct Look<'a> {
-    robot: &'a Robot,
-    model: &'a Model,
-    snapping: Snapping,
-    data: &'a Postures,
-    /// Deviation of each reading, m; a guess where it is not known yet.
-    std: Vec<f64>,
-    noise_is_known: bool,
-    /// CoM by CAD, three per posture, m.
-    com: Vec<f64>,
-    /// Its x and y, m.
-    predicted: Vec<f64>,
 }
 
 /// What is wrong with a log itself.
@@ -143,26 +124,26 @@ pub fn of_log(
 /// Examine the postures of a log of `model`.
 pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures) -> Health {
     let still = data.moved.is_some().then(|| data.standing());
-    examine_views(
+    let on = On {
         robot,
         model,
         snapping,
-        &Views::of(robot, model, data, still.as_ref()),
-        Axes::MayBeTurned,
-    )
+    };
+    // A sensor whose axes are turned is an effect, which a diagnosis names.
+    Views::of(on, data, still.as_ref()).examine(false)
 }
 
-/// Whether a sensor whose axes are turned about the normal of the sole is a finding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Axes {
-    /// It is an effect, which a diagnosis names.
-    MayBeTurned,
-    /// It is, for who fits masses alone.
-    AreOfSupport,
+/// A robot on its support.
+#[derive(Clone, Copy)]
+struct On<'a> {
+    robot: &'a Robot,
+    model: &'a Model,
+    snapping: Snapping,
 }
 
 /// Postures as their readings may be meant.
 struct Views<'a> {
+    on: On<'a>,
     /// Postures as they were read.
     read: &'a Postures,
     /// These, or postures without what motion adds to readings, whichever are nearer to CAD.
@@ -175,90 +156,125 @@ struct Views<'a> {
 
 impl<'a> Views<'a> {
     /// Postures as `read`, and `still` without what motion adds to their readings.
-    fn of(
-        robot: &Robot,
-        model: &Model,
-        read: &'a Postures,
-        still: Option<&'a Postures>,
-    ) -> Views<'a> {
-        let gap = |data| Look::of(robot, model, Snapping::default(), data).gap();
+    fn of(on: On<'a>, read: &'a Postures, still: Option<&'a Postures>) -> Views<'a> {
+        let gap = |data| Look::of(on, data).gap();
         let as_read = gap(read);
         let (nearer, farther, gap) = match still.map(|still| (still, gap(still))) {
             Some((still, gap)) if gap < as_read => (still, Some(read), gap),
             _ => (read, still, as_read),
         };
         Views {
+            on,
             read,
             nearer,
             farther,
             gap,
         }
     }
+
+    /// Examine postures as they were read, and without what motion adds to their readings: a
+    /// dead sensor does not move, and would with what is taken from it; a stuck encoder may hide
+    /// more than motion does, so that the farther view is the right one. `axes`: whether a sensor
+    /// whose axes are turned about the normal of the sole is a finding.
+    fn examine(&self, axes: bool) -> Health {
+        let model = self.on.model;
+        let read = || (Look::of(self.on, self.read), Wirings::new(model, self.read));
+        let (look, wirings) = (
+            Look::of(self.on, self.nearer),
+            Wirings::new(model, self.nearer),
+        );
+        let dead = || {
+            let (look, wirings) = read();
+            frames::dead_axes(&look, &wirings)
+        };
+        // On another foot an axis may hardly move; one that is constant is dead on any.
+        let broken = if frames::is_constant(self.read) {
+            dead()
+        } else {
+            frames::wrong(&look, &wirings).or_else(dead)
+        };
+        let broken = broken.or_else(|| frames::shuffled(&look, &wirings));
+        let broken = broken.or_else(|| {
+            // What motion adds by CAD has CAD's axes: readings are looked at as they are.
+            let (look, wirings) = axes.then(read)?;
+            frames::turned(&look, &wirings)
+        });
+        let (finding, stuck) = match broken {
+            Some(finding) => (Some(finding), None),
+            None => self.stuck().unzip(),
+        };
+        Health {
+            findings: finding.into_iter().collect(),
+            stuck,
+        }
+    }
+
+    /// An encoder that does not move in any posture, though its joint does: in the nearer view,
+    /// or in the farther one, which must explain what the nearer one leaves.
+    fn stuck(&self) -> Option<(Finding, Stuck)> {
+        let gap = Look::of(self.on, self.nearer).chi2();
+        let of = |data| {
+            let wirings = Wirings::new(self.on.model, data);
+            encoders::stuck(&Look::of(self.on, data), &wirings, gap)
+        };
+        of(self.nearer).or_else(|| of(self.farther?))
+    }
 }
 
-/// Examine postures as they were read, and without what motion adds to their readings: a
-/// dead sensor does not move, and would with what is taken from it; a stuck encoder may hide
-/// more than motion does, so that the farther view is the right one.
-fn examine_views(
-    robot: &Robot,
-    model: &Model,
-    snapping: Snapping,
-    views: &Views,
-    axes: Axes,
-) -> Health {
-    let (read, standing) = (views.read, views.nearer);
-    let of = |data| Look::of(robot, model, snapping, data);
-    let dead = || frames::dead_axes(&of(read), &Wirings::new(model, read));
-    let (look, wirings) = (of(standing), Wirings::new(model, standing));
-    let elsewhere = || frames::wrong(&look, &wirings);
-    // On another foot an axis may hardly move; one that is constant is dead on any.
-    let broken = match frames::is_constant(read) {
-        true => dead(),
-        false => elsewhere().or_else(dead),
-    };
-    let broken = broken.or_else(|| frames::shuffled(&look, &wirings));
-    // What motion adds by CAD has CAD's axes: readings are looked at as they are.
-    let turned = || frames::turned(&of(read), &Wirings::new(model, read));
-    let broken = match axes {
-        Axes::AreOfSupport => broken.or_else(turned),
-        Axes::MayBeTurned => broken,
-    };
-    if let Some(finding) = broken {
-        return Health::only(finding);
-    }
-    let (finding, stuck) = stuck(robot, model, snapping, views).unzip();
-    Health {
-        findings: finding.into_iter().collect(),
-        stuck,
-    }
-}
-
-/// An encoder that does not move in any posture, though its joint does: in the nearer view, or in
-/// the farther one, which must explain what the nearer one leaves.
-fn stuck(
-    robot: &Robot,
-    model: &Model,
-    snapping: Snapping,
-    views: &Views,
-) -> Option<(Finding, Stuck)> {
-    let look = |data| Look::of(robot, model, snapping, data);
-    let gap = look(views.nearer).chi2();
-    let of = |data| encoders::stuck(&look(data), &Wirings::new(model, data), gap);
-    of(views.nearer).or_else(|| of(views.farther?))
+/// A log beside what CAD says of it.
+struct Look<'a> {
+    on: On<'a>,
+    model: &'a Model,
+    data: &'a Postures,
+    /// Deviation of each reading, m; a guess where it is not known yet.
+    std: Vec<f64>,
+    noise_is_known: bool,
+    /// CoM by CAD, three per posture, m.
+    com: Vec<f64>,
+    /// Its x and y, m.
+    predicted: Vec<f64>,
 }
 
 impl<'a> Look<'a> {
+    fn of(on: On<'a>, data: &'a Postures) -> Look<'a> {
+        let com = Evaluator::new(on.model, Function::Com).run(&data.q, data.len());
+        let predicted = com.chunks_exact(3).flat_map(|c| [c[0], c[1]]).collect();
+        let known = |std: &f64| if std.is_nan() { UNKNOWN_NOISE_M } else { *std };
+        Look {
+            on,
+            model: on.model,
+            data,
+            std: data.std.iter().map(known).collect(),
+            noise_is_known: data.std.iter().all(|std| !std.is_nan()),
+            com,
+            predicted,
+        }
+    }
+
     /// Between readings and CAD, m RMS.
     fn gap(&self) -> f64 {
-        wirings::gap(self.data, self.predicted.iter().copied())
+        wirings::gap(self.data, &self.predicted)
     }
 
     /// The same, variances of the noise a reading.
     fn chi2(&self) -> f64 {
         let readings = self.data.reading.iter().zip(&self.predicted);
         let whitened = readings.zip(&self.std).map(|((y, p), std)| (y - p) / std);
-        let squares: f64 = whitened.map(|x| x * x).sum();
-        squares / self.predicted.len().max(1) as f64
+        whitened.map(|x| x * x).sum::<f64>() / self.predicted.len().max(1) as f64
+    }
+
+    /// Some postures, at most so many, and rows of the CoP's regressor for them.
+    fn rows_of_masses(&self, most: usize) -> (Vec<usize>, DMatrix<f64>) {
+        let dof = self.model.dof();
+        let chosen = wirings::evenly(0..self.data.len(), most);
+        let q = chosen
+            .iter()
+            .flat_map(|k| &self.data.q[k * dof..(k + 1) * dof]);
+        let q: Vec<f64> = q.copied().collect();
+        let rows = CopRows::new(self.model)
+            .fastest()
+            .of(&q, chosen.len(), None);
+        (chosen, rows)
     }
 
     /// One axis of the readings beside what CAD says.
@@ -275,10 +291,9 @@ impl<'a> Look<'a> {
             let gap = |axis: usize| self.data.reading[2 * k + axis] - cop[2 * k + axis];
             1e3 * gap(0).hypot(gap(1))
         };
-        let sound = |k: usize| from(meant, k);
-        let found = |k: usize| from(&self.predicted, k);
-        let title = "Distance of the CoP from CAD's, mm";
-        self.of_two(title, [&sound, &found], marks)
+        let values: [&dyn Fn(usize) -> f64; 2] =
+            [&|k| from(meant, k), &|k| from(&self.predicted, k)];
+        self.of_two("Distance of the CoP from CAD's, mm", values, marks)
     }
 
     /// Two values of every posture: one that would be in order, and that of the finding.
@@ -293,23 +308,6 @@ impl<'a> Look<'a> {
         Picture {
             marks: Some(marks.map(str::to_string)),
             ..Picture::chosen(title, self.data.len(), row, both)
-        }
-    }
-
-    fn of(robot: &'a Robot, model: &'a Model, snapping: Snapping, data: &'a Postures) -> Look<'a> {
-        let com = Evaluator::new(model, Function::Com).run(&data.q, data.len());
-        let predicted = com.chunks_exact(3).flat_map(|c| [c[0], c[1]]).collect();
-        let unknown = criteria::UNKNOWN_NOISE_M;
-        let known = |std: &f64| if std.is_nan() { unknown } else { *std };
-        Look {
-            robot,
-            model,
-            snapping,
-            data,
-            std: data.std.iter().map(known).collect(),
-            noise_is_known: data.std.iter().all(|std| !std.is_nan()),
-            com,
-            predicted,
         }
     }
 }

@@ -6,10 +6,8 @@
 //! ```
 //!
 //! A finding that makes data unusable holds under all of them: where one explains the
-//! readings, naming it is the work of a diagnosis. Up to [`MOST`] postures, evenly chosen,
-//! are looked at, and only once a finding is at hand.
-//!
-//! Columns of numbers: their scatter, and what of one another explains.
+//! readings, naming it is the work of a diagnosis. Some postures, evenly chosen, are
+//! looked at, and only once a finding is at hand. Columns of numbers:
 //!
 //! ```text
 //! s(x) = √(Σ (x − x̄)² / n)        ρ(a, b)        R² = 1 − min_c ‖y − X c‖² / ‖y − ȳ‖²
@@ -26,13 +24,6 @@ use sesc_model::{Function, Model};
 use super::criteria::CHANCE;
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::observations::postures::{Postures, rms};
-
-/// Postures that are looked at, at most; and at least, of robots with hundreds of joints.
-const MOST: usize = 300;
-const LEAST: usize = 40;
-
-/// Wirings that are asked about in one unit of angles, at most: all of a robot of 140 joints.
-const WIRINGS: usize = 10_000;
 
 /// Coordinates of the CoM that are kept from one question to the next, at most: 64 MiB.
 const KEPT: usize = 8 << 20;
@@ -55,8 +46,8 @@ impl<'a> Wirings<'a> {
     pub fn new(model: &'a Model, data: &Postures) -> Wirings<'a> {
         let (n, dof) = (data.len(), model.dof());
         // Nearly all wirings are exchanges of two joints, in two units of angles.
-        let most = (KEPT / 3 / (dof * dof + 1)).clamp(LEAST, MOST);
-        let chosen: Vec<usize> = (0..n).step_by(n.div_ceil(most).max(1)).collect();
+        let most = (KEPT / 3 / (dof * dof + 1)).clamp(40, 300);
+        let chosen = evenly(0..n, most);
         let rows = |values: &[f64], width: usize| -> Vec<f64> {
             let of = |&k: &usize| values[k * width..(k + 1) * width].to_vec();
             chosen.iter().flat_map(of).collect()
@@ -212,18 +203,36 @@ fn of_wiring(context: &EffectContext, units: bool) -> Vec<Instance> {
     let own = |i: &Instance| i.effect.is_unit() == units;
     let wiring = all.filter(|i| i.effect.stage() == Stage::Wiring && own(i));
     let mut all: Vec<Instance> = wiring.collect();
-    if all.len() > WIRINGS {
+    // All of a robot of 140 joints.
+    let most = 10_000;
+    if all.len() > most {
         all.sort_by_key(|instance| match instance.target {
             Target::Joints(a, b) => a.abs_diff(b),
             _ => 0,
         });
-        all.truncate(WIRINGS);
+        all.truncate(most);
     }
     all
 }
 
 fn column(com: &[f64], k: usize) -> Vec<f64> {
     com.iter().skip(k).step_by(3).copied().collect()
+}
+
+/// Some of the rows, at most so many, evenly chosen.
+pub(super) fn evenly(rows: impl ExactSizeIterator<Item = usize>, most: usize) -> Vec<usize> {
+    let stride = rows.len().div_ceil(most).max(1);
+    rows.step_by(stride).collect()
+}
+
+/// Values less their mean.
+pub(super) fn centred(x: &[f64]) -> Vec<f64> {
+    let middle = mean(x);
+    x.iter().map(|x| x - middle).collect()
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Every second value.
@@ -255,17 +264,12 @@ pub(super) fn rms_of(values: &[f64], k: usize) -> f64 {
 }
 
 /// Gap of the readings to a CoP, m RMS.
-pub(super) fn gap(data: &Postures, cop: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn gap(data: &Postures, cop: &[f64]) -> f64 {
     rms(data.reading.iter().zip(cop).map(|(y, p)| y - p))
 }
 
 /// What the best `c + a·x₁ + b·x₂` leaves of `y`, RMS.
 pub(super) fn left_by_plane(y: &[f64], x: [&[f64]; 2]) -> f64 {
-    let centred = |v: &[f64]| -> Vec<f64> {
-        let middle = mean(v);
-        v.iter().map(|v| v - middle).collect()
-    };
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let mut left = centred(y);
     let mut directions: Vec<Vec<f64>> = Vec::new();
     for column in x {

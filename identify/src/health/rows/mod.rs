@@ -12,11 +12,7 @@
 //! stamps     joints jump from stamp to stamp and not from row to row, or time runs backwards
 //! ```
 //!
-//! [`ROWS`] rows are looked at; of longer logs, whatever their format, a first stretch and short
-//! ones over the rest ([`sample`]). What is found wrong in them is left out of the whole log by a
-//! [`Screen`](crate::logs::Screen), and the rest is used.
-//!
-//! Which rows of a log are looked at: all of a short one, stretches over the whole of a long one.
+//! Of a short log all rows are looked at, of a long one, whatever its format, stretches:
 //!
 //! ```text
 //! │ FIRST rows │   │ PIECE │   │ PIECE │  …  │ PIECE │        ROWS in all, the last at the end
@@ -24,13 +20,8 @@
 //!
 //! Between the pieces the file is passed over without being parsed; messages of a recording (MCAP)
 //! are read, and their rows not kept. A log whose length is not known (a pipe) is looked at from
-//! its first row on.
-//!
-//! Rows of a log as postures of a robot that stands.
-//!
-//! ```text
-//! y − (ZMP − CoP)        by CAD
-//! ```
+//! its first row on. What is found wrong is left out of the whole log by a
+//! [`Screen`](crate::logs::Screen), and the rest is used.
 
 mod channels;
 mod contact;
@@ -45,30 +36,28 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
-use super::criteria::{FEW_ROWS, MOVED, MOVED_M};
-use super::wirings::rms_of_gaps;
-use super::{Finding, Row};
+use super::criteria::{FEW_ROWS, SHOWS, UNKNOWN_NOISE_M};
+use super::finding::{Finding, Kind, Picture, Row};
+use super::wirings::{evenly, rms_of_gaps};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader};
 use crate::observations::correlation;
-use crate::observations::motion::{Motion, Plan, Wanted};
+use crate::observations::motion::{Plan, Wanted};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
 use crate::observations::rows::CopRows;
 use crate::observations::zmp::Zmp;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
-use screen::Everything;
-
 pub(super) use screen::{LeftOut, Parked};
 
 /// Rows that are looked at, at most.
-pub(super) const ROWS: usize = 50_000;
-/// Half the time over which an acceleration is looked at, s.
-const SWING_S: f64 = 0.15;
-/// Rows that masses are fitted to, at most.
-const FITTED: usize = 1000;
+const ROWS: usize = 50_000;
+/// Rows before the first gap: a chunk of the reader, which tells how long rows are.
+const FIRST: usize = 4096;
+/// Rows between gaps: 10 s at 100 Hz.
+const PIECE: usize = 1024;
 
 /// Rows of a log on one support.
 #[derive(Default)]
@@ -93,9 +82,9 @@ pub(super) struct LogRows {
     pub pose: Vec<i64>,
     /// s; empty of logs without.
     pub t: Vec<f64>,
-    /// Noise of a row, m, where it is known: RMS where rows have their own.
+    /// Noise of a row, m, where it is known, and where it is known from: RMS where rows have
+    /// their own.
     pub noise: Option<f64>,
-    /// Where it is known from, if it is.
     noise_source: Option<NoiseSource>,
     /// What rows state of it themselves, m; empty where they do not, or the user says it.
     std: Vec<[f64; 2]>,
@@ -114,22 +103,29 @@ impl LogRows {
 
     /// Some of the rows, in words that say what they are part of where that is not the log.
     pub fn some(&self, count: usize) -> String {
-        match self.is_part {
-            true => format!("{count} of {}", self.total()),
-            false => format!("{count} rows"),
+        if self.is_part {
+            return format!("{count} of {}", self.total());
         }
+        format!("{count} rows")
     }
 
     /// All rows, in words that say what they are part of.
     pub fn total(&self) -> String {
-        match self.is_part {
-            true => format!("{} rows that were looked at", self.len()),
-            false => format!("{} rows", self.len()),
-        }
+        let looked_at = if self.is_part {
+            " that were looked at"
+        } else {
+            ""
+        };
+        format!("{} rows{looked_at}", self.len())
     }
 
     pub fn q(&self, row: usize) -> &[f64] {
         &self.q[row * self.dof..(row + 1) * self.dof]
+    }
+
+    /// Joint positions of some of the rows, one after the other.
+    fn positions(&self, rows: impl Iterator<Item = usize>) -> Vec<f64> {
+        rows.flat_map(|row| self.q(row)).copied().collect()
     }
 
     /// A row as figures show it.
@@ -141,24 +137,42 @@ impl LogRows {
         }
     }
 
-    /// Some of the rows as postures, with their readings as they are.
-    pub fn postures(&self, chosen: &[usize]) -> Postures {
-        let read: Vec<(usize, [f64; 2])> = chosen.iter().map(|&k| (k, self.reading[k])).collect();
-        self.postures_of(&read)
+    /// A finding with a picture of one value of every row.
+    pub fn finding(
+        &self,
+        (kind, target, sentence): (Kind, &str, String),
+        title: &str,
+        value: impl Fn(usize) -> f64,
+        meant: impl Fn(usize) -> bool,
+    ) -> Finding {
+        let picture = Picture::of(title, self.len(), |k| self.row(k), value, meant);
+        Finding::new(kind, target, sentence).showing(picture)
     }
 
     /// Some of the rows as postures, with the readings that are given.
-    pub fn postures_of(&self, read: &[(usize, [f64; 2])]) -> Postures {
-        let q = read.iter().flat_map(|(k, _)| self.q(*k));
-        let q: Vec<f64> = q.copied().collect();
-        let pose: Vec<i64> = read.iter().map(|(k, _)| self.pose[*k]).collect();
-        let cop: Vec<f64> = read.iter().flat_map(|(_, y)| *y).collect();
+    pub fn postures(&self, read: impl Iterator<Item = (usize, [f64; 2])> + Clone) -> Postures {
+        let q = self.positions(read.clone().map(|(k, _)| k));
+        let pose: Vec<i64> = read.clone().map(|(k, _)| self.pose[k]).collect();
+        let cop: Vec<f64> = read.flat_map(|(_, y)| y).collect();
         Postures::of_rows(self.dof, (&pose, &q, &cop), self.noise, 0.0)
+    }
+
+    /// Some of the rows with their readings as they are.
+    pub fn as_read<'a>(
+        &'a self,
+        rows: &'a [usize],
+    ) -> impl Iterator<Item = (usize, [f64; 2])> + Clone {
+        rows.iter().map(|&k| (k, self.reading[k]))
     }
 
     /// Forces of the cells of a row, N; none where the log has a CoP.
     pub fn force(&self, row: usize) -> &[f64] {
         &self.force[row * self.cells..(row + 1) * self.cells]
+    }
+
+    /// Distance of the reading from the origin, m.
+    fn distance(&self, row: usize) -> f64 {
+        self.reading[row][0].hypot(self.reading[row][1])
     }
 
     /// Rows that stay by these rules, stopped encoders and copies aside.
@@ -181,9 +195,8 @@ impl LogRows {
         let dofs = &model.tree.dofs;
         let (mut rows, averaged) =
             LogRows::gather(log, dofs, Some(model.support()), options, watch)?;
-        let single = (1.0 - averaged).sqrt();
         if let Some(noise) = noise {
-            rows.noise = Some(noise * single);
+            rows.noise = Some(noise * (1.0 - averaged).sqrt());
             rows.noise_source = Some(NoiseSource::Given);
             rows.std = Vec::new();
         }
@@ -202,7 +215,7 @@ impl LogRows {
         options: &Options,
         watch: &mut dyn Watch,
     ) -> Result<(LogRows, f64), Error> {
-        let log = log.clone().screened(Arc::new(Everything));
+        let log = log.clone().screened(Arc::new(LeftOut::default()));
         let mut reader = PostureReader::open(&log, dofs, options)?;
         let mut rows = LogRows {
             dof: dofs.len(),
@@ -242,8 +255,8 @@ impl LogRows {
         self.t.extend(block.t.unwrap_or_default());
         self.reading.extend(block.reading.unwrap_or_default());
         self.std.extend(block.std.unwrap_or_default());
-        self.load
-            .extend(block.load.iter().flatten().map(|load| load.abs()));
+        let loads = block.load.iter().flatten().map(|load| load.abs());
+        self.load.extend(loads);
         if let Some(cells) = block.cells {
             if block.load.is_none() {
                 let loads = cells.force.chunks_exact(cells.count.max(1));
@@ -258,50 +271,92 @@ impl LogRows {
     /// What free masses, and what CAD's CoM does to the CoP where it is accelerated, leave of
     /// one channel, m, in some of the rows; none where these are too few to tell.
     fn left_by_masses(&self, model: &Model, rows: &[usize], channel: usize) -> Option<f64> {
-        let stride = rows.len().div_ceil(FITTED).max(1);
-        let rows: Vec<usize> = rows.iter().copied().step_by(stride).collect();
-        let q: Vec<f64> = rows.iter().flat_map(|row| self.q(*row)).copied().collect();
+        let rows = evenly(rows.iter().copied(), 1000);
+        let q = self.positions(rows.iter().copied());
         let all = CopRows::new(model).fastest().of(&q, rows.len(), None);
         let swings = self.t.len() == self.len();
+        // CAD's CoP bends as its acceleration does, over 0.15 s either way.
         let reach = match correlation::step(&self.t).filter(|_| swings) {
-            Some(step) => (SWING_S / step).round().max(1.0) as usize,
+            Some(step) => (0.15 / step).round().max(1.0) as usize,
             None => self.len(),
         };
+        let bend = |row: usize| {
+            let at = |row: usize| self.cad[row][channel];
+            let inside = row >= reach && row + reach < self.len();
+            inside.then(|| at(row - reach) - 2.0 * at(row) + at(row + reach))
+        };
         let columns = all.ncols();
-        let x = DMatrix::from_fn(rows.len(), columns + 1, |k, column| {
-            match column < columns {
-                true => all[(2 * k + channel, column)],
-                false => self.bend(rows[k], reach, channel),
+        let entry = |k: usize, column: usize| {
+            if column < columns {
+                all[(2 * k + channel, column)]
+            } else {
+                bend(rows[k]).unwrap_or(0.0)
             }
-        });
+        };
+        let x = DMatrix::from_fn(rows.len(), columns + 1, entry);
         let y = DVector::from_fn(rows.len(), |k, _| self.reading[rows[k]][channel]);
         let (square, df) = correlation::left(&x, &y);
         (df >= FEW_ROWS as f64).then(|| square.sqrt())
     }
 
-    /// How CAD's CoP bends over `reach` rows either way, m: as its acceleration does.
-    fn bend(&self, row: usize, reach: usize, channel: usize) -> f64 {
-        match row >= reach && row + reach < self.len() {
-            true => {
-                let at = |row: usize| self.cad[row][channel];
-                at(row - reach) - 2.0 * at(row) + at(row + reach)
-            }
-            false => 0.0,
-        }
-    }
-
     fn predict(&mut self, model: &Model) {
         let cop = Evaluator::new(model, Function::Cop).fastest();
-        let pairs = |q: &[f64]| -> Vec<[f64; 2]> {
-            let flat = cop.run(q, self.len());
-            flat.chunks_exact(2).map(|p| [p[0], p[1]]).collect()
-        };
-        let scale = |(k, q): (usize, &f64)| match model.tree.dofs[k % self.dof].prismatic {
-            true => *q,
-            false => q.to_radians(),
-        };
-        let degrees: Vec<f64> = self.q.iter().enumerate().map(scale).collect();
+        let pairs = |q: &[f64]| cop.run(q, self.len()).as_chunks().0.to_vec();
+        let degrees = self.q.iter().enumerate().map(|(k, q)| {
+            if model.tree.dofs[k % self.dof].prismatic {
+                *q
+            } else {
+                q.to_radians()
+            }
+        });
+        let degrees: Vec<f64> = degrees.collect();
         (self.cad, self.cad_of_degrees) = (pairs(&self.q), pairs(&degrees));
+    }
+
+    /// The `chosen` rows as postures: as they were read, and without what motion adds to their
+    /// readings where they are far from CAD.
+    pub fn views(&self, chosen: &[usize], model: &Model) -> (Postures, Option<Postures>) {
+        let gap = |(k, y): (usize, [f64; 2])| [0, 1].map(|axis| y[axis] - self.cad[k][axis]);
+        let as_read = rms_of_gaps(self.as_read(chosen).map(gap));
+        let least = self.noise.map_or(UNKNOWN_NOISE_M, |noise| SHOWS * noise);
+        let still = if as_read < least {
+            None
+        } else {
+            self.still(chosen, model)
+        };
+        let still = still.map(|still| self.postures(still.into_iter()));
+        (self.postures(self.as_read(chosen)), still)
+    }
+
+    /// Those of the `chosen` rows whose motion is known, and their readings as of a robot that
+    /// stands, y − (ZMP − CoP) by CAD; none where it does stand, or the log is not dense enough
+    /// in time.
+    fn still(&self, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
+        if self.t.is_empty() || self.t.len() != self.len() {
+            return None;
+        }
+        let plan = Plan::of(&self.t, &self.q, self.dof)?;
+        let motion = plan.motion((&self.t, &self.q, self.dof), 0..self.len(), Wanted::Alone)?;
+        let known = chosen.iter().copied().filter(|&k| motion.known[k]);
+        let known: Vec<usize> = known.collect();
+        let of = |all: &[f64]| -> Vec<f64> {
+            let row = |&k: &usize| all[k * self.dof..(k + 1) * self.dof].iter().copied();
+            known.iter().flat_map(row).collect()
+        };
+        let (rates, gains) = (of(&motion.rates), of(&motion.gains));
+        let level = vec![[0.0; 2]; known.len()];
+        let zmp = Zmp::new(model);
+        let shifts = zmp.shifts(
+            &model.cad_params(),
+            &of(&self.q),
+            (&rates[..], &gains[..]),
+            &level,
+        );
+        let without = |((k, y), shift): ((usize, [f64; 2]), [f64; 2])| {
+            (k, [0, 1].map(|axis| y[axis] - shift[axis]))
+        };
+        let still: Vec<_> = self.as_read(&known).zip(shifts).map(without).collect();
+        (!still.is_empty()).then_some(still)
     }
 }
 
@@ -352,7 +407,7 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     findings.extend(contact::unplugged(rows));
     findings.extend(contact::unlike_weight(rows, model, &left_out));
     findings.extend(contact::both_flat(rows, model));
-    findings.extend(contact::sole(rows, model, &mut left_out));
+    findings.extend(contact::outside(rows, model, &mut left_out));
     findings.extend(channels::frozen(rows, &mut left_out));
     findings.extend(channels::saturated(rows, Some(model), &mut left_out));
     findings.extend(channels::copied(rows, &mut left_out));
@@ -360,15 +415,9 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     (left_out, findings)
 }
 
-/// Rows before the first gap: a chunk of the reader, which tells how long rows are.
-const FIRST: usize = 4096;
-/// Rows between gaps: 10 s at 100 Hz.
-const PIECE: usize = 1024;
-const PIECES: u64 = ((ROWS - FIRST) / PIECE) as u64;
-
 /// How far a log was looked at.
-#[derive(Debug, Default)]
-pub(super) struct Sample {
+#[derive(Default)]
+struct Sample {
     /// Rows that were taken.
     taken: usize,
     /// Rows that were passed over, about.
@@ -376,7 +425,7 @@ pub(super) struct Sample {
     /// Pieces that are to come; none where rows follow each other.
     to_come: Option<u64>,
     /// Whether rows may be left that were not looked at.
-    pub is_part: bool,
+    is_part: bool,
 }
 
 impl Sample {
@@ -384,7 +433,7 @@ impl Sample {
     ///
     /// # Errors
     /// What is wrong with the log.
-    pub fn next(&mut self, reader: &mut PostureReader) -> Result<Option<Block>, Error> {
+    fn next(&mut self, reader: &mut PostureReader) -> Result<Option<Block>, Error> {
         let block = match self.to_come {
             _ if self.taken >= ROWS => return Ok(None),
             // Rows of the end may still wait for the end of their stay.
@@ -396,10 +445,8 @@ impl Sample {
                 let between = (rows / pieces).saturating_sub(PIECE as u64);
                 // Behind a gap a quoted line end may look like a row; who reads all of the log
                 // says what is wrong with it.
-                let piece = reader
-                    .skip(between, PIECE)
-                    .and_then(|_| reader.block(PIECE));
-                let Ok(block) = piece else {
+                let piece = reader.skip(between, PIECE);
+                let Ok(block) = piece.and_then(|_| reader.block(PIECE)) else {
                     return Ok(None);
                 };
                 self.passed += between;
@@ -408,19 +455,16 @@ impl Sample {
             }
             None => {
                 let block = reader.block(FIRST)?;
-                if self.taken == 0 {
-                    let left = self.rows_left(reader).unwrap_or(0);
-                    if left > (ROWS - FIRST) as u64 && reader.skip(0, PIECE)? {
-                        (self.to_come, self.is_part) = (Some(PIECES), true);
-                    }
+                let left = ROWS - FIRST;
+                let is_long = self.taken == 0 && self.rows_left(reader).unwrap_or(0) > left as u64;
+                if is_long && reader.skip(0, PIECE)? {
+                    (self.to_come, self.is_part) = (Some((left / PIECE) as u64), true);
                 }
                 block
             }
         };
         self.taken += block.len();
-        if self.taken >= ROWS {
-            self.is_part = true;
-        }
+        self.is_part |= self.taken >= ROWS;
         Ok((!block.is_empty()).then_some(block))
     }
 
@@ -433,54 +477,4 @@ impl Sample {
         let per_row = done as f64 / rows as f64;
         Some((total?.saturating_sub(done) as f64 / per_row.max(1e-9)) as u64)
     }
-}
-
-/// The `chosen` rows as postures: as they were read, and without what motion adds to their
-/// readings.
-pub fn as_read_and_still(
-    rows: &LogRows,
-    chosen: &[usize],
-    model: &Model,
-) -> (Postures, Option<Postures>) {
-    let gap = |k: usize, y: [f64; 2]| [0, 1].map(|axis| y[axis] - rows.cad[k][axis]);
-    let as_read = rms_of_gaps(chosen.iter().map(|&k| gap(k, rows.reading[k])));
-    let least = rows.noise.map_or(MOVED_M, |noise| MOVED * noise);
-    let still = match as_read < least {
-        // Near enough to CAD.
-        true => None,
-        false => still(rows, chosen, model),
-    };
-    let still = still.map(|still| rows.postures_of(&still));
-    (rows.postures(chosen), still)
-}
-
-/// Those of the `chosen` rows whose motion is known, and their readings without it; none where the
-/// robot stands, or the log is not dense enough in time.
-pub fn still(rows: &LogRows, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
-    if rows.t.is_empty() || rows.t.len() != rows.len() {
-        return None;
-    }
-    let plan = Plan::of(&rows.t, &rows.q, rows.dof)?;
-    let motion = plan.motion((&rows.t, &rows.q, rows.dof), 0..rows.len(), Wanted::Alone)?;
-    let known: Vec<usize> = (chosen.iter().copied())
-        .filter(|&k| motion.known[k])
-        .collect();
-    let of = |all: &[f64]| -> Vec<f64> {
-        let row = |&k: &usize| all[k * rows.dof..(k + 1) * rows.dof].iter().copied();
-        known.iter().flat_map(row).collect()
-    };
-    let own = Motion {
-        rates: of(&motion.rates),
-        gains: of(&motion.gains),
-        ..Motion::default()
-    };
-    let level = vec![[0.0; 2]; known.len()];
-    let rates = (&own.rates[..], &own.gains[..]);
-    let shifts = Zmp::new(model).shifts(&model.cad_params(), &of(&rows.q), rates, &level);
-    let without = |(&k, shift): (&usize, [f64; 2])| {
-        let y = rows.reading[k];
-        (k, [0, 1].map(|axis| y[axis] - shift[axis]))
-    };
-    let still: Vec<(usize, [f64; 2])> = known.iter().zip(shifts).map(without).collect();
-    (!still.is_empty()).then_some(still)
 }

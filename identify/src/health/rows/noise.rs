@@ -1,41 +1,33 @@
-//! Noise that is stated beside what CAD leaves of the rows, with nothing fitted.
+//! Noise that is stated beside what CAD leaves of the rows, with nothing fitted, and beside what is
+//! left by the best that explains a log.
 //!
 //! ```text
 //! e = y − p_CAD(q)        χ² = mean of (e/σ)²        n: independent samples of e
+//! s = σ √(χ² / ν)         ν: rows less what was fitted, χ² in units of σ
 //! ```
 //!
 //! What CAD leaves is the noise and whatever CAD does not know: an upper bound of the noise that no
 //! fit has taken anything of. Noise that lasts for seconds leaves fewer independent samples than a
 //! fit has unknowns; then only this bound tells. Readings of a robot that moves are compared with
 //! the CoP and, where that leaves too much, with the ZMP.
-//!
-//! Noise that is stated beside what is left by the best that explains a log.
-//!
-//! ```text
-//! s = σ √(χ² / ν)          ν: rows less what was fitted, χ² in units of σ
-//! ```
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
-use super::{LeftOut, LogRows, still};
+use super::{LeftOut, LogRows};
 use crate::health::criteria::{OVERSTATED, OVERSTATED_BY_CHANCE, SAMPLES_PER_UNKNOWN};
+use crate::health::wirings::evenly;
 use crate::health::{Finding, Kind, Picture};
 use crate::observations::correlation::Correlation;
 use crate::observations::noise::NoiseSource;
 
-/// Rows that are looked at, at most.
-const LOOKED: usize = 10_000;
-
 /// A finding where the noise is several times what CAD leaves of the rows that are kept.
 pub(super) fn beside_cad(rows: &LogRows, model: &Model, left_out: &LeftOut) -> Option<Finding> {
     rows.noise?;
-    let kept = rows.kept(left_out);
-    let stride = kept.len().div_ceil(LOOKED).max(1);
-    let kept: Vec<usize> = kept.into_iter().step_by(stride).collect();
-    let as_read = kept.iter().map(|&k| (k, rows.reading[k])).collect();
-    told(rows, as_read).or_else(|| told(rows, still(rows, &kept, model)?))
+    let kept = evenly(rows.kept(left_out).into_iter(), 10_000);
+    let as_read = rows.as_read(&kept).collect();
+    told(rows, as_read).or_else(|| told(rows, rows.still(&kept, model)?))
 }
 
 /// A finding by what CAD leaves of some rows with these readings, m.
@@ -94,7 +86,7 @@ pub struct FitResiduals {
 
 impl FitResiduals {
     /// A finding where the noise is stated and several times what is left, and nothing that was
-    /// found `before` says or explains it: beside an encoder that is stuck, rows are is_told
+    /// found `before` says or explains it: beside an encoder that is stuck, rows are told
     /// deviations that the log does not state, and data that cannot be used leave anything.
     pub fn overstated_noise(&self, before: &[Finding]) -> Option<Finding> {
         let explains = |kind: Kind| {
@@ -120,7 +112,7 @@ impl FitResiduals {
     }
 }
 
-/// A finding where noise is is_told and several times what is `left_m` of the readings.
+/// A finding where noise is told and several times what is `left_m` of the readings.
 pub(super) fn overstated(noise_m: f64, source: NoiseSource, left_m: f64) -> Option<Finding> {
     let is_told = matches!(source, NoiseSource::Given | NoiseSource::Stated);
     (is_told && OVERSTATED * left_m < noise_m).then(|| {

@@ -1,12 +1,7 @@
-//! Joints that leap faster than they can.
+//! Joints that leap faster than they can, and stamps that do not go with their rows.
 //!
 //! ```text
 //! |Δq| > 3°,  |Δq|/Δt > 1.5 v_limit        of a joint without a limit: > 10 times the median
-//! ```
-//!
-//! Stamps that do not go with their rows.
-//!
-//! ```text
 //! J(order) = Σ_j Σ_k (q_j,k+1 − q_j,k)² / 2 n Σ_j Var(q_j)        1 where rows are in any order
 //! ```
 //!
@@ -18,9 +13,9 @@ use sesc_model::tree::Dof;
 
 use super::LogRows;
 use crate::health::criteria::{
-    BACKWARDS, ENOUGH, JUMPS, JUMPS_LESS, OUT_OF_ORDER, SHORT_S, TIMES_MEDIAN,
+    ENOUGH, JUMPS, JUMPS_LESS, MANY_ROWS, NEARLY_ALL, SHORT_S, TIMES_MEDIAN,
 };
-use crate::health::{Finding, Kind, Picture};
+use crate::health::{Finding, Kind};
 use crate::logs::criteria::{FASTER, LEAP};
 
 /// The joint that leaps most often.
@@ -39,36 +34,28 @@ pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
     let all = (0..rows.dof).map(|joint| (joint, leaps(joint)));
     let (joint, found) = all.max_by_key(|(joint, found)| (found.len(), rows.dof - joint))?;
     let first = *found.first()?;
-    let (step, time) = step(rows, joint, first);
-    let (name, limit) = (&dofs[joint].joint, dofs[joint].speed);
-    let unit = if dofs[joint].prismatic { "m" } else { "rad" };
-    let than = match limit.is_finite() && limit > 0.0 {
-        true => format!("its limit is {limit} {unit}/s"),
-        false => "it moves ten times slower otherwise".to_string(),
+    let dof = &dofs[joint];
+    let (name, unit) = (&dof.joint, if dof.prismatic { "m" } else { "rad" });
+    let than = match limit(dof) {
+        Some(limit) => format!("its limit is {limit} {unit}/s"),
+        None => "it moves ten times slower otherwise".to_string(),
     };
+    let (distance, time) = step(rows, joint, first);
     let sentence = format!(
-        "Joint `{name}` moves by {step:.2} {unit} in {:.0} ms in row {} ({} such rows; {than}): two \
+        "Joint `{name}` moves by {distance:.2} {unit} in {:.0} ms in row {} ({} such rows; {than}): two \
          senders on one topic, a glitch of the bus, angles that wrap, or stamps of other rows; \
          leave these rows out, or mend `t`.",
         1e3 * time,
         rows.number[first],
         found.len()
     );
-    let speed = |k: usize| match k.checked_sub(1) {
-        Some(_) => {
-            let (step, time) = self::step(rows, joint, k);
-            step / time.max(1e-9)
-        }
-        None => 0.0,
+    let speed = |k: usize| {
+        let step = k.checked_sub(1).map(|_| step(rows, joint, k));
+        step.map_or(0.0, |(step, time)| step / time.max(1e-9))
     };
-    let picture = Picture::of(
-        &format!("Speed of {name}, {unit}/s"),
-        rows.len(),
-        |k| rows.row(k),
-        speed,
-        |k| found.binary_search(&k).is_ok(),
-    );
-    Some(Finding::new(Kind::JointLeaps, name, sentence).showing(picture))
+    let about = (Kind::JointLeaps, name.as_str(), sentence);
+    let is_leap = |k: usize| found.binary_search(&k).is_ok();
+    Some(rows.finding(about, &format!("Speed of {name}, {unit}/s"), speed, is_leap))
 }
 
 /// How far a joint moves from the row before, and in what time, s.
@@ -83,18 +70,22 @@ fn step(rows: &LogRows, joint: usize, row: usize) -> (f64, f64) {
     ((q(row) - q(row - 1)).abs(), time)
 }
 
+/// The velocity limit that the URDF gives a joint, rad/s or m/s.
+fn limit(dof: &Dof) -> Option<f64> {
+    Some(dof.speed).filter(|speed| speed.is_finite() && *speed > 0.0)
+}
+
 /// What a joint cannot exceed, rad/s or m/s.
 fn fastest(rows: &LogRows, joint: usize, dof: &Dof) -> f64 {
-    if dof.speed.is_finite() && dof.speed > 0.0 {
-        return FASTER * dof.speed;
+    if let Some(limit) = limit(dof) {
+        return FASTER * limit;
     }
     let moves = (1..rows.len()).map(|k| step(rows, joint, k));
     let moves = moves.filter(|(step, time)| *step > 0.0 && *time > 0.0);
     let mut speeds: Vec<f64> = moves.map(|(step, time)| step / time).collect();
     speeds.sort_by(f64::total_cmp);
-    speeds
-        .get(speeds.len() / 2)
-        .map_or(f64::INFINITY, |median| TIMES_MEDIAN * median)
+    let median = speeds.get(speeds.len() / 2);
+    median.map_or(f64::INFINITY, |median| TIMES_MEDIAN * median)
 }
 
 pub(super) fn stamps_of_other_rows(rows: &LogRows) -> Option<Finding> {
@@ -102,34 +93,32 @@ pub(super) fn stamps_of_other_rows(rows: &LogRows) -> Option<Finding> {
     if t.len() != n || n < ENOUGH {
         return None;
     }
-    let back = t.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64;
-    let part = back / (n - 1) as f64;
-    let sentence = match part {
-        part if part > BACKWARDS => format!(
+    let back = |k: usize| k > 0 && t[k] < t[k - 1];
+    let part = (0..n).filter(|k| back(*k)).count() as f64 / (n - 1) as f64;
+    let sentence = if part > NEARLY_ALL {
+        format!(
             "Stamps run backwards in {:.0} % of the rows: sort the log by time; if its rows are \
              in order and the stamps alone are reversed, mend the stamps or leave `t` out.",
             100.0 * part
-        ),
-        part if part > OUT_OF_ORDER => {
-            let mut by_stamp: Vec<usize> = (0..n).collect();
-            by_stamp.sort_by(|a, b| t[*a].total_cmp(&t[*b]));
-            let in_order: Vec<usize> = (0..n).collect();
-            let [stamped, as_read] = [&by_stamp, &in_order].map(|order| jumps(rows, order));
-            if stamped < JUMPS || as_read > JUMPS_LESS * stamped {
-                return None;
-            }
-            format!(
-                "Joints move smoothly from row to row and jump from stamp to stamp ({:.0} % of \
-                 the rows are stamped before the one above them): stamps and rows do not belong \
-                 together; check how `t` was joined, or leave it out.",
-                100.0 * part
-            )
+        )
+    } else if part > MANY_ROWS {
+        let in_order: Vec<usize> = (0..n).collect();
+        let mut by_stamp = in_order.clone();
+        by_stamp.sort_by(|a, b| t[*a].total_cmp(&t[*b]));
+        let [stamped, as_read] = [&by_stamp, &in_order].map(|order| jumps(rows, order));
+        if stamped < JUMPS || as_read > JUMPS_LESS * stamped {
+            return None;
         }
-        _ => return None,
+        format!(
+            "Joints move smoothly from row to row and jump from stamp to stamp ({:.0} % of \
+             the rows are stamped before the one above them): stamps and rows do not belong \
+             together; check how `t` was joined, or leave it out.",
+            100.0 * part
+        )
+    } else {
+        return None;
     };
-    let back = |k: usize| k > 0 && t[k] < t[k - 1];
-    let picture = Picture::of("t, s", n, |k| rows.row(k), |k| t[k], back);
-    Some(Finding::new(Kind::RowsShuffled, "t", sentence).showing(picture))
+    Some(rows.finding((Kind::RowsShuffled, "t", sentence), "t, s", |k| t[k], back))
 }
 
 /// How far joints jump between rows that follow each other in an order, over what rows in any
