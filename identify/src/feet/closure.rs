@@ -495,10 +495,7 @@ impl ClosureFound {
             true => String::new(),
             false => format!(" (or {})", others.join(", or ")),
         };
-        let most = match left {
-            true => "most of it",
-            false => "it",
-        };
+        let most = if left { "most of it" } else { "it" };
         format!(
             "{}: an offset of {}{or} explains {most}, which bends the legs and moves the CoM.",
             self.apart(by),

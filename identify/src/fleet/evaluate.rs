@@ -20,11 +20,6 @@ use crate::robot::Robot;
 use crate::watch::Watch;
 use crate::{Error, ErrorKind, Message, diagnose as diagnosis, fit as fitting};
 
-/// More rows than a log has.
-const WHOLE: usize = usize::MAX / 2;
-/// Time between two logs of a group, s: longer than any correlation between their readings.
-const PAUSE_S: f64 = 3600.0;
-
 /// A log and the link on the ground in rows that do not say.
 struct Standing {
     name: String,
@@ -188,7 +183,7 @@ impl Evaluation<'_> {
     /// All rows of a log, with what of its sidecar is about them.
     fn read(&self, log: &LogSource) -> Result<(Sidecar, Block), Error> {
         let mut reader = self.open(log)?;
-        let block = reader.block(WHOLE)?;
+        let block = reader.block(usize::MAX / 2)?;
         let sidecar = Sidecar {
             robot: None,
             support: None,
@@ -318,7 +313,8 @@ impl Evaluation<'_> {
                 let start = t.first().copied().unwrap_or(0.0);
                 let from = later.unwrap_or(start);
                 t.iter_mut().for_each(|t| *t = *t - start + from);
-                later = t.iter().copied().reduce(f64::max).map(|t| t + PAUSE_S);
+                // An hour is longer than any correlation between readings.
+                later = t.iter().copied().reduce(f64::max).map(|t| t + 3600.0);
             }
         }
         let std = column(&mut blocks, "standard deviations", |b| b.std.take())?;

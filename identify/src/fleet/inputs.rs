@@ -33,8 +33,6 @@ use crate::logs::delimiter;
 const ENDINGS: [&str; 4] = [".csv.gz", ".csv", ".parquet", ".mcap"];
 /// Endings of sidecars and URDFs, which a pattern such as `**/*` would take for logs.
 const ASIDE: [&str; 3] = [".toml", ".urdf", ".xacro"];
-/// Largest list or manifest, MiB.
-const LIST: u64 = 1024;
 /// The key that is made of the day, and the day.
 const WEEK: &str = "week";
 const DAY: &str = "day";
@@ -234,7 +232,7 @@ pub fn inputs(data: &[String], by: &[String]) -> Result<Vec<Input>, Error> {
 }
 
 fn read_list(path: &Path) -> Result<String, Error> {
-    files::read_text(path, LIST).map_err(|error| Error::read(path.display().to_string(), error))
+    files::read_text(path, 1024).map_err(|error| Error::read(path.display().to_string(), error))
 }
 
 /// A path that a list or manifest names.

@@ -24,11 +24,6 @@ use crate::logs::{LogSource, Sidecar};
 use crate::robot::Robot;
 use crate::{Error, ErrorKind, Message};
 
-/// Largest log, MiB.
-const LOG: u64 = 1 << 24;
-/// Largest URDF, MiB.
-const URDF: u64 = 64;
-
 /// A log in memory, named by what it holds.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
@@ -49,11 +44,10 @@ pub struct Log {
 ///
 /// It tells the logs of a fleet apart and is no protection against forgery.
 pub fn content_hash(bytes: &[u8]) -> String {
-    const START: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-    const PRIME: u128 = (1 << 88) + 0x13b;
-    let hash = bytes.iter().fold(START, |hash, byte| {
-        (hash ^ u128::from(*byte)).wrapping_mul(PRIME)
-    });
+    let hash = bytes.iter().fold(
+        0x6c62_272e_07bb_0142_62b8_2175_6295_c58d_u128,
+        |hash, byte| (hash ^ u128::from(*byte)).wrapping_mul((1 << 88) + 0x13b),
+    );
     format!("{hash:032x}")
 }
 
@@ -77,7 +71,7 @@ impl Log {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             Error::read(visible(&name), error)
         };
-        let bytes = files::read_found(path, LOG);
+        let bytes = files::read_found(path, 1 << 24);
         let bytes = bytes.map_err(|error| match error.kind() {
             io::ErrorKind::NotFound if path.to_string_lossy().contains('\u{fffd}') => failed(
                 path,
@@ -109,7 +103,7 @@ impl Log {
 /// is started for it.
 pub(super) fn read_urdf(path: &Path) -> Result<Robot, Error> {
     let file = path.display().to_string();
-    let text = files::read_found_text(path, URDF);
+    let text = files::read_found_text(path, 64);
     let text = text.map_err(|error| Error::read(file.clone(), error))?;
     Robot::parse(&text, &file)
 }
@@ -179,8 +173,6 @@ pub(super) fn without_path(error: &Error, robot: &Robot) -> String {
 
 /// Grows when rows of the same logs become others without a new version.
 const FORMAT: u32 = 7;
-/// Largest entry that is read, bytes: covariances of a robot of 500 joints are 10 MB.
-const ENTRY: u64 = 64 << 20;
 
 /// A folder of rows.
 #[derive(Debug, Clone)]
@@ -215,7 +207,8 @@ impl Store {
     pub(super) fn get(&self, key: &str) -> Option<Row> {
         let path = self.path(key);
         let about = fs::symlink_metadata(&path).ok()?;
-        if !about.is_file() || about.len() > ENTRY {
+        // Covariances of a robot of 500 joints are 10 MB.
+        if !about.is_file() || about.len() > 64 << 20 {
             return None;
         }
         let entry: Entry<Row> = serde_json::from_slice(&fs::read(path).ok()?).ok()?;

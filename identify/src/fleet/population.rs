@@ -21,16 +21,13 @@ use nalgebra::{DMatrix, DVector};
 use super::Options;
 use super::inputs::Group;
 use super::row::{Row, by_number};
-use super::summary::criteria::ROBOTS;
+use super::summary::ROBOTS;
 use crate::Error;
 use crate::diagnose::FREE_MASSES;
 use crate::fit::population::Population;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::robot::Robot;
 use crate::svd::svd;
-
-/// Steps; each narrows Σ, so that fewer only leave it wider.
-const STEPS: usize = 30;
 
 /// What the data of one robot say, prior taken off.
 struct Said {
@@ -179,7 +176,8 @@ fn spread_of(robots: &[Said], m: usize) -> Option<(DVector<f64>, DMatrix<f64>)> 
     let count = robots.len() as f64;
     let mut mean = DVector::zeros(m);
     let mut covariance = DMatrix::<f64>::identity(m, m);
-    for _ in 0..STEPS {
+    // Each narrows Σ, so that fewer only leave it wider.
+    for _ in 0..30 {
         let before = covariance.clone().cholesky()?.inverse();
         let known = &before * &mean;
         let mut told = Vec::with_capacity(robots.len());

@@ -65,31 +65,20 @@ impl Absent {
 
     /// How far from there a size is: a factor less one, the inverse of a stiffness.
     fn away(self, size: Size) -> Size {
-        match self {
-            Absent::One => Size {
-                value: size.value - 1.0,
-                ..size
-            },
-            Absent::Infinite => self.inverse(size),
-        }
+        self.moved(size, -1.0)
     }
 
     /// The size that is so far from there.
     pub(super) fn back(self, away: Size) -> Size {
-        match self {
-            Absent::One => Size {
-                value: away.value + 1.0,
-                ..away
-            },
-            Absent::Infinite => self.inverse(away),
-        }
+        self.moved(away, 1.0)
     }
 
-    fn inverse(self, size: Size) -> Size {
-        Size {
-            value: 1.0 / size.value,
-            std: size.std / (size.value * size.value),
-        }
+    fn moved(self, Size { value, std }: Size, by: f64) -> Size {
+        let (value, std) = match self {
+            Absent::One => (value + by, std),
+            Absent::Infinite => (1.0 / value, std / (value * value)),
+        };
+        Size { value, std }
     }
 }
 
@@ -148,37 +137,25 @@ impl EffectFound {
 /// The order of robots and days: runs of digits by their number, all else as text, so that
 /// `day=9` is before `day=10`, and dates such as `2031-05-01` stay in their order.
 pub(super) fn by_number(a: &str, b: &str) -> Ordering {
-    let (mut left, mut right) = (a, b);
-    loop {
-        let (own, other) = (digits(left), digits(right));
-        let of_first = match (own.is_empty(), other.is_empty()) {
-            (false, false) => {
-                (left, right) = (&left[own.len()..], &right[other.len()..]);
-                let own = own.trim_start_matches('0');
-                let other = other.trim_start_matches('0');
-                own.len().cmp(&other.len()).then_with(|| own.cmp(other))
-            }
-            _ => {
-                let (mut rest, mut rest_of_other) = (left.chars(), right.chars());
-                let pair = (rest.next(), rest_of_other.next());
-                (left, right) = (rest.as_str(), rest_of_other.as_str());
-                match pair {
-                    // The same but for leading zeros.
-                    (None, None) => return a.cmp(b),
-                    (one, another) => one.cmp(&another),
-                }
-            }
-        };
-        if of_first.is_ne() {
-            return of_first;
+    let is_digit = |x: &u8| x.is_ascii_digit();
+    let runs = |text: &str| -> Vec<Vec<u8>> {
+        let runs = text.as_bytes().chunk_by(|x, y| is_digit(x) && is_digit(y));
+        runs.map(<[u8]>::to_vec).collect()
+    };
+    let (own, other) = (runs(a), runs(b));
+    for (x, y) in own.iter().zip(&other) {
+        let mut order = x.cmp(y);
+        if is_digit(&x[0]) && is_digit(&y[0]) {
+            let zeros = |x: &[u8]| x.iter().take_while(|digit| **digit == b'0').count();
+            let (x, y) = (&x[zeros(x)..], &y[zeros(y)..]);
+            order = x.len().cmp(&y.len()).then_with(|| x.cmp(y));
+        }
+        if order.is_ne() {
+            return order;
         }
     }
-}
-
-/// The digits that a text begins with.
-fn digits(text: &str) -> &str {
-    let end = text.find(|c: char| !c.is_ascii_digit());
-    &text[..end.unwrap_or(text.len())]
+    // The same but for leading zeros.
+    own.len().cmp(&other.len()).then_with(|| a.cmp(b))
 }
 
 /// One row of the fleet's table: a robot on a day.
@@ -231,9 +208,6 @@ pub struct Row {
     pub covariance: Vec<f64>,
 }
 
-/// No parameter, deviation or size of an effect is as large, in any unit.
-const BEYOND: f64 = 1e100;
-
 /// What the sentence of a row says that was fitted alone.
 const FITTED: &str = "Parameters alone were asked for: no diagnosis was made.";
 
@@ -251,18 +225,17 @@ impl Row {
     /// Whether numbers are such as data give: finite, of lists that belong together, deviations
     /// not negative. A file may hold others.
     pub(super) fn is_whole(&self) -> bool {
-        let is_sound = |x: &f64| x.abs() < BEYOND;
-        let is_deviation = |x: &f64| (0.0..BEYOND).contains(x);
+        // In any unit nothing is as large.
+        let is_sound = |x: &f64| x.abs() < 1e100;
+        let is_deviation = |x: &f64| (0.0..1e100).contains(x);
         let of_effect = |found: &EffectFound| {
             let mut sizes = found.parameters.values();
             found.evidence.is_finite()
                 && sizes.all(|size| is_sound(&size.value) && is_deviation(&size.std))
         };
         let n = self.params.len();
-        let mut deviations = self
-            .std
-            .iter()
-            .chain([&self.noise_floor, &self.held_out_rmse]);
+        let floors = [&self.noise_floor, &self.held_out_rmse];
+        let mut deviations = self.std.iter().chain(floors);
         self.std.len() == n
             && (self.covariance.is_empty() || self.covariance.len() == n * (n + 1) / 2)
             && self.params.iter().chain(&self.covariance).all(is_sound)
@@ -332,12 +305,8 @@ impl Row {
             self.sentence = format!("{} {STUCK}", finding.sentence);
             return;
         }
-        let mut instead: Vec<Vec<String>> = diagnosis
-            .indistinguishable
-            .iter()
-            .skip(1)
-            .cloned()
-            .collect();
+        let others = diagnosis.indistinguishable.iter().skip(1);
+        let mut instead: Vec<Vec<String>> = others.cloned().collect();
         let steps = diagnosis.steps.iter();
         let effects = steps.map(|step| EffectFound::of(step, std::mem::take(&mut instead)));
         self.effects = effects.collect();
@@ -358,10 +327,8 @@ fn verdict_of_name<'de, D: Deserializer<'de>>(
     if name.is_empty() {
         return Ok(None);
     }
-    let known = Verdict::from_name(&name);
-    known
-        .map(Some)
-        .ok_or_else(|| D::Error::custom(format!("`{name}` is no verdict")))
+    let unknown = || D::Error::custom(format!("`{name}` is no verdict"));
+    Verdict::from_name(&name).map(Some).ok_or_else(unknown)
 }
 
 /// The columns, in their order.

@@ -170,10 +170,10 @@ fn another_up(look: &Look) -> Frame {
         up: ("z", false),
         cop: Vec::new(),
     };
-    frames.fold(nothing, |best, own| match own.left < best.left {
-        true => own,
-        false => best,
-    })
+    frames.fold(
+        nothing,
+        |best, own| if own.left < best.left { own } else { best },
+    )
 }
 
 /// Rotations by right angles after which another axis than z is vertical, and the axes that
@@ -418,10 +418,7 @@ fn is_dead(look: &Look, wirings: &Wirings, k: usize) -> bool {
     let [cad, across] = [k, 1 - k].map(|k| axis(&look.predicted, k));
     let moves = scatter(&read);
     let constant = moves < STILL;
-    let least = match constant {
-        true => MOVES_M,
-        false => MUST_MOVE * moves,
-    };
+    let least = if constant { MOVES_M } else { MUST_MOVE * moves };
     if scatter(&cad) <= least || !constant && data.len() < SILENT_ROWS {
         return false;
     }

@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, Matrix2, Vector2};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
-use sesc_model::{Function, Model};
+use sesc_model::Function;
 
 use super::Request;
 use super::limits::{is_stuck, stride};
@@ -30,17 +30,8 @@ use crate::evaluate::Evaluator;
 use crate::poses::{self, Pose};
 use crate::{Message, Setting, message};
 
-/// Draws worked on together.
-const BLOCK: usize = 256;
-/// Draws without any candidate after which there is none.
-const FUTILE: usize = 10_000;
-/// Newton steps per target, and targets per draw.
-const STEPS: usize = 10;
-const TARGETS: usize = 3;
 /// Close enough to the target, m.
 const NEAR: f64 = 1e-5;
-/// Draws reach at least so far from rest, as a part of the limits.
-const LEAST_SPREAD: f64 = 0.2;
 
 /// What became of the draws.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -72,7 +63,7 @@ pub struct Counts {
 }
 
 /// Up to `wanted` postures that respect `scene`, from at most `draws` draws, one after the other,
-/// and what became of the draws; the same seed draws the same. Gives up where the first `FUTILE`
+/// and what became of the draws; the same seed draws the same. Gives up where the first 10,000
 /// bring none, and where `progress` says so.
 pub fn sample(
     scene: &Scene,
@@ -92,16 +83,15 @@ pub fn sample(
             ..Counts::default()
         },
         scene,
-        model,
     };
     let dof = model.dof();
     let mut found = Vec::new();
-    let futile = |found: &Vec<f64>, drawn: usize| found.is_empty() && drawn >= FUTILE;
-    while !futile(&found, sampler.counts.drawn)
-        && found.len() < wanted * dof
-        && sampler.counts.drawn < draws
-    {
-        let n = BLOCK.min(draws - sampler.counts.drawn);
+    let goes_on = |found: &[f64], drawn: usize| {
+        found.len() < wanted * dof && drawn < draws && !(found.is_empty() && drawn >= 10_000)
+    };
+    while goes_on(&found, sampler.counts.drawn) {
+        // Worked on together.
+        let n = 256.min(draws - sampler.counts.drawn);
         for q in sampler.block(n) {
             // Counts stop with the last candidate taken.
             if found.len() == wanted * dof {
@@ -122,7 +112,6 @@ pub fn sample(
 
 /// Draws candidates until there are enough.
 struct Sampler<'a> {
-    model: &'a Model,
     scene: &'a Scene<'a>,
     com: Evaluator,
     jacobian: Evaluator,
@@ -146,7 +135,7 @@ impl Sampler<'_> {
         }
         self.counts.balanced += 1;
         let mut bodies: Vec<Pose> = Vec::new();
-        poses::bodies(self.model, &drawn.q, &mut bodies);
+        poses::bodies(self.scene.model, &drawn.q, &mut bodies);
         match self.scene.clearance.lowest(&bodies) {
             Some((height, link)) if height < self.scene.clearance.height => {
                 self.counts.low[link] += 1;
@@ -164,9 +153,9 @@ impl Sampler<'_> {
     /// `n` draws, moved towards balance.
     fn block(&mut self, n: usize) -> Vec<Drawn> {
         let mut draws: Vec<Drawn> = (0..n).map(|_| self.draw()).collect();
-        for _ in 0..TARGETS {
+        for _ in 0..3 {
             let mut open: Vec<usize> = (0..n).filter(|&k| draws[k].violation > 0.0).collect();
-            for _ in 0..STEPS {
+            for _ in 0..10 {
                 open = self.step(&mut draws, open);
             }
             if let Some(feet) = &self.scene.both_feet {
@@ -186,7 +175,8 @@ impl Sampler<'_> {
     fn draw(&mut self) -> Drawn {
         let rest = self.scene.limits.rest();
         let rng = &mut self.rng;
-        let spread = 1.0 - (1.0 - LEAST_SPREAD) * rng.random::<f64>();
+        // At least a fifth of the limits from rest.
+        let spread = 1.0 - (1.0 - 0.2) * rng.random::<f64>();
         let ranges = self.scene.limits.ranges.iter().zip(&rest);
         let q = ranges
             .map(|(&(lower, upper), rest)| {
@@ -205,10 +195,8 @@ impl Sampler<'_> {
             }
         }
         // From one sole to the other.
-        let share = match &self.scene.both_feet {
-            Some(_) => self.rng.random::<f64>(),
-            None => 0.0,
-        };
+        let both = self.scene.both_feet.as_ref();
+        let share = both.map_or(0.0, |_| self.rng.random::<f64>());
         Drawn {
             q,
             target,
@@ -221,7 +209,7 @@ impl Sampler<'_> {
 
     /// One Newton step of those not yet at their targets.
     fn step(&self, draws: &mut [Drawn], open: Vec<usize>) -> Vec<usize> {
-        let dof = self.model.dof();
+        let dof = self.scene.model.dof();
         let q = open.iter().flat_map(|&k| &draws[k].q);
         let q: Vec<f64> = q.copied().collect();
         let cop = self.com.run(&q, open.len());
@@ -269,9 +257,8 @@ impl Sampler<'_> {
                 region.violation(cop, &covariance, self.scene.sigmas)
             });
             // What is not a number does not balance.
-            drawn.violation = Some(violation)
-                .filter(|x| *x <= f64::MAX)
-                .unwrap_or(f64::INFINITY);
+            let finite = Some(violation).filter(|x| *x <= f64::MAX);
+            drawn.violation = finite.unwrap_or(f64::INFINITY);
             drawn.std = (covariance.trace() / 2.0).sqrt();
         }
     }

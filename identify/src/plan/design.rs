@@ -12,7 +12,7 @@
 //! none sees are left out, and ε is `RIDGE`.
 //!
 //! Greedy first; then every chosen posture in turn is exchanged for the best of
-//! all, as long as rounds gain `ENOUGH`. σ² tr(G_k)/2 is the variance with which
+//! all, as long as rounds gain something. σ² tr(G_k)/2 is the variance with which
 //! the CoP of posture k will be predicted.
 //!
 //! How efficient postures are: the error to expect of a fit to so many of them,
@@ -41,9 +41,6 @@ use crate::svd::svd;
 
 /// ε where there is no prior: the information of a millionth of a posture.
 const RIDGE: f64 = 1e-6;
-/// A round of exchanges that gains less in log det per direction is the last.
-const ENOUGH: f64 = 1e-4;
-const ROUNDS: usize = 50;
 
 /// Candidates in whitened coordinates.
 pub struct WhitenedRows {
@@ -127,7 +124,7 @@ impl WhitenedRows {
         }
         let mut steps = vec![log_det];
         let mut exchanges = 0;
-        'rounds: while steps.len() <= ROUNDS && chosen.len() < self.len() {
+        'rounds: while steps.len() <= 50 && chosen.len() < self.len() {
             // Rounding of many updates does not add up.
             state.refresh(&chosen);
             let before = exchanges;
@@ -153,7 +150,7 @@ impl WhitenedRows {
             }
             let gain = log_det - steps[steps.len() - 1];
             steps.push(log_det);
-            if exchanges == before || gain < ENOUGH * self.directions() as f64 {
+            if exchanges == before || gain < 1e-4 * self.directions() as f64 {
                 break;
             }
         }
@@ -279,8 +276,6 @@ impl<'r> State<'r> {
     }
 }
 
-/// Random choices that the chosen postures are compared with.
-const RANDOM: usize = 20;
 /// Points of a curve.
 const POINTS: usize = 16;
 
@@ -308,9 +303,10 @@ pub(crate) fn curve(
 ) -> Vec<Efficiency> {
     let all = choice.chosen.len();
     // A posture tells two.
-    let least = match prior {
-        true => 0,
-        false => rows.directions().div_ceil(2),
+    let least = if prior {
+        0
+    } else {
+        rows.directions().div_ceil(2)
     };
     if all < least {
         return Vec::new();
@@ -319,7 +315,7 @@ pub(crate) fn curve(
     rng.set_stream(1);
     let gram = rows.gram();
     // The first few of a random choice are a random choice of a few.
-    let drawn: Vec<Vec<usize>> = (0..RANDOM)
+    let drawn: Vec<Vec<usize>> = (0..20)
         .map(|_| index::sample(&mut rng, rows.len(), all).into_vec())
         .collect();
     let point = |postures: usize, variance: f64| {
@@ -345,9 +341,6 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Rounds of 2-opt; far more than it ever takes.
-const ROUNDS_OF_2_OPT: usize = 100;
-
 /// Indices of postures `q[k * dof + joint]` in a short order.
 pub fn short_order(q: &[f64], dof: usize) -> Vec<usize> {
     let n = q.len() / dof.max(1);
@@ -367,7 +360,8 @@ pub fn short_order(q: &[f64], dof: usize) -> Vec<usize> {
     }) {
         order.push(left.remove(at));
     }
-    for _ in 0..ROUNDS_OF_2_OPT {
+    // Far fewer rounds are ever taken.
+    for _ in 0..100 {
         if !untangle(&mut order, &between) {
             break;
         }

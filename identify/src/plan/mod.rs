@@ -74,9 +74,8 @@ use crate::fit::prior::{Prior, Tolerances};
 use crate::logs::{LogSource, Sidecar};
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::{UNSEEN, solve};
-use crate::observations::revisits::spread;
 use crate::robot::Robot;
-use crate::watch::{Progress, Watch, stopped};
+use crate::watch::{Watch, ask, stopped};
 use crate::{Error, Setting, message};
 use design::{Choice, WhitenedRows};
 use report::Known;
@@ -124,7 +123,19 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     if let Some(note) = both.and_then(|feet| of_many(model, &feet.other)) {
         watch.note(&note);
     }
-    let (q, counts) = candidates_in(&scene, request, watch)?;
+    let wanted = request.wanted();
+    let mut flow = ControlFlow::Continue(());
+    let draws = 100_usize.saturating_mul(wanted);
+    let (q, counts) = sample(&scene, request.seed, wanted, draws, |found| {
+        flow = ask(watch, "drawing candidates", found as u64, wanted as u64);
+        flow
+    });
+    stopped(flow)?;
+    if q.len() / dof < request.poses {
+        return Err(Error::request(candidates::shortage(
+            &scene, request, &counts,
+        )));
+    }
     let count = q.len() / dof;
 
     let params = model.base.params.len();
@@ -147,10 +158,9 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
 
     let mut notes = geometry.notes.clone();
     notes.extend(request.limits.notes.iter().cloned());
-    if count < request.wanted() {
+    if count < wanted {
         notes.push(format!(
-            "{count} candidates instead of {} after {} draws",
-            request.wanted(),
+            "{count} candidates instead of {wanted} after {} draws",
             counts.drawn
         ));
     }
@@ -191,7 +201,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         corners: request.region.corners.clone(),
         margin: request.region.margin,
         both_feet: both.map(|feet| soles(feet, model, &some(&q, dof, &chosen))),
-        revisits: revisits_of(request, &known, &regressor, &chosen),
+        revisits: report::revisits(request, &known, &rows_of(&regressor, &chosen)),
         joints: report::joint_use(model, &request.limits, &q, &chosen),
         cop: chosen.iter().map(cop_of).collect(),
         log_det: choice.log_det,
@@ -227,32 +237,6 @@ fn scene<'a>(
     Ok(scene)
 }
 
-/// Postures to choose from, one after the other, and what became of the draws.
-fn candidates_in(
-    scene: &Scene,
-    request: &Request,
-    watch: &mut dyn Watch,
-) -> Result<(Vec<f64>, Counts), Error> {
-    let wanted = request.wanted();
-    let mut flow = ControlFlow::Continue(());
-    let draws = 100_usize.saturating_mul(wanted);
-    let (q, counts) = candidates::sample(scene, request.seed, wanted, draws, |found| {
-        flow = watch.progress(Progress {
-            what: "drawing candidates",
-            done: found as u64,
-            total: Some(wanted as u64),
-        });
-        flow
-    });
-    stopped(flow)?;
-    match q.len() / scene.model.dof() < request.poses {
-        true => Err(Error::request(candidates::shortage(
-            scene, request, &counts,
-        ))),
-        false => Ok((q, counts)),
-    }
-}
-
 /// The `poses` candidates that tell most.
 fn choose(rows: &WhitenedRows, poses: usize, watch: &mut dyn Watch) -> Result<Choice, Error> {
     let mut flow = ControlFlow::Continue(());
@@ -260,28 +244,11 @@ fn choose(rows: &WhitenedRows, poses: usize, watch: &mut dyn Watch) -> Result<Ch
     let choice = rows.choose(poses, |step| {
         looked += step;
         let rounds = looked.div_ceil(poses_u64);
-        flow = watch.progress(Progress {
-            what: "choosing postures",
-            done: looked,
-            total: Some(rounds * poses_u64),
-        });
+        flow = ask(watch, "choosing postures", looked, rounds * poses_u64);
         flow
     });
     stopped(flow)?;
     Ok(choice)
-}
-
-/// Which of the chosen postures come back, spread over what their rows tell.
-fn revisits_of(
-    request: &Request,
-    known: &Known,
-    regressor: &DMatrix<f64>,
-    chosen: &[usize],
-) -> Revisits {
-    let count = report::revisit_count(request, known);
-    let spread = spread(&rows_of(regressor, chosen), count);
-    let poses = spread.into_iter().map(|k| k as i64 + 1).collect();
-    report::revisits(poses, request, known)
 }
 
 /// What the soles of the chosen postures `q` tell.
@@ -413,22 +380,20 @@ impl Request {
             let remedy = ": give each joint a lower limit that is not above its upper one";
             return Err(Error::request(message![Setting::Limits, remedy]));
         }
-        match self.candidates {
-            Some(candidates) if candidates < self.poses => Err(Error::request(message![
-                Setting::Candidates,
-                format!(" {candidates} for "),
-                Setting::Poses,
-                format!(
-                    " {}: give at least as many, twenty times as many choose well",
-                    self.poses
-                )
-            ])),
-            _ if self.poses == 0 => {
-                let remedy = " 0: give one or more";
-                Err(Error::request(message![Setting::Poses, remedy]))
-            }
-            _ => Ok(()),
+        if let Some(candidates) = self.candidates.filter(|count| *count < self.poses) {
+            let given = format!(" {candidates} for ");
+            let remedy = format!(
+                " {}: give at least as many, twenty times as many choose well",
+                self.poses
+            );
+            let why = message![Setting::Candidates, given, Setting::Poses, remedy];
+            return Err(Error::request(why));
         }
+        if self.poses == 0 {
+            let remedy = " 0: give one or more";
+            return Err(Error::request(message![Setting::Poses, remedy]));
+        }
+        Ok(())
     }
 
     /// Candidates to look for: twenty per posture unless told, within what is quickly

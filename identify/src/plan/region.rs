@@ -9,8 +9,8 @@
 //! of the parameters through the regressor rows φ. Along every edge's normal the
 //! true CoP then keeps within it by k standard deviations.
 //!
-//! Outline of the sole: the hull of what the collision shapes of the body on the ground
-//! have near their lowest point; and where the CoP of planned postures stays within it.
+//! The outline of a sole is the hull of what the collision shapes of the body on the ground have near
+//! their lowest point.
 
 use std::path::Path;
 
@@ -34,9 +34,6 @@ pub struct Region {
     pub source: Option<&'static str>,
     edges: Vec<(Vector2<f64>, f64)>,
 }
-
-/// No foot is larger, m.
-const LARGEST: f64 = 10.0;
 
 impl Region {
     /// |x|, |y| ≤ `half`.
@@ -77,7 +74,7 @@ impl Region {
             let numbers: Vec<Option<f64>> = line
                 .split([',', ' ', '\t'])
                 .filter(|cell| !cell.is_empty())
-                .map(|cell| cell.parse().ok().filter(|x: &f64| x.abs() <= LARGEST))
+                .map(|cell| cell.parse().ok().filter(|x: &f64| x.abs() <= 10.0))
                 .collect();
             let [Some(x), Some(y)] = numbers[..] else {
                 let point = format!(": point {} `{line}`", k + 1);
@@ -186,13 +183,9 @@ impl Region {
     }
 }
 
-/// What is higher than this above the lowest point is not on the ground, m.
-const NEAR: f64 = 0.01;
 /// The CoP stays so far within the sole unless somebody says, as a part of half its narrower
 /// side: as the seed paper's 23 mm in the 33 mm of the OP2's sole.
 const INNER: f64 = 0.7;
-/// Corners that a circle is drawn with.
-const CORNERS: usize = 16;
 
 impl Region {
     /// Where the CoP of a robot stays unless somebody says: within the sole, as the collision
@@ -292,7 +285,8 @@ pub(crate) fn outline(model: &Model, geometry: &Geometry) -> Vec<[f64; 2]> {
         }
     }
     let lowest = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-    let near = points.iter().filter(|p| p.z < lowest + NEAR);
+    // What is a centimetre higher is not on the ground.
+    let near = points.iter().filter(|p| p.z < lowest + 0.01);
     let near: Vec<[f64; 2]> = near.map(|p| [p.x, p.y]).collect();
     Region::hull(near, 0.0).map_or_else(Vec::new, |region| region.corners)
 }
@@ -300,8 +294,8 @@ pub(crate) fn outline(model: &Model, geometry: &Geometry) -> Vec<[f64; 2]> {
 /// Points around a solid; the extremes among them.
 fn corners(solid: &Solid) -> Vec<Vector3<f64>> {
     let circle = |radius: f64, height: f64| {
-        (0..CORNERS).map(move |k| {
-            let (sin, cos) = (std::f64::consts::TAU * k as f64 / CORNERS as f64).sin_cos();
+        (0..16).map(move |k| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 16.0).sin_cos();
             Vector3::new(radius * cos, radius * sin, height)
         })
     };

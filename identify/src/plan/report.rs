@@ -39,7 +39,7 @@ use crate::feet::{Offset, Places};
 use crate::logs::{LogSource, Options, PostureWriter, Readings, Row, Sidecar, Table};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, Taking, range};
-use crate::observations::revisits::COUNT;
+use crate::observations::revisits::{COUNT, spread};
 use crate::watch::Watch;
 
 /// Postures to take, in their order, and what a fit of them will know.
@@ -412,23 +412,20 @@ impl Known {
     /// Standard deviation of a reading as it enters the fit, where `asked` is what it is unless
     /// the log says it, m.
     pub fn reading_std(&self, asked: f64) -> f64 {
-        self.noise
-            .unwrap_or(asked)
-            .hypot(self.visits.unwrap_or(0.0))
+        let noise = self.noise.unwrap_or(asked);
+        noise.hypot(self.visits.unwrap_or(0.0))
     }
 }
 
-/// How many postures a plan asks for again.
-pub(super) fn revisit_count(request: &Request, known: &Known) -> usize {
+/// Which of the chosen postures come back, spread over what their `rows` tell.
+pub(super) fn revisits(request: &Request, known: &Known, rows: &DMatrix<f64>) -> Revisits {
     let usual = match known.visits {
         Some(_) => 0,
         None => COUNT.min(request.poses / 2),
     };
-    request.revisits.unwrap_or(usual).min(request.poses)
-}
-
-/// What is said of them.
-pub(super) fn revisits(poses: Vec<i64>, request: &Request, known: &Known) -> Revisits {
+    let count = request.revisits.unwrap_or(usual).min(request.poses);
+    let poses = spread(rows, count).into_iter().map(|k| k as i64 + 1);
+    let poses: Vec<i64> = poses.collect();
     let written = request.revisits.is_some() && !poses.is_empty();
     let names: Vec<String> = poses.iter().map(i64::to_string).collect();
     let sentence = match (poses.is_empty(), known.visits) {

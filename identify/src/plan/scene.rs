@@ -92,15 +92,12 @@ pub struct Clearance {
     pub by_points: usize,
 }
 
+/// A solid of a link, or a point, which is a ball of no size.
 struct Part {
     body: usize,
     link: usize,
-    kind: Kind,
-}
-
-enum Kind {
-    Solid(Pose, Solid),
-    Point(Vector3<f64>),
+    pose: Pose,
+    solid: Solid,
 }
 
 impl Clearance {
@@ -127,17 +124,22 @@ impl Clearance {
                 continue;
             }
             let shapes = geometry.shapes.iter().filter(|s| s.link == about.name);
-            let solids = shapes.map(|s| Kind::Solid(place.then(&s.pose), s.solid));
-            let mut kinds: Vec<Kind> = solids.collect();
-            let has_shapes = !kinds.is_empty();
-            all.by_shapes += usize::from(has_shapes);
-            all.by_points += usize::from(!has_shapes);
-            if !has_shapes {
-                kinds.extend(points(model, link, &place).into_iter().map(Kind::Point));
+            let of_shapes = shapes.map(|s| (place.then(&s.pose), s.solid));
+            let mut solids: Vec<(Pose, Solid)> = of_shapes.collect();
+            all.by_shapes += usize::from(!solids.is_empty());
+            all.by_points += usize::from(solids.is_empty());
+            if solids.is_empty() {
+                let at = |origin| Pose { origin, ..place };
+                let points = points(model, link, &place).into_iter();
+                solids.extend(points.map(|point| (at(point), Solid::Sphere { radius: 0.0 })));
             }
-            let parts = kinds.into_iter();
             all.parts
-                .extend(parts.map(|kind| Part { body, link, kind }));
+                .extend(solids.into_iter().map(|(pose, solid)| Part {
+                    body,
+                    link,
+                    pose,
+                    solid,
+                }));
         }
         all
     }
@@ -146,13 +148,8 @@ impl Clearance {
     pub fn lowest(&self, bodies: &[Pose]) -> Option<(f64, usize)> {
         let height = |part: &Part| {
             let body = &bodies[part.body];
-            match &part.kind {
-                Kind::Point(point) => body.point(point).z,
-                Kind::Solid(pose, solid) => {
-                    let down = -pose.rotation.transpose() * body.rotation.row(2).transpose();
-                    body.point(&pose.origin).z - solid.reach(&down)
-                }
-            }
+            let down = -part.pose.rotation.transpose() * body.rotation.row(2).transpose();
+            body.point(&part.pose.origin).z - part.solid.reach(&down)
         };
         let heights = self.parts.iter().map(|part| (height(part), part.link));
         heights.min_by(|a, b| a.0.total_cmp(&b.0))
@@ -201,10 +198,6 @@ fn points(model: &Model, link: usize, place: &Pose) -> Vec<Vector3<f64>> {
 
 /// Soles that lie this well are on the floor, m and rad.
 const ON_FLOOR: f64 = 1e-9;
-/// Steps that put them there.
-const STEPS: usize = 20;
-/// A little damping where no joint moves an equation.
-const DAMPING: f64 = 1e-9;
 /// How far the soles may be from each other, as parts of how far they are at rest.
 const APART: (f64, f64) = (0.75, 2.0);
 /// The other foot stays on its side: within this angle's cosine of where it is at rest.
@@ -286,7 +279,7 @@ impl<'m> BothFeet<'m> {
 
     /// Put the other sole on the floor, wherever the CoP goes: whether it is there.
     pub fn put_down(&self, q: &mut [f64], ranges: &[(f64, f64)]) -> bool {
-        for _ in 0..STEPS {
+        for _ in 0..20 {
             let (values, slopes) = self.lies(q);
             if values.amax() <= ON_FLOOR {
                 return true;
@@ -332,7 +325,8 @@ fn move_by(q: &mut [f64], wanted: &DVector<f64>, rows: &DMatrix<f64>, ranges: &[
             column *= *weight;
         }
         let mut gram = &weighted * rows.transpose();
-        let damping = DAMPING * gram.trace() + f64::MIN_POSITIVE;
+        // A little where no joint moves an equation.
+        let damping = 1e-9 * gram.trace() + f64::MIN_POSITIVE;
         for k in 0..gram.nrows() {
             gram[(k, k)] += damping;
         }

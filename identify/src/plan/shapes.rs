@@ -165,13 +165,6 @@ fn solid(collision: &Collision, folder: Option<&Path>) -> Result<(Pose, Solid, b
     Ok((pose, plain, false))
 }
 
-/// Larger files are not cheap to read, MiB.
-const LARGEST: u64 = 64;
-/// Bytes before the triangles of a binary STL: a title and their number.
-const HEADER: usize = 84;
-/// Bytes of a triangle: a normal, three corners, an attribute.
-const TRIANGLE: usize = 50;
-
 /// Lowest and highest corner of the mesh, m, before scaling.
 ///
 /// # Errors
@@ -185,7 +178,7 @@ pub fn mesh_bounds(
         return Err("a mesh that is no STL file".to_string());
     }
     let path = find(name, folder).ok_or("a mesh whose file is not found")?;
-    let bytes = files::read_found(&path, LARGEST)
+    let bytes = files::read_found(&path, 64)
         .map_err(|_| "a mesh whose file cannot be read, or is larger than 64 MiB")?;
     let box_around = binary(&bytes).or_else(|| text(&bytes));
     box_around.ok_or_else(|| "a mesh that is no valid STL".to_string())
@@ -212,18 +205,17 @@ fn find(name: &str, folder: Option<&Path>) -> Option<PathBuf> {
 }
 
 fn binary(bytes: &[u8]) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let count = u32::from_le_bytes(bytes.get(80..HEADER)?.try_into().ok()?) as usize;
-    let triangles = bytes.get(HEADER..)?;
-    if triangles.len() != count.checked_mul(TRIANGLE)? {
+    // A title and the number of triangles: each a normal, three corners, an attribute.
+    let (head, triangles) = bytes.split_at_checked(84)?;
+    let count = u32::from_le_bytes(head[80..].try_into().ok()?) as usize;
+    if triangles.len() != count.checked_mul(50)? {
         return None;
     }
     let float = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    let corners = triangles.chunks_exact(TRIANGLE).flat_map(|triangle| {
-        triangle[12..48]
-            .chunks_exact(12)
-            .map(|c| Vector3::new(float(c), float(&c[4..]), float(&c[8..])))
-    });
-    box_around(corners)
+    let corners = triangles
+        .chunks_exact(50)
+        .flat_map(|t| t[12..48].chunks_exact(12));
+    box_around(corners.map(|c| Vector3::new(float(c), float(&c[4..]), float(&c[8..]))))
 }
 
 fn text(bytes: &[u8]) -> Option<(Vector3<f64>, Vector3<f64>)> {
@@ -238,13 +230,11 @@ fn text(bytes: &[u8]) -> Option<(Vector3<f64>, Vector3<f64>)> {
 }
 
 fn box_around(corners: impl Iterator<Item = Vector3<f64>>) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let (low, high) = corners.fold(
-        (
-            Vector3::repeat(f64::INFINITY),
-            Vector3::repeat(f64::NEG_INFINITY),
-        ),
-        |(low, high), corner| (low.inf(&corner), high.sup(&corner)),
+    let none = (
+        Vector3::repeat(f64::INFINITY),
+        Vector3::repeat(f64::NEG_INFINITY),
     );
+    let (low, high) = corners.fold(none, |(low, high), c| (low.inf(&c), high.sup(&c)));
     let sound = |v: &Vector3<f64>| v.iter().all(|x| x.abs() < 1e6);
     (sound(&low) && sound(&high)).then_some((low, high))
 }

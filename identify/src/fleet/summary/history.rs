@@ -25,8 +25,7 @@ use std::ops::{Range, RangeInclusive};
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
-use super::criteria::FALSE_ALARM;
-use super::criteria::changes::{LEAST_FREEDOM, ONSET};
+use super::{FALSE_ALARM, LEAST_FREEDOM, ONSET};
 use crate::fleet::row::{Absent, EffectFound, Row, Size, by_number};
 
 /// Effect and target.
@@ -184,9 +183,6 @@ pub(super) fn pooled(values: &[Size]) -> Option<(Size, f64)> {
     let std = sum.sqrt().recip();
     Some((Size { value, std }, tau2.sqrt()))
 }
-
-/// Beyond this a number may as well be so.
-const LARGEST: f64 = 1e100;
 
 /// A number by day.
 pub(super) struct Course<'r> {
@@ -361,9 +357,10 @@ fn days_of_95_percent(sizes: &[Size]) -> RangeInclusive<usize> {
 /// Chance of `x` or more. Numbers that come from a file may be anything, of which laws take those
 /// alone that are finite and not too large to be squared.
 pub(super) fn tail(law: &impl ContinuousCDF<f64, f64>, x: f64) -> f64 {
-    match x {
-        x if x.is_nan() => 1.0,
-        x => law.sf(x.clamp(-LARGEST, LARGEST)),
+    if x.is_nan() {
+        1.0
+    } else {
+        law.sf(x.clamp(-1e100, 1e100))
     }
 }
 

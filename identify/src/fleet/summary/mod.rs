@@ -19,7 +19,6 @@
 //! themselves say (another URDF, a log that cannot be read) has 0.
 
 mod changes;
-pub(super) mod criteria;
 mod history;
 mod shared;
 
@@ -31,13 +30,63 @@ use statrs::distribution::{Binomial, DiscreteCDF as _};
 use super::row::Row;
 use crate::diagnose::{Verdict, subject};
 use crate::fit::population::Population;
-use criteria::{CLEAR, FALSE_FINDING, OWN_EFFECTS, ROBOTS};
 use history::{History, Key, found, label};
 use shared::one_in;
 
 pub use changes::{Change, ChangeKind};
-pub use criteria::FALSE_ALARM;
 pub use shared::{Shared, SharedMember};
+
+// When something is said of a fleet. `cargo xtask study fleet` counts what comes of all of these
+// numbers together.
+
+/// Chance that a fleet of which nothing is wrong gets a shared effect, and that it gets a
+/// change: corrected for everything that is looked at in the whole fleet. An effect that comes or
+/// goes is a change where what is fitted without effects differs by more than chance makes of it in
+/// this part of cases. Chosen: it is the rate of false alarms itself; `cargo xtask study fleet`
+/// counts them.
+pub const FALSE_ALARM: f64 = 0.01;
+
+/// An effect of the last day alone counts if it is so many deviations large. Chosen: half of it
+/// lists robots for one odd day.
+pub(in crate::fleet) const CLEAR: f64 = 8.0;
+
+/// Chance that a finding about the data is in a log of a sound robot, at most; taken for the
+/// verdict `unexplained`, too. Calibrated on the study of health, where 0 of 300 healthy logs have
+/// a finding: 1 % is the upper end of its 95 % interval. Half of it halves the chances that are
+/// said of findings, and moves no robot.
+pub(in crate::fleet) const FALSE_FINDING: f64 = 0.01;
+
+/// Fewer robots, or pairs of days with one explanation, say nothing of how they are spread. Chosen:
+/// four degrees of freedom know a spread to a third (closed form).
+pub(in crate::fleet) const ROBOTS: usize = 5;
+
+/// Where more than this part of the robots have effects of their own, bodies are said to differ; in
+/// this part of the rows of a robot an effect has to be possible to be the robot's. Chosen: half of it
+/// is reached by a fleet with several batches whose sizes scatter, and groups robots by single days.
+pub(in crate::fleet) const MOST: f64 = 0.5;
+
+/// Deviations of an effect on a day that does not show it. Chosen: half of it makes an
+/// effect that is not named on a day smaller than it may be, and changes too many.
+pub(in crate::fleet) const UNSEEN: f64 = 3.0;
+/// Effects and targets that a diagnosis may name. Chosen: a factor of two moves the
+/// threshold by 0.1 deviations (closed form).
+pub(in crate::fleet) const HYPOTHESES: f64 = 500.0;
+/// A day that differs from those before it by so many deviations begins a change. Chosen:
+/// half of it dates changes too early; twice as much dates drifts late.
+pub(in crate::fleet) const ONSET: f64 = 4.0;
+/// Fewer differences than these do not tell how days scatter. Chosen: the root of the
+/// median of so many squares is off by a quarter (closed form), of half as many by a third.
+pub(in crate::fleet) const DIFFERENCES: usize = 20;
+/// Fewest degrees of freedom that are taken for a row's deviations. Chosen: half of it asks
+/// for larger changes in small fleets.
+pub(in crate::fleet) const LEAST_FREEDOM: f64 = 5.0;
+
+/// Robots of a group differ by at most this part of its size. Chosen: half of it splits
+/// batches whose offsets scatter.
+pub(in crate::fleet) const ALIKE: f64 = 0.5;
+/// A window is no narrower than this many deviations of an estimate. Chosen: half of it
+/// takes agreement that estimates cannot have for evidence.
+pub(in crate::fleet) const LEAST_WINDOW: f64 = 2.0;
 
 /// What the rows say together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -95,7 +144,7 @@ fn differing_bodies(histories: &[History], shared: &[Shared]) -> Option<String> 
     let all = histories.iter().filter(|h| h.usable().next().is_some());
     let all = all.count();
     let own = histories.iter().filter(of_its_own).count();
-    let most = all >= ROBOTS && own as f64 > OWN_EFFECTS * all as f64;
+    let most = all >= ROBOTS && own as f64 > MOST * all as f64;
     most.then(|| {
         format!(
             "{own} of {all} robots have effects of their own on most days. So many robots hardly \
@@ -105,9 +154,6 @@ fn differing_bodies(histories: &[History], shared: &[Shared]) -> Option<String> 
         )
     })
 }
-
-/// 97.5 % of a normal number.
-const Z: f64 = 1.959_963_985;
 
 /// Why a robot is to be looked at.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -173,7 +219,7 @@ impl Statement {
     }
 }
 
-pub(super) fn reasons(histories: &[History], shared: &[Shared], changes: &[Change]) -> Vec<Reason> {
+fn reasons(histories: &[History], shared: &[Shared], changes: &[Change]) -> Vec<Reason> {
     let of = |history: &History| {
         let said = statements(history, shared, changes);
         if said.is_empty() {
@@ -203,8 +249,8 @@ fn place(reasons: &mut [Reason]) {
     let known: Vec<(f64, f64)> = reasons.iter().map(|r| (r.weight, r.weight_std)).collect();
     for (reason, own) in reasons.iter_mut().zip(&known) {
         let is_before = |one: &(f64, f64), other: &(f64, f64)| {
-            // Sums of the same weights may differ in their last digits.
-            one.0 - other.0 > Z * one.1.hypot(other.1) + 1e-9
+            // At 97.5 % of a normal number; sums of the same weights may differ in their last digits.
+            one.0 - other.0 > 1.959_963_985 * one.1.hypot(other.1) + 1e-9
         };
         let before = known.iter().filter(|one| is_before(one, own)).count();
         let after = known.iter().filter(|one| is_before(own, one)).count();
