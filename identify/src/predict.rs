@@ -161,17 +161,12 @@ impl Predictor {
             motion,
         } = request;
         // With a support of the caller's, what the log says about it is not looked at.
-        let links = match stance.support {
-            Some(_) => Vec::new(),
-            None => {
-                let links = stance.robot.description.link_names();
-                links.map(str::to_string).collect()
-            }
-        };
+        let links = stance.robot.description.link_names();
+        let links = links.filter(|_| stance.support.is_none());
         let options = Options {
             angles: *angles,
             readings: Readings::Ignored,
-            links,
+            links: links.map(str::to_string).collect(),
             stays: Stays::Apart,
             ..Options::default()
         };
@@ -186,9 +181,8 @@ impl Predictor {
                 ..options.clone()
             };
             let first = PostureReader::open(log, &dofs, &with_readings)?.first_support()?;
-            stance.support = first
-                .filter(|link| !link.is_empty())
-                .map(|link| link.to_string());
+            let first = first.filter(|link| !link.is_empty());
+            stance.support = first.map(|link| link.to_string());
         }
         let reader = match motion {
             MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?,
@@ -261,30 +255,20 @@ impl Predictor {
                 Some(motion) => on_link.shifts(q, motion, start, gravity),
                 None => vec![[0.0; 2]; n],
             };
-            let com = match &on_link.effects {
-                Some(effects) => {
-                    let (com, cop) = effects.moving(q, n, gravity, &shifts);
-                    found
-                        .cop_m
-                        .extend(cop.chunks_exact(2).map(|c| [c[0], c[1]]));
-                    com
+            let com = if let Some(effects) = &on_link.effects {
+                let (com, cop) = effects.moving(q, n, gravity, &shifts);
+                found.cop_m.extend(cop.as_chunks().0);
+                com
+            } else {
+                let com = on_link.com.run(q, n);
+                for (k, (com, by)) in com.as_chunks().0.iter().zip(&shifts).enumerate() {
+                    let down = gravity.map_or([0.0, 0.0, -1.0], |all| all[k]);
+                    let [x, y] = projected(*com, down);
+                    found.cop_m.push([x + by[0], y + by[1]]);
                 }
-                None => {
-                    let com = on_link.com.run(q, n);
-                    let down = |k: usize| gravity.map_or([0.0, 0.0, -1.0], |all| all[k]);
-                    let projections = com.chunks_exact(3).enumerate();
-                    let projections =
-                        projections.map(|(k, c)| projected([c[0], c[1], c[2]], down(k)));
-                    let projections = projections
-                        .zip(&shifts)
-                        .map(|(cop, by)| [cop[0] + by[0], cop[1] + by[1]]);
-                    found.cop_m.extend(projections);
-                    com
-                }
+                com
             };
-            found
-                .com_m
-                .extend(com.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
+            found.com_m.extend(com.as_chunks().0);
             start += n;
         }
         Ok(found)
@@ -299,20 +283,16 @@ impl Predictor {
         if !self.evaluators.contains_key(support) {
             let model = self.stance.model_on(support)?;
             if self.evaluators.is_empty() {
-                let notes = model.tree.notes.iter().cloned();
-                notes
-                    .chain(model.cautions())
-                    .for_each(|note| watch.note(&note));
+                let notes = model.tree.notes.iter().cloned().chain(model.cautions());
+                notes.for_each(|note| watch.note(&note));
             }
+            // Where the other sole cannot be told, nothing is said of it.
+            let other = Feet::default().of(&self.reader.sidecar, &model);
             let evaluators = Evaluators {
                 com: Evaluator::new(&model, Function::Com),
                 effects: EffectPredictor::new(&model),
                 motion: None,
-                // Where the other sole cannot be told, nothing is said of it.
-                soles: Feet::default()
-                    .of(&self.reader.sidecar, &model)
-                    .unwrap_or_default()
-                    .map(Soles::new),
+                soles: other.unwrap_or_default().map(Soles::new),
                 model,
             };
             self.evaluators.insert(support.to_string(), evaluators);
@@ -323,9 +303,8 @@ impl Predictor {
     /// Say once where soles do not close in the rows that were predicted.
     fn warn_of_soles(&mut self, watch: &mut dyn Watch) {
         for on_link in self.evaluators.values_mut() {
-            let open = on_link.soles.take();
-            let open = open.and_then(|soles| soles.open(&on_link.model));
-            if let Some(open) = open {
+            let soles = on_link.soles.take();
+            if let Some(open) = soles.and_then(|soles| soles.open(&on_link.model)) {
                 watch.warning(&open.into());
             }
         }
@@ -348,18 +327,16 @@ impl Evaluators {
         gravity: Option<&[[f64; 3]]>,
     ) -> Vec<[f64; 2]> {
         let model = &self.model;
-        let (predictor, zmp) = self
-            .motion
-            .get_or_insert_with(|| (MotionPredictor::new(model), Zmp::new(model)));
+        let make = || (MotionPredictor::new(model), Zmp::new(model));
+        let (predictor, zmp) = self.motion.get_or_insert_with(make);
         let dof = model.dof();
         let own = start * dof..start * dof + q.len();
         let motion = (&motion.rates[own.clone()], &motion.gains[own]);
         let n = q.len() / dof;
         let mut shifts = predictor.shifts(q, n, motion);
-        let tilts: Option<Vec<[f64; 2]>> =
-            gravity.map(|all| all.iter().map(|g| rows::tilt(*g)).collect());
-        let tilted = |tilts: &Vec<[f64; 2]>| tilts.iter().flatten().any(|t| *t != 0.0);
-        if let Some(tilts) = tilts.filter(tilted) {
+        let tilts = gravity.into_iter().flatten().map(|g| rows::tilt(*g));
+        let tilts: Vec<[f64; 2]> = tilts.collect();
+        if tilts.iter().flatten().any(|t| *t != 0.0) {
             let of = |tilts: &[[f64; 2]]| zmp.shifts(&model.params(), q, motion, tilts);
             let (tilted, level) = (of(&tilts), of(&vec![[0.0; 2]; n]));
             for (shift, (a, b)) in shifts.iter_mut().zip(tilted.iter().zip(level)) {
@@ -418,10 +395,12 @@ impl Soles {
     pub fn open(&self, model: &Model) -> Option<String> {
         let q = bent(model, &self.q);
         let closure = Closure::of(model, self.other.clone(), &q, None);
-        let found = match model.effects.is_empty() {
-            true => closure.of_cad(),
-            false => closure.of_model(),
+        let source = if model.effects.is_empty() {
+            "CAD"
+        } else {
+            "the model file"
         };
+        let found = closure.found_by(source);
         (!found.closes).then(|| {
             format!(
                 "{} Predictions take the joints to be there; a diagnosis of the log can tell what \

@@ -24,11 +24,6 @@ use sesc_model::{Error as ModelError, Model, ModelFile, Snapping};
 
 use crate::{Error, Message, Setting, message};
 
-/// Links named in a message.
-const NAMED: usize = 12;
-/// Factors that are kept: both feet of a robot, twice.
-const FACTORS: usize = 4;
-
 /// A robot as its URDF describes it.
 #[derive(Debug)]
 pub struct Robot {
@@ -63,7 +58,8 @@ impl Factors {
         let made = Arc::new(make());
         let mut kept = kept();
         kept.push_front((name.to_string(), Arc::clone(&made)));
-        kept.truncate(FACTORS);
+        // Both feet of a robot, twice.
+        kept.truncate(4);
         made
     }
 }
@@ -157,7 +153,7 @@ impl Robot {
     fn missing_support(&self, what: Message, odd: &[Message]) -> Error {
         let mut names: Vec<&str> = self.description.link_names().collect();
         names.sort_by_key(|name| support_rank(name));
-        let has = format!(" (the robot has {})", listed(names, NAMED));
+        let has = format!(" (the robot has {})", listed(names, 12));
         let odd: String = odd.iter().map(|message| format!("; {message}")).collect();
         Error::request(what.and(has).and(odd).and(self.feet_note()))
     }
@@ -310,10 +306,6 @@ impl Stance {
 
 /// Longest URDF that it may make, bytes: as much as a URDF may have.
 const LONGEST: u64 = 64 << 20;
-/// How much of its messages is kept, bytes.
-const MESSAGES: u64 = 64 << 10;
-/// How long it may run.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Why there is no URDF.
 #[derive(Debug, thiserror::Error)]
@@ -342,7 +334,7 @@ pub(crate) fn expand(path: &Path) -> Result<String, XacroFailed> {
     // `./-x` is no option, and an absolute path stays as it is.
     let mut command = Command::new("xacro");
     command.arg(Path::new(".").join(path));
-    run_xacro(&mut command, PATIENCE)
+    run_xacro(&mut command, Duration::from_secs(60))
 }
 
 fn run_xacro(command: &mut Command, patience: Duration) -> Result<String, XacroFailed> {
@@ -364,7 +356,7 @@ fn run_xacro(command: &mut Command, patience: Duration) -> Result<String, XacroF
 fn output(child: &mut Child, patience: Duration) -> Result<String, XacroFailed> {
     let end = Instant::now() + patience;
     let text = received(child.stdout.take(), LONGEST + 1);
-    let messages = received(child.stderr.take(), MESSAGES);
+    let messages = received(child.stderr.take(), 64 << 10);
     let left = || end.saturating_duration_since(Instant::now());
     let late = |_| XacroFailed::TooSlow(patience);
     let text = text.recv_timeout(left()).map_err(late)?;

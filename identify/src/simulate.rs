@@ -314,11 +314,12 @@ impl Simulator {
 
     /// The next posture, rad or m.
     pub fn posture(&mut self) -> Vec<f64> {
-        let rng = &mut self.postures;
-        self.ranges
+        let mut draw = || self.postures.random::<f64>();
+        let draws = self
+            .ranges
             .iter()
-            .map(|&(lower, upper)| lower + (upper - lower) * rng.random::<f64>())
-            .collect()
+            .map(|(lower, upper)| lower + (upper - lower) * draw());
+        draws.collect()
     }
 
     /// The next `count` postures, one after the other.
@@ -334,21 +335,14 @@ impl Simulator {
 
 /// The limits, cut to ±range; a joint whose limits exclude that keeps its own.
 fn narrowed(dof: &Dof, range: Option<f64>) -> (f64, f64) {
-    match range {
-        Some(range) if !dof.prismatic => {
-            let (lower, upper) = (dof.lower.max(-range), dof.upper.min(range));
-            if lower < upper {
-                (lower, upper)
-            } else {
-                (dof.lower, dof.upper)
-            }
-        }
-        _ => (dof.lower, dof.upper),
+    let range = range.filter(|_| !dof.prismatic).unwrap_or(f64::INFINITY);
+    let narrow = (dof.lower.max(-range), dof.upper.min(range));
+    if narrow.0 < narrow.1 {
+        narrow
+    } else {
+        (dof.lower, dof.upper)
     }
 }
-
-/// Slowest and fastest sine, Hz.
-const HERTZ: (f64, f64) = (0.05, 0.25);
 
 /// One joint.
 struct Wave {
@@ -376,7 +370,7 @@ impl Waves {
             middle: 0.5 * (lower + upper),
             amplitude: 0.25 * (upper - lower),
             sines: [(); 2].map(|()| {
-                let hertz = HERTZ.0 + (HERTZ.1 - HERTZ.0) * random.random::<f64>();
+                let hertz = 0.05 + (0.25 - 0.05) * random.random::<f64>();
                 [TAU * hertz, TAU * random.random::<f64>()]
             }),
         };
@@ -399,12 +393,6 @@ impl Waves {
         }
     }
 }
-
-/// An angle (rad) and a length (m) that are given without their unit are no larger.
-const ANGLE_RAD: f64 = 0.6;
-const LENGTH_M: f64 = 1.0;
-/// A mass that is given without its unit is no larger a part of what the robot weighs.
-const PART: f64 = 3.0;
 
 /// The model with effects hidden in it, in the words of the module's head.
 ///
@@ -523,17 +511,13 @@ fn quantity(parameter: &Parameter, robot_kg: f64, text: &str) -> Result<f64, Str
             names.join(", ")
         )
     })?;
+    // Given without their unit an angle, a length and a mass are hardly larger.
     let bound = match parameter.unit {
-        Unit::Radian => Some((
-            ANGLE_RAD,
-            "deg",
-            "rad",
-            format!("{:.0}°", value.to_degrees()),
-        )),
-        Unit::Metre => Some((LENGTH_M, "mm", "m", format!("{} mm", 1e3 * value))),
+        Unit::Radian => Some((0.6, "deg", "rad", format!("{:.0}°", value.to_degrees()))),
+        Unit::Metre => Some((1.0, "mm", "m", format!("{} mm", 1e3 * value))),
         Unit::Kilogram => {
             let shown = format!("the robot weighs {robot_kg:.3} kg");
-            Some((PART * robot_kg, "g", "kg", shown))
+            Some((3.0 * robot_kg, "g", "kg", shown))
         }
         _ => None,
     };

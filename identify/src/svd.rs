@@ -14,9 +14,6 @@ use nalgebra::{DMatrix, DVector, Dyn, SVD, SymmetricEigen};
 /// Rounds per singular value, at most; about three are usual.
 const ROUNDS: usize = 200;
 
-/// Tolerance of what has settled: the library's own.
-const SETTLED: f64 = 5.0 * f64::EPSILON;
-
 /// The decomposition of `matrix`, with U and Vᵀ where they are asked for.
 pub fn svd(matrix: DMatrix<f64>, u: bool, v: bool) -> SVD<f64, Dyn, Dyn> {
     let (rows, columns) = matrix.shape();
@@ -32,7 +29,8 @@ pub fn svd(matrix: DMatrix<f64>, u: bool, v: bool) -> SVD<f64, Dyn, Dyn> {
     if !matrix.iter().all(|x| x.is_finite()) {
         return filled(f64::NAN);
     }
-    SVD::try_new(matrix, u, v, SETTLED, ROUNDS * few).unwrap_or_else(|| filled(f64::NAN))
+    // The tolerance is the library's own.
+    SVD::try_new(matrix, u, v, 5.0 * f64::EPSILON, ROUNDS * few).unwrap_or_else(|| filled(f64::NAN))
 }
 
 /// Eigenvalues and vectors of a symmetric matrix, NaN where it is not finite.

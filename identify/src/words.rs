@@ -9,102 +9,85 @@
 
 use std::fmt;
 
-/// Something that a caller can set, as messages name it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Setting {
-    /// Unit of the revolute joints in a log.
-    Angles,
-    /// Candidates of a plan.
-    Candidates,
-    /// Least height of links above the ground.
-    Clearance,
-    /// What columns of other names are: the name in the log, then ours.
-    Columns,
-    /// Half the side of a square for the CoP.
-    CopBox,
-    /// Logs.
-    Data,
-    /// A feature that this build leaves out.
-    Feature(&'static str),
-    /// What encoder ticks add to the noise.
-    Floor,
-    /// Folds of the cross-validation.
-    Folds,
-    /// Narrower joint limits.
-    Limits,
-    /// Distance of the CoP from the edge.
-    Margin,
-    /// Standard deviation of a reading.
-    Noise,
-    /// Rows per second of a simulated robot that moves.
-    Rate,
-    /// Factor files to be combined later.
-    Partial,
-    /// Masses that a robot can have.
-    Physical,
-    /// The link that is the other sole, where both feet are on the floor.
-    OtherFoot,
-    /// Whether the motion of the joints counts.
-    Motion,
-    /// Postures of a plan or a simulation.
-    Poses,
-    /// The tolerances of CAD masses.
-    Prior,
-    /// Range of the joints around zero.
-    Range,
-    /// Loss of a fit that trusts outliers less.
-    Robust,
-    /// Rows of stays alone.
-    Settle,
-    /// Safety margin of the CoP in standard deviations.
-    Sigmas,
-    /// Whether decimals of right angles are made exact.
-    Snapping,
-    /// Corners of the sole.
-    Sole,
-    /// The link on the ground.
-    Support,
-    /// Weight of the whole robot.
-    TotalMass,
-    /// The robot of its type that logs are of.
-    Unit,
+/// Defines [`Setting`], with the name of each.
+macro_rules! settings {
+    ($($(#[$about:meta])* $setting:ident = $name:literal,)+) => {
+        /// Something that a caller can set, as messages name it.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[non_exhaustive]
+        pub enum Setting {
+            $($(#[$about])* $setting,)+
+            /// A feature that this build leaves out.
+            Feature(&'static str),
+        }
+
+        impl Setting {
+            /// The name of the field, which is the name of Python's keyword too.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Setting::$setting => $name,)+
+                    Setting::Feature(name) => name,
+                }
+            }
+        }
+    };
 }
 
-impl Setting {
-    /// The name of the field, which is the name of Python's keyword too.
-    pub fn name(self) -> &'static str {
-        match self {
-            Setting::Angles => "angles",
-            Setting::Candidates => "candidates",
-            Setting::Clearance => "clearance",
-            Setting::Columns => "columns",
-            Setting::CopBox => "cop_box",
-            Setting::Data => "data",
-            Setting::Feature(name) => name,
-            Setting::Floor => "floor",
-            Setting::Folds => "folds",
-            Setting::Limits => "limits",
-            Setting::Margin => "margin",
-            Setting::Noise => "noise",
-            Setting::Rate => "rate",
-            Setting::Partial => "partial",
-            Setting::Physical => "physical",
-            Setting::OtherFoot => "other_foot",
-            Setting::Motion => "motion",
-            Setting::Poses => "poses",
-            Setting::Prior => "prior",
-            Setting::Range => "range",
-            Setting::Robust => "robust",
-            Setting::Settle => "settle",
-            Setting::Sigmas => "sigmas",
-            Setting::Snapping => "snapping",
-            Setting::Sole => "sole",
-            Setting::Support => "support",
-            Setting::TotalMass => "total_mass",
-            Setting::Unit => "unit",
-        }
-    }
+settings! {
+    /// Unit of the revolute joints in a log.
+    Angles = "angles",
+    /// Candidates of a plan.
+    Candidates = "candidates",
+    /// Least height of links above the ground.
+    Clearance = "clearance",
+    /// What columns of other names are: the name in the log, then ours.
+    Columns = "columns",
+    /// Half the side of a square for the CoP.
+    CopBox = "cop_box",
+    /// Logs.
+    Data = "data",
+    /// What encoder ticks add to the noise.
+    Floor = "floor",
+    /// Folds of the cross-validation.
+    Folds = "folds",
+    /// Narrower joint limits.
+    Limits = "limits",
+    /// Distance of the CoP from the edge.
+    Margin = "margin",
+    /// Standard deviation of a reading.
+    Noise = "noise",
+    /// Rows per second of a simulated robot that moves.
+    Rate = "rate",
+    /// Factor files to be combined later.
+    Partial = "partial",
+    /// Masses that a robot can have.
+    Physical = "physical",
+    /// The link that is the other sole, where both feet are on the floor.
+    OtherFoot = "other_foot",
+    /// Whether the motion of the joints counts.
+    Motion = "motion",
+    /// Postures of a plan or a simulation.
+    Poses = "poses",
+    /// The tolerances of CAD masses.
+    Prior = "prior",
+    /// Range of the joints around zero.
+    Range = "range",
+    /// Loss of a fit that trusts outliers less.
+    Robust = "robust",
+    /// Rows of stays alone.
+    Settle = "settle",
+    /// Safety margin of the CoP in standard deviations.
+    Sigmas = "sigmas",
+    /// Whether decimals of right angles are made exact.
+    Snapping = "snapping",
+    /// Corners of the sole.
+    Sole = "sole",
+    /// The link on the ground.
+    Support = "support",
+    /// Weight of the whole robot.
+    TotalMass = "total_mass",
+    /// The robot of its type that logs are of.
+    Unit = "unit",
 }
 
 /// A sentence; [`Display`](fmt::Display) names settings by their fields.

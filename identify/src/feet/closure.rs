@@ -25,6 +25,7 @@ use serde::{Deserialize, Serialize};
 use sesc_model::Model;
 use sesc_model::effects::other_sole_by_joints;
 use sesc_model::tape::{Tape, Values};
+use sesc_model::tree::Dof;
 
 use super::other::OtherFoot;
 use crate::evaluate::FASTEST;
@@ -35,11 +36,6 @@ use crate::observations::postures::rms;
 /// χ² from which a column is more than noise: five standard deviations. Chosen: by chance
 /// in one column of 1,700,000 (closed form); half of it in one of 2500.
 const CLEAR: f64 = 25.0;
-/// Joints named in a sentence. Chosen: it shortens a sentence alone.
-const NAMED: usize = 4;
-/// A slope that is none, m/rad or rad/rad. Chosen: far below what any joint has, far above
-/// rounding.
-const NO_SLOPE: f64 = 1e-9;
 /// What an explanation leaves is more than noise from this part of it on. Chosen: half of
 /// it calls a fit of soles that bend a little unexplained.
 const MORE: f64 = 3.0;
@@ -65,15 +61,8 @@ pub(crate) struct Closure {
     /// Closure that CAD predicts, m, rad, rad.
     pub(super) values: Vec<f64>,
     /// Independent joints between the soles, and slopes by them, a column each.
-    pub(super) joints: Vec<Between>,
+    pub(super) joints: Vec<Dof>,
     pub(super) slopes: DMatrix<f64>,
-}
-
-/// An independent joint between the soles.
-#[derive(Debug, Clone)]
-pub(super) struct Between {
-    pub name: String,
-    prismatic: bool,
 }
 
 impl Closure {
@@ -85,7 +74,8 @@ impl Closure {
         let mut out = vec![0.0; n * tape.outputs()];
         tape.run(&[Values::PerPosture(q)], n, &mut out, FASTEST);
         let at = |row: usize, column: usize| out[row * (1 + dof) + column];
-        let moves = |j: &usize| (0..ROWS * n).any(|row| at(row, 1 + j).abs() > NO_SLOPE);
+        // Slopes are far above 1e-9 m/rad or rad/rad, or none.
+        let moves = |j: &usize| (0..ROWS * n).any(|row| at(row, 1 + j).abs() > 1e-9);
         let between: Vec<usize> = (0..dof).filter(moves).collect();
         let slopes = DMatrix::from_fn(ROWS * n, between.len(), |row, k| at(row, 1 + between[k]));
         let values: Vec<f64> = (0..ROWS * n).map(|row| at(row, 0)).collect();
@@ -103,13 +93,7 @@ impl Closure {
             widened,
             from_log: noise.map(|noise| noise.from_log),
             support: model.support().to_string(),
-            joints: between
-                .into_iter()
-                .map(|index| Between {
-                    name: dofs[index].joint.clone(),
-                    prismatic: dofs[index].prismatic,
-                })
-                .collect(),
+            joints: between.iter().map(|index| dofs[*index].clone()).collect(),
             slopes,
             values,
             other,
@@ -129,10 +113,8 @@ impl Closure {
     /// Whitened residuals (0 − value)/σ of values of the equations.
     pub fn whitened(&self, values: impl Iterator<Item = f64>) -> DVector<f64> {
         let rows = values.enumerate();
-        DVector::from_iterator(
-            ROWS * self.len(),
-            rows.map(|(row, value)| -value * self.weight(row)),
-        )
+        let rows = rows.map(|(row, value)| -value * self.weight(row));
+        DVector::from_iterator(ROWS * self.len(), rows)
     }
 
     /// `S x`: whitened columns without what may be common to all postures.
@@ -169,34 +151,24 @@ impl Closure {
 
     /// RMS of whitened residuals in their own units.
     pub fn lies(&self, residual: &DVector<f64>) -> Lies {
-        let [height_m, roll_rad, pitch_rad] = [0, 1, 2].map(|row| {
+        Lies::from([0, 1, 2].map(|row| {
             let own = residual.iter().skip(row).step_by(ROWS);
             rms(own.map(|e| e * self.std[row]))
-        });
-        Lies {
-            roll_rad,
-            pitch_rad,
-            height_m,
-        }
+        }))
     }
 
     /// What is said where an explanation leaves `after` of what CAD leaves.
     pub fn said(&self, before: &DVector<f64>, after: &DVector<f64>) -> ClosureFound {
         let (chi2, expected) = self.chi2(after);
-        let noise = |of: &dyn Fn(usize) -> f64| Lies {
-            height_m: of(0),
-            roll_rad: of(1),
-            pitch_rad: of(2),
-        };
         ClosureFound {
             support: self.support.clone(),
             other_foot: self.other.name.clone(),
             postures: self.len(),
             before: self.lies(before),
             after: self.lies(after),
-            noise: noise(&|row| self.std[row] / self.widened[row]),
+            noise: Lies::from([0, 1, 2].map(|row| self.std[row] / self.widened[row])),
             noise_from_log: self.from_log.iter().any(|own| *own),
-            tolerance: noise(&|row| self.common[row]),
+            tolerance: Lies::from(self.common),
             chi2,
             expected,
             closes: chi2 <= MORE * expected,
@@ -225,25 +197,16 @@ impl Closure {
             let offset = whole.column(k).dot(rest) / square;
             let joint = &self.joints[k];
             let std = 1.0 / square.sqrt();
-            let found = Offset::new(joint.name.clone(), joint.prismatic, offset, std);
+            let found = Offset::new(joint, offset, std);
             (offset * offset * square, k, found)
         };
         let all = (0..self.joints.len()).map(of).collect();
         (whole, all)
     }
 
-    /// Whether the soles close as CAD has them: what is said of it, with the joints whose
-    /// offsets explain where they do not.
-    pub fn of_cad(&self) -> ClosureFound {
-        self.found_by("CAD")
-    }
-
-    /// The same where joint positions are those of a model file.
-    pub fn of_model(&self) -> ClosureFound {
-        self.found_by("the model file")
-    }
-
-    fn found_by(&self, source: &str) -> ClosureFound {
+    /// Whether the soles close as joint positions are by their `source`, CAD or the model file:
+    /// what is said of it, with the joints whose offsets explain where they do not.
+    pub fn found_by(&self, source: &str) -> ClosureFound {
         let residual = self.whitened(self.values.iter().copied());
         let rest = self.without_common_of(&residual);
         let (whole, mut offsets) = self.offsets(&rest);
@@ -259,7 +222,7 @@ impl Closure {
         found.closes &= !clear;
         if clear {
             offsets.retain(|(gain, ..)| *gain > best - AS_GOOD);
-            offsets.truncate(NAMED);
+            offsets.truncate(4);
             found.explained_by = offsets.into_iter().map(|(.., offset)| offset).collect();
         }
         found.sentence = found.of_joints(left, source);
@@ -275,9 +238,6 @@ pub(super) const FLOOR: [f64; ROWS] = [3e-4, 1e-3, 1e-3];
 pub(super) const LIMIT: [f64; ROWS] = [5e-3, 0.02, 0.02];
 /// Soles and floor are flat and parallel to this, m, rad, rad.
 pub(super) const COMMON: [f64; ROWS] = [1e-3, 2.5e-3, 2.5e-3];
-/// Postures per column of a fit, so that what it leaves is noise.
-const PER_COLUMN: usize = 2;
-
 /// Noise of one equation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Noise {
@@ -309,7 +269,8 @@ pub(super) fn noise_of(
         })
     };
     let counts = [1 + 2 * joints, 1 + joints];
-    let count = counts.into_iter().find(|count| n >= PER_COLUMN * count);
+    // Two postures a column leave noise.
+    let count = counts.into_iter().find(|count| n >= 2 * count);
     let Some(x) = count.map(columns) else {
         return Noise {
             std: FLOOR[row],
@@ -343,6 +304,16 @@ pub struct Lies {
     pub height_m: f64,
 }
 
+impl From<[f64; ROWS]> for Lies {
+    fn from([height_m, roll_rad, pitch_rad]: [f64; ROWS]) -> Lies {
+        Lies {
+            roll_rad,
+            pitch_rad,
+            height_m,
+        }
+    }
+}
+
 impl Lies {
     /// `1.52° of roll, 0.31° of pitch and 3.1 mm of height`
     pub fn sentence(&self) -> String {
@@ -372,11 +343,11 @@ pub struct Offset {
 }
 
 impl Offset {
-    pub(super) fn new(joint: String, prismatic: bool, offset: f64, std: f64) -> Offset {
+    pub(super) fn new(joint: &Dof, offset: f64, std: f64) -> Offset {
         Offset {
-            joint,
-            offset_rad: (!prismatic).then_some(offset),
-            offset_m: prismatic.then_some(offset),
+            joint: joint.joint.clone(),
+            offset_rad: (!joint.prismatic).then_some(offset),
+            offset_m: joint.prismatic.then_some(offset),
             std,
         }
     }
@@ -428,9 +399,6 @@ pub struct ClosureFound {
     pub sentence: String,
 }
 
-/// Sentences and names in a file are no longer.
-const LONGEST: usize = 10_000;
-
 impl ClosureFound {
     /// Returns the one of two logs whose soles lie worse.
     #[doc(hidden)]
@@ -449,13 +417,12 @@ impl ClosureFound {
     /// What no log gives, in a file that was read.
     pub(crate) fn invalid_reason(&self) -> Option<String> {
         let lies = [&self.before, &self.after, &self.noise, &self.tolerance];
-        let sizes = lies
-            .iter()
-            .flat_map(|lies| [lies.roll_rad, lies.pitch_rad, lies.height_m]);
+        let sizes = lies.map(|lies| [lies.roll_rad, lies.pitch_rad, lies.height_m]);
+        let sizes = sizes.into_iter().flatten();
         let numbers = sizes.chain([self.chi2, self.expected]);
         let of_joints = self.explained_by.iter().map(|offset| offset.value().abs());
         let valid = numbers.chain(of_joints).all(|x| (0.0..=1e30).contains(&x))
-            && self.sentence.len() <= LONGEST;
+            && self.sentence.len() <= 10_000;
         (!valid).then(|| "`closure` that no log gives".to_string())
     }
 
@@ -485,12 +452,8 @@ impl ClosureFound {
                 self.apart(by)
             );
         };
-        let others: Vec<String> = self
-            .explained_by
-            .iter()
-            .skip(1)
-            .map(Offset::sentence)
-            .collect();
+        let others = self.explained_by.iter().skip(1).map(Offset::sentence);
+        let others: Vec<String> = others.collect();
         let or = match others.is_empty() {
             true => String::new(),
             false => format!(" (or {})", others.join(", or ")),

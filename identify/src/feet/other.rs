@@ -46,8 +46,6 @@ const ERRORS: f64 = 3.0;
 /// form, 1/√n).
 const FEWEST: usize = 10;
 
-/// Links named in a message.
-const NAMED: usize = 12;
 /// What names of the two sides differ by.
 const SIDES: [(&str, &str); 2] = [("left", "right"), ("l", "r")];
 
@@ -192,7 +190,7 @@ fn soles(model: &Model) -> String {
     let own = [model.support(), carrier(model)];
     let mut names: Vec<&str> = links.filter(|name| !own.contains(name)).collect();
     names.sort_by_key(|name| support_rank(name));
-    listed(names, NAMED)
+    listed(names, 12)
 }
 
 /// The link that is called as the support is on the other side; else the only other one of
@@ -302,9 +300,6 @@ impl Soles for Places {
     }
 }
 
-/// Step of differences, rad or m.
-const STEP: f64 = 1e-5;
-
 /// Tell each posture how its reading changes where joints are not where encoders have them, since
 /// these place the contact of the other sole.
 pub(crate) fn tell_contacts(data: &mut Postures, model: &Model, other: &OtherFoot) {
@@ -330,7 +325,7 @@ pub(crate) fn tell_contacts(data: &mut Postures, model: &Model, other: &OtherFoo
                 moved[j] = q[j];
                 placed
             };
-            let slope = (at(STEP) - at(-STEP)) / (2.0 * STEP);
+            let slope = (at(1e-5) - at(-1e-5)) / 2e-5;
             for axis in 0..2 {
                 context[layout.shift_slope(j, axis)] -= slope[axis];
             }
@@ -361,11 +356,7 @@ pub fn of_one_foot(model: &Model, other: &OtherFoot, data: &Postures) -> Option<
     };
     let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
     let axes = [0, 1].map(|axis| (axis, square(&centred(&cad, axis))));
-    let (axis, of_cad) = if axes[0].1 > axes[1].1 {
-        axes[0]
-    } else {
-        axes[1]
-    };
+    let (axis, of_cad) = axes[usize::from(axes[0].1 <= axes[1].1)];
     if n < FEWEST || of_cad < n as f64 * MOVES_M * MOVES_M {
         return None;
     }

@@ -116,10 +116,9 @@ impl Evaluation<'_> {
                 let read = each(logs, noted, |log| self.read(&log.log))?;
                 (logs, blocks) = read.into_iter().unzip();
             }
-            match self.diagnose(&logs, blocks, support, row, watch) {
-                Ok(true) => {}
-                Ok(false) => return Ok(()),
-                Err(error) => return noted(error),
+            let usable = self.diagnose(&logs, blocks, support, row, watch);
+            if !usable.or_else(|error| noted(error).map(|()| false))? {
+                return Ok(());
             }
         }
         let parts = each(logs, noted, |log| self.gather(log, support, true, watch))?;
@@ -137,15 +136,12 @@ impl Evaluation<'_> {
                     }
                 }
             }
-            let merged = match &mut whole {
-                None => {
-                    whole = Some(part);
-                    Ok(())
+            if let Some(whole) = &mut whole {
+                if let Err(error) = whole.merge(part, &log.name) {
+                    return noted(error);
                 }
-                Some(whole) => whole.merge(part, &log.name),
-            };
-            if let Err(error) = merged {
-                return noted(error);
+            } else {
+                whole = Some(part);
             }
         }
         let fitted = whole.map_or(Ok(()), |whole| self.fit(support, whole, row, watch));

@@ -154,50 +154,33 @@ fn is_wired_otherwise(look: &Look, wirings: &Wirings, noise: f64, left: f64) -> 
 /// another joint. What is true of the joint itself is told by how far it would be off: where it
 /// moves, an offset leaves that.
 fn one_number_explains(look: &Look, best: &Moved, least: f64) -> bool {
-    let enough = |moved: &Moved| moved.left < ONE_AS_WELL * least;
-    if enough(&Moved::together(look, best.joint, Together::Offset)) {
+    let (n, dof) = (look.data.len(), look.model.dof());
+    let offset = vec![1.0; n];
+    let enough =
+        |joint: usize, by: &[f64]| Moved::together(look, joint, by).left < ONE_AS_WELL * least;
+    if enough(best.joint, &offset) {
         return true;
     }
-    let others = (0..look.model.dof()).filter(|other| *other != best.joint);
-    let simple = others.flat_map(|joint| [(joint, Together::Offset), (joint, Together::Scale)]);
-    let n = look.data.len();
     let slopes = Evaluator::new(look.model, Function::ComJacobian).run(&look.data.q, n);
-    // One step tells which are worth more.
-    let mut near = simple.filter(|(joint, how)| {
-        let steps = steps(look, *joint, &look.predicted, &slopes);
-        let (along, size) = how.sums(look, *joint, &steps);
-        along * along / size.max(1e-30) > 0.9 * 2.0 * look.chi2() * n as f64
-    });
-    near.any(|(joint, how)| enough(&Moved::together(look, joint, how)))
-}
-
-/// One number for all postures.
-#[derive(Clone, Copy)]
-enum Together {
-    Offset,
-    Scale,
-}
-
-impl Together {
-    /// How far a posture's joint goes by one unit.
-    fn weight(self, look: &Look, joint: usize, k: usize) -> f64 {
-        match self {
-            Together::Offset => 1.0,
-            Together::Scale => look.data.q[k * look.model.dof() + joint],
-        }
-    }
-
-    /// Gradient along the number, and its square.
-    fn sums(self, look: &Look, joint: usize, steps: &[Step]) -> (f64, f64) {
-        let own = steps.iter().enumerate();
-        own.fold((0.0, 0.0), |(along, size), (k, step)| {
-            let weight = self.weight(look, joint, k);
-            (
-                along + weight * step.along,
-                size + weight * weight * step.size,
-            )
-        })
-    }
+    (0..dof).filter(|other| *other != best.joint).any(|joint| {
+        let scale: Vec<f64> = look
+            .data
+            .q
+            .iter()
+            .skip(joint)
+            .step_by(dof)
+            .copied()
+            .collect();
+        let steps = steps(look, joint, &look.predicted, &slopes);
+        // One step tells which are worth a closer look.
+        let near = |by: &[f64]| {
+            let Step { along, size } = Step::sum(&steps, by);
+            along * along / size.max(1e-30) > 0.9 * 2.0 * look.chi2() * n as f64
+        };
+        [&offset, &scale]
+            .into_iter()
+            .any(|by| near(by) && enough(joint, by))
+    })
 }
 
 /// The postures with one joint moved to where the readings are explained best.
@@ -216,6 +199,18 @@ struct Step {
 }
 
 impl Step {
+    /// Gradient of postures that go `by` so far together, and its square.
+    fn sum(steps: &[Step], by: &[f64]) -> Step {
+        let zero = Step {
+            along: 0.0,
+            size: 0.0,
+        };
+        steps.iter().zip(by).fold(zero, |sum, (step, by)| Step {
+            along: sum.along + by * step.along,
+            size: sum.size + by * by * step.size,
+        })
+    }
+
     /// How far Gauss and Newton go, rad or m.
     fn length(&self) -> f64 {
         (self.along / self.size.max(1e-30)).clamp(-0.3, 0.3)
@@ -232,13 +227,12 @@ impl Moved {
         })
     }
 
-    /// One unknown for all postures.
-    fn together(look: &Look, joint: usize, how: Together) -> Moved {
+    /// One unknown for all postures, of which each goes `by` so far.
+    fn together(look: &Look, joint: usize, by: &[f64]) -> Moved {
         Moved::by(look, joint, |steps, far| {
-            let (along, size) = how.sums(look, joint, steps);
-            let by = Step { along, size }.length();
-            for (k, far) in far.iter_mut().enumerate() {
-                *far += how.weight(look, joint, k) * by;
+            let length = Step::sum(steps, by).length();
+            for (far, by) in far.iter_mut().zip(by) {
+                *far += by * length;
             }
         })
     }

@@ -33,7 +33,6 @@ use crate::evaluate::Evaluator;
 use crate::observations::correlation;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
-use crate::robot::Robot;
 
 /// Another link, or other axes of this one, that the readings fit.
 pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
@@ -42,7 +41,7 @@ pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
         return None;
     }
     let foot = other_foot(look);
-    let frame = another_up(look);
+    let frame = another_up(look)?;
     let (turned, axes) = (frame.left, frame.flat);
     let tree = &look.model.tree;
     let support = &tree.links[tree.support].name;
@@ -110,13 +109,18 @@ struct Frame {
 fn other_foot(look: &Look) -> Option<Foot> {
     let tree = &look.model.tree;
     let support = &tree.links[tree.support].name;
-    let leaves = leaf_links(look.on.robot)
-        .into_iter()
-        .map(|link| match tree.by_height {
-            true => like_sole(support, &link),
-            false => link,
-        })
-        .filter(|link| link != support);
+    let description = &look.on.robot.description;
+    // Links that carry no joint: feet, hands, the head.
+    let carries = |link: &str| description.joints.iter().any(|joint| joint.parent == link);
+    let leaves = description.links.iter().map(|link| &link.name);
+    let leaves = leaves.filter(|link| !carries(link)).map(|link| {
+        if tree.by_height {
+            like_sole(support, link)
+        } else {
+            link.clone()
+        }
+    });
+    let leaves = leaves.filter(|link| link != support);
     let on = |link: String| {
         let model = look.on.robot.model(&link, look.on.snapping, None).ok()?;
         let cop = Evaluator::new(&model, Function::Cop).run(&look.data.q, look.data.len());
@@ -132,16 +136,8 @@ fn other_foot(look: &Look) -> Option<Foot> {
     feet.min_by(|a, b| a.left.total_cmp(&b.left))
 }
 
-/// Links that carry no joint: feet, hands, the head.
-fn leaf_links(robot: &Robot) -> Vec<String> {
-    let description = &robot.description;
-    let carries = |link: &str| description.joints.iter().any(|joint| joint.parent == link);
-    let links = description.links.iter().map(|link| link.name.clone());
-    links.filter(|link| !carries(link)).collect()
-}
-
 /// The frame, turned by right angles, that the readings fit best.
-fn another_up(look: &Look) -> Frame {
+fn another_up(look: &Look) -> Option<Frame> {
     // The sole of a link is moved along the link's z: another axis points up from the link itself.
     let height = match sole_parts(look.model.support()) {
         Some(Ok((_, height))) if look.model.tree.by_height => height,
@@ -164,16 +160,7 @@ fn another_up(look: &Look) -> Frame {
             cop,
         }
     });
-    let nothing = Frame {
-        left: f64::INFINITY,
-        flat: [0, 1],
-        up: ("z", false),
-        cop: Vec::new(),
-    };
-    frames.fold(
-        nothing,
-        |best, own| if own.left < best.left { own } else { best },
-    )
+    frames.min_by(|a, b| a.left.total_cmp(&b.left))
 }
 
 /// Rotations by right angles after which another axis than z is vertical, and the axes that
@@ -250,11 +237,8 @@ pub(super) fn turned(look: &Look, wirings: &Wirings) -> Option<Finding> {
     }
     let tree = &look.model.tree;
     let support = &tree.links[tree.support].name;
-    let here = rms(x
-        .iter()
-        .zip(&px)
-        .chain(y.iter().zip(&py))
-        .map(|(y, p)| y - p));
+    let gaps = x.iter().zip(&px).chain(y.iter().zip(&py));
+    let here = rms(gaps.map(|(y, p)| y - p));
     let (what, remedy) = turn.words();
     let sentence = format!(
         "The readings are {:.1} mm off in the axes of `{support}` and {:.1} mm where {what}, \
@@ -438,7 +422,8 @@ pub(super) fn shuffled(look: &Look, wirings: &Wirings) -> Option<Finding> {
         let moves = scatter(&cad) > SHOWS * rms_of(&look.std, k);
         (ALIKE.0..ALIKE.1).contains(&ratio) && near && moves
     });
-    let broken = data.len() >= ENOUGH && as_cad && !wirings.relate();
+    let relates = || (0..2).any(|k| wirings.relates(k));
+    let broken = data.len() >= ENOUGH && as_cad && !relates();
     broken.then(|| {
         Finding::new(
             Kind::RowsShuffled,

@@ -172,11 +172,6 @@ impl<'a> Wirings<'a> {
         self.made(self.model).take(1).any(|com| holds(&com)) || self.com().any(|com| holds(&com))
     }
 
-    /// Whether some axis of the readings goes with the postures under some wiring.
-    pub fn relate(&self) -> bool {
-        (0..2).any(|k| self.relates(k))
-    }
-
     /// Whether one axis of the readings goes with the postures under some wiring by more
     /// than chance does in one of [`CHANCE`] logs, be the sensor's zero and axes what they may.
     ///

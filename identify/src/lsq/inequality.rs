@@ -27,19 +27,8 @@ use crate::svd::{svd, symmetric_eigen};
 
 /// Singular values below this, relative to the largest, count as zero.
 const DEPENDENT: f64 = 1e-12;
-/// Equations that dependent rows contradict by more than this have no solution.
-const CONTRADICTION: f64 = 1e-11;
-/// A normalised inequality may be missed by this.
+/// A normalised inequality may be missed by this, and dependent equations contradict each other.
 const SLACK: f64 = 1e-11;
-/// What a corner of many inequalities may miss one by.
-const CORNER: f64 = 1e-8;
-/// A multiplier this far below zero, relative to the largest, is one.
-const PULL: f64 = 1e-9;
-/// Squared residual of the dual below which no point is feasible: it would be further
-/// than 1e6 standard deviations.
-const FAR: f64 = 1e-12;
-/// Rounds in which the set of active inequalities is mended.
-const ROUNDS: usize = 60;
 
 /// `matrix · v` against `right`.
 #[derive(Debug, Clone)]
@@ -125,7 +114,7 @@ impl ConstrainedProblem {
             Some(_) => nearest(&face, &below)?,
         };
         let mut near = face.best;
-        for _ in 0..ROUNDS {
+        for _ in 0..60 {
             let face = equal.stacked(&below, &active);
             let Some(Face { best: v, .. }) = Face::of(&self.squares, &face) else {
                 break;
@@ -141,7 +130,7 @@ impl ConstrainedProblem {
         }
         // Rounding at a corner where more inequalities meet than directions are left.
         match worst(&below, &near) {
-            Some(k) if (&below.matrix * &near - &below.right)[k] > CORNER => Err(NoAnswer::Stuck),
+            Some(k) if (&below.matrix * &near - &below.right)[k] > 1e-8 => Err(NoAnswer::Stuck),
             _ => Ok(Answer { v: near, active }),
         }
     }
@@ -154,11 +143,11 @@ impl ConstrainedProblem {
         let svd = svd(face.matrix.transpose(), true, true);
         let limit = DEPENDENT * svd.singular_values.max();
         let multipliers = svd.solve(&slope, limit).ok()?;
-        let size = PULL * multipliers.amax().max(f64::MIN_POSITIVE);
-        (equations..multipliers.len())
-            .filter(|&k| multipliers[k] < -size)
-            .min_by(|x, y| multipliers[*x].total_cmp(&multipliers[*y]))
-            .map(|k| k - equations)
+        // A multiplier so far below zero is one.
+        let size = 1e-9 * multipliers.amax().max(f64::MIN_POSITIVE);
+        let pulls = (equations..multipliers.len()).filter(|&k| multipliers[k] < -size);
+        let most = pulls.min_by(|x, y| multipliers[*x].total_cmp(&multipliers[*y]));
+        most.map(|k| k - equations)
     }
 }
 
@@ -186,7 +175,7 @@ fn independent(equal: &Linear) -> Result<Linear, NoAnswer> {
         .collect();
     let sides = u.select_columns(&kept);
     let mut right = sides.transpose() * &equal.right;
-    if (&equal.right - &sides * &right).amax() > CONTRADICTION {
+    if (&equal.right - &sides * &right).amax() > SLACK {
         return Err(NoAnswer::Contradiction);
     }
     for (to, &k) in kept.iter().enumerate() {
@@ -252,16 +241,12 @@ fn nearest(face: &Face, below: &Linear) -> Result<Vec<usize>, NoAnswer> {
     target[n] = 1.0;
     let u = non_negative(&dual, &target).ok_or(NoAnswer::Stuck)?;
     let rest = &dual * &u - target;
-    if rest.norm_squared() < FAR {
+    // No point is feasible: it would be further than 1e6 standard deviations.
+    if rest.norm_squared() < 1e-12 {
         return Err(NoAnswer::Infeasible);
     }
     Ok((0..u.len()).filter(|&k| u[k] > 0.0).collect())
 }
-
-/// Slopes below this are rounding, in units of the target.
-const FLAT: f64 = 1e-13;
-/// Unknowns below this are zero.
-const NOTHING: f64 = 1e-15;
 
 /// u, or `None` where rounding keeps the search from an end.
 pub fn non_negative(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Option<DVector<f64>> {
@@ -272,7 +257,7 @@ pub fn non_negative(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Option<DVec
     for _ in 0..10 * m + 100 {
         let slope = matrix.transpose() * (target - matrix * &u);
         let next = (0..m)
-            .filter(|k| !inside.contains(k) && !barred[*k] && slope[*k] > FLAT)
+            .filter(|k| !inside.contains(k) && !barred[*k] && slope[*k] > 1e-13)
             .max_by(|a, b| slope[*a].total_cmp(&slope[*b]));
         let Some(next) = next else {
             return Some(u);
@@ -304,7 +289,7 @@ pub fn non_negative(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Option<DVec
                 u[k] += step * (x - u[k]);
             }
             inside.retain(|&k| {
-                let keep = u[k] > NOTHING;
+                let keep = u[k] > 1e-15;
                 if !keep {
                     u[k] = 0.0;
                 }

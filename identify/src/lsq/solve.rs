@@ -29,10 +29,6 @@ use crate::svd::svd;
 /// Singular values below this, relative to the largest, are not seen.
 pub const UNSEEN: f64 = 1e-10;
 
-/// Weighted singular values below this, relative to the largest and per parameter,
-/// are rounding.
-const LOST: f64 = 4.0 * f64::EPSILON;
-
 /// What data and prior say together.
 #[derive(Debug, Clone)]
 pub struct Estimate {
@@ -159,7 +155,8 @@ impl Seen {
         let smallest = seen.iter().map(|&k| values[k]).fold(largest, f64::min);
         let v = svd
             .v_t
-            .map_or_else(|| DMatrix::identity(p, p), |v| v.transpose());
+            .unwrap_or_else(|| DMatrix::identity(p, p))
+            .transpose();
         let mut found = Seen {
             basis: v.select_columns(&seen),
             blind: v.select_columns(&blind),
@@ -175,7 +172,8 @@ impl Seen {
     fn weigh(&mut self, weighted: &Factor) {
         let svd = svd(weighted.r() * &self.basis, false, true);
         let values = svd.singular_values;
-        let least = LOST * weighted.params() as f64 * values.max();
+        // Per parameter less is rounding.
+        let least = 4.0 * f64::EPSILON * weighted.params() as f64 * values.max();
         let (seen, lost): (Vec<usize>, Vec<usize>) =
             (0..values.len()).partition(|&k| values[k] > least);
         let Some(v) = svd.v_t.filter(|_| !lost.is_empty()) else {
@@ -208,13 +206,6 @@ impl Seen {
     }
 }
 
-/// What is known exactly is known within a micrometre: far below what moves a CoP, and
-/// within the range of single precision.
-const EXACT_M: f64 = 1e-6;
-
-/// Singular values below this, relative to the largest, are rounding.
-const ROUNDING: f64 = 1e-12;
-
 /// What is known of directions that `S` has no column for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Beyond {
@@ -233,13 +224,13 @@ pub fn information(rows: &DMatrix<f64>, s: &DMatrix<f64>, beyond: Beyond) -> Inf
     let svd = svd(square, true, false);
     let values = &svd.singular_values;
     let u = svd.u.unwrap_or_else(|| DMatrix::identity(p, p));
-    let least = ROUNDING * values.max();
+    let least = 1e-12 * values.max();
     let mut of_prior = DMatrix::zeros(p, p);
     let mut seen = DMatrix::identity(p, p);
     for (k, direction) in u.column_iter().enumerate() {
         let weight = match (values[k] > least, beyond) {
             (true, _) => 1.0 / values[k],
-            (false, Beyond::Exact) => 1.0 / EXACT_M,
+            (false, Beyond::Exact) => 1.0 / 1e-6,
             (false, Beyond::Nothing) => {
                 seen -= direction * direction.transpose();
                 0.0
@@ -247,14 +238,13 @@ pub fn information(rows: &DMatrix<f64>, s: &DMatrix<f64>, beyond: Beyond) -> Inf
         };
         of_prior.set_row(k, &(direction.transpose() * weight));
     }
-    let rows = match beyond {
+    let mut rows = match beyond {
         Beyond::Exact => rows.clone(),
         Beyond::Nothing => rows * seen,
     };
-    let rows = match rows.nrows() > p {
-        true => rows.qr().r(),
-        false => rows,
-    };
+    if rows.nrows() > p {
+        rows = rows.qr().r();
+    }
     let n = rows.nrows();
     let mut all = DMatrix::zeros(p + n, p);
     all.rows_mut(0, p).copy_from(&of_prior);
@@ -388,7 +378,7 @@ mod tests {
     fn directions_beyond_the_prior_are_exact_or_open() {
         let s = DMatrix::from_row_slice(3, 2, &[0.1, 0.0, 0.0, 0.3, 0.0, 0.0]);
         let exact = information(&rows(), &s, Beyond::Exact).deviations();
-        assert!((exact[2].unwrap() / EXACT_M - 1.0).abs() < 1e-6);
+        assert!((exact[2].unwrap() / 1e-6 - 1.0).abs() < 1e-6);
         let open = information(&rows(), &s, Beyond::Nothing).deviations();
         assert!(open[0].is_some() && open[1].is_some() && open[2].is_none());
     }

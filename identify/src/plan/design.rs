@@ -82,9 +82,8 @@ impl WhitenedRows {
         let seen: Vec<usize> = (0..svd.singular_values.len())
             .filter(|&k| svd.singular_values[k] > unseen * largest)
             .collect();
-        let v = svd
-            .v_t
-            .unwrap_or_else(|| DMatrix::zeros(0, regressor.nrows()));
+        let v = svd.v_t;
+        let v = v.unwrap_or_else(|| DMatrix::zeros(0, regressor.nrows()));
         let mut whiten = DMatrix::zeros(seen.len(), regressor.nrows());
         for (to, &k) in seen.iter().enumerate() {
             whiten.set_row(to, &(v.row(k) * (count.sqrt() / svd.singular_values[k])));

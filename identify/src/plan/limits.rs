@@ -90,9 +90,10 @@ impl Limits {
         let (least, most) = self.ranges[joint];
         let kept = (range.0.max(least), range.1.min(most));
         if kept.0 > kept.1 {
-            let (per, unit) = match dof.prismatic {
-                true => (1.0, "m"),
-                false => (UNITS[0].2, "°"),
+            let (per, unit) = if dof.prismatic {
+                (1.0, "m")
+            } else {
+                (UNITS[0].2, "°")
             };
             let [lower, upper, least, most] = [range.0, range.1, least, most].map(|x| x / per);
             return Err(format!(
@@ -167,10 +168,8 @@ impl Limits {
 
     /// The posture within the limits that is closest to zero.
     pub fn rest(&self) -> Vec<f64> {
-        let ranges = self.ranges.iter();
-        ranges
-            .map(|&(lower, upper)| 0f64.clamp(lower, upper))
-            .collect()
+        let rest = |&(lower, upper): &(f64, f64)| 0f64.clamp(lower, upper);
+        self.ranges.iter().map(rest).collect()
     }
 }
 
@@ -207,19 +206,16 @@ impl Columns {
         let name = &dof.joint;
         let filled = self.pairs.iter().zip(UNITS).filter_map(|(pair, unit)| {
             let cells = (*pair)?.map(|k| row.get(k).unwrap_or(""));
-            cells
-                .iter()
-                .any(|cell| !cell.is_empty())
-                .then_some((cells, unit))
+            Some((cells, unit)).filter(|(cells, _)| cells.concat() != "")
         });
         let filled: Vec<_> = filled.collect();
         let (cells, (unit, prismatic, si)) = match filled[..] {
+            [one] => one,
             [] => {
                 return Err(format!(
                     "joint `{name}` has no limits on its line; give both"
                 ));
             }
-            [one] => one,
             _ => return Err(format!("joint `{name}` has limits in two units; keep one")),
         };
         if prismatic != dof.prismatic {

@@ -57,13 +57,13 @@ impl Region {
     pub fn sole(given: &str, margin: f64) -> Result<Region, Error> {
         let path = Path::new(given);
         let inline = given.contains(';');
-        let text = match inline {
-            true => given.replace(';', "\n"),
-            false => files::read_text(path, files::SETTINGS).map_err(|source| {
+        let mut text = given.replace(';', "\n");
+        if !inline {
+            text = files::read_text(path, files::SETTINGS).map_err(|source| {
                 let takes = " takes a file of points, or \"x,y; x,y; …\"";
                 Error::read(given, source).saying(message![Setting::Sole, takes])
-            })?,
-        };
+            })?;
+        }
         let mut points = Vec::new();
         for (k, line) in text.lines().enumerate() {
             let line = line.trim();
@@ -71,11 +71,10 @@ impl Region {
             if line.is_empty() || line.starts_with('#') || heading {
                 continue;
             }
-            let numbers: Vec<Option<f64>> = line
-                .split([',', ' ', '\t'])
-                .filter(|cell| !cell.is_empty())
-                .map(|cell| cell.parse().ok().filter(|x: &f64| x.abs() <= 10.0))
-                .collect();
+            let cells = line.split([',', ' ', '\t']).filter(|cell| !cell.is_empty());
+            // No foot is larger than 10 m.
+            let metres = |cell: &str| cell.parse().ok().filter(|x: &f64| x.abs() <= 10.0);
+            let numbers: Vec<Option<f64>> = cells.map(metres).collect();
             let [Some(x), Some(y)] = numbers[..] else {
                 let point = format!(": point {} `{line}`", k + 1);
                 let remedy = ": give x,y in metres in the support frame";
@@ -112,9 +111,8 @@ impl Region {
         let mut corners = half(&mut points.iter().copied());
         corners.extend(half(&mut points.iter().rev().copied()));
         let n = corners.len();
-        let area: f64 = (0..n)
-            .map(|k| cross([0.0; 2], corners[k], corners[(k + 1) % n]))
-            .sum();
+        let triangles = (0..n).map(|k| cross([0.0; 2], corners[k], corners[(k + 1) % n]));
+        let area: f64 = triangles.sum();
         if n < 3 || area < 1e-8 {
             return None;
         }
@@ -165,21 +163,17 @@ impl Region {
             0.0 => String::new(),
             m => format!(", {:.1} mm from its edge", 1e3 * m),
         };
-        let source = self
-            .source
-            .map_or_else(String::new, |why| format!(", {why}"));
+        let source = self.source.map(|why| format!(", {why}"));
+        let source = source.unwrap_or_default();
         let square = self.corners.len() == 4 && x0 == -x1 && y0 == -y1 && x1 == y1;
-        match square {
-            true => format!("|x|, |y| <= {:.1} mm{margin}{source}", 1e3 * x1),
-            false => format!(
-                "a sole of {} corners, x {:.1} to {:.1} mm, y {:.1} to {:.1} mm{margin}{source}",
-                self.corners.len(),
-                1e3 * x0,
-                1e3 * x1,
-                1e3 * y0,
-                1e3 * y1
-            ),
+        let [x0, x1, y0, y1] = [x0, x1, y0, y1].map(|x| 1e3 * x);
+        if square {
+            return format!("|x|, |y| <= {x1:.1} mm{margin}{source}");
         }
+        format!(
+            "a sole of {} corners, x {x0:.1} to {x1:.1} mm, y {y0:.1} to {y1:.1} mm{margin}{source}",
+            self.corners.len()
+        )
     }
 }
 
@@ -202,21 +196,17 @@ impl Region {
         margin: f64,
     ) -> Result<Region, Error> {
         let outline = outline(model, &Geometry::read(description, folder));
-        Ok(match Region::hull(outline, 0.0) {
-            Some(mut sole) => {
-                let sides = sole.bounds().map(|(low, high)| high - low);
-                let narrower = sides[0].min(sides[1]);
-                sole.margin = margin.max(0.5 * (1.0 - INNER) * narrower);
-                sole.source = Some("by the collision shapes of the support");
-                sole
-            }
-            None => {
-                let half = of_inertia(model, description).ok_or_else(|| unknown(model))?;
-                let mut square = Region::square(half, margin)?;
-                square.source = Some("by the inertia of the support, which has no shape");
-                square
-            }
-        })
+        if let Some(mut sole) = Region::hull(outline, 0.0) {
+            let sides = sole.bounds().map(|(low, high)| high - low);
+            let narrower = sides[0].min(sides[1]);
+            sole.margin = margin.max(0.5 * (1.0 - INNER) * narrower);
+            sole.source = Some("by the collision shapes of the support");
+            return Ok(sole);
+        }
+        let half = of_inertia(model, description).ok_or_else(|| unknown(model))?;
+        let mut square = Region::square(half, margin)?;
+        square.source = Some("by the inertia of the support, which has no shape");
+        Ok(square)
     }
 }
 
@@ -309,12 +299,11 @@ fn corners(solid: &Solid) -> Vec<Vector3<f64>> {
         Solid::Cylinder { radius, half } => {
             circle(radius, -half).chain(circle(radius, half)).collect()
         }
-        Solid::Capsule { radius, half } => [-half - radius, half + radius]
-            .map(|z| Vector3::new(0.0, 0.0, z))
-            .into_iter()
-            .chain(circle(radius, -half))
-            .chain(circle(radius, half))
-            .collect(),
+        Solid::Capsule { radius, half } => {
+            let ends = [-half - radius, half + radius].map(|z| Vector3::new(0.0, 0.0, z));
+            let circles = circle(radius, -half).chain(circle(radius, half));
+            ends.into_iter().chain(circles).collect()
+        }
         Solid::Sphere { radius } => vec![Vector3::new(0.0, 0.0, -radius)],
     }
 }

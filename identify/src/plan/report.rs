@@ -163,13 +163,11 @@ impl Plan {
             "{}: {} balanced, {} of them clear of the ground",
             draws.drawn, draws.balanced, draws.clear
         );
-        match self.collision_checked {
-            true => format!(
-                "{clear}, {} of these free of self-collision",
-                draws.collision_free
-            ),
-            false => clear,
+        if !self.collision_checked {
+            return clear;
         }
+        let free = draws.collision_free;
+        format!("{clear}, {free} of these free of self-collision")
     }
 
     /// The postures as a log in memory, those that come back included.
@@ -240,9 +238,8 @@ impl Plan {
     /// The chosen postures in their order, rad or m.
     pub fn postures(&self) -> impl Iterator<Item = &[f64]> {
         let dof = self.q.len() / self.candidates.max(1);
-        self.chosen
-            .iter()
-            .map(move |&k| &self.q[k * dof..(k + 1) * dof])
+        let chosen = self.chosen.iter();
+        chosen.map(move |&k| &self.q[k * dof..(k + 1) * dof])
     }
 }
 

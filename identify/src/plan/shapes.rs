@@ -190,18 +190,15 @@ fn find(name: &str, folder: Option<&Path>) -> Option<PathBuf> {
     if let Some(path) = name.strip_prefix("file://") {
         return Some(PathBuf::from(path)).filter(is_file);
     }
-    let folder = match folder? {
-        here if here.as_os_str().is_empty() => Path::new("."),
-        there => there,
-    };
-    let folder = folder.canonicalize().ok()?;
-    match name.strip_prefix("package://") {
-        Some(path) => folder
+    // An empty path is the folder that the program runs in.
+    let folder = Path::new(".").join(folder?).canonicalize().ok()?;
+    if let Some(path) = name.strip_prefix("package://") {
+        return folder
             .ancestors()
             .map(|above| above.join(path))
-            .find(is_file),
-        None => Some(folder.join(name)).filter(is_file),
+            .find(is_file);
     }
+    Some(folder.join(name)).filter(is_file)
 }
 
 fn binary(bytes: &[u8]) -> Option<(Vector3<f64>, Vector3<f64>)> {

@@ -113,8 +113,8 @@ impl Skeleton {
     pub fn of(model: &Model, description: &Description, folder: Option<&Path>) -> Skeleton {
         let geometry = Geometry::read(description, folder);
         let tree = &model.tree;
-        let masses = masses(model);
-        let segment = |(body, (mass, com)): (&sesc_model::chain::Body, (f64, [f64; 3]))| Segment {
+        let bodies = model.chain.bodies.iter().zip(masses(model));
+        let bodies = bodies.map(|(body, (mass, com))| Segment {
             joint: body.joint.clone(),
             parent: body.parent,
             rotation: body.rotation(),
@@ -122,10 +122,8 @@ impl Skeleton {
             motion: body.motion,
             mass,
             com,
-        };
-        let bodies: Vec<Segment> = (model.chain.bodies.iter().zip(masses))
-            .map(segment)
-            .collect();
+        });
+        let bodies: Vec<Segment> = bodies.collect();
         Skeleton {
             robot: tree.robot.clone(),
             hash: tree.hash.clone(),
@@ -202,9 +200,10 @@ impl Placed<'_> {
             sum += pose.point(&body.com.into()) * body.mass;
             mass += body.mass;
         }
-        match mass > 0.0 {
-            true => (sum / mass).into(),
-            false => [0.0; 3],
+        if mass > 0.0 {
+            (sum / mass).into()
+        } else {
+            [0.0; 3]
         }
     }
 }
@@ -227,22 +226,15 @@ fn masses(model: &Model) -> Vec<(f64, [f64; 3])> {
             sums[body].1 += place.point(&link.com().into()) * link.mass;
         }
     }
-    let mean = |(mass, sum): (f64, Vector3<f64>)| match mass > 0.0 {
-        true => (mass, (sum / mass).into()),
-        false => (0.0, [0.0; 3]),
+    let mean = |(mass, sum): (f64, Vector3<f64>)| {
+        if mass > 0.0 {
+            (mass, (sum / mass).into())
+        } else {
+            (0.0, [0.0; 3])
+        }
     };
     sums.into_iter().map(mean).collect()
 }
-
-/// Density of bodies for which the URDF gives no inertia, kg/m³.
-const DENSITY: f64 = 1500.0;
-/// No inertia makes a link thicker or longer than this part of the robot.
-const LARGEST: f64 = 0.2;
-/// What stands is not thinner than this part of what its inertia says.
-const THINNEST: f64 = 0.4;
-/// Radius of a bone as a part of the robot, and shortest bone that is drawn.
-const BONE: f64 = 0.013;
-const SHORTEST: f64 = 0.01;
 
 /// All capsules of a robot.
 pub(super) fn of(
@@ -255,14 +247,14 @@ pub(super) fn of(
     let mut capsules = Vec::new();
     for (child, body) in bodies.iter().enumerate() {
         let length = Vector3::from(body.anchor).norm();
-        let parent = body.parent.filter(|_| length > SHORTEST * size);
+        let parent = body.parent.filter(|_| length > 0.01 * size);
         if let Some(parent) = parent {
             capsules.push(Capsule {
                 link: model.chain.bodies[child].name.clone(),
                 body: parent,
                 part: Part::Bone,
                 ends: [[0.0; 3], body.anchor],
-                radius: BONE * size,
+                radius: 0.013 * size,
             });
         }
     }
@@ -275,7 +267,7 @@ pub(super) fn of(
             .map(|shape| of_solid(&shape.pose, &shape.solid))
             .collect();
         if found.is_empty() && link.inertial.mass_kg > 0.0 {
-            found.push(of_inertia(&link.inertial, LARGEST * size));
+            found.push(of_inertia(&link.inertial, 0.2 * size));
         }
         for (ends, radius) in found {
             let ends = ends.map(|end| place.point(&end));
@@ -298,7 +290,7 @@ pub(super) fn of(
 /// ground.
 fn above_ground(ends: [Vector3<f64>; 2], radius: f64) -> f64 {
     let lowest = ends[0].z.min(ends[1].z);
-    radius.min(lowest.max(THINNEST * radius))
+    radius.min(lowest.max(0.4 * radius))
 }
 
 /// How far joints are apart at most, along the chain, m.
@@ -356,8 +348,8 @@ fn of_inertia(inertial: &Inertial, most: f64) -> ([Vector3<f64>; 2], f64) {
     if radius > 0.0 && radius.is_finite() {
         return (ends, radius);
     }
-    // No inertia, or one of a rod or a point: a ball of the same mass.
-    let ball = (0.75 * mass / (std::f64::consts::PI * DENSITY)).cbrt();
+    // No inertia, or one of a rod or a point: a ball of the same mass, of 1500 kg/m³.
+    let ball = (0.75 * mass / (std::f64::consts::PI * 1500.0)).cbrt();
     ([pose.origin; 2], ball.min(most))
 }
 

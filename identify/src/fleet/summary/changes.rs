@@ -130,10 +130,10 @@ pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String
         found.extend(findings(history));
         for stretch in history.stretches() {
             let effects = effects(history, &stretch, &scatter, robots);
-            match effects.is_empty() {
-                true => found.extend(parameters(&stretch, &widening, names, robots)),
-                false => found.extend(effects),
+            if effects.is_empty() {
+                found.extend(parameters(&stretch, &widening, names, robots));
             }
+            found.extend(effects);
         }
     }
     found.sort_by(|a, b| {
@@ -167,9 +167,8 @@ fn findings(history: &History) -> Vec<Change> {
     };
     let of = |finding: &crate::health::Finding| {
         let has = |row: &&Row| {
-            row.health
-                .iter()
-                .any(|f| f.kind == finding.kind && f.target == finding.target)
+            let mut own = row.health.iter();
+            own.any(|f| f.kind == finding.kind && f.target == finding.target)
         };
         let first = rows.iter().position(has)?;
         let lasts = rows[first..].iter().all(has) && first > 0 && rows.len() - first > 1;
@@ -288,9 +287,8 @@ fn parameters(
         let chances = steps.iter().map(|step| step.chance);
         chances.fold(f64::INFINITY, f64::min)
     };
-    let named = changed
-        .into_iter()
-        .min_by(|a, b| clearest(&a.2).total_cmp(&clearest(&b.2)));
+    let changed = changed.into_iter();
+    let named = changed.min_by(|a, b| clearest(&a.2).total_cmp(&clearest(&b.2)));
     let Some((k, course, steps)) = named else {
         return Vec::new();
     };
@@ -476,9 +474,7 @@ fn mean(rows: &[&Row], of: &[usize]) -> Option<Mean> {
 fn chance_of_gaps(before: &[&Row], after: &[&Row]) -> f64 {
     let pooled = |rows: &[&Row]| {
         let (mut squares, mut free) = (0.0, 0.0);
-        let known = rows
-            .iter()
-            .filter_map(|row| Some((row, row.held_out_rmse?)));
+        let known = rows.iter().filter_map(|r| Some((r, r.held_out_rmse?)));
         for (row, rmse) in known {
             let own = freedom(&[row]);
             squares += own * rmse * rmse;

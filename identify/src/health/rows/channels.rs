@@ -199,10 +199,8 @@ pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
                 frozen[k][number] = true;
             }
             left_out.frozen.insert((number, channel.values[run.start]));
-            if longest
-                .as_ref()
-                .is_none_or(|(known, _)| run.len() > known.len())
-            {
+            let known = longest.as_ref().map_or(0, |(known, _)| known.len());
+            if run.len() > known {
                 longest = Some((run, moved));
             }
         }

@@ -216,9 +216,8 @@ fn in_another_unit(rows: &LogRows) -> bool {
     let scatter =
         |all: &[[f64; 2]]| [0, 1].map(|k| scatter(&all.iter().map(|p| p[k]).collect::<Vec<f64>>()));
     let [x, y] = scatter(&rows.cad);
-    scatter(&rows.reading)
-        .iter()
-        .any(|own| *own > OTHER_UNIT * x.max(y))
+    let read = scatter(&rows.reading);
+    read.iter().any(|own| *own > OTHER_UNIT * x.max(y))
 }
 
 /// Corners of the sole, m, by the collision shapes of all links fixed to the support, in its
