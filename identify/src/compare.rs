@@ -13,8 +13,6 @@
 //!
 //! Effects are compared by name and target, value by value, in standard deviations of the
 //! difference. Directions of which a file gives no deviation are left out and counted.
-//!
-//! When two models differ; chosen, not calibrated.
 
 use std::collections::BTreeSet;
 
@@ -25,6 +23,13 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _, Normal};
 
 use crate::Error;
 use crate::diagnose::subject;
+
+/// A difference that chance makes more often than this is none. Chosen: it is the rate of false
+/// alarms itself (closed form).
+const CHANCE: f64 = 0.01;
+/// A chance below this is said to be below it, for further digits of it mean nothing. Chosen: it
+/// changes a sentence alone.
+const LEAST_CHANCE: f64 = 1e-12;
 
 /// A number in both models.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -417,10 +422,3 @@ fn sentence(found: &Comparison) -> String {
 
 #[cfg(test)]
 mod tests;
-
-/// A difference that chance makes more often than this is none. Chosen: it is the rate of false
-/// alarms itself (closed form).
-pub const CHANCE: f64 = 0.01;
-/// A chance below this is said to be below it, for further digits of it mean nothing. Chosen: it
-/// changes a sentence alone.
-pub const LEAST_CHANCE: f64 = 1e-12;

@@ -6,11 +6,9 @@
 //!
 //! A model with effects predicts the reading of its sensor instead. Where a log with times is
 //! dense enough to know accelerations, its CoP is the ZMP. Of a log of both feet it is said where
-//! the soles do not close.
+//! the soles do not close in the postures that are predicted.
 //!
-//! Whether soles that both stand on the floor close in the postures that are predicted.
-//!
-//! Where they do not, joints are not where encoders, and the effects of a model file, have them,
+//! Where soles do not close, joints are not where encoders, and the effects of a model file, have them,
 //! and predictions are off by as much.
 
 use std::collections::HashMap;

@@ -1,11 +1,7 @@
-//! A robot on its support, as the commands use it.
-//!
 //! A robot, and how it stands: what most calls start from.
 //!
-//! The program `xacro`, which makes URDFs of its own language.
-//!
-//! It evaluates Python that stands in the file, so it runs only for a path that the caller of
-//! the program typed, never for one that a file or folder gave ([`crate::robot::Robot::read`]).
+//! The program `xacro` makes URDFs of its own language. It evaluates Python that stands in the file, so it runs only for a path that the caller of
+//! the program typed, never for one that a file or folder gave ([`Robot::read`]).
 
 use std::collections::VecDeque;
 use std::io::{self, Read};

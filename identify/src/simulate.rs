@@ -1,7 +1,9 @@
 //! Posture logs of an ideal robot: uniform postures, or a motion through the joints' ranges,
 //! and Gaussian CoP noise.
 //!
-//! A motion through the range of every joint.
+//! # Motion
+//!
+//! A motion goes through the range of every joint:
 //!
 //! ```text
 //! q_j(t) = m_j + a_j/2 Σ_k sin(ω_k t + φ_k)        two sines a joint, 0.05 to 0.25 Hz
@@ -9,7 +11,9 @@
 //!
 //! `m_j ± a_j` is the joint's range. Velocities and accelerations are those of the sines.
 //!
-//! Effects that a simulated robot has: `joint_offset:r_knee=1.5deg`.
+//! # Hidden effects
+//!
+//! A simulated robot may have effects, such as `joint_offset:r_knee=1.5deg`.
 //!
 //! ```text
 //! EFFECT[:TARGET][=VALUE[UNIT][,VALUE[UNIT]…]]      values in the order of its parameters

@@ -4,7 +4,7 @@
 //! A Rust caller knows it as a field, a shell as an option, Python as a keyword:
 //! each words it by [`Message::worded`].
 //!
-//! What to do next, as data: front ends put it into sentences, and name the command or the call
+//! What to do next is data: front ends put it into sentences, and name the command or the call
 //! that does it.
 
 use std::fmt;

@@ -7,7 +7,7 @@
 //!
 //! S leaves out what soles and floor may be off by in every posture alike.
 //!
-//! How well two soles on one floor close.
+//! # Noise
 //!
 //! ```text
 //! y_c = c + Σ_j slope_cj (δ_j + s_j q_j) + noise        c: height, roll, pitch
@@ -17,8 +17,6 @@
 //! Offsets and scales of all joints take what any of them could; what they leave is noise:
 //! ticks of encoders, soles that give way. Beside it soles and floor are not exactly flat,
 //! the same in every posture: a tolerance common to all of them.
-//!
-//! What is said of two soles on one floor.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,8 @@
 //! Which link is the other sole.
 //!
-//! Where one sole is, seen from another: for recordings that have the contact of each by itself,
+//! # Contacts
+//!
+//! Readers ask where one sole is, seen from another: for recordings that have the contact of each by itself,
 //! and for readings that are put together from both where a joint is off.
 //!
 //! ```text
@@ -8,7 +10,9 @@
 //!   = CoP(φ) − s Σ_j ∂(T p₂)/∂q_j (φ_j − q_j)        where its joints are at φ
 //! ```
 //!
-//! Whether readings of a two-foot stand are of both feet together.
+//! # Readings of one foot
+//!
+//! Readings of a two-foot stand are those of both feet together:
 //!
 //! ```text
 //! p = (F₁ p₁ + F₂ p₂) / (F₁ + F₂)        seen from the support; it goes with the CoM: slope 1

@@ -1,6 +1,6 @@
-//! A log in memory, by what it holds.
+//! Logs in memory, named by what they hold, and the store of rows.
 //!
-//! Rows that were made, each in a file under the hash of everything that it depends on.
+//! The store has each row that was made in a file under the hash of everything that it depends on.
 //!
 //! ```text
 //! key = hash(version, URDF, options, robot, day, logs with their sidecars)

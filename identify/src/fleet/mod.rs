@@ -16,8 +16,6 @@
 //! read is an error in its row and never the end of a run.
 //!
 //! [`summary`](summary::summary()) is a pure function of the rows.
-//!
-//! How every group of a fleet is looked at.
 
 mod evaluate;
 mod inputs;

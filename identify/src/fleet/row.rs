@@ -1,7 +1,7 @@
-//! What one robot on one day comes to.
+//! The row of one robot on one day, and the table of all rows.
 //!
-//! The rows as a table: Parquet that pandas, Polars, DuckDB and Spark read, or CSV; the same
-//! bytes for the same rows. Memory: one group of rows.
+//! The table is Parquet that pandas, Polars, DuckDB and Spark read, or CSV; the same rows give the
+//! same bytes. Memory holds one group of rows.
 //!
 //! Lists are lists in Parquet and JSON texts in CSV; `effects` and `health` are JSON texts in
 //! both.

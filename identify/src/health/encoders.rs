@@ -9,10 +9,10 @@
 //! tolerances of CAD.
 //!
 //! ```text
-//! min over r   ‖(y − X r) / σ‖² + ‖S⁻¹ (r − r_CAD)‖²        S Sᵀ: covariance of `tolerances`
+//! min over r   ‖(y − X r) / σ‖² + ‖S⁻¹ (r − r_CAD)‖²        S Sᵀ: covariance of the usual tolerances
 //! ```
 //!
-//! Encoders that stop in the middle of a log though their joint moves on.
+//! # Encoders that stop in the middle of a log
 //!
 //! ```text
 //! q_j = const over a run of rows in which other joints move, and moves elsewhere
@@ -321,7 +321,7 @@ pub(super) fn parked(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<F
         let (low, high) = range(among.iter().map(|k| rows.q(*k)[joint]));
         high - low > of_joint(&dofs[joint], LEAST_MOTION)
     };
-    for joint in 0..rows.dof {
+    for (joint, dof) in dofs.iter().enumerate() {
         let run = longest(rows, &kept, joint);
         let others = [&kept[..run.start], &kept[run.end..]].concat();
         let run = &kept[run];
@@ -344,7 +344,7 @@ pub(super) fn parked(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<F
         if views.stuck().is_none_or(|(_, found)| found.joint != joint) {
             continue;
         }
-        let (dof, at) = (&dofs[joint], rows.q(run[0])[joint]);
+        let at = rows.q(run[0])[joint];
         left_out.parked.push(Parked { joint, at });
         let parked = |k: usize| (rows.q(k)[joint] - at).abs() <= STILL;
         let count = (0..rows.len()).filter(|&k| parked(k)).count();

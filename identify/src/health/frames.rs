@@ -1,10 +1,12 @@
-//! Readings of another frame than the log says.
+//! Readings of another frame than the log says, of turned axes, or of other rows.
 //!
 //! ```text
 //! p_link(q) ≈ y        or        (R CoM(q))_xy ≈ y,  R e_z ≠ ± e_z by right angles
 //! ```
 //!
-//! A sensor whose axes are exchanged, mirrored, or turned about the normal of the sole.
+//! # Axes
+//!
+//! The axes of a sensor may be exchanged, mirrored, or turned about the normal of the sole:
 //!
 //! ```text
 //! y = c + T p(q)        T = R(ψ)  or  T = R(ψ) diag(1, −1) with ψ a multiple of 90°
@@ -14,8 +16,9 @@
 //! and takes it for masses: it asks here first, and goes on unless `T` is far likelier than
 //! CAD, every wiring, and free masses of CAD's axes.
 //!
-//! Columns of the CoP that show nothing, or readings of other postures than those they stand
-//! beside.
+//! # Columns
+//!
+//! A column of the CoP may show nothing, or readings of other postures than those they stand beside.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -40,47 +43,46 @@ pub(super) fn wrong(look: &Look, wirings: &Wirings) -> Option<Finding> {
     if here < FAR_M {
         return None;
     }
-    let foot = other_foot(look);
+    let support = look.model.support();
     let frame = another_up(look)?;
-    let (turned, axes) = (frame.left, frame.flat);
-    let tree = &look.model.tree;
-    let support = &tree.links[tree.support].name;
-    let better = |there: f64| wirings.left([0, 1]) < BETTER * there;
-    match foot {
-        Some(foot) if foot.left < FITS * here && foot.left <= turned => {
-            let known = better(wirings.left_on(&foot.model));
-            (!known).then(|| {
-                let link = &foot.link;
-                let sentence = format!(
-                    "The readings are {:.0} mm off on `{support}` and {:.1} mm on `{link}`: the \
-                     robot stood on `{link}`; give that support.",
-                    1e3 * here,
-                    1e3 * foot.left
-                );
-                let marks = [&*format!("on {link}"), &*format!("on {support}")];
-                let picture = look.distances(&foot.cop, marks);
-                Finding::new(Kind::OtherFoot, link, sentence).showing(picture)
-            })
-        }
-        _ if turned < FITS * here => {
-            let known = better(wirings.left(axes));
-            (!known).then(|| {
-                let (axis, down) = frame.up;
-                let sentence = format!(
-                    "The readings are {:.0} mm off in the frame of `{support}` and {:.1} mm where \
-                     its {axis} axis points {}: its z axis is not the normal of the sole; \
-                     give a sole link as support.",
-                    1e3 * here,
-                    1e3 * turned,
-                    if down { "down" } else { "up" }
-                );
-                let marks = ["with another axis up", "in this frame"];
-                let picture = look.distances(&frame.cop, marks);
-                Finding::new(Kind::FrameTurned, support, sentence).showing(picture)
-            })
-        }
-        _ => None,
+    let fits = |left: f64| left < FITS * here;
+    let foot = other_foot(look).filter(|foot| fits(foot.left) && foot.left <= frame.left);
+    if foot.is_none() && !fits(frame.left) {
+        return None;
     }
+    let by_wirings = match &foot {
+        Some(foot) => wirings.left_on(&foot.model),
+        None => wirings.left(frame.flat),
+    };
+    // A wiring of the robot as the log has it explains them as well.
+    if wirings.left([0, 1]) < BETTER * by_wirings {
+        return None;
+    }
+    if let Some(Foot {
+        left, link, cop, ..
+    }) = foot
+    {
+        let sentence = format!(
+            "The readings are {:.0} mm off on `{support}` and {:.1} mm on `{link}`: the \
+             robot stood on `{link}`; give that support.",
+            1e3 * here,
+            1e3 * left
+        );
+        let marks = [&*format!("on {link}"), &*format!("on {support}")];
+        let picture = look.distances(&cop, marks);
+        return Some(Finding::new(Kind::OtherFoot, &link, sentence).showing(picture));
+    }
+    let (axis, down) = frame.up;
+    let sentence = format!(
+        "The readings are {:.0} mm off in the frame of `{support}` and {:.1} mm where \
+         its {axis} axis points {}: its z axis is not the normal of the sole; \
+         give a sole link as support.",
+        1e3 * here,
+        1e3 * frame.left,
+        if down { "down" } else { "up" }
+    );
+    let picture = look.distances(&frame.cop, ["with another axis up", "in this frame"]);
+    Some(Finding::new(Kind::FrameTurned, support, sentence).showing(picture))
 }
 
 /// Another link that the readings may be of.
@@ -235,8 +237,7 @@ pub(super) fn turned(look: &Look, wirings: &Wirings) -> Option<Finding> {
             return None;
         }
     }
-    let tree = &look.model.tree;
-    let support = &tree.links[tree.support].name;
+    let support = look.model.support();
     let gaps = x.iter().zip(&px).chain(y.iter().zip(&py));
     let here = rms(gaps.map(|(y, p)| y - p));
     let (what, remedy) = turn.words();

@@ -11,8 +11,7 @@
 //! satisfies the inequalities. Those with u > 0 are active; with them as equations
 //! the rest is linear, so that equations hold to rounding.
 //!
-//! Least squares with unknowns that are not negative (Lawson and Hanson, Solving
-//! Least Squares Problems, algorithm NNLS).
+//! # Unknowns that are not negative (Lawson and Hanson, algorithm NNLS)
 //!
 //! ```text
 //! min ‖M u − f‖,  u ≥ 0        optimal when  w = Mᵀ(f − M u) ≤ 0,  w = 0 where u > 0

@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! min ‖Φ r − y‖²                     rows in bounded memory         factor, solve
-//! … with u ≥ 0, E v = e, G v ≤ h     masses that can exist          non_negative, inequality
+//! … with u ≥ 0, E v = e, G v ≤ h     masses that can exist          inequality
 //! … of a nonlinear model             effects                        damped
-//! RᵀR = C⁻¹ of what was found        what a recursive fit goes on from    information
+//! RᵀR = C⁻¹ of what was found        what a recursive fit goes on from    solve
 //! ```
 
 pub(crate) mod damped;

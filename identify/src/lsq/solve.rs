@@ -11,7 +11,9 @@
 //! not of weights: it is decided on rows as they are, so that a row with an
 //! absurdly small deviation hides no other.
 //!
-//! The information that data and a prior leave, as a triangular factor.
+//! # Information
+//!
+//! What data and a prior tell together is kept as a triangular factor:
 //!
 //! ```text
 //! RᵀR = Aᵀ A + Cₚ⁻¹        A rows over deviations, Cₚ = S Sᵀ the prior

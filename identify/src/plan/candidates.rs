@@ -12,7 +12,7 @@
 //! edge, the target goes half way to the middle. Then come the ground and the
 //! robot's own body. Every draw that fails is counted with its reason.
 //!
-//! Why there are not enough candidates, with the numbers and what would help.
+//! Where too few are found, the message has the numbers and what would help.
 
 use std::borrow::Cow;
 use std::ops::ControlFlow;

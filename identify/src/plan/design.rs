@@ -15,10 +15,12 @@
 //! all, as long as rounds gain something. σ² tr(G_k)/2 is the variance with which
 //! the CoP of posture k will be predicted.
 //!
-//! How efficient postures are: the error to expect of a fit to so many of them,
-//! planned and drawn at random from the same candidates.
+//! Their efficiency is the error to expect of a fit to so many of them, beside that of postures
+//! drawn at random from the same candidates.
 //!
-//! An order of postures that spares motion.
+//! # Order
+//!
+//! The chosen postures are taken in an order that spares motion:
 //!
 //! ```text
 //! d(a, b) = max_j |a_j − b_j|        the time between two postures at equal joint speeds

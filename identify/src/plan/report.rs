@@ -1,8 +1,8 @@
-//! What a plan says: the postures in their order, and what they will tell.
+//! A plan: the postures in their order, what they ask of the joints, and what they will tell.
 //!
-//! What postures ask of the joints.
+//! # Lessons
 //!
-//! What each posture of a plan teaches, one after the other.
+//! Each posture teaches something, one after the other:
 //!
 //! ```text
 //! K = C Aᵀ (A C Aᵀ + σ² I)⁻¹        C ← C − K A C        σ_p = √C_pp
@@ -12,7 +12,9 @@
 //! first that of the prior. The lesson of a posture is the parameter whose σ_p falls by the
 //! largest part.
 //!
-//! Postures to reach again: what visits of one posture differ by is seen in no other way.
+//! # Revisits
+//!
+//! What visits of one posture differ by is seen where postures are reached again, and in no other way:
 //!
 //! ```text
 //! reading of a visit = CoP(q) + v + e        v ~ N(0, σ_visit²) per visit, e per reading

@@ -1,6 +1,8 @@
 //! What a posture has to respect: joint limits, balance, the ground, the robot's own body.
 //!
-//! Nothing but the support body touches the ground.
+//! # Clearance
+//!
+//! Nothing but the support body touches the ground:
 //!
 //! ```text
 //! z of every shape and point of bodies i ≥ 1  ≥  clearance
@@ -11,7 +13,9 @@
 //! fixed joints are part of it and may touch, and so may the point of a joint
 //! that the support body itself holds.
 //!
-//! Postures with both soles on one floor: a closed chain.
+//! # Both feet
+//!
+//! With both soles on one floor the legs are a closed chain:
 //!
 //! ```text
 //! h(q) = (p_z, roll, pitch) of the other sole = 0        CoP(q) = u + λ p_xy(q)

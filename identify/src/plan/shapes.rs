@@ -1,10 +1,7 @@
 //! Collision shapes of a robot as solids: what is not understood is a note, never a
 //! failure.
 //!
-//! A mesh is taken as the box around it where its file can be read, see
-//! `super::mesh`.
-//!
-//! The box box_around a mesh: STL files, binary or text; others are not read.
+//! A mesh is taken as the box around it where its file can be read: STL, binary or text.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

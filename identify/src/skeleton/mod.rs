@@ -9,8 +9,6 @@
 //! Everything comes from the URDF: capsules from collision geometry where a link has some,
 //! else from its inertia, and bones from joint to joint.
 //!
-//! Capsules of links: around their collision shapes, else as thick as their inertia says.
-//!
 //! ```text
 //! half edges of the box of the same inertia    h_i² = 3/(2 m) (I_j + I_k − I_i)
 //! capsule of half edges h_1 ≥ h_2 ≥ h_3        radius √(h_2 h_3),  along h_1

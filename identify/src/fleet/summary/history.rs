@@ -1,6 +1,4 @@
-//! The rows of one robot in the order of its days.
-//!
-//! A number of one robot day by day, and where it changes.
+//! The rows of one robot in the order of its days, and where a number of it changes.
 //!
 //! A number x_d with deviation s_d on each of D days is split at every day:
 //!

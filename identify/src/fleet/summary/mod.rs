@@ -5,7 +5,7 @@
 //!                                └▶ changes ────────┴▶ what to look at first
 //! ```
 //!
-//! Which robots to look at first, why, and how sure that is.
+//! Robots to look at first are sorted by the weight of what is said of them:
 //!
 //! ```text
 //! weight = Σ w_k (1 − p_k)          w_k: how urgent statement k is; p_k: its chance in a sound robot
